@@ -1,0 +1,138 @@
+"""The marine vibrator's rig file: one model a table, every key with unit, range and default."""
+
+from typing import Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from rigkit.config import Section, setting
+
+Channels = tuple[int, ...]
+
+
+class Rig(Section):
+    """Which rig this is; a model measured on one rig is refused on another."""
+
+    name: str = setting("simulated-vibrator", "", "name of the rig, kept with every model and run", min_length=1)
+
+
+class Audio(Section):
+    """The audio interface: one full-duplex stream for the whole session."""
+
+    stream: str = setting(
+        "firmware_sim.audio:Stream", "", "module:Class with sounddevice.Stream's constructor", pattern=r"^[\w.]+:\w+$"
+    )
+    device: str = setting("", "", "device name, for input and output alike; empty for the default")
+    rate: int = setting(44_100, "samples/s", "sample rate", ge=8_000, le=192_000)
+    blocksize: int = setting(512, "samples", "samples a callback", ge=16, le=8_192)
+    drive_channels: Channels = setting((1, 2), "", "output channel of each coil, counted from 1", min_length=1)
+    response_channels: Channels = setting((1, 2), "", "input channel of each accelerometer", min_length=1)
+    alignment: Literal["loopback", "marker"] = setting(
+        "loopback", "", "proof of alignment: a cable from output to input, or a short marker through the vibrator"
+    )
+    loopback_output: int = setting(3, "", "output channel of the loopback cable", ge=1, le=64)
+    loopback_input: int = setting(3, "", "input channel of the loopback cable", ge=1, le=64)
+    output_full_scale: float = setting(10.0, "V", "drive at digital full scale", gt=0, le=1_000)
+    input_full_scale: float = setting(400.0, "m/s^2", "response at digital full scale", gt=0, le=1e6)
+    isolated: bool = setting(True, "", "run the stream in a process of its own")
+    attempts: int = setting(3, "", "times a shot with an xrun, a slip or a bad sample is tried", ge=1, le=20)
+
+
+class Limits(Section):
+    """What the guard lets out.  A violation drives to zero and latches."""
+
+    peak: float = setting(9.0, "V", "largest drive", gt=0, le=1_000)
+    slew: float = setting(20_000.0, "V/s", "largest rate of change of a drive", gt=0, le=1e8)
+    rms: float = setting(5.0, "V", "largest root mean square of a drive", gt=0, le=1_000)
+    rms_seconds: float = setting(1.0, "s", "time constant of that mean", gt=0, le=60)
+    ramp: float = setting(0.02, "s", "raised-cosine ramp at start, stop and fault", gt=0, le=1)
+
+
+class Reference(Section):
+    """What the vibrator is to emit."""
+
+    signal: str = setting("chirp:40:90:5", "", "chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file")
+    amplitude: float = setting(10.0, "m/s^2", "amplitude of a chirp or sine", gt=0, le=1e4)
+    taper: float = setting(0.04, "1", "part of a chirp or sine that is tapered, at each end", ge=0, le=0.5)
+
+
+class Shot(Section):
+    """Silence around the reference: room for the ramp and the marker before, for latency and ring-down after."""
+
+    lead: float = setting(0.2, "s", "silence before the reference", ge=0.05, le=5)
+    tail: float = setting(0.4, "s", "silence after it", ge=0.1, le=10)
+
+
+class Learning(Section):
+    """Frequency-domain iterative learning control, (6.9)-(6.19)."""
+
+    band: tuple[float, float] = setting((15.0, 650.0), "Hz", "f_ILC: lines that are learned")
+    gains: tuple[float, ...] = setting((), "1", "Q2 by stage; empty for (6.24) on a sine, (6.25) on anything else")
+    stages: tuple[int, ...] = setting((), "shots", "shots in each stage but the last")
+    regularisation: Literal["per-line", "constant"] = setting("per-line", "", "how (6.19) is bounded near notches")
+    epsilon: float = setting(1e-3, "1", "per-line weight, times ||G||^2 of the line", ge=0, le=1)
+    floor: float = setting(1e-5, "1", "per-line floor, times max ||G||^2", ge=0, le=1)
+    constant_epsilon: float = setting(0.01, "(m/s^2/V)^2", "the thesis' eps, for regularisation = constant", ge=0, le=1e6)
+    start: Literal["reference", "inverse"] = setting("reference", "", "first drive: scaled reference, or G^+ R")
+    structure: Literal["mimo", "decentralised", "common"] = setting(
+        "mimo", "", "both sides together, each for itself (fails), or one drive for both (poor)"
+    )
+    overtones: int = setting(4, "", "overtones of a sine that are learned beside its root", ge=0, le=60)
+    decimation: Literal[1, 4] = setting(4, "1", "learn at the rate divided by this; 4 as in the thesis, 1 full rate")
+
+
+class Quality(Section):
+    """When a shot meets the objective."""
+
+    objective: float = setting(-40.0, "dB", "limit on errors above `above`, re the reference's spectrum", ge=-120, le=0)
+    above: float = setting(100.0, "Hz", "the limit holds from here ...", gt=0, le=20_000)
+    judged_to: float = setting(645.0, "Hz", "... to here", gt=0, le=20_000)
+
+
+class Characterisation(Section):
+    """The preloaded stepped sine, (6.2)-(6.6)."""
+
+    band: tuple[float, float] = setting((15.0, 650.0), "Hz", "first and last probe frequency")
+    step: float = setting(1.0, "Hz", "spacing of the first pass", gt=0, le=50)
+    tone: float = setting(0.5, "s", "length of a tone", ge=0.1, le=10)
+    settle: float = setting(0.1, "s", "before a tone is measured", ge=0, le=10)
+    preload: float = setting(1.0, "V", "amplitude A of the preload, on both sides", ge=0, le=100)
+    preload_band: tuple[float, float] = setting((40.0, 90.0), "Hz", "where the preload frequency is chosen from")
+    probe: float = setting(0.1, "V", "amplitude B of the probe, on one side at a time", gt=0, le=100)
+    tukey: float = setting(0.5, "1", "tapered part of the window, 0 rectangular, 1 Hann", ge=0, le=1)
+    passes: Literal[1, 2] = setting(2, "", "2: once more with a grid refined around peaks and notches")
+    finest: float = setting(0.25, "Hz", "smallest spacing of the refined grid", gt=0, le=50)
+
+
+class Simulator(Section):
+    """The laboratory without the laboratory; read by firmware_sim alone."""
+
+    plant: str = setting("vibrator", "", "vibrator, impulse-response, or package.module:Class of a Block")
+    speed: float = setting(0.0, "1", "multiple of real time; 0 as fast as it goes", ge=0, le=1_000)
+    options: dict[str, Any] = setting({}, "", "keywords the plant is built with")
+
+
+class RigConfig(Section):
+    """A whole rig file."""
+
+    rig: Rig = Field(default_factory=Rig)
+    audio: Audio = Field(default_factory=Audio)
+    limits: Limits = Field(default_factory=Limits)
+    reference: Reference = Field(default_factory=Reference)
+    shot: Shot = Field(default_factory=Shot)
+    learning: Learning = Field(default_factory=Learning)
+    quality: Quality = Field(default_factory=Quality)
+    characterisation: Characterisation = Field(default_factory=Characterisation)
+    simulator: Simulator = Field(default_factory=Simulator)
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        nyquist = self.audio.rate / 2 / self.learning.decimation
+        for table, key, (low, high) in (
+            ("learning", "band", self.learning.band),
+            ("characterisation", "band", self.characterisation.band),
+            ("characterisation", "preload_band", self.characterisation.preload_band),
+            ("quality", "above, judged_to", (self.quality.above, self.quality.judged_to)),
+        ):
+            if not 0 < low < high < nyquist:
+                raise ValueError(f"{table}.{key} is {low:g} to {high:g} Hz, must rise within 0 to {nyquist:g} Hz")
+        return self
