@@ -1,0 +1,100 @@
+"""The vibrator's mechanics as a table of modes: a lumped frame with two coils and two shells, and flexure on top."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eigh
+
+COIL_MASS, SHELL_MASS, FRAME_MASS = 15.0, 60.0, 1500.0
+"""kg; the shell's with the fluid that moves with it."""
+SPRING_STIFFNESS = 2.549e6
+"""N/m, between coil and shell; with the shell's own it gives the two wanted resonances, near 34 and 76 Hz."""
+SHELL_STIFFNESS = 3.674e6
+"""N/m, between shell and frame."""
+SUSPENSION_FREQUENCY = 6.0
+"""Hz, the frame on its suspension."""
+MASS_SPREAD, STIFFNESS_SPREAD = 0.02, 0.03
+"""Relative standard deviation between the two sides and between seeds."""
+JOINT_SHARE = 0.1
+"""Part of the shell's motion against the frame that the bolted joints see."""
+LUMPED_DAMPING = ((15.0, 0.08), (55.0, 0.05), (np.inf, 0.035))
+"""(up to Hz, damping ratio) of the lumped modes."""
+
+FLEXURAL_MODES, FLEXURAL_BAND = 34, (108.0, 638.0)
+"""Modes of the shells and the spring system in the band that is looked at ..."""
+UPPER_MODES, UPPER_BAND = 5, (670.0, 1300.0)
+"""... and above it, whose stiffness is felt below."""
+FLEXURAL_DAMPING = (0.005, 0.014)
+FLEXURAL_SHAPE, JOINT_SHAPE = 0.028, 0.1
+"""1/sqrt(kg), size of a flexural mode at coil, spring and shell, and at the joints."""
+LOCAL_BELOW, GLOBAL_ABOVE, LOCAL_LEAK = 140.0, 180.0, 0.12
+"""Hz: flexure belongs to one side below, to both above; and what the other side sees of a local mode."""
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Mass-normalised modes.  Shapes are arrays (2 sides, modes), 1/sqrt(kg).
+
+    `frequency` (Hz) and `damping` (ratio) have shape (modes,).  `coil` is the coil against the frame, where its force
+    acts; `spring` the coil against the shell; `joint` the slip of the bolted joints; `shell` the accelerometer.
+    """
+
+    frequency: np.ndarray
+    damping: np.ndarray
+    coil: np.ndarray
+    spring: np.ndarray
+    joint: np.ndarray
+    shell: np.ndarray
+
+
+def vibrator_modes(rng: np.random.Generator) -> Modes:
+    """Draw one vibrator: no two have the same masses, springs and flexure."""
+    lumped, flexural = _lumped(rng), _flexural(rng)
+    return Modes(
+        *(np.concatenate([getattr(part, name) for part in (lumped, flexural)], axis=-1) for name in Modes.__annotations__)
+    )
+
+
+def _lumped(rng: np.random.Generator) -> Modes:
+    """Coil 1, shell 1, coil 2, shell 2 and the frame, as five degrees of freedom."""
+    frame = 4
+    mass, stiffness = np.zeros(5), np.zeros((5, 5))
+    for coil, shell in ((0, 1), (2, 3)):
+        scatter = rng.standard_normal(4)
+        mass[coil] = COIL_MASS * (1 + MASS_SPREAD * scatter[0])
+        mass[shell] = SHELL_MASS * (1 + MASS_SPREAD * scatter[1])
+        _add_spring(stiffness, coil, shell, SPRING_STIFFNESS * (1 + STIFFNESS_SPREAD * scatter[2]))
+        _add_spring(stiffness, shell, frame, SHELL_STIFFNESS * (1 + STIFFNESS_SPREAD * scatter[3]))
+    mass[frame] = FRAME_MASS
+    stiffness[frame, frame] += FRAME_MASS * (2 * np.pi * SUSPENSION_FREQUENCY) ** 2
+    squares, shape = eigh(stiffness, np.diag(mass))
+    shape *= np.sign(shape[np.abs(shape).argmax(axis=0), np.arange(5)])  # LAPACK leaves the sign open
+    frequency = np.sqrt(squares) / (2 * np.pi)
+    damping = np.array([next(ratio for limit, ratio in LUMPED_DAMPING if f < limit) for f in frequency])
+    coil, shell = shape[[0, 2]], shape[[1, 3]]
+    return Modes(frequency, damping, coil - shape[frame], coil - shell, JOINT_SHARE * (shell - shape[frame]), shell)
+
+
+def _add_spring(stiffness: np.ndarray, a: int, b: int, value: float) -> None:
+    stiffness[[a, b], [a, b]] += value
+    stiffness[[a, b], [b, a]] -= value
+
+
+def _flexural(rng: np.random.Generator) -> Modes:
+    """Shell and spring flexure: spread over the band, of one side at its lower end, of both above."""
+    low, high = FLEXURAL_BAND
+    slot = (high - low) / FLEXURAL_MODES
+    inside = low + slot * (np.arange(FLEXURAL_MODES) + rng.uniform(0, 0.9, FLEXURAL_MODES))
+    frequency = np.concatenate([inside, np.sort(rng.uniform(*UPPER_BAND, UPPER_MODES))])
+    count = len(frequency)
+    leak = np.clip((frequency - LOCAL_BELOW) / (GLOBAL_ABOVE - LOCAL_BELOW), LOCAL_LEAK, 1.0)
+    side = rng.integers(0, 2, count)
+    weight = np.where(np.arange(2)[:, None] == side, 1.0, leak)
+
+    def shape() -> np.ndarray:
+        sign = rng.choice([-1.0, 1.0], (2, count))
+        return FLEXURAL_SHAPE * weight * sign * rng.uniform(0.5, 1.5, (2, count))
+
+    damping = rng.uniform(*FLEXURAL_DAMPING, count)
+    joint = JOINT_SHAPE * weight * rng.standard_normal((2, count))
+    return Modes(frequency, damping, shape(), shape(), joint, shape())
