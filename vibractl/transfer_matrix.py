@@ -1,0 +1,185 @@
+"""A measured transfer matrix with its uncertainty, its bounded inverse, and how fast learning with it contracts."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.interpolate import Akima1DInterpolator
+
+
+@dataclass(frozen=True)
+class TransferMatrix:
+    """Frequency response from coils to accelerometers on a rising, not always even, grid.
+
+    Parameters
+    ----------
+    frequency : array, shape (bins,), Hz, rising
+    response : complex array, shape (bins, outputs, inputs), m/s^2 per V
+    variance : array, shape (bins, outputs, inputs), (m/s^2 per V)^2
+        Of the complex estimate: E |G_hat - G|^2.
+    coherence : array, shape (bins, outputs, inputs), 0 to 1
+        Part of the response's power at the line that the drive explains.
+    provenance : mapping of strings
+        From which rig, recording, configuration and commit it came; `rig` is compared before use.
+
+    Raises
+    ------
+    ValueError : shapes disagree, the grid does not rise, or a value is not finite.
+    """
+
+    frequency: np.ndarray
+    response: np.ndarray
+    variance: np.ndarray
+    coherence: np.ndarray
+    provenance: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Refuse a matrix that is not one."""
+        shape = self.response.shape
+        if self.frequency.ndim != 1 or len(shape) != 3 or shape[0] != len(self.frequency) or len(self.frequency) < 4:
+            raise ValueError(
+                f"response has shape {shape} over {self.frequency.shape} frequencies, "
+                "must be (bins, outputs, inputs) over (bins,), at least 4 bins"
+            )
+        if not np.all(np.diff(self.frequency) > 0):
+            raise ValueError("the frequencies of a transfer matrix must rise")
+        for name in ("response", "variance", "coherence"):
+            value = getattr(self, name)
+            if value.shape != shape:
+                raise ValueError(f"{name} has shape {value.shape}, must be {shape}")
+            if not np.isfinite(value).all():
+                bad = self.frequency[np.argwhere(~np.isfinite(value))[0][0]]
+                raise ValueError(f"{name} is not finite at {bad:g} Hz")
+
+    @property
+    def outputs(self) -> int:
+        """Accelerometers."""
+        return self.response.shape[1]
+
+    @property
+    def inputs(self) -> int:
+        """Coils."""
+        return self.response.shape[2]
+
+    def at(self, frequency: np.ndarray) -> "TransferMatrix":
+        """Interpolate to other lines: modified Akima on real and imaginary part, linear on variance and coherence.
+
+        Parameters
+        ----------
+        frequency : array, shape (lines,), Hz
+
+        Raises
+        ------
+        ValueError : a line outside the measured band.
+        """
+        low, high = self.frequency[0], self.frequency[-1]
+        if len(frequency) and not (frequency.min() >= low and frequency.max() <= high):
+            raise ValueError(
+                f"lines {frequency.min():g} to {frequency.max():g} Hz are wanted, the model was measured "
+                f"from {low:g} to {high:g} Hz"
+            )
+        parts = np.stack([self.response.real, self.response.imag], axis=-1)
+        parts = Akima1DInterpolator(self.frequency, parts, method="makima")(frequency)
+        place = np.interp(frequency, self.frequency, np.arange(len(self.frequency)))
+        below = np.minimum(place.astype(int), len(self.frequency) - 2)
+        share = (place - below)[:, None, None]
+        between = [value[below] * (1 - share) + value[below + 1] * share for value in (self.variance, self.coherence)]
+        return TransferMatrix(frequency, parts[..., 0] + 1j * parts[..., 1], *between, self.provenance)
+
+    def part(self, outputs: slice, inputs: slice) -> "TransferMatrix":
+        """Return the matrix of some accelerometers and coils, for a one-sided run."""
+        picked = (value[:, outputs, inputs] for value in (self.response, self.variance, self.coherence))
+        return TransferMatrix(self.frequency, *picked, self.provenance)
+
+
+def norm(matrix: np.ndarray) -> np.ndarray:
+    """Return the largest singular value of each matrix of a stack.
+
+    Parameters
+    ----------
+    matrix : complex array, shape (bins, rows, columns)
+
+    Returns
+    -------
+    array, shape (bins,)
+    """
+    return np.linalg.norm(matrix, 2, axis=(-2, -1))
+
+
+def regularized_inverse(response: np.ndarray, epsilon: np.ndarray | float) -> np.ndarray:
+    """Invert a transfer matrix bin by bin, staying bounded where it is near singular.
+
+    Parameters
+    ----------
+    response : complex array, shape (bins, outputs, inputs), m/s^2 per V
+    epsilon : array, shape (bins,), or float, (m/s^2 per V)^2
+        Tikhonov weight, > 0.  Larger is safer and learns slower near notches.
+
+    Returns
+    -------
+    complex array, shape (bins, inputs, outputs), V per m/s^2
+
+    Source
+    ------
+    Sörnmo 2015, eq. (6.19).
+
+    Departs
+    -------
+    Conjugate transpose for the transpose of the text: `response` is complex.
+
+    Examples
+    --------
+    >>> regularized_inverse(np.array([[[2j]]]), 0.0)
+    array([[[0.-0.5j]]])
+    """
+    adjoint = response.conj().swapaxes(-1, -2)
+    weight = np.broadcast_to(np.asarray(epsilon, dtype=float), response.shape[:1])
+    square = adjoint @ response + weight[:, None, None] * np.eye(response.shape[-1])
+    inverse: np.ndarray = np.linalg.solve(square, adjoint)
+    return inverse
+
+
+def line_weights(response: np.ndarray, epsilon: float, floor: float) -> np.ndarray:
+    """Weigh each line by its own size: eps_f = epsilon ||G_f||^2 + floor max ||G||^2.
+
+    A constant eps that is safe near the notches makes all weak lines crawl; this one works over more than a decade.
+
+    Parameters
+    ----------
+    response : complex array, shape (bins, outputs, inputs), m/s^2 per V
+    epsilon, floor : float, 1, >= 0
+
+    Returns
+    -------
+    array, shape (bins,), (m/s^2 per V)^2
+    """
+    square = norm(response) ** 2
+    weight: np.ndarray = epsilon * square + floor * square.max()
+    return weight
+
+
+def contraction(matrix: TransferMatrix, inverse: np.ndarray, gain: float, deviations: float = 2.0) -> np.ndarray:
+    """Bound by how much one update shrinks the error at each line; learning is certified where it is below one.
+
+    || I - G G^+ K || <= || I - G_hat G^+ K || + K || dG || || G^+ ||, with || dG || bounded by `deviations` standard
+    deviations of the estimate in the Frobenius norm.
+
+    Parameters
+    ----------
+    matrix : TransferMatrix, on the lines learned
+    inverse : complex array, shape (lines, inputs, outputs), V per m/s^2
+    gain : float, 1, K of (6.11)
+    deviations : float, 1, >= 0; 0 gives the estimate's own value
+
+    Returns
+    -------
+    array, shape (lines,)
+
+    Source
+    ------
+    Sörnmo 2015, eq. (6.12), (6.18).
+    """
+    nominal = norm(np.eye(matrix.outputs) - gain * matrix.response @ inverse)
+    doubt = np.sqrt(matrix.variance.sum(axis=(-2, -1)))
+    bound: np.ndarray = nominal + gain * deviations * doubt * norm(inverse)
+    return bound
