@@ -1,8 +1,19 @@
 """Rig files: TOML read into strict models whose every key has a unit, a range and a default."""
 
-from typing import Any
+import importlib
+import json
+from collections.abc import Sequence
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from rigkit.config_fault import ConfigError, explained
+from rigkit.config_source import Override, file_values
+from rigkit.config_text import dump, example
+
+__all__ = ["ConfigError", "Section", "dump", "example", "load", "resolve", "setting"]
 
 
 class Section(BaseModel):
@@ -11,9 +22,73 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False, validate_default=True)
 
 
+Model = TypeVar("Model", bound=Section)
+
+
 def setting(default: Any, unit: str, text: str, **limits: Any) -> Any:
     """Declare one key of a `Section`: its default, its unit ("" for none), what it is for and its limits.
 
     `limits` are pydantic's own (`ge`, `gt`, `le`, `lt`, `min_length`, `max_length`, `pattern`).
     """
     return Field(default=default, description=text, json_schema_extra={"unit": unit}, **limits)
+
+
+def load(path: str | Path | None, model: type[Model], overrides: Sequence[str] = ()) -> Model:
+    """Read a rig file, lay the overrides over it and check the whole.
+
+    Parameters
+    ----------
+    path : str, Path or None
+        The file, TOML in UTF-8; None for the defaults.
+    model : subclass of Section
+        What a whole file holds.
+    overrides : sequence of str, "table.key=value"
+        The value is TOML; a bare word is text.  They go one level deep or many ("simulator.options.noise=-80").
+
+    Raises
+    ------
+    ConfigError : one line with the file (or the override), the key, the value and what is allowed.
+    """
+    data = {} if path is None else file_values(path)
+    parsed = [Override(text, model) for text in overrides]
+    for override in parsed:
+        override.lay_over(data)
+    try:
+        # Through JSON, since there strict means strict about values and not about list or tuple, 3 or 3.0.
+        return model.model_validate_json(json.dumps(data))
+    except ValidationError as fault:
+        where, text = explained(fault, model, data)
+        raise ConfigError(f"{_origin(where, path, parsed)}{text}") from None
+
+
+def resolve(name: str) -> Any:
+    """Return the object that "package.module:Name" names, importing its module.
+
+    Raises
+    ------
+    ConfigError : the text has another form, the module is absent or cannot be imported, or it has no such name.
+    """
+    module_name, colon, attribute = name.partition(":")
+    if not (colon and attribute.isidentifier() and all(part.isidentifier() for part in module_name.split("."))):
+        raise ConfigError(f"{name!r} names nothing, must be package.module:Name")
+    try:
+        module = importlib.import_module(module_name)
+    except ImportError as fault:
+        if isinstance(fault, ModuleNotFoundError) and f"{module_name}.".startswith(f"{fault.name}."):
+            raise ConfigError(f"{name}: there is no module {fault.name} on the Python path") from None
+        raise ConfigError(f"{name}: module {module_name} cannot be imported: {fault}") from fault
+    except OSError as fault:  # a module that loads a shared library of the system
+        raise ConfigError(f"{name}: module {module_name} cannot be imported: {fault}") from fault
+    if not hasattr(module, attribute):
+        near = get_close_matches(attribute, dir(module), n=1)
+        raise ConfigError(f"{name}: module {module_name} has no {attribute}{f'; did you mean {near[0]}?' * bool(near)}")
+    return getattr(module, attribute)
+
+
+def _origin(where: tuple[str, ...], path: str | Path | None, overrides: Sequence[Override]) -> str:
+    for override in reversed(overrides):
+        shared = min(len(where), len(override.path))
+        if where and where[:shared] == override.path[:shared]:
+            return f"{override.origin}: "
+    sources = [*([str(path)] if path is not None else []), *(override.origin for override in overrides if not where)]
+    return f"{' '.join(sources)}: " if sources else ""

@@ -1,0 +1,75 @@
+"""What is wrong with a rig file, in one line: the key, its value, what is allowed."""
+
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from rigkit.allowed import field_at, limits, model_at, wanted
+from rigkit.toml_text import key_text, value_text
+
+LONGEST_VALUE = 60
+"""Characters of a value that an error shows."""
+
+_RANGE_FAULTS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
+
+
+class ConfigError(ValueError):
+    """A rig file, or a setting given beside it, that cannot be used; the text is one line."""
+
+
+def explained(fault: ValidationError, model: type[BaseModel], data: Mapping[str, Any]) -> tuple[tuple[str, ...], str]:
+    """Say the first of the things wrong with `data`, and how many more there are.
+
+    Returns
+    -------
+    path : tuple of str
+        The key that is wrong; empty when several keys do not go together.
+    text : str
+    """
+    faults = fault.errors(include_url=False)
+    path, text = _explained(faults[0], model, data)
+    return path, text if len(faults) == 1 else f"{text} (and {len(faults) - 1} more)"
+
+
+def shown(value: Any) -> str:
+    """Write a value as in the file, shortened where it is long."""
+    text = value_text(value)
+    return text if len(text) <= LONGEST_VALUE else f"{text[:LONGEST_VALUE]}..."
+
+
+def _explained(fault: ErrorDetails, model: type[BaseModel], data: Mapping[str, Any]) -> tuple[tuple[str, ...], str]:
+    location = fault["loc"]
+    field, way = field_at(model, location)
+    reason = fault.get("ctx", {}).get("error")
+    if field is None and fault["type"] == "extra_forbidden":
+        path = (*way, str(location[len(way)]))
+        return path, _unknown(path, model_at(model, way), data)
+    if not way:
+        return (), str(reason or fault["msg"])
+    value = f"{key_text(*way)} is {shown(_value(data, way))}"
+    if reason is not None:
+        return way, f"{value}: {reason}"
+    if field is None:
+        return way, f"{value}, must be a table"
+    if fault["type"] in _RANGE_FAULTS:
+        return way, f"{value}, must be {limits(field)}"
+    meaning = f" ({field.description})" if fault["type"] == "string_pattern_mismatch" else ""
+    return way, f"{value}, must be {wanted(field)}{meaning}"
+
+
+def _unknown(path: Sequence[str], table: type[BaseModel], data: Mapping[str, Any]) -> str:
+    *parents, name = path
+    where = f"[{key_text(*parents)}]" if parents else "a rig file"
+    near = get_close_matches(name, table.model_fields, n=1)
+    hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(table.model_fields)}"
+    return f"{key_text(*path)} is {shown(_value(data, path))}, but {where} has no {name}; {hint}"
+
+
+def _value(data: Mapping[str, Any], path: Sequence[str]) -> Any:
+    value: Any = data
+    for name in path:
+        value = value[name]
+    return value
