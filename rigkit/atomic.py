@@ -1,0 +1,56 @@
+"""Files that are there whole or not at all: written under a temporary name beside the place, then renamed."""
+
+import errno
+import os
+import re
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+_TEMPORARY = re.compile(r"\..+\.[0-9a-f]{8}\.tmp(\.\w+)?")
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[Path]:
+    """Give a temporary name with the same suffix; when the block ends, what stands there takes the place of `path`.
+
+    The bytes are on the disk before the name changes, and the name before this returns.  A block that raises leaves
+    `path` as it was.  A process killed in the block leaves the temporary file, which `leftovers` finds.
+    """
+    path = Path(path)
+    if not path.parent.is_dir():
+        raise FileNotFoundError(errno.ENOENT, "there is no such folder", str(path.parent))
+    temporary = path.with_name(f".{path.stem}.{secrets.token_hex(4)}.tmp{path.suffix}")
+    try:
+        yield temporary
+        to_disk(temporary)
+        os.replace(temporary, path)
+        to_disk(path.parent)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write(path: str | Path, content: str | bytes) -> None:
+    """Write a whole file, text as UTF-8, in one step."""
+    with replacing(path) as temporary:
+        temporary.write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def leftovers(folder: Path) -> Iterator[Path]:
+    """Find the temporary files that killed writes left in `folder` and below."""
+    return (path for path in folder.rglob(".*.tmp*") if is_leftover(path))
+
+
+def is_leftover(path: Path) -> bool:
+    """Whether a file has the name of one that was being written."""
+    return _TEMPORARY.fullmatch(path.name) is not None
+
+
+def to_disk(path: Path) -> None:
+    """Wait until the content of a file, or the names in a folder, are on the disk."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

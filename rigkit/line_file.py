@@ -1,0 +1,48 @@
+"""Files that grow by a line: each line is there whole or not at all."""
+
+import errno
+import os
+from pathlib import Path
+
+from rigkit.atomic import to_disk
+
+
+def append(path: Path, line: str) -> None:
+    """Add a line and wait until it is on the disk.
+
+    Raises
+    ------
+    ValueError : `line` holds a line break.
+    OSError : the disk is full; the file is as it was.
+    """
+    if "\n" in line or "\r" in line:
+        raise ValueError(f"{path}: {line!r} is more than one line")
+    content, made = f"{line}\n".encode(), not path.exists()
+    handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+    try:
+        size = os.fstat(handle).st_size
+        if os.write(handle, content) != len(content):
+            os.ftruncate(handle, size)
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+    if made:
+        to_disk(path.parent)
+
+
+def lines(path: Path) -> list[str]:
+    """Read the whole lines; none where there is no file.  A last line that a kill cut short is left out."""
+    content = path.read_bytes() if path.exists() else b""
+    whole = content[: content.rfind(b"\n") + 1]
+    return [line.decode() for line in whole.split(b"\n")[:-1]]
+
+
+def repair(path: Path) -> None:
+    """Cut off a last line that a kill cut short, so that the next begins on its own."""
+    if not path.exists():
+        return
+    with path.open("rb+") as file:
+        whole = file.read().rfind(b"\n") + 1
+        file.truncate(whole)
+        os.fsync(file.fileno())

@@ -1,0 +1,40 @@
+"""The lock on a folder: held by one process at a time, gone with it however it ends."""
+
+import fcntl
+import os
+from pathlib import Path
+
+
+class FolderInUseError(ValueError):
+    """A folder that another process is working in, or that holds something already."""
+
+
+class Lock:
+    """Hold the file `path` locked until `release`.  The file stays; only the lock on it counts.
+
+    Parameters
+    ----------
+    path : Path
+        A file in the folder to guard; made if absent, and holds the process id of the last holder.
+
+    Raises
+    ------
+    FolderInUseError : another process holds it, or this one does already.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            holder = os.pread(self._handle, 20, 0).decode(errors="replace").strip()
+            os.close(self._handle)
+            raise FolderInUseError(f"{path.parent}/ is in use by process {holder or 'unknown'}") from None
+        os.ftruncate(self._handle, 0)
+        os.pwrite(self._handle, f"{os.getpid()}\n".encode(), 0)
+
+    def release(self) -> None:
+        """Let others in; may be called twice."""
+        if self._handle >= 0:
+            os.close(self._handle)
+            self._handle = -1

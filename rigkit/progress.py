@@ -1,0 +1,109 @@
+"""Progress of a long command on stderr: a bar with the time left, or a plain line now and then."""
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Protocol, TextIO
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+SECONDS_BETWEEN_LINES = 10.0
+"""At least, where the output is no terminal."""
+
+
+class Meter(Protocol):
+    """What a long job reports to."""
+
+    def show(self, done: float, note: str = "") -> None:
+        """Say how much is done by now, of the total, and a word on how it goes."""
+
+    def say(self, text: str) -> None:
+        """Print a line that stays: something happened that a person should know."""
+
+
+@contextmanager
+def progress(title: str, total: float, *, start: float = 0.0, stream: TextIO | None = None) -> Iterator[Meter]:
+    """Show the progress of the block.
+
+    Parameters
+    ----------
+    title : str
+        What is being done.
+    total, start : float
+        How much there is to do in all, and how much of it an earlier run did; any unit.
+    stream : text stream
+        Where to; stderr unless given.
+    """
+    stream = stream or sys.stderr
+    if not stream.isatty():
+        yield PlainMeter(title, total, start, stream, time.monotonic)
+        return
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+        TextColumn("{task.fields[note]}"),
+    )
+    with Progress(*columns, console=Console(file=stream)) as bar:
+        yield _BarMeter(bar, title, total, start)
+
+
+class PlainMeter:
+    """Progress as lines of text, one at most every `SECONDS_BETWEEN_LINES`, and one at the end.
+
+    Parameters
+    ----------
+    title : str
+    total, start : float
+        How much there is to do in all, and how much was done before.
+    stream : text stream
+    clock : callable returning seconds
+    """
+
+    def __init__(self, title: str, total: float, start: float, stream: TextIO, clock: Callable[[], float]) -> None:
+        self._title, self._total, self._start = title, total, start
+        self._stream, self._clock = stream, clock
+        self._began = self._last = clock()
+
+    def show(self, done: float, note: str = "") -> None:
+        """Print a line if the last one is old enough, or all is done."""
+        now = self._clock()
+        if now - self._last < SECONDS_BETWEEN_LINES and done < self._total:
+            return
+        self._last = now
+        elapsed, fresh, missing = now - self._began, done - self._start, self._total - done
+        left = f", {_clock_text(elapsed * missing / fresh)} left" if fresh > 0 and missing > 0 else ""
+        share = 100 * done / self._total if self._total > 0 else 100
+        self.say(f"{self._title} {share:.0f} % after {_clock_text(elapsed)}{left}{f'  {note}' if note else ''}")
+
+    def say(self, text: str) -> None:
+        """Print a line."""
+        self._stream.write(f"{text}\n")
+        self._stream.flush()
+
+
+class _BarMeter:
+    """Progress as a bar of rich."""
+
+    def __init__(self, bar: Progress, title: str, total: float, start: float) -> None:
+        self._bar = bar
+        self._task = bar.add_task(title, total=total, note="")
+        bar.update(self._task, completed=start)
+
+    def show(self, done: float, note: str = "") -> None:
+        """Move the bar."""
+        self._bar.update(self._task, completed=done, note=note)
+
+    def say(self, text: str) -> None:
+        """Print a line above the bar."""
+        self._bar.console.print(text, markup=False, highlight=False)
+
+
+def _clock_text(seconds: float) -> str:
+    whole = round(seconds)
+    hours = f"{whole // 3600}:{whole % 3600 // 60:02d}" if whole >= 3600 else str(whole // 60)
+    return f"{hours}:{whole % 60:02d}"

@@ -1,0 +1,185 @@
+"""The folder of a run: what the run was given, did and found, whole at any moment and resumable."""
+
+import csv
+import io
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Self
+
+from rigkit import atomic, line_file
+from rigkit.json_text import json_text
+from rigkit.lock import FolderInUseError, Lock
+
+CONFIG = "config.toml"
+EVENTS = "events.jsonl"
+QUALITY = "qc.csv"
+SHOTS = "shots"
+SUMMARY = "summary.json"
+_LOCK = ".lock"
+
+
+class RunFolder:
+    """The folder of one run, locked against other processes from `create` or `open` until `close`.
+
+    It holds `config.toml` (as run), `shots/0000.wav` ..., `qc.csv` (a row per shot), `events.jsonl`, `summary.json`
+    and what the rig writes beside them.  A kill at any moment leaves files that are whole, or not there: `open`
+    sweeps up the rest.  A context manager; leaving it releases the lock.
+    """
+
+    def __init__(self, path: Path, lock: Lock) -> None:
+        self.path = path
+        self._lock = lock
+
+    @classmethod
+    def create(cls, path: str | Path, config: str) -> Self:
+        """Make the folder of a new run.
+
+        Parameters
+        ----------
+        path : str or Path
+            Absent, or an empty folder.
+        config : str
+            The text of `config.toml`.
+
+        Raises
+        ------
+        FolderInUseError : something is there already; nothing is written.
+        """
+        path = Path(path)
+        _refuse_used(path)
+        path.mkdir(parents=True, exist_ok=True)
+        folder = cls(path, Lock(path / _LOCK))
+        try:
+            _refuse_used(path)  # since another process may have been quicker
+            (path / SHOTS).mkdir(exist_ok=True)
+            folder._sweep()
+            folder.write(CONFIG, config)
+        except BaseException:
+            folder.close()
+            raise
+        return folder
+
+    @classmethod
+    def open(cls, path: str | Path) -> Self:
+        """Take up the folder of a run that was stopped or killed, and sweep up what a kill left.
+
+        Raises
+        ------
+        ValueError : it is no run's folder.
+        FolderInUseError : another process is working in it.
+        """
+        path = Path(path)
+        if not (path / CONFIG).is_file():
+            raise ValueError(f"{path}/ is not the folder of a run: it has no {CONFIG}")
+        folder = cls(path, Lock(path / _LOCK))
+        folder._sweep()
+        return folder
+
+    def close(self) -> None:
+        """Release the lock; may be called twice."""
+        self._lock.release()
+
+    def __enter__(self) -> Self:
+        """Return the folder itself."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Release the lock."""
+        self.close()
+
+    def shot(self, number: int) -> Path:
+        """Return where the recording of a shot belongs, counted from 0."""
+        return self.path / SHOTS / f"{number:04d}.wav"
+
+    def write(self, name: str, content: str | bytes) -> None:
+        """Write a whole file in one step."""
+        atomic.write(self.path / name, content)
+
+    @contextmanager
+    def replacing(self, name: str) -> Iterator[Path]:
+        """Give a temporary name to write to, with the same suffix; the file takes its place when the block ends."""
+        with atomic.replacing(self.path / name) as temporary:
+            yield temporary
+
+    def event(self, kind: str, fields: Mapping[str, Any]) -> None:
+        """Add a line to `events.jsonl`: the time (UTC), what kind of thing happened, and its particulars.
+
+        Raises
+        ------
+        ValueError : a field is called time or kind.
+        """
+        if taken := fields.keys() & {"time", "kind"}:
+            raise ValueError(f"event {kind}: a field is called {taken.pop()}, which the line has already")
+        time = datetime.now(UTC).isoformat(timespec="milliseconds")
+        line_file.append(self.path / EVENTS, json_text({"time": time, "kind": kind, **fields}))
+
+    def quality(self, row: Mapping[str, Any]) -> None:
+        """Add a row to `qc.csv`, under a header of its keys.
+
+        Raises
+        ------
+        ValueError : the keys are not those of the rows before, or a cell holds a line break.
+        """
+        path = self.path / QUALITY
+        written, header = line_file.lines(path), _csv_line(row.keys())
+        if not written:
+            line_file.append(path, header)
+        elif written[0] != header:
+            raise ValueError(f"{path}: the columns are {written[0]}, but the row has {header}")
+        line_file.append(path, _csv_line(row.values()))
+
+    def summarise(self, figures: Mapping[str, Any]) -> None:
+        """Write `summary.json`."""
+        self.write(SUMMARY, f"{json_text(figures, indent=2)}\n")
+
+    def _sweep(self) -> None:
+        for path in list(atomic.leftovers(self.path)):
+            path.unlink()
+        for name in (EVENTS, QUALITY):
+            line_file.repair(self.path / name)
+
+
+def read_events(path: str | Path) -> list[dict[str, Any]]:
+    """Read `events.jsonl` of the run folder `path`, without its lock; none where there is no such file.
+
+    Raises
+    ------
+    ValueError : a line is not JSON.
+    """
+    file, events = Path(path) / EVENTS, []
+    for number, line in enumerate(line_file.lines(file), start=1):
+        try:
+            events.append(json.loads(line))
+        except ValueError:
+            raise ValueError(f"{file}: line {number} is not JSON: {line[:60]!r}") from None
+    return events
+
+
+def read_quality(path: str | Path) -> list[dict[str, str]]:
+    """Read the rows of `qc.csv` of the run folder `path`, without its lock; none where there is no such file."""
+    return list(csv.DictReader(line_file.lines(Path(path) / QUALITY)))
+
+
+def _refuse_used(path: Path) -> None:
+    if path.exists() and not path.is_dir():
+        raise FolderInUseError(f"{path} is a file, must be a folder to make")
+    held = [] if not path.exists() else [entry for entry in path.iterdir() if not _counts_as_empty(entry)]
+    if held:
+        some = ", ".join(sorted(entry.name for entry in held)[:3])
+        raise FolderInUseError(f"{path}/ is in use: it holds {some}{', ...' * (len(held) > 3)}; choose another folder")
+
+
+def _counts_as_empty(entry: Path) -> bool:
+    """Whether `create`, killed before the configuration was in its place, may have left this."""
+    if entry.name == SHOTS and entry.is_dir():
+        return not any(entry.iterdir())
+    return entry.name == _LOCK or atomic.is_leftover(entry)
+
+
+def _csv_line(cells: Any) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="").writerow(cells)
+    return text.getvalue()

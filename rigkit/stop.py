@@ -1,0 +1,46 @@
+"""Ctrl-C that ends a long job safely: the first asks, the second interrupts, the third kills."""
+
+import os
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from types import FrameType
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+STDERR = 2
+
+
+class Stopped(Exception):
+    """A job that ended early because it was asked to; the text says where it stands and how to go on."""
+
+
+class StopRequest:
+    """Whether the person or the system has asked the job to stop; a long loop looks at `made`."""
+
+    made: bool = False
+
+
+@contextmanager
+def stoppable() -> Iterator[StopRequest]:
+    """Turn SIGINT and SIGTERM into a request that the block polls, for as long as the block lasts.
+
+    The second signal raises KeyboardInterrupt; from then on the system's own handling applies, which ends the process
+    even inside compiled code.  Only the main thread can enter.
+    """
+    request = StopRequest()
+
+    def handle(number: int, frame: FrameType | None) -> None:  # noqa: ARG001 (signal's own argument list)
+        if request.made:
+            for each in SIGNALS:
+                signal.signal(each, signal.SIG_DFL)
+            raise KeyboardInterrupt
+        request.made = True
+        with suppress(OSError):
+            os.write(STDERR, b"\nstopping safely; Ctrl-C again ends at once\n")  # as a handler may: unbuffered
+
+    before = {number: signal.signal(number, handle) for number in SIGNALS}
+    try:
+        yield request
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
