@@ -1,0 +1,143 @@
+"""The simulated laboratory: a plant block between the converters of an audio card, wired as on the bench."""
+
+import importlib
+import inspect
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ctlblocks.block import Block
+
+PLANTS = {
+    "vibrator": "firmware_sim.plant_blocks:Vibrator",
+    "impulse-response": "firmware_sim.plant_blocks:ImpulseResponse",
+}
+
+
+@dataclass(frozen=True)
+class Wiring:
+    """Which converter channel goes where, and what digital full scale is worth.
+
+    Parameters
+    ----------
+    drive_channels : tuple of int, output channel of each drive, counted from 1
+    response_channels : tuple of int, input channel of each accelerometer
+    loopback_output, loopback_input : int, the two ends of the loopback cable
+    output_full_scale : float, V
+    input_full_scale : float, m/s^2
+    """
+
+    drive_channels: tuple[int, ...] = (1, 2)
+    response_channels: tuple[int, ...] = (1, 2)
+    loopback_output: int = 3
+    loopback_input: int = 3
+    output_full_scale: float = 10.0
+    input_full_scale: float = 400.0
+
+    @property
+    def outputs(self) -> int:
+        """Output channels of the card."""
+        return max(*self.drive_channels, self.loopback_output)
+
+    @property
+    def inputs(self) -> int:
+        """Input channels of the card."""
+        return max(*self.response_channels, self.loopback_input)
+
+
+class Laboratory:
+    """From what the card plays to what it records: drives to the plant, responses back, the cable from end to end.
+
+    Converters saturate at full scale.  Not modelled: their noise, their filters and crosstalk.
+
+    Parameters
+    ----------
+    plant : Block
+        One input in V, one output in m/s^2.
+    wiring : Wiring
+        As many drives and accelerometers as the plant has.
+    """
+
+    def __init__(self, plant: Block, wiring: Wiring) -> None:
+        _refuse_wrong_ports(plant, wiring)
+        self.plant, self.wiring = plant, wiring
+        self.rate = 0.0
+        self._drive = self._response = np.zeros((0, 1))
+
+    def prepare(self, rate: float, frames: int) -> None:
+        """Put the plant at rest, for steps of `frames` samples at `rate` samples/s."""
+        self.rate = rate
+        self._drive = np.zeros((frames, self.plant.inputs[0].width))
+        self._response = np.zeros((frames, self.plant.outputs[0].width))
+        self.plant.prepare(rate, frames)
+
+    def step(self, played: np.ndarray, recorded: np.ndarray) -> None:
+        """Run the plant over one block.
+
+        Parameters
+        ----------
+        played : array, shape (frames, outputs), full scale
+            Channels that are not there play nothing.
+        recorded : array, shape (frames, inputs), full scale
+            Filled; channels with nothing on them are silent.
+        """
+        wiring = self.wiring
+        for column, channel in enumerate(wiring.drive_channels):
+            np.clip(played[:, channel - 1], -1.0, 1.0, out=self._drive[:, column])
+        self._drive *= wiring.output_full_scale
+        self.plant.process(self._drive, self._response)
+        self._response *= 1.0 / wiring.input_full_scale
+        recorded.fill(0.0)
+        for column, channel in enumerate(wiring.response_channels):
+            recorded[:, channel - 1] = self._response[:, column]
+        if wiring.loopback_output <= played.shape[1] and wiring.loopback_input <= recorded.shape[1]:
+            recorded[:, wiring.loopback_input - 1] = played[:, wiring.loopback_output - 1]
+        np.clip(recorded, -1.0, 1.0, out=recorded)
+
+
+def plant_block(name: str, options: dict[str, Any]) -> Block:
+    """Build the plant that a rig file names.
+
+    Parameters
+    ----------
+    name : str
+        "vibrator", "impulse-response", or "package.module:Class" of a Block.
+    options : dict
+        The keywords it is built with.
+
+    Returns
+    -------
+    Block
+
+    Raises
+    ------
+    ValueError : there is no such plant, it does not know an option, or it refuses one.
+    """
+    path = PLANTS.get(name, name)
+    module, _, attribute = path.partition(":")
+    try:
+        build = getattr(importlib.import_module(module), attribute)
+    except (ImportError, AttributeError, ValueError) as fault:
+        raise ValueError(
+            f"simulator.plant is {name!r}: {fault}; must be {', '.join(PLANTS)}, or package.module:Class of a Block"
+        ) from fault
+    try:
+        inspect.signature(build).bind(**options)
+    except TypeError as fault:
+        known = ", ".join(inspect.signature(build).parameters) or "none"
+        raise ValueError(f"simulator.options for plant {name!r}: {fault}; there are {known}") from fault
+    block = build(**options)
+    if not isinstance(block, Block):
+        raise ValueError(f"simulator.plant is {name!r}, which is not a Block but {type(block).__name__}")
+    return block
+
+
+def _refuse_wrong_ports(plant: Block, wiring: Wiring) -> None:
+    ports = [[(port.unit, port.width) for port in side] for side in (plant.inputs, plant.outputs)]
+    wanted = [[("V", len(wiring.drive_channels))], [("m/s^2", len(wiring.response_channels))]]
+    if ports != wanted:
+        raise ValueError(
+            f"the plant {type(plant).__name__} has inputs {ports[0]} and outputs {ports[1]}, but the card is wired "
+            f"for inputs {wanted[0]} and outputs {wanted[1]}"
+        )

@@ -1,0 +1,219 @@
+"""Live audio: one stream for the whole session, and recordings that are proved to be aligned, or repeated."""
+
+import time
+from collections.abc import Callable
+from typing import Protocol, Self
+
+import numpy as np
+
+from vibractl.audio_engine import Engine
+from vibractl.audio_memory import Memory, Word
+from vibractl.audio_process import AudioProcess
+from vibractl.audio_stream import AudioError
+from vibractl.capture import Capture, Discarded, spoiled
+from vibractl.config import RigConfig
+from vibractl.guard import Violation, as_violation, violation
+from vibractl.proof import LARGEST_ROUND_TRIP, Emission, proof
+
+SECONDS = 40.0
+"""Longest drive, unless the line is opened for another."""
+_STANDSTILL = 5.0
+"""s without a callback after which the stream is given up."""
+
+
+class ShotAbandoned(AudioError):
+    """Every attempt at an emission was discarded."""
+
+
+class GuardLatched(AudioError):
+    """The guard has shut itself; a person must clear it."""
+
+
+class Stopped(Exception):
+    """The emission was ramped down because somebody asked for it, by `Line.stop`."""
+
+
+class _Host(Protocol):
+    """Where the stream lives: in this process or in one of its own."""
+
+    def start(self) -> None: ...
+    def serve(self) -> None: ...
+    def close(self) -> None: ...
+
+
+class Line:
+    """The way to the vibrator and back: a context manager that holds the stream open, silent between emissions.
+
+    Parameters
+    ----------
+    config : RigConfig
+        `[audio]` and `[limits]`; a simulated stream reads `[simulator]` as well.
+    seconds : float, s
+        Longest drive that will be emitted.
+    on_discard : callable(Discarded)
+        Told of every recording that is thrown away, before the next attempt.
+
+    Raises
+    ------
+    AudioError : on entry, when the stream cannot be opened or the timing signal does not come back.
+    ValueError : the guard may let out more than the converter can play, or its ramp does not fit the limits.
+    """
+
+    def __init__(
+        self, config: RigConfig, *, seconds: float = SECONDS, on_discard: Callable[[Discarded], None] = lambda _: None
+    ) -> None:
+        audio, limits = config.audio, config.limits
+        if limits.peak > audio.output_full_scale:
+            raise ValueError(
+                f"limits.peak is {limits.peak:g} V, must be <= audio.output_full_scale, {audio.output_full_scale:g} V"
+            )
+        self._audio, self._limits, self._seconds, self._on_discard = audio, limits, seconds, on_discard
+        self._proof = proof(audio, limits)
+        room = round((seconds + 10 * LARGEST_ROUND_TRIP) * audio.rate)  # the probe and markers need some, too
+        self._memory = Memory(len(audio.drive_channels), len(audio.response_channels), room)
+        self._host: _Host = AudioProcess(config, self._memory) if audio.isolated else Engine(config, self._memory)
+
+    def __enter__(self) -> Self:
+        """Open the stream and measure the round trip."""
+        try:
+            self._host.start()
+            probe = self._proof.probe()
+            self._play(probe)
+            fault = self._proof.learn(self._memory.response[: probe.frames], self._memory.loopback[: probe.frames])
+            if fault:
+                raise AudioError(fault)
+        except BaseException:
+            self._host.close()
+            raise
+        return self
+
+    def __exit__(self, *fault: object) -> None:
+        """Ramp down and close the stream."""
+        self._host.close()
+
+    @property
+    def round_trip(self) -> float:
+        """The session's delay from output to input, samples."""
+        return self._proof.first
+
+    def emit(self, drive: np.ndarray) -> Capture:
+        """Play a drive and record the responses to it, again if the recording cannot be trusted.
+
+        Parameters
+        ----------
+        drive : array, shape (samples, drives), V
+            Played from rest to rest: within the limits from its first sample to the return to zero after its last.
+
+        Returns
+        -------
+        Capture
+
+        Raises
+        ------
+        ValueError : the drive has the wrong shape or length, or would break a limit; nothing was played.
+        ShotAbandoned : every one of `audio.attempts` was discarded; it says why each.
+        GuardLatched : the guard has shut itself, now or before.
+        Stopped : `stop` was called.
+        AudioError : the stream has failed.
+        """
+        emission = self._proof.emission(self._checked(drive))
+        broken = violation(emission.drive, self._limits, self._audio.rate)
+        if broken:
+            raise ValueError(f"the drive is not played: {broken}")
+        reasons = []
+        for attempt in range(1, self._audio.attempts + 1):
+            self._play(emission)
+            capture, reason = self._received(emission, len(drive))
+            if not reason:
+                return capture
+            reasons.append(reason)
+            self._on_discard(Discarded(attempt, reason, capture))
+        raise ShotAbandoned(f"{len(reasons)} recordings were discarded: " + "; ".join(reasons))
+
+    def stop(self) -> None:
+        """Ramp down the emission under way, from another thread or a signal handler; `emit` raises `Stopped`."""
+        self._memory.words[Word.STOP] = self._memory.words[Word.REQUEST]
+
+    def clear(self, by: str) -> Violation:
+        """Re-arm the guard in the name of the person who found out why it latched.
+
+        Parameters
+        ----------
+        by : str
+            Not empty.
+
+        Returns
+        -------
+        Violation
+            What is cleared.
+
+        Raises
+        ------
+        ValueError : nobody is named, or the guard is not latched.
+        """
+        words = self._memory.words
+        if not by.strip() or not words[Word.LATCHED]:
+            raise ValueError(f"the guard is cleared by {by!r}, must be a person's name, and after a violation")
+        self._memory.text = by
+        words[Word.CLEAR] += 1
+        self._wait(Word.CLEARED, Word.CLEAR)
+        return as_violation(self._memory.latch)
+
+    def _checked(self, drive: np.ndarray) -> np.ndarray:
+        drives = len(self._audio.drive_channels)
+        longest = round(self._seconds * self._audio.rate)
+        if drive.ndim != 2 or drive.shape[1] != drives or not 1 <= len(drive) <= longest:
+            raise ValueError(
+                f"the drive has shape {drive.shape}, must be (samples, {drives}) with 1 to {longest} samples"
+            )
+        return drive
+
+    def _play(self, emission: Emission) -> None:
+        memory, words = self._memory, self._memory.words
+        if words[Word.LATCHED]:
+            raise GuardLatched(f"the guard is latched: {as_violation(memory.latch)}; a person must clear it")
+        memory.drive[: len(emission.drive)] = emission.drive
+        memory.timing[: len(emission.timing)] = emission.timing
+        words[Word.DRIVE], words[Word.TIMING] = len(emission.drive), len(emission.timing)
+        words[Word.FRAMES] = emission.frames
+        words[Word.REQUEST] += 1
+        try:
+            self._wait(Word.DONE, Word.REQUEST)
+        except KeyboardInterrupt:
+            self.stop()
+            self._wait(Word.DONE, Word.REQUEST)
+            raise
+        if words[Word.LATCHED]:
+            raise GuardLatched(f"the guard has latched: {as_violation(memory.latch)}; a person must clear it")
+        if words[Word.STOPPED]:
+            raise Stopped("the emission was ramped down before its end, as asked")
+
+    def _wait(self, word: Word, wanted: Word) -> None:
+        words = self._memory.words
+        callbacks, since = -1, time.monotonic()
+        while words[word] != words[wanted]:
+            self._host.serve()
+            if words[Word.FAULT]:
+                raise AudioError(self._memory.text)
+            if words[Word.CALLBACKS] != callbacks:
+                callbacks, since = int(words[Word.CALLBACKS]), time.monotonic()
+            elif time.monotonic() - since > _STANDSTILL:
+                raise AudioError(f"the audio stream stands still: no callback for {_STANDSTILL:g} s")
+
+    def _received(self, emission: Emission, samples: int) -> tuple[Capture, str]:
+        memory, words = self._memory, self._memory.words
+        evidence = self._proof.judge(emission, memory.response, memory.loopback)
+        played = slice(emission.before, emission.before + samples)
+        heard = slice(played.start + self._proof.whole, played.stop + self._proof.whole)
+        capture = Capture(
+            emitted=memory.emitted[played].copy(),
+            response=memory.response[heard].copy(),
+            loopback=memory.loopback[heard].copy(),
+            delay=evidence.delay,
+            residual=evidence.residual,
+            quality=evidence.quality,
+            input_xruns=int(words[Word.INPUT_XRUNS]),
+            output_xruns=int(words[Word.OUTPUT_XRUNS]),
+            late=int(words[Word.LATE]),
+        )
+        return capture, spoiled(capture, self._audio.input_full_scale, self._audio.rate) or evidence.fault

@@ -1,0 +1,224 @@
+"""What runs behind the audio callback: one graph for the whole session, and the phases of an emission."""
+
+import time
+from typing import Any
+
+import numpy as np
+
+from ctlblocks.block import Block, Port
+from vibractl.audio_memory import Memory, Word
+from vibractl.audio_stream import open_stream
+from vibractl.config import RigConfig
+from vibractl.guard import Guard
+from vibractl.trial import Trial, shot_graph
+
+_IDLE, _OPENING, _PLAYING, _CLOSING = range(4)
+POLL = 0.005
+"""s between two looks at a stream with a clock of its own."""
+_LONGEST_RUN = 100
+"""Blocks a stream without a clock is run for, between two looks."""
+
+
+class DeviceInput(Block):
+    """The frame that the audio callback has filled, as a signal.
+
+    Ports: `response` (m/s^2) out.
+
+    Parameters
+    ----------
+    width : int, accelerometers, >= 1
+    """
+
+    def __init__(self, width: int) -> None:
+        self.outputs = (Port("response", "m/s^2", width),)
+        self.frame = np.zeros((0, width))
+
+    def prepare(self, rate: float, frames: int) -> None:
+        """Allocate the frame, silent."""
+        self.frame = np.zeros((frames, self.outputs[0].width))
+
+    def process(self, response: np.ndarray) -> None:
+        """Hand the frame on."""
+        np.copyto(response, self.frame)
+
+
+class Engine:
+    """The stream, its callback and the graph behind it; told what to do through shared memory.
+
+    An emission is: open the guard (trial silent), play and record, close the guard.  In between, zeros are played.
+
+    Parameters
+    ----------
+    config : RigConfig
+    memory : Memory
+    """
+
+    def __init__(self, config: RigConfig, memory: Memory) -> None:
+        audio = config.audio
+        self._memory, self._words = memory, memory.words
+        self._drives = [channel - 1 for channel in audio.drive_channels]
+        self._responses = [channel - 1 for channel in audio.response_channels]
+        loopback = audio.alignment == "loopback"
+        self._loopback = (audio.loopback_output - 1, audio.loopback_input - 1) if loopback else None
+        self._output_scale, self._input_scale = 1 / audio.output_full_scale, audio.input_full_scale
+        self._blocksize, self._rate = audio.blocksize, audio.rate
+        self._guard = Guard(config.limits, len(self._drives))
+        self._trial = Trial(memory.drive[:0], len(self._responses))
+        self._input = DeviceInput(len(self._responses))
+        self._graph = shot_graph(self._input, self._trial, self._guard, audio.rate, audio.blocksize)
+        self._graph.prepare()
+        self._graph.tick()  # compiles
+        self._graph.prepare()
+        self._output = self._graph.signal("guard.output")
+        self._scaled = np.zeros_like(self._output)
+        self._phase = _IDLE
+        self._latest = 0  # ns, when the last callback began
+        for array in (memory.drive, memory.timing, memory.emitted, memory.response, memory.loopback):
+            array.fill(0.0)  # maps every page now, not in the callback
+        self._config = config
+        self._stream: Any = None
+        self._stepped = False
+
+    def start(self) -> None:
+        """Open and start the stream: zeros from now on.
+
+        Raises
+        ------
+        AudioError : it cannot be opened.
+        """
+        self._stream = open_stream(self._config, self.callback)
+        self._stepped = hasattr(self._stream, "advance")
+        self._stream.start()
+        self._words[Word.READY] = 1
+
+    def serve(self) -> None:
+        """Let the stream run for a moment, and see that it still does."""
+        words = self._words
+        if not self._stepped or not self._wanted:
+            time.sleep(POLL)
+        for _ in range(_LONGEST_RUN if self._stepped else 0):
+            if words[Word.FAULT] or not self._wanted:
+                break
+            self._stream.advance(self._blocksize)
+        if not words[Word.FAULT] and not self._stream.active:
+            self._fail("the audio stream has ended by itself: is the interface still there?")
+        if words[Word.FAULT] and self._stream.active:
+            self._stream.abort()
+
+    def close(self) -> None:
+        """Ramp down what is being played, then close the stream.
+
+        One that was never opened, or has ended by itself, is left alone: PortAudio waits forever for a server that is
+        gone, when it closes a stream and when the program ends.  So that only an `AudioProcess` gets rid of one.
+        """
+        if self._stream is None or not self._stream.active:
+            return
+        self._words[Word.STOP] = self._words[Word.REQUEST]
+        deadline = time.monotonic() + self._guard.limits.ramp + 1.0
+        while self._busy and not self._words[Word.FAULT] and time.monotonic() < deadline:
+            self.serve()
+        self._stream.stop()
+        self._stream.close()
+
+    def callback(self, indata: np.ndarray, outdata: np.ndarray, frames: int, now: Any, status: Any) -> None:
+        """Exchange one block with the device.  It fills `outdata` whatever happens, and lets no exception out."""
+        filled = False
+        try:
+            if not self._words[Word.FAULT]:
+                self._exchange(indata, outdata, frames, status)
+                filled = True
+        except Exception as fault:
+            self._fail(f"the audio callback failed: {type(fault).__name__}: {fault}")
+        finally:
+            if not filled:
+                outdata.fill(0.0)
+
+    @property
+    def _busy(self) -> bool:
+        return bool(self._words[Word.REQUEST] != self._words[Word.DONE])
+
+    @property
+    def _wanted(self) -> bool:
+        return self._busy or bool(self._words[Word.CLEAR] != self._words[Word.CLEARED])
+
+    def _fail(self, text: str) -> None:
+        self._memory.text = text
+        self._words[Word.FAULT] = 1
+
+    def _exchange(self, indata: np.ndarray, outdata: np.ndarray, frames: int, status: Any) -> None:
+        if frames != self._blocksize:
+            raise ValueError(f"the device asks for {frames} samples, must be audio.blocksize, {self._blocksize}")
+        self._watch(status)
+        for column, channel in enumerate(self._responses):
+            self._input.frame[:, column] = indata[:, channel]
+        self._input.frame *= self._input_scale
+        self._next_phase()
+        position = self._trial.position
+        self._graph.tick()
+        np.multiply(self._output, self._output_scale, out=self._scaled)
+        outdata.fill(0.0)
+        for column, channel in enumerate(self._drives):
+            outdata[:, channel] = self._scaled[:, column]
+        if self._phase in (_PLAYING, _CLOSING):
+            self._keep(position, indata, outdata)
+        if self._guard.latched and not self._words[Word.LATCHED]:
+            self._memory.latch[:] = self._guard.latch
+            self._words[Word.LATCHED] = 1
+
+    def _watch(self, status: Any) -> None:
+        words, now = self._words, time.monotonic_ns()
+        if self._phase != _IDLE:
+            if status:
+                words[Word.INPUT_XRUNS] += bool(status.input_overflow or status.input_underflow)
+                words[Word.OUTPUT_XRUNS] += bool(status.output_overflow or status.output_underflow)
+            if not self._stepped and now - self._latest > 2e9 * self._blocksize / self._rate:
+                words[Word.LATE] += 1
+        self._latest = now
+        words[Word.CALLBACKS] += 1
+
+    def _next_phase(self) -> None:
+        words, guard, trial = self._words, self._guard, self._trial
+        if self._phase == _IDLE:
+            if words[Word.CLEAR] != words[Word.CLEARED]:
+                guard.clear(self._memory.text)
+                words[Word.LATCHED] = 0
+                words[Word.CLEARED] = words[Word.CLEAR]
+            if self._busy:
+                self._begin()
+        if self._phase == _OPENING and (guard.is_open or not words[Word.DRIVE]):
+            trial.rewind()
+            self._phase = _PLAYING
+        stop = words[Word.STOP] == words[Word.REQUEST]
+        if self._phase in (_OPENING, _PLAYING) and (stop or guard.latched or self._recorded):
+            words[Word.STOPPED] = int(not self._recorded)
+            guard.close()
+            self._phase = _CLOSING
+        if self._phase == _CLOSING and guard.is_closed:
+            trial.park()
+            self._phase = _IDLE
+            words[Word.DONE] = words[Word.REQUEST]
+
+    @property
+    def _recorded(self) -> bool:
+        return self._phase == _PLAYING and self._trial.done
+
+    def _begin(self) -> None:
+        words, memory = self._words, self._memory
+        for word in (Word.STOPPED, Word.INPUT_XRUNS, Word.OUTPUT_XRUNS, Word.LATE):
+            words[word] = 0
+        self._trial.load(memory.drive[: words[Word.DRIVE]], memory.response[: words[Word.FRAMES]])
+        if words[Word.DRIVE]:
+            self._guard.open()
+        self._phase = _OPENING
+
+    def _keep(self, position: int, indata: np.ndarray, outdata: np.ndarray) -> None:
+        """Play the timing signal, and keep what left the guard and what came back through the cable."""
+        words, memory = self._words, self._memory
+        played = min(max(int(words[Word.DRIVE]) - position, 0), self._blocksize)
+        memory.emitted[position : position + played] = self._output[:played]
+        if self._loopback is not None:
+            to, back = self._loopback
+            timed = min(max(int(words[Word.TIMING]) - position, 0), self._blocksize)
+            outdata[:timed, to] = memory.timing[position : position + timed]
+            kept = min(max(int(words[Word.FRAMES]) - position, 0), self._blocksize)
+            memory.loopback[position : position + kept] = indata[:kept, back]

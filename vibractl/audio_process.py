@@ -1,0 +1,106 @@
+"""The audio stream in a process of its own, which no Python work elsewhere can hold up, and which outlives nobody."""
+
+import gc
+import multiprocessing
+import os
+import signal
+import sys
+import time
+
+from vibractl.audio_engine import POLL, Engine
+from vibractl.audio_memory import Memory, Word
+from vibractl.audio_stream import AudioError
+from vibractl.config import RigConfig
+
+_LONGEST_START = 60.0
+"""s for a new interpreter to import, compile and open the stream."""
+_LONGEST_END = 10.0
+"""s for it to ramp down and close the stream."""
+_SWITCH = 1e-4
+"""s after which the callback's thread gets the interpreter from the waiting one."""
+
+
+class AudioProcess:
+    """An `Engine` in a child process: the same methods, the same memory.
+
+    When this process dies the child fades to zero, closes the stream and ends; when the child dies, `serve` says so.
+
+    Parameters
+    ----------
+    config : RigConfig
+    memory : Memory
+    """
+
+    def __init__(self, config: RigConfig, memory: Memory) -> None:
+        self._memory = memory
+        context = multiprocessing.get_context("spawn")
+        self._process = context.Process(target=run, args=(config, memory), name="audio", daemon=True)
+
+    @property
+    def pid(self) -> int | None:
+        """Number of the child process, once started."""
+        return self._process.pid
+
+    def start(self) -> None:
+        """Start the process and wait until its stream runs.
+
+        Raises
+        ------
+        AudioError : it cannot be opened, or the process has died.
+        """
+        self._process.start()
+        deadline = time.monotonic() + _LONGEST_START
+        while not self._memory.words[Word.READY]:
+            if self._memory.words[Word.FAULT]:
+                self._process.join(_LONGEST_END)
+                raise AudioError(self._memory.text)
+            if time.monotonic() > deadline:
+                raise AudioError(f"the audio process has not opened its stream within {_LONGEST_START:g} s")
+            self.serve()
+
+    def serve(self) -> None:
+        """Wait a moment, and see that the child lives."""
+        self._process.join(POLL)
+        if self._process.exitcode is not None and not self._memory.words[Word.FAULT]:
+            self._memory.text = f"the audio process {self._process.pid} has died, exit code {self._process.exitcode}"
+            self._memory.words[Word.FAULT] = 1
+
+    def close(self) -> None:
+        """Let the child, if it was started, ramp down and close the stream; end it if it does not."""
+        if self._process.pid is None:
+            return
+        self._memory.words[Word.END] = 1
+        self._process.join(_LONGEST_END)
+        if self._process.exitcode is None:
+            self._process.kill()
+            self._process.join()
+
+
+def run(config: RigConfig, memory: Memory) -> None:
+    """Run the stream until the program wants its end, or is gone: the child process' whole life.
+
+    Parameters
+    ----------
+    config : RigConfig
+    memory : Memory
+    """
+    words = memory.words
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the program, which then ramps down
+    signal.signal(signal.SIGTERM, lambda *_: words.__setitem__(Word.END, 1))
+    sys.setswitchinterval(_SWITCH)
+    try:
+        engine = Engine(config, memory)
+        gc.collect()
+        gc.freeze()
+        gc.disable()
+        engine.start()
+    except Exception as fault:
+        memory.text = str(fault) if isinstance(fault, ValueError | OSError) else f"{type(fault).__name__}: {fault}"
+        words[Word.FAULT] = 1
+        return
+    parent = multiprocessing.parent_process()
+    while not (words[Word.END] or words[Word.FAULT]) and parent is not None and parent.is_alive():
+        engine.serve()
+    engine.close()
+    if words[Word.FAULT]:
+        os._exit(1)  # what an interpreter does at its end hangs in PortAudio when the audio server is gone

@@ -1,0 +1,92 @@
+"""What one emission gave: the recording, and whether anything may be learned from it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+FULL_SCALE = 1.0 - 2.0**-14
+"""A recorded sample from here on is clipped: the largest number of 16 bits is above."""
+
+
+@dataclass(frozen=True, eq=False)
+class Capture:
+    """One emission and what came back, aligned: response row n belongs to emitted row n.
+
+    Parameters
+    ----------
+    emitted : float32 array, shape (samples, drives), V
+        What left the guard.
+    response : float32 array, shape (samples, responses), m/s^2
+    loopback : float32 array, shape (samples,), full scale
+        Silent when alignment is by marker.
+    delay : float, samples
+        Round trip by which responses came late; the whole part of the session's first is taken out of `response`
+        and `loopback`.
+    residual : float, samples
+        Largest difference of the delay, anywhere in the emission, from the session's first.
+    quality : float, 1
+        Of the worst timing signal; see `alignment.Delay`.
+    input_xruns, output_xruns : int
+        Callbacks with a flag for lost input or output.
+    late : int
+        Callbacks that began more than two blocks after the one before.
+    """
+
+    emitted: np.ndarray
+    response: np.ndarray
+    loopback: np.ndarray
+    delay: float
+    residual: float
+    quality: float
+    input_xruns: int
+    output_xruns: int
+    late: int
+
+
+@dataclass(frozen=True, eq=False)
+class Discarded:
+    """A recording that nothing may be learned from.
+
+    Parameters
+    ----------
+    attempt : int, counted from 1
+    reason : str
+    capture : Capture
+    """
+
+    attempt: int
+    reason: str
+    capture: Capture
+
+
+def spoiled(capture: Capture, full_scale: float, rate: float) -> str:
+    """Say what is wrong with the samples of a recording, whatever its alignment; nothing when they are fine.
+
+    Parameters
+    ----------
+    capture : Capture
+    full_scale : float, m/s^2
+        Response at digital full scale.
+    rate : float, samples/s
+
+    Returns
+    -------
+    str
+    """
+    if capture.input_xruns or capture.output_xruns:
+        return f"xruns: {capture.input_xruns} callbacks with lost input, {capture.output_xruns} with lost output"
+    signals = np.column_stack((capture.response / full_scale, capture.loopback))
+    finite = np.isfinite(signals)
+    if not finite.all():
+        return f"a sample that is not finite, {_first(~finite, rate)}"
+    clipped = np.abs(signals) >= FULL_SCALE
+    if clipped.any():
+        return f"clipped at full scale, {_first(clipped, rate)}"
+    return ""
+
+
+def _first(wrong: np.ndarray, rate: float) -> str:
+    sample = int(np.argmax(wrong.any(axis=1)))
+    channel = int(np.argmax(wrong[sample]))
+    name = "loopback" if channel == wrong.shape[1] - 1 else f"response {channel + 1}"
+    return f"{name} at {sample / rate:.4f} s, and {int(wrong.sum()) - 1} more"
