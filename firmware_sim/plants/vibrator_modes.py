@@ -20,15 +20,17 @@ JOINT_SHARE = 0.1
 LUMPED_DAMPING = ((15.0, 0.08), (55.0, 0.05), (np.inf, 0.035))
 """(up to Hz, damping ratio) of the lumped modes."""
 
-FLEXURAL_MODES, FLEXURAL_BAND = 34, (108.0, 638.0)
-"""Modes of the shells and the spring system in the band that is looked at ..."""
+LOCAL_PAIRS, LOCAL_BAND = 5, (104.0, 180.0)
+"""Flexural modes of one shell and its springs; the shells are nearly alike, so they come in pairs."""
+GLOBAL_MODES, GLOBAL_BAND = 27, (180.0, 640.0)
+"""Flexural modes of the whole, in the band that is looked at ..."""
 UPPER_MODES, UPPER_BAND = 5, (670.0, 1300.0)
 """... and above it, whose stiffness is felt below."""
 FLEXURAL_DAMPING = (0.005, 0.014)
 FLEXURAL_SHAPE, JOINT_SHAPE = 0.028, 0.1
 """1/sqrt(kg), size of a flexural mode at coil, spring and shell, and at the joints."""
-LOCAL_BELOW, GLOBAL_ABOVE, LOCAL_LEAK = 140.0, 180.0, 0.12
-"""Hz: flexure belongs to one side below, to both above; and what the other side sees of a local mode."""
+LOCAL_LEAK, PAIR_SPREAD = 0.15, 0.03
+"""1: what the other side sees of a local mode, and how far the two of a pair lie apart."""
 
 
 @dataclass(frozen=True)
@@ -81,15 +83,13 @@ def _add_spring(stiffness: np.ndarray, a: int, b: int, value: float) -> None:
 
 
 def _flexural(rng: np.random.Generator) -> Modes:
-    """Shell and spring flexure: spread over the band, of one side at its lower end, of both above."""
-    low, high = FLEXURAL_BAND
-    slot = (high - low) / FLEXURAL_MODES
-    inside = low + slot * (np.arange(FLEXURAL_MODES) + rng.uniform(0, 0.9, FLEXURAL_MODES))
-    frequency = np.concatenate([inside, np.sort(rng.uniform(*UPPER_BAND, UPPER_MODES))])
+    """Shell and spring flexure: in pairs of one side each at the lower end, of both sides above."""
+    pairs = np.repeat(_spread(rng, LOCAL_PAIRS, LOCAL_BAND), 2) * (1 + rng.uniform(-0.5, 0.5, 2 * LOCAL_PAIRS) * PAIR_SPREAD)
+    upper = np.sort(rng.uniform(*UPPER_BAND, UPPER_MODES))
+    frequency = np.concatenate([pairs, _spread(rng, GLOBAL_MODES, GLOBAL_BAND), upper])
     count = len(frequency)
-    leak = np.clip((frequency - LOCAL_BELOW) / (GLOBAL_ABOVE - LOCAL_BELOW), LOCAL_LEAK, 1.0)
-    side = rng.integers(0, 2, count)
-    weight = np.where(np.arange(2)[:, None] == side, 1.0, leak)
+    weight = np.ones((2, count))
+    weight[1, : len(pairs) : 2] = weight[0, 1 : len(pairs) : 2] = LOCAL_LEAK
 
     def shape() -> np.ndarray:
         sign = rng.choice([-1.0, 1.0], (2, count))
@@ -98,3 +98,9 @@ def _flexural(rng: np.random.Generator) -> Modes:
     damping = rng.uniform(*FLEXURAL_DAMPING, count)
     joint = JOINT_SHAPE * weight * rng.standard_normal((2, count))
     return Modes(frequency, damping, shape(), shape(), joint, shape())
+
+
+def _spread(rng: np.random.Generator, count: int, band: tuple[float, float]) -> np.ndarray:
+    """Place `count` modes over a band, one to a slot, anywhere in the first nine tenths of it."""
+    slot = (band[1] - band[0]) / count
+    return band[0] + slot * (np.arange(count) + rng.uniform(0, 0.9, count))
