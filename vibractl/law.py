@@ -1,0 +1,145 @@
+"""Everything one run's learning stands on: lines, inverse, reference, gains, first drive; made once, never changed."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibractl.config import Learning
+from vibractl.learning import CHIRP_GAINS, SINE_GAINS, Gains
+from vibractl.reference import Reference
+from vibractl.spectrum import Decimator, LineSpectrum
+from vibractl.transfer_matrix import TransferMatrix, contraction, line_weights, regularized_inverse
+
+SIGNIFICANT = 0.5
+"""A line belongs to the reference's own band where its spectrum is above this part of the largest."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """The learning law of one run.
+
+    Parameters
+    ----------
+    matrix : TransferMatrix, on the lines learned, of the inputs and outputs that are used
+    inverse : complex array, shape (lines, inputs, outputs), V per m/s^2
+    reference : complex array, shape (lines, outputs), m/s^2 s
+    start : complex array, shape (lines, inputs), V s
+        The first drive.
+    gains : Gains
+    active : array, shape (lines,), 1
+        1 on lines that are learned, 0 on others.
+    outputs : tuple of ints
+        Accelerometers that are controlled, counted from 0.
+    spread : array, shape (coils, inputs), 1
+        Which coils each learned input drives.
+    """
+
+    matrix: TransferMatrix
+    inverse: np.ndarray
+    reference: np.ndarray
+    start: np.ndarray
+    gains: Gains
+    active: np.ndarray
+    outputs: tuple[int, ...]
+    spread: np.ndarray
+
+    def gain(self, shot: int) -> np.ndarray:
+        """Return Q2 (lines,) for the update after shot `shot`."""
+        gain: np.ndarray = self.gains.at(shot) * self.active
+        return gain
+
+    def certificate(self, shot: int) -> np.ndarray:
+        """Return the bound (lines,) on how much that update shrinks each line's error; below 1 is certified."""
+        return contraction(self.matrix, self.inverse, self.gains.at(shot))
+
+
+def learning_law(settings: Learning, matrix: TransferMatrix, reference: Reference, rate: float, side: int | None) -> Law:
+    """Build the law of a run from its settings, the rig's model and the reference.
+
+    Parameters
+    ----------
+    settings : Learning
+    matrix : TransferMatrix, of the whole rig
+    reference : Reference, as wide as the outputs controlled
+    rate : float, samples/s, of the reference
+    side : int or None
+        The one side that is controlled, counted from 1; None for all.
+
+    Raises
+    ------
+    ValueError : a side that is not there, gains that do not fit, or lines outside the model.
+
+    Source
+    ------
+    Sörnmo 2015, eq. (6.10)-(6.19), (6.24), (6.25).
+    """
+    outputs, spread = _structure(settings.structure, matrix, side)
+    lines = _lines(settings, reference, rate)
+    used = _as_driven(matrix.at(lines.frequency), outputs, spread, settings.structure)
+    wanted = lines.lines(Decimator(settings.decimation).apply(reference.signal))
+    if settings.regularisation == "per-line":
+        epsilon: np.ndarray | float = line_weights(used.response, settings.epsilon, settings.floor)
+    else:
+        epsilon = settings.constant_epsilon
+    inverse = regularized_inverse(used.response, epsilon)
+    if settings.start == "inverse":
+        start = (inverse @ wanted[..., None])[..., 0]
+    else:
+        start = _scaled_reference(used, wanted)
+    active = np.ones(len(lines.frequency))
+    if reference.root is not None:
+        active = _overtones(lines.frequency, reference.root, settings.overtones)
+    gains = _gains(settings, reference)
+    return Law(used, inverse, wanted, start, gains, active, outputs, spread)
+
+
+def _structure(structure: str, matrix: TransferMatrix, side: int | None) -> tuple[tuple[int, ...], np.ndarray]:
+    if side is not None:
+        sides = min(matrix.outputs, matrix.inputs)
+        if not 1 <= side <= sides:
+            raise ValueError(f"side is {side}, must be 1 to {sides}")
+        return (side - 1,), np.eye(matrix.inputs)[:, side - 1 : side]
+    outputs = tuple(range(matrix.outputs))
+    return outputs, np.ones((matrix.inputs, 1)) if structure == "common" else np.eye(matrix.inputs)
+
+
+def _as_driven(matrix: TransferMatrix, outputs: tuple[int, ...], spread: np.ndarray, structure: str) -> TransferMatrix:
+    """Return the matrix from the learned inputs to the controlled outputs."""
+    rows = list(outputs)
+    response = matrix.response[:, rows] @ spread
+    variance = matrix.variance[:, rows] @ np.abs(spread)
+    coherence = np.minimum(matrix.coherence[:, rows] @ np.abs(spread), 1.0)
+    if structure == "decentralised":
+        response = response * np.eye(*response.shape[1:])
+    return TransferMatrix(matrix.frequency, response, variance, coherence, matrix.provenance)
+
+
+def _lines(settings: Learning, reference: Reference, rate: float) -> LineSpectrum:
+    frames, width = reference.signal.shape
+    return LineSpectrum(frames // settings.decimation, width, rate / settings.decimation, settings.band)
+
+
+def _scaled_reference(matrix: TransferMatrix, wanted: np.ndarray) -> np.ndarray:
+    """Scale the reference by the plant's typical size in the reference's band: no model of its shape is used."""
+    size = np.abs(wanted).max(axis=1)
+    band = size > SIGNIFICANT * size.max()
+    typical = np.median(np.linalg.norm(matrix.response[band], axis=1), axis=0)
+    share = wanted if matrix.inputs == wanted.shape[1] else wanted.mean(axis=1, keepdims=True)
+    start: np.ndarray = share / typical
+    return start
+
+
+def _overtones(frequency: np.ndarray, root: float, overtones: int) -> np.ndarray:
+    """Mark the root and its overtones, (6.13)."""
+    order = np.round(frequency / root)
+    spacing = frequency[1] - frequency[0]
+    near = np.abs(frequency - order * root) < 0.5 * spacing
+    return np.where(near & (order >= 1) & (order <= overtones + 1), 1.0, 0.0)
+
+
+def _gains(settings: Learning, reference: Reference) -> Gains:
+    if settings.gains:
+        return Gains(settings.gains, settings.stages)
+    if settings.stages:
+        raise ValueError(f"learning.stages is {list(settings.stages)}, but learning.gains is empty")
+    return CHIRP_GAINS if reference.root is None else SINE_GAINS

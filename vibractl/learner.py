@@ -1,0 +1,106 @@
+"""The learner: streams a trial, and between two trials turns the error into the next drive."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibractl.config import RigConfig
+from vibractl.law import Law
+from vibractl.learning import update
+from vibractl.spectrum import Decimator, LineSpectrum
+from vibractl.trial import Trial
+
+
+@dataclass(frozen=True)
+class Timeline:
+    """A shot in samples: silence, the reference, silence.
+
+    Parameters
+    ----------
+    lead, frames, tail : int, samples
+    rate : float, samples/s
+    """
+
+    lead: int
+    frames: int
+    tail: int
+    rate: float
+
+    @property
+    def total(self) -> int:
+        """Samples of the whole shot."""
+        return self.lead + self.frames + self.tail
+
+    @property
+    def window(self) -> slice:
+        """Where the reference lies."""
+        return slice(self.lead, self.lead + self.frames)
+
+
+def timeline(config: RigConfig, frames: int) -> Timeline:
+    """Return the shot for a reference of `frames` samples; its silences are multiples of the decimation."""
+    step, rate = config.learning.decimation, config.audio.rate
+    lead, tail = (-(-round(seconds * rate) // step) * step for seconds in (config.shot.lead, config.shot.tail))
+    return Timeline(lead, frames, tail, rate)
+
+
+class Learner(Trial):
+    """Frequency-domain ILC as a Block: `process` streams the trial, `advance` moves to the next one.
+
+    The drive consists of the learned lines alone, with short raised-cosine edges, and is kept in float32's values so
+    that what is recorded is what was meant.
+
+    Parameters
+    ----------
+    law : Law
+    shot : Timeline
+    decimation : int, 1 or 4, of the response before it is transformed
+    edge : float, s, of the drive at both ends
+    responses : int, accelerometers recorded
+    """
+
+    def __init__(self, law: Law, shot: Timeline, decimation: int, edge: float, responses: int) -> None:
+        super().__init__(np.zeros((shot.total, len(law.spread))), responses)
+        self.law, self.shot = law, shot
+        lines = law.matrix.frequency
+        band = (lines[0], lines[-1])
+        self._decimator = Decimator(decimation)
+        self._analysis = LineSpectrum(shot.frames // decimation, len(law.outputs), shot.rate / decimation, band)
+        self._synthesis = LineSpectrum(shot.frames, law.spread.shape[1], shot.rate, band)
+        self._signal = np.zeros((shot.frames, law.spread.shape[1]))
+        self._edge = _edges(shot.frames, round(edge * shot.rate))[:, None]
+        self.restart()
+
+    def restart(self) -> None:
+        """Go back to the first drive."""
+        self.number = 0
+        self.lines = self.law.start.copy()
+        self._play()
+
+    def advance(self) -> None:
+        """Learn from the response just recorded; called between ticks."""
+        measured = self._decimator.apply(self.response[: self.shot.total, list(self.law.outputs)])
+        step = self._decimator.factor
+        first = self.shot.lead // step
+        response = self._analysis.lines(measured[first : first + self._analysis.frames])
+        self.lines = update(self.lines, self.law.inverse, self.law.reference - response, self.law.gain(self.number))
+        self.number += 1
+        self._play()
+
+    def _play(self) -> None:
+        """Put the drive of the present lines into the trial."""
+        self._synthesis.time(self.lines, self._signal)
+        self._signal *= self._edge
+        drive = (self._signal @ self.law.spread.T).astype(np.float32)
+        self.drive.fill(0.0)
+        self.drive[self.shot.window] = drive
+        self.rewind()
+
+
+def _edges(frames: int, edge: int) -> np.ndarray:
+    """Return a window (frames,) of ones with raised-cosine edges of `edge` samples."""
+    window = np.ones(frames)
+    rise = 0.5 - 0.5 * np.cos(np.pi * (np.arange(edge) + 0.5) / edge)
+    window[:edge] = rise
+    window[len(window) - edge :] = rise[::-1]
+    return window

@@ -1,0 +1,120 @@
+"""What the vibrator is to emit: a chirp, a sine, or a recording."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.signal.windows import tukey
+
+from ctlblocks.recording import Recording
+
+LONGEST = 60.0
+"""s, longest reference of one shot."""
+ALIGNED = 1e-6
+"""Hz, how near a sine must be to a multiple of 1/T."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A reference for one shot.
+
+    Parameters
+    ----------
+    text : str
+        How it was asked for.
+    signal : array, shape (frames, outputs), m/s^2
+    root : float or None, Hz
+        Frequency of a sine; None for anything else.
+    """
+
+    text: str
+    signal: np.ndarray
+    root: float | None = None
+
+
+def reference_from(text: str, rate: float, amplitude: float, taper: float, outputs: int, step: int) -> Reference:
+    """Make the reference that `text` asks for.
+
+    Parameters
+    ----------
+    text : str
+        `chirp:F0:F1:SECONDS`, `sine:F0:SECONDS`, or a WAV or CSV file of one channel (for all sides) or one per side.
+    rate : float, samples/s
+    amplitude : float, m/s^2, of a chirp or sine
+    taper : float, 1, tapered part of a chirp or sine at each end
+    outputs : int, accelerometers controlled
+    step : int, samples
+        The length is a multiple of it; a file is padded with silence, a chirp or sine must fit.
+
+    Raises
+    ------
+    ValueError : not such a text, a number out of range, or an unusable file.
+
+    Source
+    ------
+    Sörnmo 2015, sec. 6.6; eq. (6.14) for the sine.
+    """
+    kind, _, rest = text.partition(":")
+    makers: dict[str, tuple[int, Callable[..., Reference]]] = {"chirp": (3, _chirp), "sine": (2, _sine)}
+    if kind not in makers or Path(text).suffix.lower() in (".wav", ".csv"):
+        return _from_file(text, rate, outputs, step)
+    count, maker = makers[kind]
+    numbers = _numbers(text, rest, count, rate)
+    frames = round(numbers[-1] * rate)
+    if frames % step:
+        raise ValueError(f"reference {text}: {frames} samples, must be a multiple of {step} at {rate:g} samples/s")
+    time = np.arange(frames) / rate
+    shaped = maker(text, time, numbers)
+    signal = amplitude * shaped.signal * tukey(frames, 2 * taper)[:, None]
+    return Reference(text, np.repeat(signal, outputs, axis=1), shaped.root)
+
+
+def _chirp(text: str, time: np.ndarray, numbers: list[float]) -> Reference:
+    first, last, seconds = numbers
+    phase = 2 * np.pi * (first * time + (last - first) / (2 * seconds) * time**2)
+    return Reference(text, np.sin(phase)[:, None])
+
+
+def _sine(text: str, time: np.ndarray, numbers: list[float]) -> Reference:
+    root, seconds = numbers
+    if abs(root * seconds - round(root * seconds)) > ALIGNED * seconds:
+        nearest = round(root * seconds) / seconds
+        raise ValueError(f"reference {text}: {root:g} Hz is no multiple of 1/{seconds:g} s; the nearest is {nearest:g}")
+    return Reference(text, np.sin(2 * np.pi * root * time)[:, None], root)
+
+
+def _numbers(text: str, rest: str, count: int, rate: float) -> list[float]:
+    form = {3: "chirp:F0:F1:SECONDS", 2: "sine:F0:SECONDS"}[count]
+    try:
+        numbers = [float(part) for part in rest.split(":")]
+    except ValueError:
+        numbers = []
+    if len(numbers) != count:
+        raise ValueError(f"reference {text!r} is not {form}")
+    for name, value in zip(("F0", "F1")[: count - 1], numbers, strict=False):
+        if not 0 < value < rate / 2:
+            raise ValueError(f"reference {text}: {name} is {value:g} Hz, must be above 0 and below {rate / 2:g}")
+    if not 0.1 <= numbers[-1] <= LONGEST:
+        raise ValueError(f"reference {text}: SECONDS is {numbers[-1]:g}, must be 0.1 to {LONGEST:g}")
+    return numbers
+
+
+def _from_file(text: str, rate: float, outputs: int, step: int) -> Reference:
+    path = Path(text)
+    if path.suffix.lower() not in (".wav", ".csv"):
+        raise ValueError(f"reference {text!r} is not chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a .wav or .csv file")
+    recording = Recording.read(path)
+    frames, width = recording.data.shape
+    if recording.rate != rate:
+        raise ValueError(f"{path}: {recording.rate:g} samples/s, must be {rate:g}")
+    if width not in (1, outputs):
+        wanted = "1 channel" if outputs == 1 else f"1 or {outputs} channels"
+        raise ValueError(f"{path}: {width} channels, must be {wanted}")
+    if not 0.1 * rate <= frames <= LONGEST * rate:
+        raise ValueError(f"{path}: {frames / rate:g} s, must be 0.1 to {LONGEST:g} s")
+    if not np.any(recording.data):
+        raise ValueError(f"{path}: silent, must hold a reference")
+    signal = np.zeros((-(-frames // step) * step, outputs))
+    signal[:frames] = recording.data
+    return Reference(text, signal)
