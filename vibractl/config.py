@@ -65,6 +65,7 @@ class Shot(Section):
 class Learning(Section):
     """Frequency-domain iterative learning control, (6.9)-(6.19)."""
 
+    side: int = setting(0, "", "the one side that is driven and controlled; 0 for all", ge=0, le=64)
     band: tuple[float, float] = setting((15.0, 650.0), "Hz", "f_ILC: lines that are learned")
     gains: tuple[float, ...] = setting((), "1", "Q2 by stage; empty for (6.24) on a sine, (6.25) on anything else")
     stages: tuple[int, ...] = setting((), "shots", "shots in each stage but the last")
@@ -78,6 +79,13 @@ class Learning(Section):
     )
     overtones: int = setting(4, "", "overtones of a sine that are learned beside its root", ge=0, le=60)
     decimation: Literal[1, 4] = setting(4, "1", "learn at the rate divided by this; 4 as in the thesis, 1 full rate")
+
+
+class Session(Section):
+    """How many shots, and how they are kept."""
+
+    shots: int = setting(30, "shots", "shots of the run", ge=1, le=100_000)
+    recording: Literal["wav", "csv"] = setting("wav", "", "format of shots/0000.wav ...")
 
 
 class Quality(Section):
@@ -120,6 +128,7 @@ class RigConfig(Section):
     reference: Reference = Field(default_factory=Reference)
     shot: Shot = Field(default_factory=Shot)
     learning: Learning = Field(default_factory=Learning)
+    session: Session = Field(default_factory=Session)
     quality: Quality = Field(default_factory=Quality)
     characterisation: Characterisation = Field(default_factory=Characterisation)
     simulator: Simulator = Field(default_factory=Simulator)

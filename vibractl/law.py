@@ -53,7 +53,7 @@ class Law:
         return contraction(self.matrix, self.inverse, self.gains.at(shot))
 
 
-def learning_law(settings: Learning, matrix: TransferMatrix, reference: Reference, rate: float, side: int | None) -> Law:
+def learning_law(settings: Learning, matrix: TransferMatrix, reference: Reference, rate: float) -> Law:
     """Build the law of a run from its settings, the rig's model and the reference.
 
     Parameters
@@ -62,8 +62,6 @@ def learning_law(settings: Learning, matrix: TransferMatrix, reference: Referenc
     matrix : TransferMatrix, of the whole rig
     reference : Reference, as wide as the outputs controlled
     rate : float, samples/s, of the reference
-    side : int or None
-        The one side that is controlled, counted from 1; None for all.
 
     Raises
     ------
@@ -73,7 +71,7 @@ def learning_law(settings: Learning, matrix: TransferMatrix, reference: Referenc
     ------
     Sörnmo 2015, eq. (6.10)-(6.19), (6.24), (6.25).
     """
-    outputs, spread = _structure(settings.structure, matrix, side)
+    outputs, spread = _structure(settings.structure, settings.side, matrix)
     lines = _lines(settings, reference, rate)
     used = _as_driven(matrix.at(lines.frequency), outputs, spread, settings.structure)
     wanted = lines.lines(Decimator(settings.decimation).apply(reference.signal))
@@ -93,11 +91,11 @@ def learning_law(settings: Learning, matrix: TransferMatrix, reference: Referenc
     return Law(used, inverse, wanted, start, gains, active, outputs, spread)
 
 
-def _structure(structure: str, matrix: TransferMatrix, side: int | None) -> tuple[tuple[int, ...], np.ndarray]:
-    if side is not None:
+def _structure(structure: str, side: int, matrix: TransferMatrix) -> tuple[tuple[int, ...], np.ndarray]:
+    if side:
         sides = min(matrix.outputs, matrix.inputs)
-        if not 1 <= side <= sides:
-            raise ValueError(f"side is {side}, must be 1 to {sides}")
+        if side > sides:
+            raise ValueError(f"learning.side is {side}, must be 0 to {sides}")
         return (side - 1,), np.eye(matrix.inputs)[:, side - 1 : side]
     outputs = tuple(range(matrix.outputs))
     return outputs, np.ones((matrix.inputs, 1)) if structure == "common" else np.eye(matrix.inputs)

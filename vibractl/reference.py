@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from scipy.signal.windows import tukey
 
-from ctlblocks.recording import Recording
+from ctlblocks import recording
 
 LONGEST = 60.0
 """s, longest reference of one shot."""
@@ -57,8 +57,10 @@ def reference_from(text: str, rate: float, amplitude: float, taper: float, outpu
     """
     kind, _, rest = text.partition(":")
     makers: dict[str, tuple[int, Callable[..., Reference]]] = {"chirp": (3, _chirp), "sine": (2, _sine)}
-    if kind not in makers or Path(text).suffix.lower() in (".wav", ".csv"):
-        return _from_file(text, rate, outputs, step)
+    if is_file(text):
+        return _from_file(Path(text), text, rate, outputs, step)
+    if kind not in makers:
+        raise ValueError(f"reference {text!r} is not chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a .wav or .csv file")
     count, maker = makers[kind]
     numbers = _numbers(text, rest, count, rate)
     frames = round(numbers[-1] * rate)
@@ -68,6 +70,11 @@ def reference_from(text: str, rate: float, amplitude: float, taper: float, outpu
     shaped = maker(text, time, numbers)
     signal = amplitude * shaped.signal * tukey(frames, 2 * taper)[:, None]
     return Reference(text, np.repeat(signal, outputs, axis=1), shaped.root)
+
+
+def is_file(text: str) -> bool:
+    """Say whether `text` names a recording rather than a chirp or a sine."""
+    return Path(text).suffix.lower() in (".wav", ".csv")
 
 
 def _chirp(text: str, time: np.ndarray, numbers: list[float]) -> Reference:
@@ -100,21 +107,16 @@ def _numbers(text: str, rest: str, count: int, rate: float) -> list[float]:
     return numbers
 
 
-def _from_file(text: str, rate: float, outputs: int, step: int) -> Reference:
-    path = Path(text)
-    if path.suffix.lower() not in (".wav", ".csv"):
-        raise ValueError(f"reference {text!r} is not chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a .wav or .csv file")
-    recording = Recording.read(path)
-    frames, width = recording.data.shape
-    if recording.rate != rate:
-        raise ValueError(f"{path}: {recording.rate:g} samples/s, must be {rate:g}")
+def _from_file(path: Path, text: str, rate: float, outputs: int, step: int) -> Reference:
+    data = recording.read(path, rate=rate).data
+    frames, width = data.shape
     if width not in (1, outputs):
         wanted = "1 channel" if outputs == 1 else f"1 or {outputs} channels"
         raise ValueError(f"{path}: {width} channels, must be {wanted}")
     if not 0.1 * rate <= frames <= LONGEST * rate:
         raise ValueError(f"{path}: {frames / rate:g} s, must be 0.1 to {LONGEST:g} s")
-    if not np.any(recording.data):
+    if not np.any(data):
         raise ValueError(f"{path}: silent, must hold a reference")
     signal = np.zeros((-(-frames // step) * step, outputs))
-    signal[:frames] = recording.data
+    signal[:frames] = data
     return Reference(text, signal)

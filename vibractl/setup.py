@@ -1,0 +1,67 @@
+"""What a rig file, a model and a reference make together: everything a run, its replay and its report start from."""
+
+from dataclasses import dataclass
+
+from vibractl.config import RigConfig
+from vibractl.law import Law, learning_law
+from vibractl.learner import Learner, Timeline, timeline
+from vibractl.reference import Reference, reference_from
+from vibractl.spectrum import load_wisdom, save_wisdom, user_wisdom
+from vibractl.transfer_matrix import TransferMatrix
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A run before its first shot.
+
+    Parameters
+    ----------
+    config : RigConfig
+    reference : Reference, as wide as the accelerometers controlled
+    law : Law
+    shot : Timeline
+    """
+
+    config: RigConfig
+    reference: Reference
+    law: Law
+    shot: Timeline
+
+    def learner(self) -> Learner:
+        """Return a learner at its first drive."""
+        config = self.config
+        responses = len(config.audio.response_channels)
+        return Learner(self.law, self.shot, config.learning.decimation, config.limits.ramp, responses)
+
+
+def setup(config: RigConfig, matrix: TransferMatrix, fresh_plans: bool = True) -> Setup:
+    """Put a run together.
+
+    Parameters
+    ----------
+    config : RigConfig
+    matrix : TransferMatrix, of the rig
+    fresh_plans : bool
+        Take this user's FFT plans and keep new ones for the next time; False leaves those that are loaded.
+
+    Raises
+    ------
+    ValueError : the reference, the model and the settings do not fit together.
+    """
+    if fresh_plans:
+        load_wisdom(user_wisdom())
+    controlled = 1 if config.learning.side else len(config.audio.response_channels)
+    reference = reference_from(
+        config.reference.signal,
+        config.audio.rate,
+        config.reference.amplitude,
+        config.reference.taper,
+        controlled,
+        config.learning.decimation,
+    )
+    law = learning_law(config.learning, matrix, reference, config.audio.rate)
+    made = Setup(config, reference, law, timeline(config, len(reference.signal)))
+    made.learner()  # plans its transforms, so that they can be kept
+    if fresh_plans:
+        save_wisdom(user_wisdom())
+    return made
