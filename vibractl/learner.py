@@ -75,15 +75,15 @@ class Learner(Trial):
         """Go back to the first drive."""
         self.number = 0
         self.lines = self.law.start.copy()
+        self.heard = np.zeros_like(self.law.reference)
         self._play()
 
     def advance(self) -> None:
-        """Learn from the response just recorded; called between ticks."""
+        """Learn from the response just recorded, whose lines are then in `heard`; called between ticks."""
         measured = self._decimator.apply(self.response[: self.shot.total, list(self.law.outputs)])
-        step = self._decimator.factor
-        first = self.shot.lead // step
-        response = self._analysis.lines(measured[first : first + self._analysis.frames])
-        self.lines = update(self.lines, self.law.inverse, self.law.reference - response, self.law.gain(self.number))
+        first = self.shot.lead // self._decimator.factor
+        self.heard = self._analysis.lines(measured[first : first + self._analysis.frames])
+        self.lines = update(self.lines, self.law.inverse, self.law.reference - self.heard, self.law.gain(self.number))
         self.number += 1
         self._play()
 

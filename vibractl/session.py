@@ -1,0 +1,277 @@
+"""A run: shot after shot is emitted, recorded, judged and learned from, in a folder from which it can go on."""
+
+import shutil
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ctlblocks import recording
+from ctlblocks.recording import Recording
+from rigkit import config as rig_file
+from rigkit.run_folder import RunFolder, read_quality
+from vibractl.audio import Line
+from vibractl.capture import Capture, Discarded
+from vibractl.config import RigConfig
+from vibractl.learner import Learner
+from vibractl.model_file import read_model
+from vibractl.quality import FAINT, Judge, Marks, decibels
+from vibractl.reference import is_file
+from vibractl.setup import Setup, setup
+from vibractl.spectrum import load_wisdom, save_wisdom
+
+MODEL, WISDOM, REFERENCE, DISCARDED = "model.h5", "fftw.wisdom", "reference", "discarded"
+EVIDENCE = ("delay", "residual", "quality", "input_xruns", "output_xruns", "late")
+"""What is kept of each shot beside its samples."""
+
+
+def create(path: Path, config: RigConfig, model: Path) -> tuple[RunFolder, Setup]:
+    """Check everything a run needs, and then make its folder.
+
+    Parameters
+    ----------
+    path : Path
+        Absent or empty.
+    config : RigConfig
+    model : Path
+        Model file of this rig.
+
+    Raises
+    ------
+    ValueError : settings, model and reference do not fit, or the folder is in use; nothing is written.
+    """
+    sides = len(config.audio.response_channels), len(config.audio.drive_channels)
+    made = setup(config, read_model(model, config.rig.name, sides))
+    source = Path(config.reference.signal) if is_file(config.reference.signal) else None
+    kept = config
+    if source is not None:
+        name = REFERENCE + source.suffix.lower()
+        kept = config.model_copy(update={"reference": config.reference.model_copy(update={"signal": name})})
+    folder = RunFolder.create(path, rig_file.dump(kept))
+    with folder.replacing(MODEL) as copy:
+        shutil.copyfile(model, copy)
+    if source is not None:
+        with folder.replacing(kept.reference.signal) as copy:
+            shutil.copyfile(source, copy)
+    save_wisdom(folder.path / WISDOM)
+    return folder, made
+
+
+def settings_of(path: Path, overrides: tuple[str, ...] = ()) -> RigConfig:
+    """Return the settings of a run folder, with what is laid over them."""
+    config = rig_file.load(path / "config.toml", RigConfig, overrides)
+    own = path / config.reference.signal
+    if is_file(config.reference.signal) and own.is_file():
+        config = config.model_copy(update={"reference": config.reference.model_copy(update={"signal": str(own)})})
+    return config
+
+
+def setup_of(path: Path, overrides: tuple[str, ...] = (), model: Path | None = None) -> Setup:
+    """Put the run of a folder together again, with the FFT plans it was made with.
+
+    Raises
+    ------
+    ValueError : the folder lacks a part, or the parts do not fit.
+    """
+    config = settings_of(path, overrides)
+    load_wisdom(path / WISDOM)
+    matrix = read_model(model or path / MODEL, config.rig.name)
+    return setup(config, matrix, fresh_plans=False)
+
+
+def shot_files(path: Path) -> list[Path]:
+    """Return the recordings of a run in order, from shot 0 without a gap."""
+    files = []
+    while True:
+        stem = path / "shots" / f"{len(files):04d}"
+        found = [file for suffix in (".wav", ".csv") if (file := stem.with_suffix(suffix)).is_file()]
+        if not found:
+            return files
+        files.append(found[0])
+
+
+class Session:
+    """One run, from its first shot or from where it stopped.
+
+    Parameters
+    ----------
+    folder : RunFolder
+    made : Setup
+    """
+
+    def __init__(self, folder: RunFolder, made: Setup) -> None:
+        self.folder, self.config = folder, made.config
+        self.learner: Learner = made.learner()
+        self._judge = Judge(made)
+        self._before: tuple[np.ndarray, np.ndarray] | None = None
+        self._resume()
+
+    @property
+    def done(self) -> int:
+        """Shots recorded."""
+        return self.learner.number
+
+    def run(self, shots: int, tell: Callable[[int, Marks], None], stopped: Callable[[], bool]) -> None:
+        """Emit until `shots` are recorded or `stopped` says so; the session can go on later either way.
+
+        Raises
+        ------
+        ValueError : the next drive would break a limit of the guard.
+        AudioError : the audio has failed; what is recorded stays.
+        """
+        if self.done >= shots:
+            return
+        seconds = self.learner.shot.total / self.learner.shot.rate
+        with Line(self.config, seconds=seconds, on_discard=self._discarded) as line:
+            self.folder.event("started", {"shot": self.done, "round_trip": line.round_trip})
+            try:
+                while self.done < shots and not stopped():
+                    number = self.done
+                    tell(number, self._shoot(line))
+            except BaseException as fault:
+                self.folder.event("failed", {"shot": self.done, "fault": type(fault).__name__, "text": str(fault)})
+                raise
+        self.folder.event("stopped" if self.done < shots else "finished", {"shots": self.done})
+
+    def summary(self) -> dict[str, Any]:
+        """Return the figures of the run so far, and keep them in `summary.json`."""
+        figures = summary(read_quality(self.folder.path))
+        self.folder.summarise(figures)
+        return figures
+
+    def _shoot(self, line: Line) -> Marks:
+        capture = line.emit(self.learner.drive)
+        record = _recording(capture, self.config)
+        path = self.folder.shot(self.done).with_suffix(f".{self.config.session.recording}")
+        recording.write(path, record)
+        return self._learn(record)
+
+    def _learn(self, record: Recording, write: bool = True) -> Marks:
+        """Take a recording into the learner, and write what it was worth."""
+        number, lines = self.done, self.learner.lines
+        drive, response = split(record, self.config)
+        self.learner.response[: len(response)] = response
+        marks = self._judge.marks(response, drive)
+        self.learner.advance()
+        repeatability = self._repeatability(lines)
+        if write:
+            self._write_lines(number)
+            self.folder.quality(_row(number, self.learner.law.gains.at(number), marks, record.provenance, repeatability))
+        return marks
+
+    def _repeatability(self, lines: np.ndarray) -> float:
+        """Return how much of the response's change since the last shot the model does not explain, dB re response."""
+        heard, before = self.learner.heard, self._before
+        self._before = lines, heard
+        if before is None:
+            return float("nan")
+        law = self.learner.law
+        predicted = (law.matrix.response @ (lines - before[0])[..., None])[..., 0]
+        unexplained = (heard - before[1] - predicted)[law.active > 0]
+        size = max(float(np.linalg.norm(heard[law.active > 0])), FAINT)
+        return float(decibels(np.linalg.norm(unexplained) / size))
+
+    def _write_lines(self, number: int) -> None:
+        """Keep gain and certificate of every line beside the shot, (6.12)/(6.18)."""
+        law = self.learner.law
+        with self.folder.replacing(f"shots/{number:04d}.h5") as path, h5py.File(path, "w") as file:
+            for name, unit, value in (
+                ("frequency", "Hz", law.matrix.frequency),
+                ("gain", "1", law.gain(number)),
+                ("certificate", "1", law.certificate(number)),
+                ("error", "m/s^2 s", law.reference - self.learner.heard),
+            ):
+                file.create_dataset(name, data=value).attrs["unit"] = unit
+
+    def _resume(self) -> None:
+        files = shot_files(self.folder.path)
+        judged = len(read_quality(self.folder.path))
+        for number, path in enumerate(files):
+            self._learn(recording.read(path), write=number >= judged)
+        if files:
+            self.folder.event("resumed", {"shots": len(files)})
+
+    def _discarded(self, discarded: Discarded) -> None:
+        """Keep a recording that nothing is learned from, and say why."""
+        place = self.folder.path / DISCARDED
+        place.mkdir(exist_ok=True)
+        path = place / f"{self.done:04d}-{discarded.attempt}-{len(list(place.iterdir())):03d}.wav"
+        fields = {"shot": self.done, "attempt": discarded.attempt, "reason": discarded.reason}
+        finite = np.isfinite(discarded.capture.response).all()
+        if finite:
+            recording.write(path, _recording(discarded.capture, self.config))
+        else:
+            np.save(path.with_suffix(".npy"), discarded.capture.response)
+        self.folder.event("discarded", {**fields, "kept": path.name if finite else path.with_suffix(".npy").name})
+
+
+def split(record: Recording, config: RigConfig) -> tuple[np.ndarray, np.ndarray]:
+    """Return drives and responses of a shot's recording, (samples, drives) V and (samples, responses) m/s^2.
+
+    Raises
+    ------
+    RecordingError : a channel is missing.
+    """
+    drives, responses = channel_names(config)
+    return record.select(drives).data, record.select(responses).data
+
+
+def channel_names(config: RigConfig) -> tuple[list[str], list[str]]:
+    """Return the names that a shot's recording has for drives and for responses."""
+    return (
+        [f"drive_{n + 1}" for n in range(len(config.audio.drive_channels))],
+        [f"response_{n + 1}" for n in range(len(config.audio.response_channels))],
+    )
+
+
+def summary(rows: list[dict[str, str]]) -> dict[str, Any]:
+    """Return the figures that other programs read from `summary.json`.
+
+    Parameters
+    ----------
+    rows : list of dicts
+        Of `qc.csv`.
+
+    Returns
+    -------
+    dict
+        `shots`; `objective_met_shot`, the first from which the objective holds to the end, or None; `worst_line_db`
+        of the last shot over the limit, dB; `iae_ratio` per side, first over last shot.
+    """
+    sides = [key for key in rows[0] if key.startswith("iae_")] if rows else []
+    met = len(rows)
+    while met and rows[met - 1]["verdict"] == "pass":
+        met -= 1
+    worst = [float(rows[-1][key]) for key in rows[-1] if key.startswith("worst_line_db_")] if rows else []
+    return {
+        "shots": len(rows),
+        "objective_met_shot": met if met < len(rows) else None,
+        "worst_line_db": max(worst) if worst else None,
+        "iae_ratio": [float(rows[0][side]) / float(rows[-1][side]) for side in sides],
+    }
+
+
+def _recording(capture: Capture, config: RigConfig) -> Recording:
+    drives, responses = channel_names(config)
+    names = (*drives, *responses, "loopback")
+    units = ("V",) * len(drives) + ("m/s^2",) * len(responses) + ("1",)
+    data = np.column_stack((capture.emitted, capture.response, capture.loopback))
+    about = {name: repr(getattr(capture, name)) for name in EVIDENCE}
+    return Recording(names, units, config.audio.rate, data, {"rig": config.rig.name, **about})
+
+
+def _row(shot: int, gain: float, marks: Marks, evidence: Mapping[str, str], repeatability: float) -> dict[str, Any]:
+    row: dict[str, Any] = {"shot": shot, "verdict": "pass" if marks.met else "fail", "reason": marks.reason}
+    row["gain"] = f"{gain:g}"
+    sides = range(len(marks.iae))
+    for name in ("iae", "error_db", "worst_line_db", "worst_line_hz", "worst_band_db", "worst_band_hz", "thd_db"):
+        row |= {f"{name}_{side + 1}": f"{getattr(marks, name)[side]:.6g}" for side in sides}
+    for side in sides:
+        row |= {f"overtone_{n + 2}_db_{side + 1}": f"{level[side]:.2f}" for n, level in enumerate(marks.overtone_db)}
+        row[f"phase_mean_deg_{side + 1}"] = f"{np.degrees(marks.phase_mean[side]):.4f}"
+        row[f"phase_peak_deg_{side + 1}"] = f"{np.degrees(marks.phase_peak[side]):.4f}"
+    row |= {f"headroom_db_{coil + 1}": f"{level:.2f}" for coil, level in enumerate(marks.headroom_db)}
+    row["repeatability_db"] = f"{repeatability:.2f}" if np.isfinite(repeatability) else ""
+    return row | {name: evidence.get(name, "") for name in EVIDENCE}
