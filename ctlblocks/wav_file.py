@@ -1,0 +1,77 @@
+"""WAV files: samples in their own precision, names and units in the comment, every length checked against the file."""
+
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import soundfile
+
+LARGEST_WAV = 2**32 - 2**17
+"""Bytes of samples beyond which the container is RF64: what four-byte lengths can say, less room for the header."""
+LONGEST_COMMENT = 50_000
+"""Bytes.  libsndfile 1.2.2 drops a comment of more than 51 195 bytes in silence (and reads no more than 2045 back)."""
+_MARK = b'{"ctlblocks": 1, '
+_PLAIN = {"FLOAT": "float32", "PCM_16": "float32", "PCM_24": "float32", "PCM_32": "float64", "DOUBLE": "float64"}
+
+
+def write(path: Path, data: np.ndarray, rate: float, about: dict[str, Any]) -> None:
+    """Write samples, shape (frames, channels), float32 or float64, and `about`; ValueError where a WAV cannot."""
+    comment = _MARK.decode() + json.dumps(about)[1:]
+    if len(comment) > LONGEST_COMMENT:
+        raise ValueError(f"names, units and provenance take {len(comment)} bytes, must be <= {LONGEST_COMMENT}")
+    if not rate.is_integer() or rate >= 2**31 or data.shape[1] > 1024:
+        raise ValueError(f"{data.shape[1]} channels at {rate} samples/s, must be <= 1024 at a whole number < 2^31")
+    kind, subtype = "WAV" if data.nbytes <= LARGEST_WAV else "RF64", "DOUBLE" if data.dtype == float else "FLOAT"
+    with soundfile.SoundFile(path, "w", int(rate), data.shape[1], subtype, format=kind) as file:
+        file.comment = comment
+        file.write(data)
+
+
+def read(path: Path) -> tuple[np.ndarray, float, dict[str, Any]]:
+    """Read samples, rate and `about` (empty in a WAV of others); ValueError where header, samples and size disagree."""
+    chunks, size = _chunks(path)
+    if len(chunks.get(b"fmt ", b"")) < 16 or size == 0:
+        raise ValueError("the WAV has no samples, or no header that says what they are")
+    channels, rate, bytes_a_second, align, bits = struct.unpack("<HIIHH", chunks[b"fmt "][2:16])
+    if align == 0 or align != channels * -(-bits // 8) or bytes_a_second != rate * align or size % align:
+        raise ValueError(
+            f"the header does not add up: {channels} channels of {bits} bits in {align} bytes, {rate} samples/s in "
+            f"{bytes_a_second} bytes/s, {size} bytes of samples"
+        )
+    with soundfile.SoundFile(path) as file:
+        if file.subtype not in _PLAIN:
+            raise ValueError(f"samples are {file.subtype}, must be one of {', '.join(_PLAIN)}")
+        data = file.read(dtype=_PLAIN[file.subtype], always_2d=True)
+        found, said = (*data.shape, file.samplerate), (size // align, channels, rate)
+    if found != said:
+        raise ValueError(f"samples, channels, samples/s are {found}, the header says {said}")
+    comment = chunks.get(b"LIST", b"").partition(_MARK)[2].partition(b"\0")[0]
+    return data, float(rate), json.loads(b"{" + comment) if comment else {}
+
+
+def _chunks(path: Path) -> tuple[dict[bytes, bytes], int]:
+    """Return the content of every chunk but the samples by name, and how many bytes of samples there are."""
+    size = path.stat().st_size
+    chunks: dict[bytes, bytes] = {}
+    with path.open("rb") as file:
+        head = file.read(36)
+        if len(head) < 36 or head[:4] not in (b"RIFF", b"RF64") or head[8:12] != b"WAVE":
+            raise ValueError(f"not a WAV file, or its header is cut off ({size} bytes)")
+        whole, samples = int.from_bytes(head[4:8], "little"), 0
+        if head[:4] == b"RF64":
+            whole, samples = struct.unpack("<QQ", head[20:36])
+        if not whole + 8 <= size <= whole + 9:
+            raise ValueError(f"the header says {whole + 8} bytes, the file has {size}")
+        start = 12
+        while start + 8 <= size:
+            file.seek(start)
+            name, length = struct.unpack("<4sI", file.read(8))
+            if name == b"data":
+                samples = length = samples or length
+            start += 8 + length + length % 2
+            if start > size + 1 or (name in chunks and name in (b"fmt ", b"data")):
+                raise ValueError(f"the chunk {name!r} of {length} bytes ends behind the file, or comes twice")
+            chunks[name] = b"" if name == b"data" else chunks.get(name, b"") + file.read(length)
+    return chunks, samples if b"data" in chunks else 0
