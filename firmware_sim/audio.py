@@ -123,7 +123,8 @@ class Stream:
 
     def start(self) -> None:
         """Call back from now on."""
-        _refuse(self.closed, "the stream", "closed", "open to be started")
+        if self.closed:
+            raise ValueError("the stream is closed, must be open to be started")
         if self.stopped:
             self.active, self.stopped, self._cause = True, False, None
             self._halt.clear()

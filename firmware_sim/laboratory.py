@@ -1,6 +1,5 @@
 """The simulated laboratory: a plant block between the converters of an audio card, wired as on the bench."""
 
-import importlib
 import inspect
 from dataclasses import dataclass
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ctlblocks.block import Block
+from rigkit.config import resolve
 
 PLANTS = {
     "vibrator": "firmware_sim.plant_blocks:Vibrator",
@@ -62,12 +62,10 @@ class Laboratory:
     def __init__(self, plant: Block, wiring: Wiring) -> None:
         _refuse_wrong_ports(plant, wiring)
         self.plant, self.wiring = plant, wiring
-        self.rate = 0.0
         self._drive = self._response = np.zeros((0, 1))
 
     def prepare(self, rate: float, frames: int) -> None:
         """Put the plant at rest, for steps of `frames` samples at `rate` samples/s."""
-        self.rate = rate
         self._drive = np.zeros((frames, self.plant.inputs[0].width))
         self._response = np.zeros((frames, self.plant.outputs[0].width))
         self.plant.prepare(rate, frames)
@@ -78,19 +76,22 @@ class Laboratory:
         Parameters
         ----------
         played : array, shape (frames, outputs), full scale
-            Channels that are not there play nothing.
+            A channel that is not there plays nothing.
         recorded : array, shape (frames, inputs), full scale
             Filled; channels with nothing on them are silent.
         """
         wiring = self.wiring
         for column, channel in enumerate(wiring.drive_channels):
-            np.clip(played[:, channel - 1], -1.0, 1.0, out=self._drive[:, column])
+            if channel <= played.shape[1]:
+                self._drive[:, column] = played[:, channel - 1]
+        np.clip(self._drive, -1.0, 1.0, out=self._drive)
         self._drive *= wiring.output_full_scale
         self.plant.process(self._drive, self._response)
         self._response *= 1.0 / wiring.input_full_scale
         recorded.fill(0.0)
         for column, channel in enumerate(wiring.response_channels):
-            recorded[:, channel - 1] = self._response[:, column]
+            if channel <= recorded.shape[1]:
+                recorded[:, channel - 1] = self._response[:, column]
         if wiring.loopback_output <= played.shape[1] and wiring.loopback_input <= recorded.shape[1]:
             recorded[:, wiring.loopback_input - 1] = played[:, wiring.loopback_output - 1]
         np.clip(recorded, -1.0, 1.0, out=recorded)
@@ -114,23 +115,19 @@ def plant_block(name: str, options: dict[str, Any]) -> Block:
     ------
     ValueError : there is no such plant, it does not know an option, or it refuses one.
     """
-    path = PLANTS.get(name, name)
-    module, _, attribute = path.partition(":")
-    try:
-        build = getattr(importlib.import_module(module), attribute)
-    except (ImportError, AttributeError, ValueError) as fault:
+    if name not in PLANTS and ":" not in name:
         raise ValueError(
-            f"simulator.plant is {name!r}: {fault}; must be {', '.join(PLANTS)}, or package.module:Class of a Block"
-        ) from fault
+            f"simulator.plant is {name!r}, must be {', '.join(PLANTS)}, or package.module:Class of a Block"
+        )
+    build = resolve(PLANTS.get(name, name))
+    if not (isinstance(build, type) and issubclass(build, Block)):
+        raise ValueError(f"simulator.plant is {name!r}, must be the class of a Block")
     try:
         inspect.signature(build).bind(**options)
     except TypeError as fault:
         known = ", ".join(inspect.signature(build).parameters) or "none"
         raise ValueError(f"simulator.options for plant {name!r}: {fault}; there are {known}") from fault
-    block = build(**options)
-    if not isinstance(block, Block):
-        raise ValueError(f"simulator.plant is {name!r}, which is not a Block but {type(block).__name__}")
-    return block
+    return build(**options)
 
 
 def _refuse_wrong_ports(plant: Block, wiring: Wiring) -> None:

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import soundfile
 
 from ctlblocks.block import Block, Port
+from ctlblocks.recording import read
 from firmware_sim.plants.impulse_response import ImpulseResponsePlant
 from firmware_sim.plants.vibrator import VibratorPlant
 
@@ -64,7 +64,7 @@ class ImpulseResponse(Block):
 
     Raises
     ------
-    ValueError : a file is no WAV, is empty or not finite, or files differ in rate or channels.
+    ValueError : a file is not whole, is empty or not finite, or files differ in rate or channels.
     """
 
     def __init__(self, files: Sequence[str | Path], gain: float = 1.0) -> None:
@@ -98,24 +98,9 @@ class ImpulseResponse(Block):
 
 def _read(files: Sequence[str | Path]) -> tuple[float, np.ndarray]:
     """Return the rate and the taps, shape (taps, responses, drives)."""
-    columns: list[np.ndarray] = []
-    rates: list[float] = []
-    for file in files:
-        try:
-            samples, rate = soundfile.read(file, always_2d=True)
-        except (OSError, soundfile.SoundFileError) as fault:
-            raise ValueError(f"{file}: not a readable WAV file: {fault}") from fault
-        if not len(samples) or not np.isfinite(samples).all():
-            raise ValueError(f"{file}: must hold at least one sample, and finite ones only")
-        columns.append(samples)
-        rates.append(float(rate))
-        for name, value, first in (
-            ("samples/s", rates[-1], rates[0]),
-            ("channels", samples.shape[1], columns[0].shape[1]),
-        ):
-            if value != first:
-                raise ValueError(f"{file}: {value:g} {name}, must be {first:g} as in {files[0]}")
-    taps = np.zeros((max(map(len, columns)), columns[0].shape[1], len(columns)))
+    first = read(files[0])
+    columns = [first.data, *(read(file, rate=first.rate, channels=first.data.shape[1]).data for file in files[1:])]
+    taps = np.zeros((max(map(len, columns)), first.data.shape[1], len(columns)))
     for drive, column in enumerate(columns):
         taps[: len(column), :, drive] = column
-    return rates[0], taps
+    return first.rate, taps

@@ -6,6 +6,7 @@ from typing import Protocol, Self
 
 import numpy as np
 
+from rigkit.stop import Stopped
 from vibractl.audio_engine import Engine
 from vibractl.audio_memory import Memory, Word
 from vibractl.audio_process import AudioProcess
@@ -27,10 +28,6 @@ class ShotAbandoned(AudioError):
 
 class GuardLatched(AudioError):
     """The guard has shut itself; a person must clear it."""
-
-
-class Stopped(Exception):
-    """The emission was ramped down because somebody asked for it, by `Line.stop`."""
 
 
 class _Host(Protocol):

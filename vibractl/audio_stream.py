@@ -1,9 +1,10 @@
 """Opening the audio stream that a rig file names, or saying clearly why that cannot be."""
 
-import importlib
+import sys
 from collections.abc import Callable
 from typing import Any
 
+from rigkit.config import resolve
 from vibractl.config import Audio, RigConfig
 
 
@@ -64,18 +65,15 @@ def channels(audio: Audio) -> tuple[int, int]:
 
 
 def _constructor(config: RigConfig) -> tuple[Any, Any]:
-    path, _, name = config.audio.stream.partition(":")
+    """Return the module and the constructor; a class that wants to see the whole rig file first has `from_config`."""
     try:
-        module = importlib.import_module(path)
-        found = getattr(module, name)
-    except (ImportError, AttributeError) as fault:
-        raise AudioError(f"audio.stream is {config.audio.stream!r}: {fault}") from fault
-    except OSError as fault:  # sounddevice without PortAudio
-        raise AudioError(
-            f"audio.stream is {config.audio.stream!r}: {fault}; on Debian: apt-get install libportaudio2"
-        ) from fault
-    from_config = getattr(found, "from_config", None)
-    return module, from_config(config) if from_config else found
+        found = resolve(config.audio.stream)
+        from_config = getattr(found, "from_config", None)
+        constructor = from_config(config) if from_config else found
+    except ValueError as fault:
+        hint = "; on Debian: apt-get install libportaudio2" if "PortAudio" in str(fault) else ""
+        raise AudioError(f"audio.stream, {fault}{hint}") from fault
+    return sys.modules[found.__module__], constructor
 
 
 def _refuse_missing_channels(module: Any, audio: Audio, inputs: int, outputs: int) -> None:

@@ -15,7 +15,8 @@ import soundfile
 from firmware_sim.audio import SteppedStream, Stream
 from firmware_sim.faults import BadSample, Drop, Fault, Slip
 from firmware_sim.plant_blocks import ImpulseResponse
-from vibractl.audio import AudioError, GuardLatched, Line, ShotAbandoned, Stopped
+from rigkit.stop import Stopped
+from vibractl.audio import AudioError, GuardLatched, Line, ShotAbandoned
 from vibractl.audio_memory import Word
 from vibractl.capture import Discarded
 from vibractl.config import Audio, Limits, RigConfig, Simulator
@@ -317,8 +318,8 @@ def test_limits_beyond_the_converter_are_refused(files: list[str]) -> None:
 @pytest.mark.parametrize(
     ("audio", "reason"),
     [
-        ({"stream": "firmware_sim.audio:Missing"}, "audio.stream is 'firmware_sim.audio:Missing': .* no attribute"),
-        ({"stream": "no_such_module:Stream"}, "audio.stream is 'no_such_module:Stream': No module named"),
+        ({"stream": "firmware_sim.audio:Missing"}, "audio.stream, firmware_sim.audio:Missing: .* has no Missing"),
+        ({"stream": "no_such_module:Stream"}, "audio.stream, no_such_module:Stream: there is no module no_such_module"),
         ({"device": "USB"}, "cannot open audio.device 'USB' at 44100 .* device is 'USB', must be 'simulated'"),
     ],
 )

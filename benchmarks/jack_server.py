@@ -1,0 +1,82 @@
+"""A JACK audio server without hardware under a private name, and the simulated vibrator as its client."""
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from ctypes.util import find_library
+from typing import Any
+
+_LONGEST_END = 10.0
+"""s for a process to end when asked, before it is killed."""
+
+
+def missing() -> str:
+    """Return why no server can be started here; nothing when it can."""
+    if not (shutil.which("jackd") and shutil.which("jack_wait")):
+        return "jackd is not installed (apt-get install jackd2)"
+    if not find_library("portaudio"):
+        return "libportaudio is not installed (apt-get install libportaudio2)"
+    return ""
+
+
+@contextmanager
+def jack_server(options: Sequence[str], rate: int, period: int) -> Iterator[subprocess.Popen[bytes]]:
+    """Run jackd with the dummy driver; programs started meanwhile find it through the environment.
+
+    Parameters
+    ----------
+    options : sequence of str
+        For jackd: "-r", "-S" is sample-exact without privilege; "-R", "-P70", "-S" is real time.
+    rate : int, samples/s
+    period : int, samples
+    """
+    name = f"vibrostage{os.getpid()}"
+    settings = {"JACK_DEFAULT_SERVER": name, "JACK_NO_START_SERVER": "1", "JACK_NO_AUDIO_RESERVATION": "1"}
+    before = {key: os.environ.get(key) for key in settings}
+    os.environ |= settings
+    small = ("--port-max", "128", "-t", "5000")  # the default needs 100 MB of /dev/shm, more than containers have
+    dummy = ("-d", "dummy", "-r", str(rate), "-p", str(period), "-C", "2", "-P", "2")
+    command = ["jackd", "-n", name, *small, *options, *dummy]
+    try:
+        with _running(subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)) as server:
+            subprocess.run(["jack_wait", "-s", name, "-w", "-t", "10"], check=True, stdout=subprocess.DEVNULL)
+            yield server
+    finally:
+        for key, value in before.items():
+            os.environ.pop(key) if value is None else os.environ.__setitem__(key, value)
+
+
+@contextmanager
+def vibrator_client(settings: Sequence[str]) -> Iterator[subprocess.Popen[str]]:
+    """Run `firmware-sim vibrator --jack` as the client "shaker", from when it is ready.
+
+    Parameters
+    ----------
+    settings : sequence of str
+        "table.key=value" for `--set`.
+    """
+    command = [sys.executable, "-m", "firmware_sim", "vibrator", "--jack"]
+    for setting in settings:
+        command += ["--set", setting]
+    client = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    with _running(client):
+        assert client.stdout is not None
+        if not client.stdout.readline().startswith("shaker is ready"):
+            raise RuntimeError(client.communicate()[1])
+        yield client
+
+
+@contextmanager
+def _running(process: "subprocess.Popen[Any]") -> Iterator["subprocess.Popen[Any]"]:
+    try:
+        yield process
+    finally:
+        process.terminate()
+        try:
+            process.communicate(timeout=_LONGEST_END)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
