@@ -1,12 +1,137 @@
-"""The report of a run."""
+"""The report of a run: what was reached, how, and with which model, on one page."""
 
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from rigkit.run_folder import read_quality
+from rigkit.figure_style import styled
+from rigkit.report import Fact, Report, Section, Table
+from rigkit.run_folder import read_events
+from vibractl.figures_drive import drive_plot, drive_spectrum_plot, headroom_table
+from vibractl.figures_model import magnitude_plot, trust_plot
+from vibractl.figures_progress import learning_plot, overtone_plot, phase_plot
+from vibractl.figures_result import Result, read_result
+from vibractl.figures_spectrogram import spectrogram_plot
+from vibractl.figures_spectrum import error_plot, response_plot
+from vibractl.figures_tracking import error_time_plot, tracking_plot
+from vibractl.reference import is_file
 from vibractl.session import summary
+
+PAGE = "report.html"
 
 
 def run_report(path: Path, png: Path | None = None) -> dict[str, Any]:
-    """Draw."""
-    return summary(read_quality(path))
+    """Write `report.html` into a run folder, whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        Run folder of at least one shot; it may belong to a run that goes on.
+    png : Path, optional
+        Folder for the figures as PNG files as well.
+
+    Returns
+    -------
+    dict
+        As `session.summary`.
+
+    Raises
+    ------
+    ValueError : no shot is recorded, or the folder lacks a part.
+    """
+    result = read_result(path)
+    figures = summary([dict(row) for row in result.rows])
+    with styled():
+        report = Report(
+            f"{_reference_name(result)} on {result.made.config.rig.name}",
+            str(path.resolve()),
+            tuple(_facts(result, figures, read_events(path))),
+            tuple(_sections(result, read_events(path))),
+        )
+        report.write(path / PAGE)
+        if png is not None:
+            report.png(png)
+    return figures
+
+
+def _reference_name(result: Result) -> str:
+    reference = result.made.reference
+    if is_file(reference.text):
+        return f"Recording {Path(reference.text).name}, {result.seconds:.3g} s,"
+    kind, *numbers = reference.text.split(":")
+    return f"{kind.capitalize()} of {' to '.join(numbers[:-1])} Hz, {numbers[-1]} s,"
+
+
+def _facts(result: Result, figures: Mapping[str, Any], events: list[dict[str, Any]]) -> Iterator[Fact]:
+    met, worst, quality = figures["objective_met_shot"], figures["worst_line_db"], result.made.config.quality
+    last = result.rows[-1]
+    yield Fact(
+        f"Objective, {quality.objective:g} dB", "not met" if met is None else f"met from shot {met} on", met is not None
+    )
+    yield Fact(
+        "Worst line of the last shot", f"{abs(worst):.1f} dB {'over' if worst > 0 else 'under'} the limit", worst <= 0
+    )
+    for number, side in enumerate(result.sides):
+        yield Fact(f"IAE of side {side}, first over last", f"{figures['iae_ratio'][number]:.3g}")
+    for number, side in enumerate(result.sides):
+        yield Fact(f"Tracking error of side {side}", f"{float(last[f'error_db_{number + 1}']):.1f} dB re reference")
+    room = min(float(last[f"headroom_db_{coil}"]) for coil in result.coils)
+    yield Fact("Head-room of the last drive", f"{room:.1f} dB under {result.made.config.limits.peak:g} V", room >= 0)
+    discarded = sum(event["kind"] == "discarded" for event in events)
+    yield Fact("Shots", f"{len(result.rows)}" + (f", {discarded} discarded" if discarded else ""))
+    yield Fact(
+        "Drives to sides", f"{len(result.coils)} to {len(result.sides)}, {result.made.config.learning.structure}"
+    )
+    yield Fact("Reference", result.made.reference.text if not is_file(result.made.reference.text) else "recording")
+    yield Fact("Model measured", result.model.provenance.get("date", "no date in the model file"))
+
+
+def _sections(result: Result, events: list[dict[str, Any]]) -> Iterator[Section]:
+    yield Section("Spectrograms", plots=(spectrogram_plot(result),))
+    yield Section("Spectra", plots=(response_plot(result), error_plot(result)))
+    yield Section("Learning", plots=(learning_plot(result),))
+    yield Section("Tracking", plots=(tracking_plot(result), error_time_plot(result)))
+    yield Section("Overtones and phase", plots=(overtone_plot(result), phase_plot(result)))
+    yield Section("Drives", plots=(drive_plot(result), drive_spectrum_plot(result)), tables=(headroom_table(result),))
+    yield Section("Model", _model_text(result), plots=(magnitude_plot(result.model), trust_plot(result)))
+    yield Section("Shots", tables=(shot_table(result),))
+    if events:
+        yield Section("Events", tables=(event_table(events),))
+
+
+def _model_text(result: Result) -> str:
+    told = result.model.provenance
+    return "; ".join(f"{name}: {told[name]}" for name in ("rig", "date", "recording", "software") if name in told) + "."
+
+
+def shot_table(result: Result) -> Table:
+    """Return a row for each shot: the columns of `qc.csv` that a person reads."""
+    columns = [("gain", "gain", "{:g}")]
+    for number, side in enumerate(result.sides, start=1):
+        columns += [
+            (f"worst_line_db_{number}", f"worst line {side}, dB", "{:+.1f}"),
+            (f"worst_line_hz_{number}", "at, Hz", "{:.1f}"),
+            (f"iae_{number}", f"IAE {side}, m/s²", "{:.4g}"),
+            (f"error_db_{number}", f"error {side}, dB", "{:.1f}"),
+        ]
+    columns += [(f"headroom_db_{coil}", f"head-room {coil}, dB", "{:.1f}") for coil in result.coils]
+    columns += [("repeatability_db", "repeatability, dB", "{:.1f}"), ("residual", "alignment, samples", "{:.3f}")]
+    head = ("shot", "objective", *(title for _, title, _ in columns))
+    rows = [
+        (row["shot"], row["verdict"], *(form.format(float(row[key])) if row[key] else "–" for key, _, form in columns))
+        for row in result.rows
+    ]
+    return Table(head, tuple(rows))
+
+
+def event_table(events: list[dict[str, Any]]) -> Table:
+    """Return a row for each event of the run."""
+    rows = []
+    for event in events:
+        told = (
+            f"{key} {value:.6g}" if isinstance(value, float) else f"{key} {value}"
+            for key, value in event.items()
+            if key not in ("time", "kind")
+        )
+        rows.append((event["time"][:19].replace("T", " "), event["kind"], ", ".join(told)))
+    return Table(("time, UTC", "event", "particulars"), tuple(rows))

@@ -1,0 +1,122 @@
+"""What the figures of a run are drawn from: its set-up, the table of its shots, and its first and last recording."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from ctlblocks import recording
+from rigkit.run_folder import read_quality
+from vibractl.model_file import read_model
+from vibractl.quality import Judge
+from vibractl.session import MODEL, setup_of, shot_files, split
+from vibractl.setup import Setup
+from vibractl.transfer_matrix import TransferMatrix
+
+Row = Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One recorded shot.
+
+    Parameters
+    ----------
+    number : int
+    drive : array, shape (samples, driven coils), V, of the whole shot
+    response : array, shape (samples, sides), m/s^2, of the whole shot
+    error : array, shape (frames, sides), m/s^2
+        Reference minus response while the reference lasts, at the learner's rate.
+    """
+
+    number: int
+    drive: np.ndarray
+    response: np.ndarray
+    error: np.ndarray
+
+
+@dataclass(frozen=True)
+class Result:
+    """A run as its figures need it; only the first and the last recording are in memory.
+
+    Parameters
+    ----------
+    made : Setup
+    judge : Judge
+    model : TransferMatrix, as measured, of the whole rig
+    rows : tuple of rows of `qc.csv`, one a shot
+    ends : tuple of Shot
+        The first and the last shot; one alone in a run of one shot.
+    """
+
+    made: Setup
+    judge: Judge
+    model: TransferMatrix
+    rows: tuple[Row, ...]
+    ends: tuple[Shot, ...]
+
+    @property
+    def last(self) -> Shot:
+        """The last shot."""
+        return self.ends[-1]
+
+    @property
+    def sides(self) -> tuple[int, ...]:
+        """Accelerometers controlled, counted from 1 as on the rig."""
+        return tuple(output + 1 for output in self.made.law.outputs)
+
+    @property
+    def coils(self) -> tuple[int, ...]:
+        """Coils driven, counted from 1 as on the rig."""
+        return tuple(int(coil) + 1 for coil in driven(self.made))
+
+    @property
+    def rate(self) -> float:
+        """The learner's rate, samples/s."""
+        return self.made.shot.rate / self.made.config.learning.decimation
+
+    @property
+    def seconds(self) -> float:
+        """Length of the reference, s."""
+        return self.made.shot.frames / self.made.shot.rate
+
+    @cached_property
+    def reference(self) -> np.ndarray:
+        """The reference at the learner's rate, (frames, sides), m/s^2."""
+        return self.judge.error(np.zeros((self.made.shot.total, len(self.made.config.audio.response_channels))))
+
+    def column(self, name: str) -> np.ndarray:
+        """Return a column of `qc.csv` as numbers, (shots,); an empty cell is NaN."""
+        return np.array([float(row[name] or "nan") for row in self.rows])
+
+
+def read_result(path: Path) -> Result:
+    """Read a run folder.
+
+    Raises
+    ------
+    ValueError : no shot is recorded and judged, or the folder lacks a part.
+    """
+    made = setup_of(path)
+    files, rows = shot_files(path), read_quality(path)
+    shots = min(len(files), len(rows))
+    if not shots:
+        raise ValueError(f"{path}: {len(files)} shots are recorded and {len(rows)} judged, must be at least 1 of each")
+    judge = Judge(made)
+    ends = tuple(_shot(number, files[number], made, judge) for number in sorted({0, shots - 1}))
+    return Result(made, judge, read_model(path / MODEL), tuple(rows[:shots]), ends)
+
+
+def driven(made: Setup) -> np.ndarray:
+    """Return the coils that the run drives, counted from 0."""
+    return np.flatnonzero(np.any(made.law.spread != 0, axis=1))
+
+
+def _shot(number: int, path: Path, made: Setup, judge: Judge) -> Shot:
+    record = recording.read(path, rate=made.shot.rate)
+    if len(record.data) != made.shot.total:
+        raise ValueError(f"{path}: {len(record.data)} samples, must be {made.shot.total}")
+    drive, response = split(record, made.config)
+    return Shot(number, drive[:, driven(made)], response[:, list(made.law.outputs)], judge.error(response))
