@@ -6,9 +6,12 @@ from scipy.signal import lfilter
 
 from rigkit.report import Plot, Table
 from vibractl.config import Limits
-from vibractl.figures_lines import draw_envelope, largest_by_span, look
+from vibractl.figures_lines import draw_envelope, largest_by_span, legend_above, look
 from vibractl.figures_result import Result
 from vibractl.quality import FAINT, decibels
+
+SHOWN = 100.0
+"""dB, of a drive's spectrum."""
 
 
 def drive_plot(result: Result) -> Plot:
@@ -18,14 +21,13 @@ def drive_plot(result: Result) -> Plot:
     shot = result.made.shot
     time = (np.arange(shot.total) - shot.lead) / shot.rate
     for number, axes in enumerate(rows):
-        for each in sorted(result.ends, key=lambda end: -float(np.abs(end.drive[:, number]).max())):
-            style = look(result, each)
-            draw_envelope(axes, time, each.drive[:, number], {**style, "alpha": 0.75})
+        for each in result.ends:
+            draw_envelope(axes, time, each.drive[:, number], look(result, each))
         axes.set_ylabel("drive, V")
         axes.set_title(f"Coil {result.coils[number]}")
         axes.set_xlim(time[0], time[-1])
     rows[-1].set_xlabel("time, s")
-    rows[0].legend(loc="upper right", ncols=2)
+    legend_above(rows[0])
     return Plot(figure, "Drives over time, as the smallest and the largest sample of each short span.")
 
 
@@ -35,17 +37,21 @@ def drive_spectrum_plot(result: Result) -> Plot:
     rows = figure.subplots(len(result.coils), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     shot, (low, high) = result.made.shot, result.made.config.learning.band
     frequency = np.fft.rfftfreq(shot.frames, 1 / shot.rate)
+    loudest = -np.inf
     learned = (frequency >= low) & (frequency <= high)
     for number, axes in enumerate(rows):
         for each in result.ends:
             size = np.abs(np.fft.rfft(each.drive[shot.window, number]))[learned] / shot.rate
             place, largest = largest_by_span(frequency[learned], size)
             axes.plot(place, decibels(largest), linewidth=0.8, **look(result, each))
+            loudest = max(loudest, decibels(largest).max())
         axes.set_ylabel("dB re 1 V s")
         axes.set_title(f"Coil {result.coils[number]}: spectrum of the drive")
     rows[-1].set_xlabel("frequency, Hz")
-    rows[0].legend(loc="upper right", ncols=2)
-    return Plot(figure, "Spectra of the drives over the lines that are learned: what cancels the overtones is small.")
+    rows[0].set_ylim(bottom=max(rows[0].get_ylim()[0], loudest - SHOWN))
+    rows[0].margins(x=0.01)
+    legend_above(rows[0])
+    return Plot(figure, "Spectra of the drives over the lines that are learned.")
 
 
 def headroom_table(result: Result) -> Table:

@@ -5,12 +5,15 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from rigkit.figure_style import COLOURS
+from rigkit.figure_style import COLOURS, LIMIT
 from vibractl.figures_result import Result, Shot
 
 DRAWN = 1200
 """Points across a figure: two a millimetre in print."""
-REFERENCE = {"color": "#000000", "linewidth": 0.9, "label": "reference"}
+SPANS = 250
+"""Of an envelope: longer than a period from 50 Hz on when the shot is 5 s."""
+BOUND: dict[str, Any] = {**LIMIT}
+REFERENCE: dict[str, Any] = {"color": "#000000", "linewidth": 0.9, "label": "reference"}
 
 
 def look(result: Result, shot: Shot) -> dict[str, Any]:
@@ -19,8 +22,14 @@ def look(result: Result, shot: Shot) -> dict[str, Any]:
     return {"color": COLOURS[0] if last else COLOURS[1], "label": f"shot {shot.number}", "zorder": 3 if last else 2}
 
 
+def legend_above(axes: Axes) -> None:
+    """Put the legend over the axes, right of their title, where it hides nothing."""
+    entries = len(axes.get_legend_handles_labels()[1])
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, frameon=False, ncols=entries)
+
+
 def draw_envelope(axes: Axes, time: np.ndarray, signal: np.ndarray, style: dict[str, Any]) -> None:
-    """Fill between the smallest and the largest sample of each of `DRAWN` spans, so that no peak is lost.
+    """Fill between the smallest and the largest sample of each of `SPANS` spans, so that no peak is lost.
 
     Parameters
     ----------
@@ -29,10 +38,11 @@ def draw_envelope(axes: Axes, time: np.ndarray, signal: np.ndarray, style: dict[
     signal : array, shape (samples,)
     style : dict, as `look` gives it
     """
-    step = -(-len(signal) // DRAWN)
+    step = -(-len(signal) // SPANS)
     starts = np.arange(0, len(signal), step)
     low, high = np.minimum.reduceat(signal, starts), np.maximum.reduceat(signal, starts)
-    axes.fill_between(time[starts], low, high, linewidth=0.4, edgecolor=style["color"], **style)
+    middle = time[np.minimum(starts + step // 2, len(time) - 1)]
+    axes.fill_between(middle, low, high, linewidth=0.6, alpha=0.7, **style)
 
 
 def largest_by_span(frequency: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

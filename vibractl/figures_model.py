@@ -3,8 +3,9 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from rigkit.figure_style import COLOURS, LIMIT
+from rigkit.figure_style import COLOURS
 from rigkit.report import Plot
+from vibractl.figures_lines import BOUND, legend_above
 from vibractl.figures_result import Result
 from vibractl.quality import decibels
 from vibractl.transfer_matrix import TransferMatrix
@@ -31,7 +32,7 @@ def magnitude_plot(model: TransferMatrix) -> Plot:
         axes.set_ylabel("|G|, dB re 1 m/s²/V")
     for axes in grid[-1]:
         axes.set_xlabel("frequency, Hz")
-    grid[0, 0].legend(loc="lower right")
+    legend_above(grid[0, 0])
     return Plot(figure, "The measured transfer matrix, with two standard deviations of its magnitude.")
 
 
@@ -43,25 +44,25 @@ def trust_plot(result: Result) -> Plot:
     for output in range(model.outputs):
         for coil in range(model.inputs):
             number = (output * model.inputs + coil) % len(COLOURS)
-            label = f"coil {coil + 1} to side {output + 1}"
+            label = f"{coil + 1} to {output + 1}"
             above.plot(model.frequency, model.coherence[:, output, coil], color=COLOURS[number], lw=0.9, label=label)
-    above.set_ylim(top=1.02)
+    above.set_ylim(min(0.9, model.coherence.min()), 1.005)
     above.set_ylabel("coherence")
-    above.set_title("Coherence of the measurement")
-    above.legend(loc="lower right", ncols=2)
+    above.set_title("Coherence")
+    legend_above(above)
     law = result.made.law
     learned = law.active > 0
     frequency, bound = law.matrix.frequency[learned], law.certificate(0)[learned]
     below.plot(frequency, bound, "o" if learned.sum() < 100 else "-", linewidth=1.0, markersize=5)
-    below.axhline(1.0, **LIMIT, label="certified below 1")
+    below.axhline(1.0, **BOUND, label="certified below 1")
     below.set_ylim(bottom=0.0)
     below.set_ylabel("bound on contraction")
     below.set_xlabel("frequency, Hz")
-    below.set_title(f"What one update leaves of the error, at most (K = {law.gains.at(0):g})")
-    below.legend(loc="lower right")
+    below.set_title(f"Part of the error that one update leaves, at most (K = {law.gains.at(0):g})")
+    legend_above(below)
     certified = np.count_nonzero(bound < 1)
     return Plot(
         figure,
-        f"Above: part of the response that the drive explains. Below: ||I - K G G⁺|| with two standard deviations of "
-        f"doubt on G; {certified} of {len(bound)} learned lines are certified to converge.",
+        "Above: part of the response that the drive explains, coil to side. Below: ||I - K G G⁺|| with two standard "
+        f"deviations of doubt on G; {certified} of {len(bound)} learned lines are certified to converge.",
     )

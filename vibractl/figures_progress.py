@@ -5,8 +5,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from rigkit.figure_style import COLOURS, LIMIT
+from rigkit.figure_style import COLOURS
 from rigkit.report import Plot
+from vibractl.figures_lines import BOUND, legend_above
 from vibractl.figures_result import Result
 from vibractl.quality import OVERTONES
 
@@ -21,14 +22,16 @@ def learning_plot(result: Result) -> Plot:
         _draw(error, result.column(f"iae_{number + 1}"), number, f"side {side}")
         _draw(worst, result.column(f"worst_line_db_{number + 1}"), number, f"side {side}")
     error.set_yscale("log")
+    low, high = error.get_ylim()
+    error.set_ylim(low / (high / low) ** 0.15, high)  # room for the gains
     error.set_ylabel("sum of |error|, m/s²")
     error.set_title("Integrated absolute error (IAE)")
-    worst.axhline(0.0, **LIMIT, label="limit")
+    worst.axhline(0.0, **BOUND, label="limit")
     worst.set_ylabel("over the limit, dB")
     worst.set_title("Worst line: below 0 dB the objective holds")
     for axes in (error, worst):
         _mark_gains(axes, result.column("gain"), named=axes is error)
-        axes.legend(loc="upper right")
+        legend_above(axes)
     _shots(worst, len(result.rows))
     return Plot(figure, "Error of every shot. Dotted: where the learning gain K of the following updates changes.")
 
@@ -40,10 +43,10 @@ def overtone_plot(result: Result) -> Plot:
         for order in range(2, OVERTONES + 2):
             _draw(axes, result.column(f"overtone_{order}_db_{number + 1}"), order - 2, f"{order}·f")
         objective = result.made.config.quality.objective
-        axes.axhline(objective, **LIMIT)
+        axes.axhline(objective, **BOUND)
         axes.set_title(f"Side {result.sides[number]}: overtones")
     panels[0].set_ylabel("level re root, dB")
-    panels[-1].legend(loc="upper right", ncols=2)
+    legend_above(panels[-1])
     return Plot(
         figure,
         "Overtones of the response, followed along the reference's phase and given re its root. Dashed: the objective.",
@@ -60,7 +63,7 @@ def phase_plot(result: Result) -> Plot:
         axes.set_yscale("log")
         axes.set_title(f"Side {result.sides[number]}: phase error")
     panels[0].set_ylabel("phase error, degrees")
-    panels[-1].legend(loc="upper right")
+    legend_above(panels[-1])
     return Plot(figure, "Phase of the response's root against the reference's, where the reference is loud.")
 
 

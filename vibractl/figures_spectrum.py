@@ -1,12 +1,14 @@
 """Spectra of the first and the last shot, against the limit that the objective sets."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rigkit.figure_style import COLOURS, LIMIT
+from rigkit.figure_style import COLOURS
 from rigkit.report import Plot
-from vibractl.figures_lines import REFERENCE, largest_by_span, look
+from vibractl.figures_lines import BOUND, REFERENCE, largest_by_span, legend_above, look
 from vibractl.figures_result import Result
 from vibractl.quality import decibels
 
@@ -45,8 +47,8 @@ def error_plot(result: Result) -> Plot:
             else:
                 axes.plot(frequency, decibels(size[judge.judged]), "o", markersize=6, **style)
             if shot is result.last:
-                _mark_worst(axes, frequency, decibels(size[judge.judged]))
-        axes.set_title(f"Side {result.sides[side]}: error on the lines that are judged")
+                where = _mark_worst(axes, frequency, decibels(size[judge.judged]))
+                axes.set_title(f"Side {result.sides[side]}: worst {where}")
         if sine:
             axes.set_xticks(frequency)
     _finish(rows, "error re reference, dB")
@@ -64,7 +66,7 @@ def _rows(result: Result) -> tuple[Figure, list[Axes]]:
     quality = result.made.config.quality
     for axes in rows:
         span = (quality.above, quality.judged_to)
-        axes.plot(span, (quality.objective,) * 2, **LIMIT, label=f"objective, {quality.objective:g} dB", zorder=5)
+        axes.plot(span, (quality.objective,) * 2, **BOUND, label=f"objective, {quality.objective:g} dB", zorder=5)
     return figure, rows
 
 
@@ -73,10 +75,11 @@ def _finish(rows: list[Axes], label: str) -> None:
         axes.set_ylabel(label)
         axes.set_ylim(bottom=max(FLOOR, axes.get_ylim()[0]))
     rows[-1].set_xlabel("frequency, Hz")
-    rows[0].legend(loc="upper right", ncols=2)
+    rows[0].margins(x=0.01)
+    legend_above(rows[0])
 
 
-def _draw(axes: Axes, result: Result, signal: np.ndarray, side: int, style: dict[str, object]) -> None:
+def _draw(axes: Axes, result: Result, signal: np.ndarray, side: int, style: dict[str, Any]) -> None:
     """Draw one side's signal; all sides go through the judge's transform, which has room for all."""
     every = np.zeros((len(signal), len(result.sides)))
     every[:, side] = signal
@@ -88,7 +91,8 @@ def _in_decibels(frequency: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, n
     return frequency, decibels(size)
 
 
-def _mark_worst(axes: Axes, frequency: np.ndarray, level: np.ndarray) -> None:
+def _mark_worst(axes: Axes, frequency: np.ndarray, level: np.ndarray) -> str:
+    """Put a ring around the worst line, and say where it is."""
     worst = int(np.argmax(level))
     axes.plot(
         frequency[worst],
@@ -99,5 +103,5 @@ def _mark_worst(axes: Axes, frequency: np.ndarray, level: np.ndarray) -> None:
         markeredgecolor=COLOURS[6],
         markeredgewidth=1.3,
         zorder=6,
-        label=f"worst line, {level[worst]:.1f} dB at {frequency[worst]:.1f} Hz",
     )
+    return f"{level[worst]:.1f} dB at {frequency[worst]:.1f} Hz"

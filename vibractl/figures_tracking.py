@@ -1,12 +1,11 @@
 """How the response follows the reference in time: a short stretch of it, and the error of the whole shot."""
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.ndimage import uniform_filter1d
 
 from rigkit.report import Plot
-from vibractl.figures_lines import REFERENCE, draw_envelope, look
+from vibractl.figures_lines import REFERENCE, draw_envelope, legend_above, look
 from vibractl.figures_result import Result
 
 STRETCH = 0.15
@@ -22,7 +21,7 @@ def tracking_plot(result: Result) -> Plot:
     time = np.arange(part.start, part.stop) / result.rate
     for row, side in enumerate(sides):
         for column, shot in enumerate(ends):
-            axes: Axes = grid[row, column]
+            axes = grid[row, column]
             measured = (result.reference - shot.error)[part, row]
             axes.plot(time, measured, **{**look(result, shot), "label": "response"})
             axes.plot(time, result.reference[part, row], **{**REFERENCE, "linestyle": (0, (4, 2)), "zorder": 4})
@@ -32,14 +31,9 @@ def tracking_plot(result: Result) -> Plot:
     for axes in grid[:, 0]:
         axes.set_ylabel("m/s²")
     for axes in grid[0]:
-        axes.legend(loc="upper right", ncols=2)
+        legend_above(axes)
         axes.margins(x=0)
-    return Plot(figure, f"Response and reference, {part_seconds(part, result.rate)} s from the middle of the shot.")
-
-
-def part_seconds(part: slice, rate: float) -> str:
-    """Return the length of a stretch, s, as text."""
-    return f"{(part.stop - part.start) / rate:.2g}"
+    return Plot(figure, f"Response and reference, {STRETCH:g} s of it where it is loud.")
 
 
 def error_time_plot(result: Result) -> Plot:
@@ -54,7 +48,7 @@ def error_time_plot(result: Result) -> Plot:
         axes.set_title(f"Side {result.sides[number]}: tracking error")
         axes.set_xlim(0, time[-1])
     rows[-1].set_xlabel("time, s")
-    rows[0].legend(loc="upper right", ncols=2)
+    legend_above(rows[0])
     return Plot(figure, "Reference minus response over the shot, as the smallest and largest sample of short spans.")
 
 

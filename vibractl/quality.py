@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
-from scipy.signal import hilbert
+from scipy.signal import hilbert, upfirdn
+from scipy.signal.windows import blackmanharris
 
 from vibractl.config import Limits, Quality
 from vibractl.law import SIGNIFICANT
@@ -14,8 +14,13 @@ from vibractl.spectrum import Decimator, LineSpectrum
 BAND_WIDTH = 50.0
 """Hz, of the bands whose level is reported beside the worst line."""
 OVERTONES = 4
-DEMODULATION = 0.1
-"""s over which an overtone's amplitude and the root's phase are averaged."""
+PERIODS = 5.0
+"""Of the reference's lowest frequency, over which an overtone's amplitude and the root's phase are averaged.
+
+From 4 on, the other orders lie outside the main lobe of a Blackman-Harris window: 92 dB down.
+"""
+FOLLOWED = 0.005
+"""s between the values of amplitude and phase."""
 FAINT = 1e-12
 """Smallest amplitude that is given in dB, to keep silence finite."""
 
@@ -85,8 +90,10 @@ class Judge:
         self._wanted = self._spectrum.lines(self._reference)
         self._root = setup.reference.root
         self._judged = self._judged_lines(setup.config.learning.overtones)
-        self._phase, self._smooth = _analytic_phase(self._reference), round(DEMODULATION * rate)
-        self._loud = np.abs(hilbert(self._reference, axis=0)) > SIGNIFICANT * np.abs(self._reference).max(axis=0)
+        self._phase, self._hop = _analytic_phase(self._reference), max(1, round(FOLLOWED * rate))
+        self._window = self._averaging(rate)
+        loud = np.abs(hilbert(self._reference, axis=0)) > SIGNIFICANT * np.abs(self._reference).max(axis=0)
+        self._loud = loud.all(axis=1)[:: self._hop]
 
     @property
     def reference_level(self) -> np.ndarray:
@@ -169,15 +176,25 @@ class Judge:
         """Follow root and overtones along the reference's phase: levels (4, outputs) and the root's phase error."""
         parts = [self._demodulated(response, order) for order in range(1, OVERTONES + 2)]
         wanted = self._demodulated(self._reference, 1)
-        loud = self._loud.all(axis=1)
+        loud = self._loud
         root = np.maximum(_rms(np.abs(parts[0][loud])), FAINT)
         levels = np.stack([decibels(_rms(np.abs(part[loud])) / root) for part in parts[1:]])
         return levels, np.angle(parts[0] * wanted.conj())[loud]
 
     def _demodulated(self, signal: np.ndarray, order: int) -> np.ndarray:
-        turned = signal * np.exp(-1j * order * self._phase)
-        smooth: np.ndarray = uniform_filter1d(turned, self._smooth, axis=0, mode="constant")
-        return smooth
+        """Return the complex amplitude of an order of the reference's phase, every `FOLLOWED` seconds."""
+        reach = len(self._window) // 2
+        turned = np.pad(signal * np.exp(-1j * order * self._phase), ((reach, reach), (0, 0)))
+        first = (len(self._window) - 1) // self._hop
+        amplitude: np.ndarray = upfirdn(self._window, turned, 1, self._hop, axis=0)
+        return amplitude[first : first + len(self._loud)]
+
+    def _averaging(self, rate: float) -> np.ndarray:
+        size = np.abs(self._wanted).max(axis=1)
+        lowest = self.frequency[np.argmax(size > SIGNIFICANT * size.max())]
+        reach = min(round(PERIODS * rate / lowest), len(self._reference)) // (2 * self._hop) * self._hop
+        window: np.ndarray = blackmanharris(2 * reach + 1)
+        return window / window.sum()
 
 
 def _rms(signal: np.ndarray) -> np.ndarray:

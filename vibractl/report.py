@@ -18,6 +18,11 @@ from vibractl.reference import is_file
 from vibractl.session import summary
 
 PAGE = "report.html"
+SHOTS_TEXT = (
+    "For each side: over, by how much the worst line passes the limit (negative is good), and where; IAE; error, its "
+    "RMS re the reference's. For each coil: room, peak limit over peak drive. repeat: part of the response's change "
+    "since the last shot that the model does not explain, re the response. align: residual of the alignment, samples."
+)
 
 
 def run_report(path: Path, png: Path | None = None) -> dict[str, Any]:
@@ -94,7 +99,7 @@ def _sections(result: Result, events: list[dict[str, Any]]) -> Iterator[Section]
     yield Section("Overtones and phase", plots=(overtone_plot(result), phase_plot(result)))
     yield Section("Drives", plots=(drive_plot(result), drive_spectrum_plot(result)), tables=(headroom_table(result),))
     yield Section("Model", _model_text(result), plots=(magnitude_plot(result.model), trust_plot(result)))
-    yield Section("Shots", tables=(shot_table(result),))
+    yield Section("Shots", SHOTS_TEXT, tables=(shot_table(result),))
     if events:
         yield Section("Events", tables=(event_table(events),))
 
@@ -109,13 +114,13 @@ def shot_table(result: Result) -> Table:
     columns = [("gain", "gain", "{:g}")]
     for number, side in enumerate(result.sides, start=1):
         columns += [
-            (f"worst_line_db_{number}", f"worst line {side}, dB", "{:+.1f}"),
+            (f"worst_line_db_{number}", f"over {side}, dB", "{:+.1f}"),
             (f"worst_line_hz_{number}", "at, Hz", "{:.1f}"),
-            (f"iae_{number}", f"IAE {side}, m/s²", "{:.4g}"),
+            (f"iae_{number}", f"IAE {side}, m/s²", "{:.0f}"),
             (f"error_db_{number}", f"error {side}, dB", "{:.1f}"),
         ]
-    columns += [(f"headroom_db_{coil}", f"head-room {coil}, dB", "{:.1f}") for coil in result.coils]
-    columns += [("repeatability_db", "repeatability, dB", "{:.1f}"), ("residual", "alignment, samples", "{:.3f}")]
+    columns += [(f"headroom_db_{coil}", f"room {coil}, dB", "{:.1f}") for coil in result.coils]
+    columns += [("repeatability_db", "repeat, dB", "{:.1f}"), ("residual", "align", "{:.3f}")]
     head = ("shot", "objective", *(title for _, title, _ in columns))
     rows = [
         (row["shot"], row["verdict"], *(form.format(float(row[key])) if row[key] else "–" for key, _, form in columns))
