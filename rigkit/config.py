@@ -86,9 +86,10 @@ def resolve(name: str) -> Any:
 
 
 def _origin(where: tuple[str, ...], path: str | Path | None, overrides: Sequence[Override]) -> str:
-    for override in reversed(overrides):
-        shared = min(len(where), len(override.path))
-        if where and where[:shared] == override.path[:shared]:
-            return f"{override.origin}: "
-    sources = [*([str(path)] if path is not None else []), *(override.origin for override in overrides if not where)]
+    """Say where the value of key or table `where` came from; of a table, each source that had a part in it."""
+    setting_it = [override.origin for override in overrides if where[: len(override.path)] == override.path]
+    if setting_it:
+        return f"{setting_it[-1]}: "
+    within = [override.origin for override in overrides if override.path[: len(where)] == where]
+    sources = [*([str(path)] if path is not None else []), *within]
     return f"{' '.join(sources)}: " if sources else ""

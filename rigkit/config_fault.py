@@ -47,8 +47,8 @@ def _explained(fault: ErrorDetails, model: type[BaseModel], data: Mapping[str, A
     if field is None and fault["type"] == "extra_forbidden":
         path = (*way, str(location[len(way)]))
         return path, _unknown(path, model_at(model, way), data)
-    if not way:
-        return (), str(reason or fault["msg"])
+    if field is None and reason is not None:
+        return way, str(reason)
     value = f"{key_text(*way)} is {shown(_value(data, way))}"
     if reason is not None:
         return way, f"{value}: {reason}"

@@ -10,13 +10,16 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
+import numpy as np
+from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 
 from rigkit import atomic
 from rigkit.figure_style import styled
 
-LARGEST_SVG = 200_000
-"""Bytes up to which a figure goes in as SVG, sharp at any size; beyond, the smaller of SVG and PNG."""
+MOST_POINTS = 10_000
+"""Up to so many points a figure of lines goes in as SVG, sharp at any size; a denser one, or an image, as PNG."""
 
 
 @dataclass(frozen=True)
@@ -128,11 +131,10 @@ def _paragraphs(text: str) -> list[str]:
 
 
 def _image(figure: Figure) -> str:
-    svg = _rendered(figure, "svg")
-    kind, content = "svg+xml", svg
-    if len(svg) > LARGEST_SVG and len(png := _rendered(figure, "png")) < len(svg):
-        kind, content = "png", png
-    return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
+    points = sum(np.size(line.get_xdata()) for axes in figure.axes for line in axes.lines)
+    images = figure.findobj(AxesImage) + figure.findobj(QuadMesh)
+    kind, mime = ("png", "png") if images or points > MOST_POINTS else ("svg", "svg+xml")
+    return f"data:image/{mime};base64,{base64.b64encode(_rendered(figure, kind)).decode()}"
 
 
 def _rendered(figure: Figure, kind: str) -> bytes:

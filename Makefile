@@ -1,0 +1,79 @@
+# Everything a person does with a checkout.  Each target sets up what it needs.
+
+RUN_COMMAND ?= .venv/bin/python -m vibractl demo
+
+# The Python that makes .venv: the first of these that is new enough, or the one given as PYTHON=...
+PYTHONS = $(or $(PYTHON),python3.11 python3 python3.13 python3.12)
+
+BIN := .venv/bin
+STAMP := .venv/installed
+PACKAGES := ctlblocks rigkit vibractl calibration firmware_sim
+KEY = $(shell cat pyproject.toml | sha256sum | cut -c1-16) $(CURDIR)
+
+.PHONY: run test check soak bench setup packages docs clean help
+
+help:            ## this list
+	@grep -hE '^[a-z]+: .*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 10
+
+setup:           ## .venv with everything installed; quick when it is there
+	@test "$$(cat $(STAMP) 2>/dev/null)" = "$(KEY)" || $(MAKE) --no-print-directory install
+
+run: setup       ## the main job: identify and learn on the simulated vibrator, then a report
+	$(RUN_COMMAND)
+
+test: setup packages  ## the tests, without the slow ones and those that need a rig
+	$(BIN)/pytest -q -m "not rig and not slow"
+
+check: setup     ## ruff, mypy, import contracts
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/lint-imports --no-cache
+
+soak: setup packages  ## the slow tests: minutes
+	$(BIN)/pytest -q -m slow --timeout=1800
+
+bench: setup packages ## benchmarks and the comparisons with peers
+	$(BIN)/pytest -q benchmarks --benchmark-only
+
+docs: setup      ## regenerate what is generated: docs/rig.toml
+	$(BIN)/vibractl example-config > docs/rig.toml
+
+clean:           ## remove .venv, caches and builds
+	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis .benchmarks
+	find $(PACKAGES) tests benchmarks examples -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# --- what the targets above are made of ---------------------------------------------------------
+
+.PHONY: install
+install:
+	@if ! $(BIN)/pip --version >/dev/null 2>&1; then \
+	  for python in $(PYTHONS) ""; do \
+	    if [ -z "$$python" ]; then echo "of $(PYTHONS) none is Python >= 3.11; say make PYTHON=/path/to/python3"; exit 1; fi; \
+	    if $$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then break; fi; \
+	  done; \
+	  if ! $$python -c 'import ensurepip, venv' 2>/dev/null; then \
+	    echo "$$python cannot make a virtual environment: it has no ensurepip.  On Debian and Ubuntu:"; \
+	    $$python -c 'import sys; print("  apt-get install python%d.%d-venv" % sys.version_info[:2])'; \
+	    echo "or say make PYTHON=/path/to/python3"; exit 1; \
+	  fi; \
+	  echo "making .venv with $$python"; $$python -m venv --clear .venv; \
+	fi
+	@echo "installing into .venv"
+	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[dev]'
+	@echo "$(KEY)" > $(STAMP)
+
+# PortAudio and JACK, for the tests that go through a real audio server; those say why they skip where it is missing.
+packages:
+	@missing=""; \
+	ldconfig -p 2>/dev/null | grep -q libportaudio || missing="$$missing libportaudio2"; \
+	command -v jackd >/dev/null || missing="$$missing jackd2"; \
+	if [ -z "$$missing" ]; then exit 0; fi; \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+	  echo "installing$$missing"; \
+	  export DEBIAN_FRONTEND=noninteractive; \
+	  apt-get update -qq && apt-get install -y -qq --no-install-recommends $$missing >/dev/null \
+	    || echo "apt-get could not install$$missing: the tests with a real audio server will be skipped"; \
+	else \
+	  echo "not installed:$$missing (apt-get install$$missing): the tests with a real audio server will be skipped"; \
+	fi

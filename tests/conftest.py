@@ -1,0 +1,6 @@
+"""What holds for every test: random cases are the same ones each time."""
+
+import hypothesis
+
+hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None)
+hypothesis.settings.load_profile("repeatable")

@@ -1,0 +1,140 @@
+"""The folder of a run: never overwritten, held by one process, resumable after a kill at any moment."""
+
+import json
+import subprocess
+import sys
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rigkit.lock import FolderInUseError
+from rigkit.run_folder import RunFolder, read_events, read_quality
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "runs" / "first"
+
+
+def test_a_new_folder_holds_its_configuration_and_a_place_for_shots(path: Path) -> None:
+    with RunFolder.create(path, "[rig]\n") as folder:
+        assert (path / "config.toml").read_text() == "[rig]\n"
+        assert (path / "shots").is_dir()
+        assert folder.shot(7) == path / "shots" / "0007.wav"
+
+
+def test_a_folder_with_content_is_refused_and_left_as_it_was(path: Path) -> None:
+    path.mkdir(parents=True)
+    (path / "thesis.txt").write_text("years of work")
+    with pytest.raises(FolderInUseError, match=r"first/ is in use: it holds thesis\.txt; choose another folder$"):
+        RunFolder.create(path, "")
+    assert [entry.name for entry in path.iterdir()] == ["thesis.txt"]
+
+
+def test_a_run_is_not_started_where_one_has_been(path: Path) -> None:
+    RunFolder.create(path, "").close()
+    with pytest.raises(FolderInUseError, match="it holds config.toml"):
+        RunFolder.create(path, "")
+
+
+def test_a_file_is_no_folder_for_a_run(path: Path) -> None:
+    path.parent.mkdir()
+    path.write_text("x")
+    with pytest.raises(FolderInUseError, match="is a file, must be a folder to make"):
+        RunFolder.create(path, "")
+
+
+def test_an_empty_folder_is_taken(path: Path) -> None:
+    path.mkdir(parents=True)
+    RunFolder.create(path, "").close()
+
+
+def test_only_one_process_at_a_time_works_in_a_folder(path: Path) -> None:
+    with RunFolder.create(path, ""), pytest.raises(FolderInUseError, match="is in use by process"):
+        RunFolder.open(path)
+    RunFolder.open(path).close()
+
+
+def test_a_folder_without_a_configuration_cannot_be_taken_up(path: Path) -> None:
+    path.mkdir(parents=True)
+    with pytest.raises(ValueError, match=r"first/ is not the folder of a run: it has no config\.toml"):
+        RunFolder.open(path)
+    assert list(path.iterdir()) == []
+
+
+def test_what_a_kill_left_is_swept_up_when_the_folder_is_opened(path: Path) -> None:
+    RunFolder.create(path, "").close()
+    (path / "shots" / ".0003.0a1b2c3d.tmp.wav").write_bytes(b"half")
+    (path / "events.jsonl").write_bytes(b'{"kind": "shot"}\n{"kin')
+    (path / "qc.csv").write_bytes(b"shot,iae\n0,1.5\n1,0.")
+    assert read_events(path) == [{"kind": "shot"}]
+    assert read_quality(path) == [{"shot": "0", "iae": "1.5"}]
+    with RunFolder.open(path) as folder:
+        folder.quality({"shot": 1, "iae": 0.75})
+    assert list((path / "shots").iterdir()) == []
+    assert (path / "events.jsonl").read_bytes() == b'{"kind": "shot"}\n'
+    assert (path / "qc.csv").read_text() == "shot,iae\n0,1.5\n1,0.75\n"
+
+
+def test_an_event_carries_the_time_in_utc_its_kind_and_its_fields(path: Path) -> None:
+    with RunFolder.create(path, "") as folder:
+        folder.event("discarded", {"shot": np.int64(3), "reason": "xrun", "delay": float("nan")})
+    (event,) = read_events(path)
+    time = datetime.fromisoformat(event.pop("time"))
+    assert abs((datetime.now(UTC) - time).total_seconds()) < 60
+    assert event == {"kind": "discarded", "shot": 3, "reason": "xrun", "delay": None}
+
+
+def test_an_event_cannot_hide_its_own_time(path: Path) -> None:
+    with RunFolder.create(path, "") as folder, pytest.raises(ValueError, match="a field is called time"):
+        folder.event("shot", {"time": 3})
+
+
+def test_an_event_that_is_not_json_is_named_by_its_line(path: Path) -> None:
+    RunFolder.create(path, "").close()
+    (path / "events.jsonl").write_text('{"kind": "shot"}\nnonsense\n')
+    with pytest.raises(ValueError, match="line 2 is not JSON: 'nonsense'"):
+        read_events(path)
+
+
+def test_quality_rows_stand_under_one_header_and_keep_every_bit(path: Path) -> None:
+    with RunFolder.create(path, "") as folder:
+        folder.quality({"shot": 0, "iae, m/s^2": 0.1 + 0.2})
+        folder.quality({"shot": 1, "iae, m/s^2": np.float64(1e-30)})
+    assert (path / "qc.csv").read_text().splitlines()[0] == 'shot,"iae, m/s^2"'
+    assert [float(row["iae, m/s^2"]) for row in read_quality(path)] == [0.1 + 0.2, 1e-30]
+
+
+def test_a_row_with_other_columns_is_refused(path: Path) -> None:
+    with RunFolder.create(path, "") as folder:
+        folder.quality({"shot": 0, "iae": 1.0})
+        with pytest.raises(ValueError, match=r"qc\.csv: the columns are shot,iae, but the row has shot,thd"):
+            folder.quality({"shot": 1, "thd": 1.0})
+    assert len(read_quality(path)) == 1
+
+
+def test_the_summary_is_json_and_replaced_whole(path: Path) -> None:
+    with RunFolder.create(path, "") as folder:
+        folder.summarise({"shots": 1, "iae_ratio": np.array([1.0, 2.0])})
+        folder.summarise({"shots": 2, "objective_met_shot": None})
+    assert json.loads((path / "summary.json").read_text()) == {"shots": 2, "objective_met_shot": None}
+
+
+def test_a_library_writes_a_file_through_a_temporary_name(path: Path) -> None:
+    with RunFolder.create(path, "") as folder:
+        with folder.replacing("model.h5") as temporary:
+            temporary.write_bytes(b"model")
+            assert not (path / "model.h5").exists()
+        folder.write("report.html", "page")
+    assert (path / "model.h5").read_bytes() == b"model"
+    assert (path / "report.html").read_text() == "page"
+
+
+@pytest.mark.parametrize(("kind", "fewest_kills"), [("steps", 80), ("random", 50)])
+def test_a_run_killed_at_any_moment_is_taken_up_and_ends_the_same(kind: str, fewest_kills: int, path: Path) -> None:
+    command = [sys.executable, "-m", "tests.rigkit.killed_run", kind, str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=50, check=False)
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) >= fewest_kills

@@ -1,0 +1,52 @@
+"""Ctrl-C that ends a long job safely."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from rigkit.stop import SIGNALS, stoppable
+
+IN_COMPILED_CODE = """
+import os, signal, threading
+from rigkit.stop import stoppable
+with stoppable():
+    os.kill(os.getpid(), signal.SIGINT)
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+    except KeyboardInterrupt:
+        os.kill(os.getpid(), signal.SIGINT)
+"""
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_the_first_signal_asks_and_the_block_goes_on(number: int, capfd: pytest.CaptureFixture[str]) -> None:
+    with stoppable() as request:
+        assert not request.made
+        os.kill(os.getpid(), number)
+        assert request.made
+    assert "stopping safely; Ctrl-C again ends at once" in capfd.readouterr().err
+
+
+def test_the_second_signal_interrupts() -> None:
+    def stopped_twice() -> None:
+        with stoppable():
+            os.kill(os.getpid(), signal.SIGINT)
+            os.kill(os.getpid(), signal.SIGTERM)
+
+    with pytest.raises(KeyboardInterrupt):
+        stopped_twice()
+
+
+def test_the_third_is_the_systems() -> None:
+    done = subprocess.run([sys.executable, "-c", IN_COMPILED_CODE], capture_output=True, timeout=30, check=False)
+    assert done.returncode == -signal.SIGINT
+
+
+def test_afterwards_signals_do_what_they_did_before() -> None:
+    before = [signal.getsignal(number) for number in SIGNALS]
+    with stoppable():
+        assert [signal.getsignal(number) for number in SIGNALS] != before
+    assert [signal.getsignal(number) for number in SIGNALS] == before
