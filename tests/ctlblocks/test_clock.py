@@ -85,7 +85,7 @@ def test_offline_stops_from_another_thread_after_a_whole_tick() -> None:
     graph.add("tell", Tell())
     graph.prepare()
     done: list[int] = []
-    thread = threading.Thread(target=lambda: done.append(run_offline(graph, 10**9, stop)))
+    thread = threading.Thread(target=lambda: done.append(run_offline(graph, 10**9, stop)), daemon=True)
     thread.start()
     assert running.wait(5)
     stop.set()
@@ -172,7 +172,7 @@ def test_a_timer_stops_from_another_thread_and_zeroes() -> None:
         real_sleep(seconds)
 
     timer = Timer(graph, ["work.drive"], now=time, sleep=sleep)
-    thread = threading.Thread(target=timer.run)
+    thread = threading.Thread(target=timer.run, daemon=True)
     thread.start()
     assert slept.wait(5)
     timer.stop()
