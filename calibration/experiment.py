@@ -1,0 +1,159 @@
+"""An experiment in batches: excite, save raw, compute only then; stopped or killed, it goes on where it was."""
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Protocol, Self
+
+import numpy as np
+
+from ctlblocks import recording
+from ctlblocks.recording import Recording
+from rigkit import atomic
+from rigkit.json_text import json_text
+from rigkit.lock import Lock
+
+Emit = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+"""Plays a drive, shape (samples, drives), and returns what was emitted and the responses, one row a sample, float32."""
+_LOCK = ".lock"
+
+
+class RawFolderError(ValueError):
+    """A raw folder does not belong to the experiment that is asked for."""
+
+
+class Batch(Protocol):
+    """One recording of an experiment, made again from its parameters whenever it is needed."""
+
+    @property
+    def samples(self) -> int:
+        """Length of the drive."""
+
+    def drive(self) -> np.ndarray:
+        """Return the drive, shape (samples, drives)."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is to be recorded.
+
+    Parameters
+    ----------
+    name : str
+        Begins the names of its files; another for each plan of a raw folder.
+    settings : mapping of str to str
+        Everything the drives, and what they meet, depend on: two plans are the same if these are.
+    rate : float, samples/s
+    drives, responses : sequences of (str, str)
+        Name and unit of each channel.
+    batches : sequence of Batch
+    """
+
+    name: str
+    settings: Mapping[str, str]
+    rate: float
+    drives: Sequence[tuple[str, str]]
+    responses: Sequence[tuple[str, str]]
+    batches: Sequence[Batch]
+
+    @property
+    def fingerprint(self) -> str:
+        """Tells this plan from another by a few characters."""
+        text = json.dumps(dict(self.settings), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    @property
+    def seconds(self) -> float:
+        """Length of all batches, s."""
+        return sum(batch.samples for batch in self.batches) / self.rate
+
+
+class RawFolder:
+    """The raw recordings of an experiment, `NAME.json` and `NAME-000.wav` ... for each plan; a context manager.
+
+    A file is there whole or not at all, and no recording is ever written twice.  While it is open it is locked
+    against other processes.
+
+    Parameters
+    ----------
+    path : Path
+        Made if absent.
+
+    Raises
+    ------
+    FolderInUseError : on entry, another process is working in it.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def __enter__(self) -> Self:
+        """Lock the folder and sweep up what a kill left."""
+        self.path.mkdir(parents=True, exist_ok=True)
+        self._lock = Lock(self.path / _LOCK)
+        for leftover in [*atomic.leftovers(self.path), *self.path.glob(".*.tmp")]:
+            leftover.unlink(missing_ok=True)
+        return self
+
+    def __exit__(self, *fault: object) -> None:
+        """Release the lock."""
+        self._lock.release()
+
+    def file(self, plan: Plan, number: int) -> Path:
+        """Return where the recording of a batch belongs, counted from 0."""
+        return self.path / f"{plan.name}-{number:03d}.wav"
+
+    def recorded(self, plan: Plan) -> float:
+        """Return how much of a plan is recorded, s."""
+        there = (batch for number, batch in enumerate(plan.batches) if self.file(plan, number).is_file())
+        return sum(batch.samples for batch in there) / plan.rate
+
+    def record(self, plan: Plan, emit: Emit) -> Iterator[tuple[Batch, Recording]]:
+        """Yield every batch with its recording: those that are there, then those that `emit` still has to make.
+
+        A recording is on the disk before it is yielded, and what is yielded is what the disk holds.
+
+        Raises
+        ------
+        RawFolderError : the folder was recorded with other settings; it says which.
+        RecordingError : a file of the folder is damaged.
+        """
+        self._keep(plan)
+        names, units = zip(*plan.drives, *plan.responses, strict=True)
+        for number, batch in enumerate(plan.batches):
+            path = self.file(plan, number)
+            if not path.is_file():
+                emitted, response = emit(batch.drive())
+                about = {"plan": plan.name, "batch": str(number), "fingerprint": plan.fingerprint, "date": now()}
+                data = np.hstack([emitted, response]).astype(np.float32)
+                recording.write(path, Recording(names, units, plan.rate, data, about))
+            record = recording.read(path, rate=plan.rate, names=names)
+            if record.provenance.get("fingerprint") != plan.fingerprint or len(record.data) != batch.samples:
+                raise RawFolderError(f"{path}: is not batch {number} of this experiment; remove it to record it again")
+            yield batch, record
+
+    def _keep(self, plan: Plan) -> None:
+        """Write what a plan was made from, or compare with what is written."""
+        path = self.path / f"{plan.name}.json"
+        if not path.is_file():
+            atomic.write(path, f"{json_text(dict(plan.settings), indent=2)}\n")
+            return
+        try:
+            before: dict[str, Any] = dict(json.loads(path.read_text(encoding="utf-8")))
+        except (ValueError, TypeError) as fault:
+            raise RawFolderError(f"{path}: not readable ({fault}); use another folder") from None
+        differ = [key for key in {**before, **plan.settings} if before.get(key) != plan.settings.get(key)]
+        if differ:
+            key, more = differ[0], f" (and {len(differ) - 1} more)" if len(differ) > 1 else ""
+            raise RawFolderError(
+                f"{self.path}/ was recorded with {key} = {before.get(key)}, now it is {plan.settings.get(key)}{more}; "
+                "go back to the old settings, or use another folder"
+            )
+
+
+def now() -> str:
+    """Return the time, UTC, for a provenance."""
+    return datetime.now(UTC).isoformat(timespec="seconds")

@@ -1,0 +1,102 @@
+"""What the recordings of a preloaded stepped sine say: the transfer matrix at every tone, with its variance."""
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+from scipy.signal.windows import tukey
+
+from calibration.line_fit import LineEstimator, background
+from calibration.stepped_sine import Tones
+from ctlblocks.recording import Recording
+from vibractl.config import RigConfig
+from vibractl.spectrum import Decimator
+from vibractl.transfer_matrix import TransferMatrix
+
+HEADROOM = 0.8
+"""Of the decimated Nyquist frequency, what is used."""
+BEYOND = 60.0
+"""Hz past the band, from where harmonics of the preload still leak into it."""
+
+
+def decimation(config: RigConfig) -> int:
+    """Return by how much recordings are decimated before their tones are fitted."""
+    nyquist = config.audio.rate / 2
+    top = config.characterisation.band[1] + BEYOND
+    return next((factor for factor in (16, 8, 4, 2) if top <= HEADROOM * nyquist / factor), 1)
+
+
+class SweepEstimator:
+    """Turns recorded batches into lines of the transfer matrix.
+
+    Parameters
+    ----------
+    config : RigConfig
+    """
+
+    def __init__(self, config: RigConfig) -> None:
+        self._settings = config.characterisation
+        self._sides, self._factor = len(config.audio.drive_channels), decimation(config)
+        self._rate = config.audio.rate / self._factor
+        self._decimator = Decimator(self._factor)
+        self._silence = np.zeros((0, len(config.audio.response_channels)))
+
+    def hear_silence(self, record: Recording) -> None:
+        """Take what is heard without a drive into every variance from now on."""
+        self._silence = self._signals(record)[:, self._sides :]
+
+    def lines(self, batch: Tones, record: Recording) -> TransferMatrix:
+        """Estimate G at every tone of a batch.
+
+        Source
+        ------
+        Sörnmo 2015, eq. (6.3)-(6.6): G = Y U^-1 over one experiment a side.
+
+        Departs
+        -------
+        Y and U are amplitudes of a windowed least-squares fit, see `LineEstimator`.
+        """
+        signals, frames = self._signals(record), batch.window // self._factor
+        window = tukey(frames, self._settings.tukey, sym=False)
+        starts = np.take_along_axis(batch.starts // self._factor, np.argsort(batch.order, axis=1), axis=1)
+        found = []
+        for tone, frequency in enumerate(batch.frequency):
+            others = self._harmonics(batch.preload_frequency[tone]) if batch.preload else np.zeros(0)
+            estimator = LineEstimator(window, self._rate, float(frequency), others)
+            fits = [estimator.fit(signals[start : start + frames]) for start in starts[:, tone]]
+            amplitude = np.stack([fit.amplitude for fit in fits], axis=1)
+            noise = np.stack([fit.variance[self._sides :] for fit in fits], axis=1)
+            if len(self._silence) >= frames:
+                noise = np.maximum(noise, background(self._silence, window, self._rate, float(frequency))[:, None])
+            found.append(_matrix_of(amplitude[: self._sides], amplitude[self._sides :], noise))
+        response, variance, coherence = (np.stack(part) for part in zip(*found, strict=True))
+        order = np.argsort(batch.frequency)
+        return TransferMatrix(batch.frequency[order], response[order], variance[order], coherence[order])
+
+    def _signals(self, record: Recording) -> np.ndarray:
+        return self._decimator.apply(record.data.astype(float))
+
+    def _harmonics(self, preload: float) -> np.ndarray:
+        harmonics: np.ndarray = preload * np.arange(1, int((self._settings.band[1] + BEYOND) / preload) + 1)
+        return harmonics
+
+
+def joined(parts: Iterable[TransferMatrix], provenance: Mapping[str, str]) -> TransferMatrix:
+    """Put the lines of all batches in one matrix."""
+    parts = list(parts)
+    frequency = np.concatenate([part.frequency for part in parts])
+    order = np.argsort(frequency)
+    return TransferMatrix(
+        frequency[order],
+        np.concatenate([part.response for part in parts])[order],
+        np.concatenate([part.variance for part in parts])[order],
+        np.concatenate([part.coherence for part in parts])[order],
+        provenance,
+    )
+
+
+def _matrix_of(drive: np.ndarray, response: np.ndarray, noise: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Divide the responses by the drives, columns being experiments: (6.6), and what the noise makes of it."""
+    inverse = np.linalg.inv(drive)
+    matrix = response @ inverse
+    power = np.abs(response) ** 2
+    return matrix, noise @ np.abs(inverse) ** 2, power / (power + noise)

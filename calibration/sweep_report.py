@@ -1,0 +1,202 @@
+"""What a sweep found, drawn and in figures: the response with its uncertainty, the preload's map, the refined grid."""
+
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from calibration.preload import clearance, preload_frequencies
+from calibration.refinement import interpolation_error
+from calibration.vibrator import Calibration
+from calibration.vibrator_sweep import TOLERANCE
+from rigkit.figure_style import COLOURS, LIMIT, styled
+from rigkit.report import Fact, Plot, Report, Section, Table
+from vibractl.config import RigConfig
+from vibractl.transfer_matrix import TransferMatrix, norm
+
+BANDS = (0.0, 100.0, 200.0, 400.0, math.inf)
+"""Hz, between which lines are counted together."""
+WORST = 5
+"""Lines named one by one."""
+
+
+def relative_deviation(matrix: TransferMatrix) -> np.ndarray:
+    """Return the standard deviation of G, Frobenius, over its largest singular value; shape (bins,), 1."""
+    deviation: np.ndarray = np.sqrt(matrix.variance.sum(axis=(-2, -1))) / norm(matrix.response)
+    return deviation
+
+
+def band_rows(matrix: TransferMatrix) -> list[tuple[str, ...]]:
+    """Return a row of text for each band: lines, median and worst relative deviation, where, least coherence."""
+    relative = relative_deviation(matrix)
+    rows: list[tuple[str, ...]] = []
+    for low, high in zip(BANDS, BANDS[1:], strict=False):
+        inside = (matrix.frequency >= low) & (matrix.frequency < high)
+        if inside.any():
+            frequency, there = matrix.frequency[inside], relative[inside]
+            worst = int(there.argmax())
+            rows.append(
+                (
+                    f"{frequency[0]:g} to {frequency[-1]:g} Hz",
+                    f"{inside.sum()}",
+                    f"{100 * np.median(there):.3g}",
+                    f"{100 * there[worst]:.3g}",
+                    f"{frequency[worst]:g}",
+                    f"{_least_diagonal(matrix.coherence[inside]):.5f}",
+                )
+            )
+    return rows
+
+
+BAND_HEAD = ("band", "lines", "median deviation, %", "worst, %", "at, Hz", "least coherence on the diagonal")
+
+
+def worst_rows(matrix: TransferMatrix) -> list[tuple[str, ...]]:
+    """Return a row of text for each of the least certain lines."""
+    relative = relative_deviation(matrix)
+    worst = np.argsort(relative)[::-1][:WORST]
+    size = norm(matrix.response)
+    return [(f"{matrix.frequency[n]:g}", f"{100 * relative[n]:.3g}", f"{size[n]:.3g}") for n in worst]
+
+
+WORST_HEAD = ("least certain lines, Hz", "deviation, %", "|G|, m/s^2/V")
+
+
+def sweep_figures(found: Calibration) -> dict[str, Any]:
+    """Return what `--json` writes."""
+    relative = relative_deviation(found.matrix)
+    figures: dict[str, Any] = {
+        "lines": len(found.matrix.frequency),
+        "seconds_of_signal": found.seconds,
+        "median_relative_deviation": float(np.median(relative)),
+        "worst_relative_deviation": float(relative.max()),
+        "least_coherence": _least_diagonal(found.matrix.coherence),
+    }
+    if len(found.passes) > 1:
+        difference = pass_difference(found)
+        figures["first_pass_median_difference"] = float(np.median(difference))
+        figures["first_pass_worst_difference"] = float(difference.max())
+    return figures
+
+
+def pass_difference(found: Calibration) -> np.ndarray:
+    """Return by how much the first pass, interpolated, misses each line of the second, relative to |G|; (bins,), 1."""
+    first, last = found.passes
+    missed: np.ndarray = norm(first.at(last.frequency).response - last.response) / norm(last.response)
+    return missed
+
+
+def sweep_report(found: Calibration, config: RigConfig) -> Report:
+    """Put the report of a calibration together."""
+    settings, figures = config.characterisation, sweep_figures(found)
+    facts = (
+        Fact("lines", f"{figures['lines']}"),
+        Fact("signal", f"{found.seconds / 60:.1f} min"),
+        Fact("median relative deviation", f"{100 * figures['median_relative_deviation']:.2g} %"),
+        Fact("preload and probe", f"{settings.preload:g} V and {settings.probe:g} V a side"),
+    )
+    with styled():
+        sections = _sections(found, config)
+    subtitle = f"{config.rig.name}, {found.matrix.provenance['date']}"
+    return Report("Vibrator calibration", subtitle, facts, tuple(sections))
+
+
+def _sections(found: Calibration, config: RigConfig) -> list[Section]:
+    certainty = "Two standard deviations are shaded.  Only noise is in them: not drift, not what had not settled."
+    sections = [
+        Section("Transfer matrix", certainty, (Plot(_bode(found.matrix), "Magnitude and phase, output from input."),)),
+        Section(
+            "Certainty",
+            "",
+            (Plot(_certainty(found.matrix), "Relative standard deviation, and coherence of each output and input."),),
+            (Table(BAND_HEAD, tuple(band_rows(found.matrix))), Table(WORST_HEAD, tuple(worst_rows(found.matrix)))),
+        ),
+    ]
+    if config.characterisation.preload:
+        text = "The preload makes way for the probe, but stays near the middle of its band."
+        caption = "Where the preload was for each probe, and how far its harmonics and mixing products stayed away."
+        sections.append(Section("Preload", text, (Plot(_preload_map(found.matrix.frequency, config), caption),)))
+    if len(found.passes) > 1:
+        text = "Intervals are halved until interpolation is predicted to be within the limit, or the finest is reached."
+        caption = "Spacing of the lines; what interpolating the first pass misses, as predicted and by the second."
+        sections.append(Section("Refined grid", text, (Plot(_grid(found), caption),)))
+    return sections
+
+
+def _bode(matrix: TransferMatrix) -> Figure:
+    figure = Figure(figsize=(8.0, 3.0 * matrix.outputs + 1.5))
+    rows, heights = 2 * matrix.outputs, [2, 1] * matrix.outputs
+    axes = figure.subplots(rows, matrix.inputs, sharex=True, squeeze=False, height_ratios=heights)
+    for output, drive in np.ndindex(matrix.outputs, matrix.inputs):
+        level, phase = axes[2 * output, drive], axes[2 * output + 1, drive]
+        response = matrix.response[:, output, drive]
+        size, band = np.abs(response), 2 * np.sqrt(matrix.variance[:, output, drive])
+        _shade(level, matrix.frequency, _decibels(size - band), _decibels(size + band))
+        level.plot(matrix.frequency, _decibels(size), linewidth=0.9)
+        level.set_title(f"response {output + 1} from drive {drive + 1}")
+        angle, doubt = np.degrees(np.angle(response)), np.degrees(np.minimum(band / size, np.pi))
+        _shade(phase, matrix.frequency, angle - doubt, angle + doubt)
+        phase.plot(matrix.frequency, angle, ".", markersize=1.2)
+        phase.set(ylim=(-190, 190), yticks=(-180, 0, 180))
+        if drive == 0:
+            level.set_ylabel("dB re 1 m/s²/V")
+            phase.set_ylabel("phase, °")
+        if output == matrix.outputs - 1:
+            phase.set_xlabel("Hz")
+    return figure
+
+
+def _certainty(matrix: TransferMatrix) -> Figure:
+    figure = Figure(figsize=(8.0, 5.0))
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    upper.semilogy(matrix.frequency, 100 * relative_deviation(matrix))
+    upper.set_ylabel("deviation of G, %")
+    for number, (output, drive) in enumerate(np.ndindex(matrix.outputs, matrix.inputs)):
+        colour = COLOURS[number % len(COLOURS)]
+        doubt = np.maximum(1 - matrix.coherence[:, output, drive], 1e-12)
+        lower.semilogy(matrix.frequency, doubt, color=colour, linewidth=0.9, label=f"{output + 1} from {drive + 1}")
+    lower.invert_yaxis()
+    lower.set(ylabel="1 - coherence", xlabel="Hz")
+    lower.legend(ncols=4)
+    return figure
+
+
+def _preload_map(frequency: np.ndarray, config: RigConfig) -> Figure:
+    preload = preload_frequencies(frequency, config.characterisation.preload_band)
+    figure = Figure(figsize=(8.0, 4.5))
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    upper.plot(frequency, preload, ".", markersize=2)
+    upper.set_ylabel("preload, Hz")
+    lower.plot(frequency, clearance(frequency, preload), ".", markersize=2, color=COLOURS[1])
+    lower.set(ylabel="clearance, Hz", xlabel="probe, Hz", ylim=(0, None))
+    return figure
+
+
+def _grid(found: Calibration) -> Figure:
+    first, last = found.passes
+    middle = (first.frequency[:-1] + first.frequency[1:]) / 2
+    figure = Figure(figsize=(8.0, 5.5))
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1, 2])
+    upper.plot(last.frequency[:-1], np.diff(last.frequency), drawstyle="steps-post")
+    upper.set_ylabel("spacing, Hz")
+    lower.semilogy(middle, 100 * interpolation_error(first.frequency, first.response), label="predicted, first pass")
+    lower.semilogy(last.frequency, 100 * pass_difference(found), ".", markersize=3, label="first pass against second")
+    lower.axhline(100 * TOLERANCE, label="limit of the second pass", **LIMIT)
+    lower.set(ylabel="relative to |G|, %", xlabel="Hz")
+    lower.legend()
+    return figure
+
+
+def _shade(axes: Axes, frequency: np.ndarray, low: np.ndarray, high: np.ndarray) -> None:
+    axes.fill_between(frequency, low, high, color=COLOURS[4], alpha=0.5, linewidth=0)
+
+
+def _decibels(size: np.ndarray) -> np.ndarray:
+    level: np.ndarray = 20 * np.log10(np.maximum(size, 1e-6))
+    return level
+
+
+def _least_diagonal(coherence: np.ndarray) -> float:
+    return float(np.diagonal(coherence, axis1=1, axis2=2).min())

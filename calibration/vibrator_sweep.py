@@ -1,0 +1,116 @@
+"""The preloaded stepped sine: which tones are played, in which batches, in both passes."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibration.experiment import Batch, Plan
+from calibration.preload import preload_frequencies
+from calibration.refinement import memory, refined
+from calibration.stepped_sine import Tones
+from calibration.sweep_estimate import decimation
+from vibractl.config import RigConfig
+from vibractl.transfer_matrix import TransferMatrix
+
+BATCH = 30.0
+"""s, a batch at most, unless one tone takes longer."""
+SILENCE = 10.0
+"""s, recorded before all tones: what is heard then is heard beside every tone."""
+TOLERANCE = 0.004
+"""1, error of interpolation, relative to the response, to which the second pass refines the grid."""
+SETTLED = 4.0
+"""Time constants of the response, as the first pass saw it, that the second pass lets pass before a tone ..."""
+LONGEST_SETTLE = 1.0
+"""s, ... at most."""
+
+
+@dataclass(frozen=True)
+class Silence:
+    """A batch without a drive.
+
+    Parameters
+    ----------
+    samples, sides : int
+    """
+
+    samples: int
+    sides: int
+
+    def drive(self) -> np.ndarray:
+        """Return zeros, shape (samples, sides), V."""
+        return np.zeros((self.samples, self.sides))
+
+
+def first_pass(config: RigConfig) -> Plan:
+    """Plan silence and an evenly spaced sweep, up on the first side and down on the next."""
+    settings = config.characterisation
+    low, high = settings.band
+    frequency = low + settings.step * np.arange(int(np.floor((high - low) / settings.step + 1e-9)) + 1)
+    silence = Silence(round(SILENCE * config.audio.rate), len(config.audio.drive_channels))
+    batches = [silence, *_batches(config, frequency, np.full(len(frequency), settings.settle))]
+    return _plan(config, "pass-1", batches, {"step": repr(settings.step)})
+
+
+def second_pass(config: RigConfig, first: TransferMatrix) -> Plan:
+    """Plan the sweep again, with more lines where the response bends and more patience where it rings.
+
+    Source
+    ------
+    Sörnmo 2015, sec. 6.6: the grid is refined around peaks and notches, and everything measured once more.
+
+    Departs
+    -------
+    The time to settle grows with the response's own time constant: in half a second a mode of 1 Hz bandwidth does not
+    forget the tone before.
+    """
+    settings = config.characterisation
+    frequency = refined(first.frequency, first.response, TOLERANCE, settings.finest)
+    ringing = np.interp(frequency, first.frequency, memory(first.frequency, first.response))
+    settle = np.clip(SETTLED * ringing, settings.settle, max(LONGEST_SETTLE, settings.settle))
+    settle = np.ceil(settle * 100) / 100
+    grid = " ".join(f"{f:g}:{s:g}" for f, s in zip(frequency, settle, strict=True))
+    return _plan(config, "pass-2", _batches(config, frequency, settle), {"grid": grid})
+
+
+def longest_batch(config: RigConfig) -> float:
+    """Return how long a batch of this rig can be, s."""
+    settings, sides = config.characterisation, len(config.audio.drive_channels)
+    one = sides * (settings.tone + max(settings.settle, LONGEST_SETTLE))
+    return 2 * max(BATCH, one) + SILENCE
+
+
+def _batches(config: RigConfig, frequency: np.ndarray, settle: np.ndarray) -> list[Batch]:
+    settings, sides = config.characterisation, len(config.audio.drive_channels)
+    preload = preload_frequencies(frequency, settings.preload_band)
+    elapsed = np.cumsum(sides * (settle + settings.tone))
+    number = np.floor(elapsed / BATCH).astype(int)
+    parts = [np.flatnonzero(number == each) for each in np.unique(number)]
+    step = decimation(config)
+    return [
+        Tones(
+            frequency[part], preload[part], settle[part], settings.tone, settings.preload, settings.probe,
+            sides, float(config.audio.rate), step,
+        )
+        for part in parts
+    ]  # fmt: skip
+
+
+def _plan(config: RigConfig, name: str, batches: list[Batch], more: Mapping[str, str]) -> Plan:
+    """Put a plan together; its settings are all that drives and plant depend on."""
+    audio, settings = config.audio, config.characterisation
+    depends = {
+        "rig.name": config.rig.name,
+        **{f"audio.{key}": repr(getattr(audio, key)) for key in ("stream", "device", "rate", "drive_channels")},
+        **{f"audio.{key}": repr(getattr(audio, key)) for key in ("response_channels", "input_full_scale")},
+        **{f"simulator.options.{key}": repr(value) for key, value in sorted(config.simulator.options.items())},
+        "simulator.plant": config.simulator.plant,
+        **{
+            f"characterisation.{key}": repr(getattr(settings, key))
+            for key in ("band", "tone", "settle", "preload", "preload_band", "probe")
+        },
+        **{f"characterisation.{key}": text for key, text in more.items()},
+    }
+    drives = [(f"drive_{side + 1}", "V") for side in range(len(audio.drive_channels))]
+    responses = [(f"response_{side + 1}", "m/s^2") for side in range(len(audio.response_channels))]
+    return Plan(name, depends, float(audio.rate), drives, responses, batches)
