@@ -17,7 +17,7 @@ AMPLIFIER_CLIP = 30.0
 """V."""
 COIL_OFFSET, COIL_REACH = 0.5e-3, 2.5e-3
 """m: the coil rests off the middle of its field; displacement from there that halves the force factor."""
-STIFFENING, SAG = 1.0e-3, 0.12e-3
+STIFFENING, SAG = 1.0e-3, 0.2e-3
 """m: elongation at which the cubic force equals the linear one, and the spring element's elongation at rest."""
 STOP_GAP, STOP_STIFFNESS = 0.15e-3, 0.08
 """m and 1 (of the spring's): a rubber stop on one side, which rattles."""

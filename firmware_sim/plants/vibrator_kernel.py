@@ -63,11 +63,17 @@ def run_modes(
         memory[3] = (memory[3] + step * r2 / slip) / (1 + step * abs(r2) / slip)
         memory[4] = (memory[4] + step * w1 / joint_slip) / (1 + step * abs(w1) / joint_slip)
         memory[5] = (memory[5] + step * w2 / joint_slip) / (1 + step * abs(w2) / joint_slip)
-        response[n, 0] = a1 + direct[0, 0] * c1 + direct[0, 1] * c2 - (
-            direct[0, 2] * f1 + direct[0, 3] * f2 + direct[0, 4] * h1 + direct[0, 5] * h2
+        response[n, 0] = (
+            a1
+            + direct[0, 0] * c1
+            + direct[0, 1] * c2
+            - (direct[0, 2] * f1 + direct[0, 3] * f2 + direct[0, 4] * h1 + direct[0, 5] * h2)
         )
-        response[n, 1] = a2 + direct[1, 0] * c1 + direct[1, 1] * c2 - (
-            direct[1, 2] * f1 + direct[1, 3] * f2 + direct[1, 4] * h1 + direct[1, 5] * h2
+        response[n, 1] = (
+            a2
+            + direct[1, 0] * c1
+            + direct[1, 1] * c2
+            - (direct[1, 2] * f1 + direct[1, 3] * f2 + direct[1, 4] * h1 + direct[1, 5] * h2)
         )
         for m in range(q.shape[0]):
             force = coil1[m] * c1 + coil2[m] * c2
@@ -79,7 +85,12 @@ def run_modes(
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
 def retune(
-    frequency: np.ndarray, damping: np.ndarray, shell: np.ndarray, step: float, recursion: np.ndarray, shapes: np.ndarray
+    frequency: np.ndarray,
+    damping: np.ndarray,
+    shell: np.ndarray,
+    step: float,
+    recursion: np.ndarray,
+    shapes: np.ndarray,
 ) -> None:
     """Compute the exact recursion of modes at `frequency` (modes,) Hz for a force held over `step` s, in place."""
     for m in range(frequency.shape[0]):
@@ -99,9 +110,7 @@ def retune(
 
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
-def add_pickup(
-    response: np.ndarray, noise: np.ndarray, rms: float, hum: float, cycles: float, first: int
-) -> None:
+def add_pickup(response: np.ndarray, noise: np.ndarray, rms: float, hum: float, cycles: float, first: int) -> None:
     """Add sensor noise of `rms` m/s^2 and mains hum: `hum` m/s^2 at `cycles` per sample, a tenth of it at the third."""
     for n in range(response.shape[0]):
         sine = np.sin(2 * np.pi * ((cycles * (first + n)) % 1.0))

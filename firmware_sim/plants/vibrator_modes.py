@@ -26,7 +26,7 @@ GLOBAL_MODES, GLOBAL_BAND = 27, (180.0, 640.0)
 """Flexural modes of the whole, in the band that is looked at ..."""
 UPPER_MODES, UPPER_BAND = 5, (670.0, 1300.0)
 """... and above it, whose stiffness is felt below."""
-FLEXURAL_DAMPING = (0.005, 0.014)
+LOCAL_DAMPING, FLEXURAL_DAMPING = (0.012, 0.025), (0.006, 0.016)
 FLEXURAL_SHAPE, JOINT_SHAPE = 0.028, 0.1
 """1/sqrt(kg), size of a flexural mode at coil, spring and shell, and at the joints."""
 LOCAL_LEAK, PAIR_SPREAD = 0.15, 0.03
@@ -53,7 +53,10 @@ def vibrator_modes(rng: np.random.Generator) -> Modes:
     """Draw one vibrator: no two have the same masses, springs and flexure."""
     lumped, flexural = _lumped(rng), _flexural(rng)
     return Modes(
-        *(np.concatenate([getattr(part, name) for part in (lumped, flexural)], axis=-1) for name in Modes.__annotations__)
+        *(
+            np.concatenate([getattr(part, name) for part in (lumped, flexural)], axis=-1)
+            for name in Modes.__annotations__
+        )
     )
 
 
@@ -84,7 +87,9 @@ def _add_spring(stiffness: np.ndarray, a: int, b: int, value: float) -> None:
 
 def _flexural(rng: np.random.Generator) -> Modes:
     """Shell and spring flexure: in pairs of one side each at the lower end, of both sides above."""
-    pairs = np.repeat(_spread(rng, LOCAL_PAIRS, LOCAL_BAND), 2) * (1 + rng.uniform(-0.5, 0.5, 2 * LOCAL_PAIRS) * PAIR_SPREAD)
+    pairs = np.repeat(_spread(rng, LOCAL_PAIRS, LOCAL_BAND), 2) * (
+        1 + rng.uniform(-0.5, 0.5, 2 * LOCAL_PAIRS) * PAIR_SPREAD
+    )
     upper = np.sort(rng.uniform(*UPPER_BAND, UPPER_MODES))
     frequency = np.concatenate([pairs, _spread(rng, GLOBAL_MODES, GLOBAL_BAND), upper])
     count = len(frequency)
@@ -96,6 +101,7 @@ def _flexural(rng: np.random.Generator) -> Modes:
         return FLEXURAL_SHAPE * weight * sign * rng.uniform(0.5, 1.5, (2, count))
 
     damping = rng.uniform(*FLEXURAL_DAMPING, count)
+    damping[: len(pairs)] = rng.uniform(*LOCAL_DAMPING, len(pairs))
     joint = JOINT_SHAPE * weight * rng.standard_normal((2, count))
     return Modes(frequency, damping, shape(), shape(), joint, shape())
 
