@@ -15,19 +15,19 @@ SHOWN = 100.0
 
 
 def drive_plot(result: Result) -> Plot:
-    """Draw each coil's drives over time, a row for each coil, all on one scale."""
+    """Draw each coil's drives over time, a row for each coil and a column for each shot, all on one scale."""
     figure = Figure(figsize=(8.0, 0.7 + 1.9 * len(result.coils)))
-    rows = figure.subplots(len(result.coils), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    grid = figure.subplots(len(result.coils), len(result.ends), sharex=True, sharey=True, squeeze=False)
     shot = result.made.shot
     time = (np.arange(shot.total) - shot.lead) / shot.rate
-    for number, axes in enumerate(rows):
-        for each in result.ends:
+    for number, coil in enumerate(result.coils):
+        for axes, each in zip(grid[number], result.ends, strict=True):
             draw_envelope(axes, time, each.drive[:, number], look(result, each))
-        axes.set_ylabel("drive, V")
-        axes.set_title(f"Coil {result.coils[number]}")
-        axes.set_xlim(time[0], time[-1])
-    rows[-1].set_xlabel("time, s")
-    legend_above(rows[0])
+            axes.set_title(f"Coil {coil}, shot {each.number}: peak {np.abs(each.drive[:, number]).max():.3g} V")
+            axes.set_xlim(time[0], time[-1])
+        grid[number, 0].set_ylabel("drive, V")
+    for axes in grid[-1]:
+        axes.set_xlabel("time, s")
     return Plot(figure, "Drives over time, as the smallest and the largest sample of each short span.")
 
 

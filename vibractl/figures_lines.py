@@ -10,8 +10,8 @@ from vibractl.figures_result import Result, Shot
 
 DRAWN = 1200
 """Points across a figure: two a millimetre in print."""
-SPANS = 250
-"""Of an envelope: longer than a period from 50 Hz on when the shot is 5 s."""
+SPANS = 100
+"""Of an envelope: each longer than a period from 20 Hz on when the shot is 5 s."""
 BOUND: dict[str, Any] = {**LIMIT}
 REFERENCE: dict[str, Any] = {"color": "#000000", "linewidth": 0.9, "label": "reference"}
 
@@ -42,7 +42,7 @@ def draw_envelope(axes: Axes, time: np.ndarray, signal: np.ndarray, style: dict[
     starts = np.arange(0, len(signal), step)
     low, high = np.minimum.reduceat(signal, starts), np.maximum.reduceat(signal, starts)
     middle = time[np.minimum(starts + step // 2, len(time) - 1)]
-    axes.fill_between(middle, low, high, linewidth=0.6, alpha=0.7, **style)
+    axes.fill_between(middle, low, high, linewidth=0.6, **style)
 
 
 def largest_by_span(frequency: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -46,7 +46,7 @@ def trust_plot(result: Result) -> Plot:
             number = (output * model.inputs + coil) % len(COLOURS)
             label = f"{coil + 1} to {output + 1}"
             above.plot(model.frequency, model.coherence[:, output, coil], color=COLOURS[number], lw=0.9, label=label)
-    above.set_ylim(min(0.9, model.coherence.min()), 1.005)
+    above.set_ylim(min(0.9, model.coherence.min() - 0.02), 1.005)
     above.set_ylabel("coherence")
     above.set_title("Coherence")
     legend_above(above)
@@ -55,7 +55,7 @@ def trust_plot(result: Result) -> Plot:
     frequency, bound = law.matrix.frequency[learned], law.certificate(0)[learned]
     below.plot(frequency, bound, "o" if learned.sum() < 100 else "-", linewidth=1.0, markersize=5)
     below.axhline(1.0, **BOUND, label="certified below 1")
-    below.set_ylim(bottom=0.0)
+    below.set_ylim(0.0, max(1.1, 1.05 * bound.max()))
     below.set_ylabel("bound on contraction")
     below.set_xlabel("frequency, Hz")
     below.set_title(f"Part of the error that one update leaves, at most (K = {law.gains.at(0):g})")

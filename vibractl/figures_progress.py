@@ -46,7 +46,7 @@ def overtone_plot(result: Result) -> Plot:
         axes.axhline(objective, **BOUND)
         axes.set_title(f"Side {result.sides[number]}: overtones")
     panels[0].set_ylabel("level re root, dB")
-    legend_above(panels[-1])
+    panels[-1].legend(loc="best", ncols=2)
     return Plot(
         figure,
         "Overtones of the response, followed along the reference's phase and given re its root. Dashed: the objective.",
@@ -63,7 +63,7 @@ def phase_plot(result: Result) -> Plot:
         axes.set_yscale("log")
         axes.set_title(f"Side {result.sides[number]}: phase error")
     panels[0].set_ylabel("phase error, degrees")
-    legend_above(panels[-1])
+    panels[-1].legend(loc="best", ncols=2)
     return Plot(figure, "Phase of the response's root against the reference's, where the reference is loud.")
 
 

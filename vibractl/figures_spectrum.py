@@ -24,7 +24,7 @@ def response_plot(result: Result) -> Plot:
             _draw(axes, result, (result.reference - shot.error)[:, side], side, look(result, shot))
         _draw(axes, result, result.reference[:, side], side, {**REFERENCE, "zorder": 4})
         axes.set_title(f"Side {result.sides[side]}: response")
-    _finish(rows, "level re reference, dB")
+    _finish(rows, "level re reference, dB", FLOOR)
     return Plot(
         figure,
         "Spectra of the response; 0 dB is the reference's own level. Dashed: the objective. "
@@ -35,9 +35,8 @@ def response_plot(result: Result) -> Plot:
 def error_plot(result: Result) -> Plot:
     """Draw the errors' spectra where they are judged, and mark the line nearest to the limit or farthest above."""
     figure, rows = _rows(result)
-    judge = result.judge
+    judge, sine = result.judge, result.made.reference.root is not None
     frequency = judge.frequency[judge.judged]
-    sine = result.made.reference.root is not None
     for side, axes in enumerate(rows):
         for shot in result.ends:
             size = np.abs(judge.lines(shot.error)[:, side]) / judge.reference_level[side]
@@ -51,7 +50,7 @@ def error_plot(result: Result) -> Plot:
                 axes.set_title(f"Side {result.sides[side]}: worst {where}")
         if sine:
             axes.set_xticks(frequency)
-    _finish(rows, "error re reference, dB")
+    _finish(rows, "error re reference, dB", -np.inf if sine else FLOOR)
     what = "the root's overtones" if sine else f"every line from {frequency[0]:g} to {frequency[-1]:g} Hz"
     return Plot(
         figure,
@@ -63,17 +62,20 @@ def _rows(result: Result) -> tuple[Figure, list[Axes]]:
     sides = len(result.sides)
     figure = Figure(figsize=(8.0, 0.7 + 2.4 * sides))
     rows = list(figure.subplots(sides, 1, sharex=True, sharey=True, squeeze=False)[:, 0])
-    quality = result.made.config.quality
+    quality, root = result.made.config.quality, result.made.reference.root
+    span = (quality.above, quality.judged_to)
+    if root is not None:
+        judged = result.judge.frequency[result.judge.judged]
+        span = (judged[0] - root / 2, judged[-1] + root / 2)
     for axes in rows:
-        span = (quality.above, quality.judged_to)
         axes.plot(span, (quality.objective,) * 2, **BOUND, label=f"objective, {quality.objective:g} dB", zorder=5)
     return figure, rows
 
 
-def _finish(rows: list[Axes], label: str) -> None:
+def _finish(rows: list[Axes], label: str, floor: float) -> None:
     for axes in rows:
         axes.set_ylabel(label)
-        axes.set_ylim(bottom=max(FLOOR, axes.get_ylim()[0]))
+        axes.set_ylim(bottom=max(floor, axes.get_ylim()[0]))
     rows[-1].set_xlabel("frequency, Hz")
     rows[0].margins(x=0.01)
     legend_above(rows[0])

@@ -37,18 +37,19 @@ def tracking_plot(result: Result) -> Plot:
 
 
 def error_time_plot(result: Result) -> Plot:
-    """Draw the error over the whole reference, a row for each side, on one scale."""
+    """Draw the error over the whole reference, a row for each side and a column for each shot, on one scale."""
     figure = Figure(figsize=(8.0, 0.7 + 1.9 * len(result.sides)))
-    rows = figure.subplots(len(result.sides), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    grid = figure.subplots(len(result.sides), len(result.ends), sharex=True, sharey=True, squeeze=False)
     time = np.arange(len(result.reference)) / result.rate
-    for number, axes in enumerate(rows):
-        for shot in result.ends:
+    for number, side in enumerate(result.sides):
+        for axes, shot in zip(grid[number], result.ends, strict=True):
             draw_envelope(axes, time, shot.error[:, number], look(result, shot))
-        axes.set_ylabel("error, m/s²")
-        axes.set_title(f"Side {result.sides[number]}: tracking error")
-        axes.set_xlim(0, time[-1])
-    rows[-1].set_xlabel("time, s")
-    legend_above(rows[0])
+            peak = np.abs(shot.error[:, number]).max()
+            axes.set_title(f"Side {side}, shot {shot.number}: peak {peak:.2g} m/s²")
+            axes.set_xlim(0, result.seconds)
+        grid[number, 0].set_ylabel("error, m/s²")
+    for axes in grid[-1]:
+        axes.set_xlabel("time, s")
     return Plot(figure, "Reference minus response over the shot, as the smallest and largest sample of short spans.")
 
 

@@ -193,8 +193,9 @@ class Judge:
         size = np.abs(self._wanted).max(axis=1)
         lowest = self.frequency[np.argmax(size > SIGNIFICANT * size.max())]
         reach = min(round(PERIODS * rate / lowest), len(self._reference)) // (2 * self._hop) * self._hop
-        window: np.ndarray = blackmanharris(2 * reach + 1)
-        return window / window.sum()
+        window = blackmanharris(2 * reach + 1)
+        normalised: np.ndarray = window / window.sum()
+        return normalised
 
 
 def _rms(signal: np.ndarray) -> np.ndarray:

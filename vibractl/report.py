@@ -88,7 +88,8 @@ def _facts(result: Result, figures: Mapping[str, Any], events: list[dict[str, An
         "Drives to sides", f"{len(result.coils)} to {len(result.sides)}, {result.made.config.learning.structure}"
     )
     yield Fact("Reference", result.made.reference.text if not is_file(result.made.reference.text) else "recording")
-    yield Fact("Model measured", result.model.provenance.get("date", "no date in the model file"))
+    date = result.model.provenance.get("date")
+    yield Fact("Model measured", f"{date[:16].replace('T', ' ')} UTC" if date else "not dated")
 
 
 def _sections(result: Result, events: list[dict[str, Any]]) -> Iterator[Section]:
