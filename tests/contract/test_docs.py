@@ -114,6 +114,20 @@ def test_the_block_contract_needs_numpy_and_soundfile_and_nothing_else() -> None
     assert found - allowed == set()
 
 
+def test_every_name_in_the_list_of_symbols_is_in_its_file() -> None:
+    rows = [
+        line.split(" | ") for line in (ROOT / "docs/symbols.md").read_text().splitlines() if line.endswith(".py` |")
+    ]
+    missing = [
+        f"{name} in {row[-1]}"
+        for row in rows
+        for name in re.findall(r"`(?:\w+\.)*(\w+)`", row[-3])
+        if not re.search(rf"\b{name}\b", (ROOT / row[-1].strip("` |")).read_text())
+    ]
+    assert len(rows) > 20
+    assert missing == []
+
+
 def _length(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
     assert node.end_lineno is not None
     words = node.body[0] if ast.get_docstring(node) is not None else None

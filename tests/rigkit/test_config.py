@@ -151,6 +151,13 @@ def test_a_fault_in_the_file_is_not_blamed_on_an_override(tmp_path: Path) -> Non
         load(path, RigFile, ["device.gain=2"])
 
 
+def test_a_fault_in_an_override_is_not_blamed_on_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "rig.toml"
+    path.write_text("[device]\nrate = 48000\n")
+    with pytest.raises(ConfigError, match=r"^--set device.rate=3: device.rate is 3"):
+        load(path, RigFile, ["device.gain=2", "device.rate=3"])
+
+
 def test_a_fault_between_keys_names_every_source_of_their_table(tmp_path: Path) -> None:
     path = tmp_path / "rig.toml"
     path.write_text("[device]\nband = [30, 40]\n")

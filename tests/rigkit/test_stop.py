@@ -9,7 +9,7 @@ import pytest
 
 from rigkit.stop import SIGNALS, stoppable
 
-IN_COMPILED_CODE = """
+THREE_TIMES = """
 import os, signal, threading
 from rigkit.stop import stoppable
 with stoppable():
@@ -17,7 +17,7 @@ with stoppable():
     try:
         os.kill(os.getpid(), signal.SIGINT)
     except KeyboardInterrupt:
-        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), signal.SIGTERM)
 """
 
 
@@ -41,8 +41,8 @@ def test_the_second_signal_interrupts() -> None:
 
 
 def test_the_third_is_the_systems() -> None:
-    done = subprocess.run([sys.executable, "-c", IN_COMPILED_CODE], capture_output=True, timeout=30, check=False)
-    assert done.returncode == -signal.SIGINT
+    done = subprocess.run([sys.executable, "-c", THREE_TIMES], capture_output=True, timeout=30, check=False)
+    assert done.returncode == -signal.SIGTERM
 
 
 def test_afterwards_signals_do_what_they_did_before() -> None:
