@@ -22,7 +22,7 @@ def show(
     """
     device = load(config, RigFile, settings or ()).device
     command.write_json(json, {"rate": device.rate, "gain": np.float64(device.gain), "worst": np.nan})
-    command.print_table("Device [1]", ["key", "value [V]"], [["gain", f"{device.gain}"]], command.words(json))
+    command.print_table("Device [1]", ["key", "value [V]"], [["gain [bold]", f"{device.gain}"]], command.words(json))
 
 
 @app.command()

@@ -74,7 +74,7 @@ def test_figures_go_to_a_file_and_the_table_to_stdout(call, tmp_path: Path, caps
     assert json.loads((tmp_path / "figures.json").read_text()) == {"rate": 44100, "gain": 1.5, "worst": None}
     rows = [line.split() for line in capsys.readouterr().out.splitlines()]
     assert ["key", "value", "[V]"] in rows
-    assert ["gain", "1.5"] in rows
+    assert ["gain", "[bold]", "1.5"] in rows
 
 
 def test_figures_on_stdout_have_it_for_themselves(call, capsys: pytest.CaptureFixture[str]) -> None:
