@@ -9,6 +9,7 @@ import typer
 from calibration.experiment import RawFolder
 from calibration.sweep_report import BAND_HEAD, WORST_HEAD, band_rows, sweep_figures, sweep_report, worst_rows
 from calibration.vibrator import Calibration, LiveLine, calibrate
+from calibration.vibrator_sweep import refuse_unfit
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, application, print_table, run, words, write_json
 from rigkit.stop import Stopped, stoppable
@@ -40,6 +41,7 @@ def vibrator_command(
     if no_preload:
         laid_over.append("characterisation.preload=0.0")
     rig = rig_file.load(config, RigConfig, laid_over)
+    refuse_unfit(rig)
     with RawFolder(_raw_folder(out)) as raw:
         found = _calibrated(rig, raw)
         write_model(out, found.matrix)

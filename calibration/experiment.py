@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -99,7 +100,12 @@ class RawFolder:
         return self
 
     def __exit__(self, *fault: object) -> None:
-        """Release the lock."""
+        """Release the lock; take the folder away again if nothing was recorded in it."""
+        if not any(self.path.glob("*.wav")):
+            for file in [*self.path.glob("*.json"), self.path / _LOCK]:
+                file.unlink()
+            with suppress(OSError):  # something else is in it
+                self.path.rmdir()
         self._lock.release()
 
     def file(self, plan: Plan, number: int) -> Path:

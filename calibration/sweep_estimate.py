@@ -1,6 +1,7 @@
 """What the recordings of a preloaded stepped sine say: the transfer matrix at every tone, with its variance."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.signal.windows import tukey
@@ -25,6 +26,24 @@ def decimation(config: RigConfig) -> int:
     return next((factor for factor in (16, 8, 4, 2) if top <= HEADROOM * nyquist / factor), 1)
 
 
+@dataclass(frozen=True)
+class Lines:
+    """The transfer matrix at the tones of one batch, in any order.
+
+    Parameters
+    ----------
+    frequency : array, shape (tones,), Hz
+    response : complex array, shape (tones, outputs, inputs), m/s^2 per V
+    variance : array, shape (tones, outputs, inputs), (m/s^2 per V)^2
+    coherence : array, shape (tones, outputs, inputs), 1
+    """
+
+    frequency: np.ndarray
+    response: np.ndarray
+    variance: np.ndarray
+    coherence: np.ndarray
+
+
 class SweepEstimator:
     """Turns recorded batches into lines of the transfer matrix.
 
@@ -44,7 +63,7 @@ class SweepEstimator:
         """Take what is heard without a drive into every variance from now on."""
         self._silence = self._signals(record)[:, self._sides :]
 
-    def lines(self, batch: Tones, record: Recording) -> TransferMatrix:
+    def lines(self, batch: Tones, record: Recording) -> Lines:
         """Estimate G at every tone of a batch.
 
         Source
@@ -69,8 +88,7 @@ class SweepEstimator:
                 noise = np.maximum(noise, background(self._silence, window, self._rate, float(frequency))[:, None])
             found.append(_matrix_of(amplitude[: self._sides], amplitude[self._sides :], noise))
         response, variance, coherence = (np.stack(part) for part in zip(*found, strict=True))
-        order = np.argsort(batch.frequency)
-        return TransferMatrix(batch.frequency[order], response[order], variance[order], coherence[order])
+        return Lines(batch.frequency, response, variance, coherence)
 
     def _signals(self, record: Recording) -> np.ndarray:
         return self._decimator.apply(record.data.astype(float))
@@ -80,7 +98,7 @@ class SweepEstimator:
         return harmonics
 
 
-def joined(parts: Iterable[TransferMatrix], provenance: Mapping[str, str]) -> TransferMatrix:
+def joined(parts: Iterable[Lines], provenance: Mapping[str, str]) -> TransferMatrix:
     """Put the lines of all batches in one matrix."""
     parts = list(parts)
     frequency = np.concatenate([part.frequency for part in parts])

@@ -13,7 +13,7 @@ import numpy as np
 
 from calibration.experiment import Emit, Plan, RawFolder, now
 from calibration.stepped_sine import Tones
-from calibration.sweep_estimate import SweepEstimator, joined
+from calibration.sweep_estimate import Lines, SweepEstimator, joined
 from calibration.vibrator_sweep import first_pass, longest_batch, second_pass
 from rigkit import config as rig_file
 from rigkit.progress import progress
@@ -136,8 +136,8 @@ def calibrate(config: RigConfig, raw: RawFolder, emit: Emit) -> Calibration:
 
 def _measured(plan: Plan, raw: RawFolder, emit: Emit, estimator: SweepEstimator, config: RigConfig) -> TransferMatrix:
     """Record a pass; each batch is estimated while the next is emitted."""
-    lines: list[TransferMatrix] = []
-    waiting: Future[TransferMatrix] | None = None
+    lines: list[Lines] = []
+    waiting: Future[Lines] | None = None
     done, title = 0.0, f"{plan.name}, {plan.seconds / 60:.1f} min of signal"
     with ThreadPoolExecutor(1) as pool, progress(title, plan.seconds, start=raw.recorded(plan)) as meter:
         for batch, record in raw.record(plan, emit):

@@ -23,6 +23,8 @@ SETTLED = 4.0
 """Time constants of the response, as the first pass saw it, that the second pass lets pass before a tone ..."""
 LONGEST_SETTLE = 1.0
 """s, ... at most."""
+FEWEST = 4
+"""Lines of a model."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,28 @@ def second_pass(config: RigConfig, first: TransferMatrix) -> Plan:
     settle = np.ceil(settle * 100) / 100
     grid = " ".join(f"{f:g}:{s:g}" for f, s in zip(frequency, settle, strict=True))
     return _plan(config, "pass-2", _batches(config, frequency, settle), {"grid": grid})
+
+
+def refuse_unfit(config: RigConfig) -> None:
+    """Refuse a sweep that could not end in a model: levels above the guard's limits, or too few lines.
+
+    Raises
+    ------
+    ValueError : it says which setting, and what is allowed.
+    """
+    settings, limits = config.characterisation, config.limits
+    widest = (settings.band[1] - settings.band[0]) / (FEWEST - 1)
+    if not settings.step <= widest:
+        raise ValueError(
+            f"characterisation.step is {settings.step:g} Hz, must be <= {widest:g} Hz for {FEWEST} lines in the band"
+        )
+    peak, rms = settings.preload + settings.probe, np.hypot(settings.preload, settings.probe) / np.sqrt(2)
+    for what, value, name, limit in (("", peak, "peak", limits.peak), (", rms,", rms, "rms", limits.rms)):
+        if not value <= limit:
+            raise ValueError(
+                f"characterisation.preload + characterisation.probe{what} is {value:.4g} V, "
+                f"must be <= limits.{name}, {limit:g} V"
+            )
 
 
 def longest_batch(config: RigConfig) -> float:
