@@ -24,7 +24,7 @@ from tests.ctlblocks.small_recordings import NOISE, recording, same
         ({"names": ("a", "")}, "names are .*, must be 2 printable"),
         ({"names": ("a", " b")}, "names are .*, must be 2 printable"),
         ({"names": ("a", "b [V]")}, "names are .*, must be 2 printable texts without brackets"),
-        ({"names": ("a", "b\n")}, "names are .*, must be 2 printable"),
+        ({"names": ("a", "b\nc")}, "names are .*, must be 2 printable"),
         ({"names": ("a", 3)}, "names are .*, must be 2 printable"),
         ({"names": ("a", "a")}, "names are a, a, must all be different"),
         ({"units": ("V", "")}, "units are .*, must be 2 printable"),

@@ -38,10 +38,12 @@ def test_a_foreign_comment_and_foreign_chunks_do_no_harm(tmp_path: Path) -> None
     with soundfile.SoundFile(path, "w", 8_000, 1, "PCM_16") as file:
         file.comment = '{"rate": 3}'
         file.write(np.zeros(7))
-    extra = b"LIST" + struct.pack("<I", 4) + b"adtl" + b"LIST" + struct.pack("<I", 5) + b"adtl1\0"
-    whole = path.read_bytes() + extra
-    path.write_bytes(whole[:4] + struct.pack("<I", len(whole) - 8) + whole[8:])
+    whole = path.read_bytes()
+    odd, again = b"LIST" + struct.pack("<I", 5) + b"adtl1\0", b"LIST" + struct.pack("<I", 4) + b"adtl"
+    whole = whole[12:36] + odd + whole[36:] + again + odd
+    path.write_bytes(b"RIFF" + struct.pack("<I", len(whole) + 4) + b"WAVE" + whole)
     assert read(path).names == ("channel_1",)
+    assert len(read(path).data) == 7
 
 
 def test_a_compressed_wav_is_refused_by_its_coding(tmp_path: Path) -> None:
@@ -67,6 +69,7 @@ def test_a_flac_in_the_name_of_a_wav_is_refused(tmp_path: Path) -> None:
         (32, 0, "the header does not add up: 2 channels of 64 bits in 0 bytes"),
         (40, 2**31, "the chunk b'fact' of 2147483648 bytes ends behind the file"),
         (36, int.from_bytes(b"data", "little"), "the chunk b'data' of 4 bytes ends behind the file, or comes twice"),
+        (8, int.from_bytes(b"AVI ", "little"), "not a WAV file"),
         (12, 0, "no samples, or no header"),
     ],
 )
@@ -81,6 +84,24 @@ def test_a_header_that_does_not_fit_is_refused_with_what_it_says(
     path.write_bytes(changed)
     with pytest.raises(RecordingError, match=rf"x.wav: .*{message}"):
         read(path)
+
+
+def test_a_header_of_no_channels_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "x.wav"
+    write(path, recording())
+    changed = bytearray(path.read_bytes())
+    changed[22:24] = changed[32:34] = bytes(2)
+    changed[28:32] = bytes(4)
+    path.write_bytes(changed)
+    with pytest.raises(RecordingError, match="the header does not add up: 0 channels of 64 bits in 0 bytes"):
+        read(path)
+
+
+def test_samples_that_cannot_all_be_read_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(tmp_path / "x.wav", recording())
+    monkeypatch.setattr(soundfile.SoundFile, "read", lambda *_, **__: DATA[:19])  # as on a bad disk
+    with pytest.raises(RecordingError, match=r"are \(19, 2, 44100\), the header says \(20, 2, 44100\)"):
+        read(tmp_path / "x.wav")
 
 
 def test_a_length_of_samples_that_is_no_multiple_of_a_frame_is_refused(tmp_path: Path) -> None:
