@@ -77,7 +77,8 @@ class Engine:
             array.fill(0.0)  # maps every page now, not in the callback
         self._config = config
         self._stream: Any = None
-        self._stepped = False
+        self.stepped = False
+        """Whether the stream has no clock of its own; known once started."""
 
     def start(self) -> None:
         """Open and start the stream: zeros from now on.
@@ -87,16 +88,16 @@ class Engine:
         AudioError : it cannot be opened.
         """
         self._stream = open_stream(self._config, self.callback)
-        self._stepped = hasattr(self._stream, "advance")
+        self.stepped = hasattr(self._stream, "advance")
         self._stream.start()
         self._words[Word.READY] = 1
 
     def serve(self) -> None:
         """Let the stream run for a moment, and see that it still does."""
         words = self._words
-        if not self._stepped or not self._wanted:
+        if not self.stepped or not self._wanted:
             time.sleep(POLL)
-        for _ in range(_LONGEST_RUN if self._stepped else 0):
+        for _ in range(_LONGEST_RUN if self.stepped else 0):
             if words[Word.FAULT] or not self._wanted:
                 break
             self._stream.advance(self._blocksize)
@@ -171,7 +172,7 @@ class Engine:
             if status:
                 words[Word.INPUT_XRUNS] += bool(status.input_overflow or status.input_underflow)
                 words[Word.OUTPUT_XRUNS] += bool(status.output_overflow or status.output_underflow)
-            if not self._stepped and now - self._latest > 2e9 * self._blocksize / self._rate:
+            if not self.stepped and now - self._latest > 2e9 * self._blocksize / self._rate:
                 words[Word.LATE] += 1
         self._latest = now
         words[Word.CALLBACKS] += 1

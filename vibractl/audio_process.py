@@ -1,5 +1,6 @@
 """The audio stream in a process of its own, which no Python work elsewhere can hold up, and which outlives nobody."""
 
+import contextlib
 import gc
 import multiprocessing
 import os
@@ -16,6 +17,8 @@ _LONGEST_START = 60.0
 """s for a new interpreter to import, compile and open the stream."""
 _LONGEST_END = 10.0
 """s for it to ramp down and close the stream."""
+_REST = 0.05
+"""s that the waiting thread leaves the interpreter alone, beside a stream with a clock of its own."""
 _SWITCH = 1e-4
 """s after which the callback's thread gets the interpreter from the waiting one."""
 
@@ -98,9 +101,22 @@ def run(config: RigConfig, memory: Memory) -> None:
         memory.text = str(fault) if isinstance(fault, ValueError | OSError) else f"{type(fault).__name__}: {fault}"
         words[Word.FAULT] = 1
         return
+    if not engine.stepped:
+        _keep_the_interpreter_moving()
     parent = multiprocessing.parent_process()
     while not (words[Word.END] or words[Word.FAULT]) and parent is not None and parent.is_alive():
         engine.serve()
+        time.sleep(0.0 if engine.stepped else _REST)
     engine.close()
     if words[Word.FAULT]:
         os._exit(1)  # what an interpreter does at its end hangs in PortAudio when the audio server is gone
+
+
+def _keep_the_interpreter_moving() -> None:
+    """Ask for real-time priority for the waiting thread, the lowest there is, where that is allowed.
+
+    The audio server gives the callback's thread a high one.  When the waiting thread holds the interpreter and an
+    ordinary process takes its core away, the callback would have to wait for both.
+    """
+    with contextlib.suppress(AttributeError, PermissionError):
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(os.sched_get_priority_min(os.SCHED_FIFO)))

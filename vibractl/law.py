@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.signal.windows import hann
 
 from vibractl.config import Learning
 from vibractl.learning import CHIRP_GAINS, SINE_GAINS, Gains
@@ -10,6 +11,8 @@ from vibractl.reference import Reference
 from vibractl.spectrum import Decimator, LineSpectrum
 from vibractl.transfer_matrix import TransferMatrix, contraction, line_weights, regularized_inverse
 
+SETTLED = 0.1
+"""Part of a sine, beside its taper and at each end, that is not looked at: only its steady state is learned."""
 SIGNIFICANT = 0.5
 """A line belongs to the reference's own band where its spectrum is above this part of the largest."""
 
@@ -32,6 +35,8 @@ class Law:
         Accelerometers that are controlled, counted from 0.
     spread : array, shape (coils, inputs), 1
         Which coils each learned input drives.
+    window : array, shape (frames, 1), or 1.0
+        By which responses are multiplied before they are transformed.
     """
 
     matrix: TransferMatrix
@@ -42,6 +47,7 @@ class Law:
     active: np.ndarray
     outputs: tuple[int, ...]
     spread: np.ndarray
+    window: np.ndarray | float = 1.0
 
     def gain(self, shot: int) -> np.ndarray:
         """Return Q2 (lines,) for the update after shot `shot`."""
@@ -74,7 +80,8 @@ def learning_law(settings: Learning, matrix: TransferMatrix, reference: Referenc
     outputs, spread = _structure(settings.structure, settings.side, matrix)
     lines = _lines(settings, reference, rate)
     used = _as_driven(matrix.at(lines.frequency), outputs, spread, settings.structure)
-    wanted = lines.lines(Decimator(settings.decimation).apply(reference.signal))
+    window = settled_window(reference, lines.frames)
+    wanted = lines.lines(window * Decimator(settings.decimation).apply(reference.signal))
     if settings.regularisation == "per-line":
         epsilon: np.ndarray | float = line_weights(used.response, settings.epsilon, settings.floor)
     else:
@@ -87,8 +94,23 @@ def learning_law(settings: Learning, matrix: TransferMatrix, reference: Referenc
     active = np.ones(len(lines.frequency))
     if reference.root is not None:
         active = _overtones(lines.frequency, reference.root, settings.overtones)
+        start = start * active[:, None]
     gains = _gains(settings, reference)
-    return Law(used, inverse, wanted, start, gains, active, outputs, spread)
+    return Law(used, inverse, wanted, start, gains, active, outputs, spread, window)
+
+
+def settled_window(reference: Reference, frames: int) -> np.ndarray | float:
+    """Return a window (frames, 1) of mean 1 over the steady state of a sine; 1 for anything else.
+
+    Over its whole length, the ends of a sine would be made up for by overtones that last from end to end.
+    """
+    if reference.root is None:
+        return 1.0
+    aside = round(min(reference.taper + SETTLED, 0.45) * frames)
+    window = np.zeros((frames, 1))
+    window[aside : frames - aside, 0] = hann(frames - 2 * aside, sym=False)
+    settled: np.ndarray = window / window.mean()
+    return settled
 
 
 def _structure(structure: str, side: int, matrix: TransferMatrix) -> tuple[tuple[int, ...], np.ndarray]:

@@ -82,7 +82,7 @@ class Learner(Trial):
         """Learn from the response just recorded, whose lines are then in `heard`; called between ticks."""
         measured = self._decimator.apply(self.response[: self.shot.total, list(self.law.outputs)])
         first = self.shot.lead // self._decimator.factor
-        self.heard = self._analysis.lines(measured[first : first + self._analysis.frames])
+        self.heard = self._analysis.lines(self.law.window * measured[first : first + self._analysis.frames])
         self.lines = update(self.lines, self.law.inverse, self.law.reference - self.heard, self.law.gain(self.number))
         self.number += 1
         self._play()

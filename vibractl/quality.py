@@ -7,7 +7,7 @@ from scipy.signal import hilbert, upfirdn
 from scipy.signal.windows import blackmanharris
 
 from vibractl.config import Limits, Quality
-from vibractl.law import SIGNIFICANT
+from vibractl.law import SIGNIFICANT, settled_window
 from vibractl.setup import Setup
 from vibractl.spectrum import Decimator, LineSpectrum
 
@@ -39,7 +39,8 @@ class Marks:
     `worst_line_hz` the line nearest to, or farthest above, the limit (dB over it: negative is good), `worst_band_db`
     and `worst_band_hz` the same for bands of 50 Hz; `overtone_db` (4, accelerometers) re the root, followed along the
     reference's phase; `thd_db` all energy from `quality.above` to `quality.judged_to` re the reference's; `phase_mean`
-    and `phase_peak` rad, of the response against the reference; `headroom_db` (coils,) peak limit over peak drive.
+    and `phase_peak` rad, of the response against the reference; `headroom_db` (coils,) peak limit over peak drive;
+    `outputs` the accelerometers controlled, counted from 0.
     """
 
     iae: np.ndarray
@@ -53,6 +54,7 @@ class Marks:
     phase_mean: np.ndarray
     phase_peak: np.ndarray
     headroom_db: np.ndarray
+    outputs: tuple[int, ...]
 
     @property
     def met(self) -> bool:
@@ -64,7 +66,7 @@ class Marks:
         """Say why the objective is met or not, in one line."""
         side = int(np.argmax(self.worst_line_db))
         level, place = self.worst_line_db[side], self.worst_line_hz[side]
-        where = f"{abs(level):.1f} dB at {place:.1f} Hz, response {side + 1}"
+        where = f"{abs(level):.1f} dB at {place:.1f} Hz, response {self.outputs[side] + 1}"
         return f"met by {where}" if self.met else f"missed by {where}"
 
 
@@ -87,7 +89,8 @@ class Judge:
         self._spectrum = LineSpectrum(frames, width, rate, (low, self._quality.judged_to))
         self.frequency = self._spectrum.frequency
         self._reference = self._decimator.apply(setup.reference.signal)
-        self._wanted = self._spectrum.lines(self._reference)
+        self._settled = settled_window(setup.reference, frames)
+        self._wanted = self.lines(self._reference)
         self._root = setup.reference.root
         self._judged = self._judged_lines(setup.config.learning.overtones)
         self._phase, self._hop = _analytic_phase(self._reference), max(1, round(FOLLOWED * rate))
@@ -121,8 +124,8 @@ class Judge:
         return error
 
     def lines(self, signal: np.ndarray) -> np.ndarray:
-        """Return the lines `frequency` of a signal as `error` gives it, (lines, outputs), m/s^2 s."""
-        return self._spectrum.lines(signal)
+        """Return the lines `frequency` of a signal as `error` gives it, (lines, outputs), m/s^2 s; a sine's settled."""
+        return self._spectrum.lines(self._settled * signal)
 
     def marks(self, response: np.ndarray, drive: np.ndarray) -> Marks:
         """Judge one shot.
@@ -151,6 +154,7 @@ class Judge:
             phase_mean=phase.mean(axis=0),
             phase_peak=np.abs(phase).max(axis=0),
             headroom_db=decibels(self._limits.peak / peak),
+            outputs=tuple(self._outputs),
         )
 
     def _judged_lines(self, overtones: int) -> np.ndarray:

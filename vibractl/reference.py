@@ -26,11 +26,14 @@ class Reference:
     signal : array, shape (frames, outputs), m/s^2
     root : float or None, Hz
         Frequency of a sine; None for anything else.
+    taper : float, 1
+        Part of it that is tapered at each end.
     """
 
     text: str
     signal: np.ndarray
     root: float | None = None
+    taper: float = 0.0
 
 
 def reference_from(text: str, rate: float, amplitude: float, taper: float, outputs: int, step: int) -> Reference:
@@ -69,7 +72,7 @@ def reference_from(text: str, rate: float, amplitude: float, taper: float, outpu
     time = np.arange(frames) / rate
     shaped = maker(text, time, numbers)
     signal = amplitude * shaped.signal * tukey(frames, 2 * taper)[:, None]
-    return Reference(text, np.repeat(signal, outputs, axis=1), shaped.root)
+    return Reference(text, np.repeat(signal, outputs, axis=1), shaped.root, taper)
 
 
 def is_file(text: str) -> bool:

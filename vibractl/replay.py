@@ -46,7 +46,7 @@ class Replayed:
     def difference_db(self) -> float:
         """RMS difference re the recorded drive's RMS, dB."""
         size = max(float(np.linalg.norm(self.recorded)), FAINT)
-        return float(decibels(np.linalg.norm(self.drive - self.recorded) / size))
+        return float(decibels(float(np.linalg.norm(self.drive - self.recorded)) / size))
 
 
 def replay(path: Path, made: Setup) -> Iterator[Replayed]:

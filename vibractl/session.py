@@ -23,6 +23,8 @@ from vibractl.setup import Setup, setup
 from vibractl.spectrum import load_wisdom, save_wisdom
 
 MODEL, WISDOM, REFERENCE, DISCARDED = "model.h5", "fftw.wisdom", "reference", "discarded"
+UNDRIVEN = 200.0
+"""dB of head-room, from which a coil is silent."""
 EVIDENCE = ("delay", "residual", "quality", "input_xruns", "output_xruns", "late")
 """What is kept of each shot beside its samples."""
 
@@ -171,7 +173,7 @@ class Session:
         predicted = (law.matrix.response @ (lines - before[0])[..., None])[..., 0]
         unexplained = (heard - before[1] - predicted)[law.active > 0]
         size = max(float(np.linalg.norm(heard[law.active > 0])), FAINT)
-        return float(decibels(np.linalg.norm(unexplained) / size))
+        return float(decibels(float(np.linalg.norm(unexplained)) / size))
 
     def _write_lines(self, number: int) -> None:
         """Keep gain and certificate of every line beside the shot, (6.12)/(6.18)."""
@@ -272,6 +274,7 @@ def _row(shot: int, gain: float, marks: Marks, evidence: Mapping[str, str], repe
         row |= {f"overtone_{n + 2}_db_{side + 1}": f"{level[side]:.2f}" for n, level in enumerate(marks.overtone_db)}
         row[f"phase_mean_deg_{side + 1}"] = f"{np.degrees(marks.phase_mean[side]):.4f}"
         row[f"phase_peak_deg_{side + 1}"] = f"{np.degrees(marks.phase_peak[side]):.4f}"
-    row |= {f"headroom_db_{coil + 1}": f"{level:.2f}" for coil, level in enumerate(marks.headroom_db)}
+    driven = [f"{level:.2f}" if level < UNDRIVEN else "" for level in marks.headroom_db]
+    row |= {f"headroom_db_{coil + 1}": level for coil, level in enumerate(driven)}
     row["repeatability_db"] = f"{repeatability:.2f}" if np.isfinite(repeatability) else ""
     return row | {name: evidence.get(name, "") for name in EVIDENCE}

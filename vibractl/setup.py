@@ -31,7 +31,10 @@ class Setup:
         """Return a learner at its first drive."""
         config = self.config
         responses = len(config.audio.response_channels)
-        return Learner(self.law, self.shot, config.learning.decimation, config.limits.ramp, responses)
+        edge = config.limits.ramp
+        if self.reference.root is not None:  # the overtones rise and fall with the root
+            edge = max(edge, self.reference.taper * self.shot.frames / self.shot.rate)
+        return Learner(self.law, self.shot, config.learning.decimation, edge, responses)
 
 
 def setup(config: RigConfig, matrix: TransferMatrix, fresh_plans: bool = True) -> Setup:
@@ -59,6 +62,11 @@ def setup(config: RigConfig, matrix: TransferMatrix, fresh_plans: bool = True) -
         controlled,
         config.learning.decimation,
     )
+    if reference.root is not None and 2 * reference.root > min(config.learning.band[1], config.quality.judged_to):
+        raise ValueError(
+            f"reference {reference.text}: no overtone of {reference.root:g} Hz lies within learning.band and "
+            "below quality.judged_to"
+        )
     law = learning_law(config.learning, matrix, reference, config.audio.rate)
     made = Setup(config, reference, law, timeline(config, len(reference.signal)))
     made.learner()  # plans its transforms, so that they can be kept
