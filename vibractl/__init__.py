@@ -1,0 +1,1 @@
+"""The marine vibrator: learns, shot by shot, to emit exactly the reference."""

@@ -72,7 +72,9 @@ class Learning(Section):
     regularisation: Literal["per-line", "constant"] = setting("per-line", "", "how (6.19) is bounded near notches")
     epsilon: float = setting(1e-3, "1", "per-line weight, times ||G||^2 of the line", ge=0, le=1)
     floor: float = setting(1e-5, "1", "per-line floor, times max ||G||^2", ge=0, le=1)
-    constant_epsilon: float = setting(0.01, "(m/s^2/V)^2", "the thesis' eps, for regularisation = constant", ge=0, le=1e6)
+    constant_epsilon: float = setting(
+        0.01, "(m/s^2/V)^2", "the thesis' eps, for regularisation = constant", ge=0, le=1e6
+    )
     start: Literal["reference", "inverse"] = setting("reference", "", "first drive: scaled reference, or G^+ R")
     structure: Literal["mimo", "decentralised", "common"] = setting(
         "mimo", "", "both sides together, each for itself (fails), or one drive for both (poor)"

@@ -48,7 +48,7 @@ def update(
     return following
 
 
-@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, nogil=True)
 def _update(
     drive: np.ndarray,
     inverse: np.ndarray,

@@ -51,7 +51,8 @@ def read_model(path: Path, rig: str | None = None, sides: tuple[int, int] | None
                 raise ModelFileError(f"{path}: format is {file.attrs.get('format')!r}, must be {FORMAT!r}")
             prefix = "provenance."
             provenance = {key[len(prefix) :]: str(text) for key, text in file.attrs.items() if key.startswith(prefix)}
-            matrix = TransferMatrix(*(np.asarray(file[name]) for name in UNITS), provenance)
+            parts = {name: np.asarray(file[name]) for name in UNITS}
+            matrix = TransferMatrix(**parts, provenance=provenance)
     except (OSError, KeyError) as fault:
         raise ModelFileError(f"{path}: not a readable model file ({fault})") from None
     except ModelFileError:

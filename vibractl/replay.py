@@ -86,7 +86,8 @@ def _through_graph(learner: Learner, record: Recording, made: Setup) -> np.ndarr
     graph.prepare()
     guard.open()
     ticks = -(-made.shot.total // frames)
-    output, drive = graph.signal("guard.output"), np.zeros((ticks * frames, len(config.audio.drive_channels)), np.float32)
+    output = graph.signal("guard.output")
+    drive = np.zeros((ticks * frames, output.shape[1]), np.float32)
     for tick in range(ticks):
         graph.tick()
         drive[tick * frames : (tick + 1) * frames] = output

@@ -85,7 +85,7 @@ def setup_of(path: Path, overrides: tuple[str, ...] = (), model: Path | None = N
 
 def shot_files(path: Path) -> list[Path]:
     """Return the recordings of a run in order, from shot 0 without a gap."""
-    files = []
+    files: list[Path] = []
     while True:
         stem = path / "shots" / f"{len(files):04d}"
         found = [file for suffix in (".wav", ".csv") if (file := stem.with_suffix(suffix)).is_file()]
@@ -160,7 +160,8 @@ class Session:
         repeatability = self._repeatability(lines)
         if write:
             self._write_lines(number)
-            self.folder.quality(_row(number, self.learner.law.gains.at(number), marks, record.provenance, repeatability))
+            gain = self.learner.law.gains.at(number)
+            self.folder.quality(_row(number, gain, marks, record.provenance, repeatability))
         return marks
 
     def _repeatability(self, lines: np.ndarray) -> float:

@@ -54,12 +54,14 @@ class TransferMatrix:
     @property
     def outputs(self) -> int:
         """Accelerometers."""
-        return self.response.shape[1]
+        count: int = self.response.shape[1]
+        return count
 
     @property
     def inputs(self) -> int:
         """Coils."""
-        return self.response.shape[2]
+        count: int = self.response.shape[2]
+        return count
 
     def at(self, frequency: np.ndarray) -> "TransferMatrix":
         """Interpolate to other lines: modified Akima on real and imaginary part, linear on variance and coherence.
@@ -83,13 +85,11 @@ class TransferMatrix:
         place = np.interp(frequency, self.frequency, np.arange(len(self.frequency)))
         below = np.minimum(place.astype(int), len(self.frequency) - 2)
         share = (place - below)[:, None, None]
-        between = [value[below] * (1 - share) + value[below + 1] * share for value in (self.variance, self.coherence)]
-        return TransferMatrix(frequency, parts[..., 0] + 1j * parts[..., 1], *between, self.provenance)
-
-    def part(self, outputs: slice, inputs: slice) -> "TransferMatrix":
-        """Return the matrix of some accelerometers and coils, for a one-sided run."""
-        picked = (value[:, outputs, inputs] for value in (self.response, self.variance, self.coherence))
-        return TransferMatrix(self.frequency, *picked, self.provenance)
+        variance, coherence = (
+            value[below] * (1 - share) + value[below + 1] * share for value in (self.variance, self.coherence)
+        )
+        response = parts[..., 0] + 1j * parts[..., 1]
+        return TransferMatrix(frequency, response, variance, coherence, self.provenance)
 
 
 def norm(matrix: np.ndarray) -> np.ndarray:
@@ -103,7 +103,8 @@ def norm(matrix: np.ndarray) -> np.ndarray:
     -------
     array, shape (bins,)
     """
-    return np.linalg.norm(matrix, 2, axis=(-2, -1))
+    size: np.ndarray = np.linalg.norm(matrix, 2, axis=(-2, -1))
+    return size
 
 
 def regularized_inverse(response: np.ndarray, epsilon: np.ndarray | float) -> np.ndarray:

@@ -7,7 +7,7 @@ from numba import njit
 # spring 1, 2; joint 1, 2; the shells' w^2 (1, 2) and 2 zeta w (1, 2).  `constants` are named in vibrator.py.
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})  # type: ignore[untyped-decorator]
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
 def run_modes(
     drive: np.ndarray,
     response: np.ndarray,
@@ -83,7 +83,7 @@ def run_modes(
             v[m] = v_q[m] * position + v_v[m] * velocity + v_force[m] * force
 
 
-@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, nogil=True)
 def retune(
     frequency: np.ndarray,
     damping: np.ndarray,
@@ -109,7 +109,7 @@ def retune(
             shapes[8 + side, m] = shell[side, m] * 2 * sigma
 
 
-@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, nogil=True)
 def add_pickup(response: np.ndarray, noise: np.ndarray, rms: float, hum: float, cycles: float, first: int) -> None:
     """Add sensor noise of `rms` m/s^2 and mains hum: `hum` m/s^2 at `cycles` per sample, a tenth of it at the third."""
     for n in range(response.shape[0]):

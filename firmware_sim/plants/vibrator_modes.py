@@ -98,7 +98,8 @@ def _flexural(rng: np.random.Generator) -> Modes:
 
     def shape() -> np.ndarray:
         sign = rng.choice([-1.0, 1.0], (2, count))
-        return FLEXURAL_SHAPE * weight * sign * rng.uniform(0.5, 1.5, (2, count))
+        size: np.ndarray = FLEXURAL_SHAPE * weight * sign * rng.uniform(0.5, 1.5, (2, count))
+        return size
 
     damping = rng.uniform(*FLEXURAL_DAMPING, count)
     damping[: len(pairs)] = rng.uniform(*LOCAL_DAMPING, len(pairs))

@@ -10,7 +10,9 @@ from vibractl.replay import replay
 from vibractl.session import setup_of, shot_files
 
 
-@pytest.mark.parametrize("overrides", [(), ("session.recording=csv",), ("learning.decimation=1",), ("learning.side=1",)])
+@pytest.mark.parametrize(
+    "overrides", [(), ("session.recording=csv",), ("learning.decimation=1",), ("learning.side=1",)]
+)
 def test_every_drive_comes_out_bit_for_bit(tmp_path: Path, overrides: tuple[str, ...]) -> None:
     run(tmp_path / "run", linear_model(tmp_path), 3, *overrides)
     replayed = list(replay(tmp_path / "run", setup_of(tmp_path / "run")))
