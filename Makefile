@@ -1,6 +1,6 @@
 # Everything a person does with a checkout.  Each target sets up what it needs.
 
-RUN_COMMAND ?= .venv/bin/python -m vibractl demo
+RUN_FOLDER := $(or $(RUN_FOLDER),runs/$(shell date +%Y%m%d-%H%M%S))
 
 # The Python that makes .venv: the first of these that is new enough, or the one given as PYTHON=...
 PYTHONS = $(or $(PYTHON),python3.11 python3 python3.13 python3.12)
@@ -19,7 +19,9 @@ setup:           ## .venv with everything installed; quick when it is there
 	@test "$$(cat $(STAMP) 2>/dev/null)" = "$(KEY)" || $(MAKE) --no-print-directory install
 
 run: setup       ## the main job: identify and learn on the simulated vibrator, then a report
-	$(RUN_COMMAND)
+	@mkdir -p $(RUN_FOLDER)
+	$(BIN)/calibrate vibrator --out $(RUN_FOLDER)/model.h5
+	$(BIN)/vibractl run --model $(RUN_FOLDER)/model.h5 --reference chirp:40:90:5 --shots 30 --out $(RUN_FOLDER)/run
 
 test: setup packages  ## the tests, without the slow ones and those that need a rig
 	$(BIN)/pytest -q -m "not rig and not slow"

@@ -1,4 +1,4 @@
-"""A simulated marine vibrator: two coils, two shells, 44 modes to 1300 Hz, and what makes a real one hard to drive."""
+"""A simulated marine vibrator: two coils, two shells, 47 modes to 1300 Hz, and what makes a real one hard to drive."""
 
 import numpy as np
 
@@ -43,7 +43,7 @@ RANGES: dict[str, tuple[str, Range]] = {
 class VibratorPlant:
     """Two coil voltages in, two shell accelerations out, sample by sample.
 
-    A lumped model (two coils, two shells, a frame) gives the two wanted resonances near 34 and 76 Hz; 34 flexural
+    A lumped model (two coils, two shells, a frame) gives the two wanted resonances near 34 and 76 Hz; 37 flexural
     modes to 640 Hz, of one side at the lower end and of both above 180 Hz, give peaks, notches, cross coupling and
     zeros outside the unit circle; five more to 1300 Hz stand for all above.  The nonlinear forces act inside: a spring
     that stiffens about its sag, a stop on one side, friction in the spring and in the shell's bolted joints (Dahl's
