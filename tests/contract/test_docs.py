@@ -17,7 +17,9 @@ from pathlib import Path
 
 import pytest
 
+from rigkit.config import example
 from tests.contract.source_tree import FOLDERS, PACKAGES, ROOT, Definition, definitions, imports, sources, tree
+from vibractl.config import RigConfig
 
 LONGEST_FILE = 300
 LONGEST_FUNCTION = 40
@@ -126,6 +128,11 @@ def test_every_name_in_the_list_of_symbols_is_in_its_file() -> None:
     ]
     assert len(rows) > 20
     assert missing == []
+
+
+def test_the_rig_file_in_the_docs_is_the_one_the_program_prints() -> None:
+    """`make docs` writes it."""
+    assert (ROOT / "docs/rig.toml").read_text() == example(RigConfig)
 
 
 def _length(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
