@@ -19,6 +19,8 @@ from ctlblocks.clock import run_offline
 FRAMES = 64
 SAMPLES = 64 * 30_000
 """A chain is given at a time: some 0.1 s."""
+BUFFERS = (16_384, 1_024)
+"""Samples between two of GNU Radio's blocks: its own choice, and the fewest it grants (a page)."""
 PEER = Path(__file__).with_name("gnuradio_gains.py")
 PEER_PYTHON = "/usr/bin/python3"
 """Debian's own, which sees the package gnuradio."""
@@ -84,7 +86,7 @@ class Taken:
 
 
 @contextmanager
-def gnu_radio() -> Iterator[Callable[[], Taken]]:
+def gnu_radio(buffer: int) -> Iterator[Callable[[], Taken]]:
     """Start GNU Radio beside this process and hand out what runs its chain once; RuntimeError if it is not there."""
     if not Path(PEER_PYTHON).exists():
         raise RuntimeError(f"there is no {PEER_PYTHON}")
@@ -98,22 +100,22 @@ def gnu_radio() -> Iterator[Callable[[], Taken]]:
             raise RuntimeError(f"{PEER_PYTHON}: {reason} (apt-get install gnuradio)")
 
         def run() -> Taken:
-            print(SAMPLES, file=peer.stdin, flush=True)
+            print(SAMPLES, buffer, file=peer.stdin, flush=True)
             return Taken(*map(float, peer.stdout.readline().split()))
 
         yield run
         peer.stdin.close()
 
 
-def beside_gnu_radio(rounds: int = 25) -> tuple[list[Taken], list[Taken]]:
+def beside_gnu_radio(buffer: int, rounds: int = 15) -> tuple[list[Taken], list[Taken]]:
     """Return what both chains took, in turns; RuntimeError if GNU Radio is not there."""
     graph = ten_gains()
-    with gnu_radio() as run_peer:
+    with gnu_radio(buffer) as run_peer:
         pairs = [(_taken(graph), run_peer()) for _ in range(rounds + 1)][1:]
     return [own for own, _ in pairs], [peer for _, peer in pairs]
 
 
-def comparison(here: list[Taken], there: list[Taken]) -> str:
+def comparison(buffer: int, here: list[Taken], there: list[Taken]) -> str:
     """Say in a line what both chains did in a second, and how they compare."""
     speeds = [SAMPLES / 1e6 / median(run.clock for run in runs) for runs in (here, there)]
     cores = [SAMPLES / 1e6 / median(run.cores for run in runs) for runs in (here, there)]
@@ -122,8 +124,9 @@ def comparison(here: list[Taken], there: list[Taken]) -> str:
     core_ratio = median(peer.cores / own.cores for own, peer in pairs)
     return (
         f"ten gains, {FRAMES} samples a call: {speeds[0]:.1f} MS/s here (float64, one thread), {speeds[1]:.1f} MS/s in "
-        f"GNU Radio's C++ (float32, 13 threads): ratio {ratio:.2f}; per second of a core {cores[0]:.1f} and "
-        f"{cores[1]:.1f} MS/s: ratio {core_ratio:.2f}; load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores"
+        f"GNU Radio's C++ (float32, 13 threads, buffers of {buffer}): ratio {ratio:.2f}; per second of a core "
+        f"{cores[0]:.1f} and {cores[1]:.1f} MS/s: ratio {core_ratio:.2f}; load {os.getloadavg()[0]:.1f} on "
+        f"{os.cpu_count()} cores"
     )
 
 
@@ -138,7 +141,8 @@ def report() -> Iterator[str]:
     cost, call = own_cost()
     yield f"a graph's own cost: {cost:.3f} us a block call, beside {call:.3f} us of a call that does nothing"
     try:
-        yield comparison(*beside_gnu_radio())
+        for buffer in BUFFERS:
+            yield comparison(buffer, *beside_gnu_radio(buffer))
     except RuntimeError as reason:
         yield f"ten gains beside GNU Radio: skipped, {reason}"
 

@@ -25,12 +25,15 @@ def test_a_call_of_one_gain(benchmark: BenchmarkFixture) -> None:
     benchmark(graph.Gain(2.0).process, gains.signal("b0.signal"), gains.signal("b1.scaled"))
 
 
-def test_ten_gains_beside_gnu_radio(benchmark: BenchmarkFixture, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("buffer", graph.BUFFERS)
+def test_ten_gains_beside_gnu_radio(
+    buffer: int, benchmark: BenchmarkFixture, capsys: pytest.CaptureFixture[str]
+) -> None:
     try:
-        runs = benchmark.pedantic(graph.beside_gnu_radio)
+        runs = benchmark.pedantic(graph.beside_gnu_radio, (buffer,))
     except RuntimeError as reason:
         with capsys.disabled():
             print(f"\nGNU Radio skipped: {reason}")
         pytest.skip(str(reason))
     with capsys.disabled():
-        print(f"\n{graph.comparison(*runs)}")
+        print(f"\n{graph.comparison(buffer, *runs)}")
