@@ -17,13 +17,13 @@ AMPLIFIER_CLIP = 30.0
 """V."""
 COIL_OFFSET, COIL_REACH = 0.5e-3, 2.5e-3
 """m: the coil rests off the middle of its field; displacement from there that halves the force factor."""
-STIFFENING, SAG = 1.0e-3, 0.2e-3
+STIFFENING, SAG = 1.05e-3, 0.18e-3
 """m: elongation at which the cubic force equals the linear one, and the spring element's elongation at rest."""
 STOP_GAP, STOP_STIFFNESS = 0.15e-3, 0.08
 """m and 1 (of the spring's): a rubber stop on one side, which rattles."""
-SPRING_FRICTION, SPRING_SLIP = 2.0e-6, 12e-6
+SPRING_FRICTION, SPRING_SLIP = 1.8e-6, 12e-6
 """m and m: friction force over the spring's stiffness, and travel until it slips."""
-JOINT_FRICTION, JOINT_SLIP = 2.4, 0.5e-6
+JOINT_FRICTION, JOINT_SLIP = 2.2, 0.5e-6
 """N and m: friction in the shell's bolted joints.  They stick at small motion and stiffen every flexural mode."""
 DRIFT_PERIODS = (600.0, 2400.0)
 """s, of the slow swing of each mode's frequency."""

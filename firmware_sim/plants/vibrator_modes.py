@@ -27,8 +27,8 @@ GLOBAL_MODES, GLOBAL_BAND = 27, (180.0, 640.0)
 UPPER_MODES, UPPER_BAND = 5, (670.0, 1300.0)
 """... and above it, whose stiffness is felt below."""
 LOCAL_DAMPING, FLEXURAL_DAMPING = (0.012, 0.025), (0.006, 0.016)
-FLEXURAL_SHAPE, JOINT_SHAPE = 0.028, 0.1
-"""1/sqrt(kg), size of a flexural mode at coil, spring and shell, and at the joints."""
+FLEXURAL_SHAPE, LOCAL_SHAPE, JOINT_SHAPE = 0.028, 0.045, 0.1
+"""1/sqrt(kg), size of a flexural mode at coil, spring and shell, of a local one, and of either at the joints."""
 LOCAL_LEAK, PAIR_SPREAD = 0.15, 0.03
 """1: what the other side sees of a local mode, and how far the two of a pair lie apart."""
 
@@ -93,13 +93,14 @@ def _flexural(rng: np.random.Generator) -> Modes:
     upper = np.sort(rng.uniform(*UPPER_BAND, UPPER_MODES))
     frequency = np.concatenate([pairs, _spread(rng, GLOBAL_MODES, GLOBAL_BAND), upper])
     count = len(frequency)
-    weight = np.ones((2, count))
+    weight, size = np.ones((2, count)), np.full(count, FLEXURAL_SHAPE)
+    size[: len(pairs)] = LOCAL_SHAPE
     weight[1, : len(pairs) : 2] = weight[0, 1 : len(pairs) : 2] = LOCAL_LEAK
 
     def shape() -> np.ndarray:
         sign = rng.choice([-1.0, 1.0], (2, count))
-        size: np.ndarray = FLEXURAL_SHAPE * weight * sign * rng.uniform(0.5, 1.5, (2, count))
-        return size
+        shape: np.ndarray = size * weight * sign * rng.uniform(0.5, 1.5, (2, count))
+        return shape
 
     damping = rng.uniform(*FLEXURAL_DAMPING, count)
     damping[: len(pairs)] = rng.uniform(*LOCAL_DAMPING, len(pairs))
