@@ -3,11 +3,14 @@
 import numpy as np
 from numba import njit
 
-# Rows of `recursion` (6, modes): q' = a q + b v + e F, v' = c q + d v + g F.  Rows of `shapes` (10, modes): coil 1, 2;
-# spring 1, 2; joint 1, 2; the shells' w^2 (1, 2) and 2 zeta w (1, 2).  `constants` are named in vibrator.py.
+# Rows of `recursion` (6, modes): q' = a q + b v + e F, v' = c q + d v + g F.  Rows of `shapes` (10, modes), each for
+# side 1 and side 2: coil, spring, joint, the shell's w^2 and 2 zeta w.  `constants` are named in vibrator.py.  The
+# loops over the modes stand here, with rows taken one by one: only so does LLVM keep them vectorised.
+
+FAST = {"reassoc", "contract", "nsz"}
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
+@njit(cache=True, nogil=True, fastmath=FAST)
 def run_modes(
     drive: np.ndarray,
     response: np.ndarray,
@@ -24,16 +27,10 @@ def run_modes(
     `direct` (2, 6) is each shell's acceleration per force: coils, springs, joints.
     """
     q, v = motion[0], motion[1]
-    # taken row by row: numba keeps an indexed row contiguous, an unpacked one not, and then the loops stay scalar
     coil1, coil2, spring1, spring2, joint1, joint2 = shapes[0], shapes[1], shapes[2], shapes[3], shapes[4], shapes[5]
     stiff1, stiff2, damp1, damp2 = shapes[6], shapes[7], shapes[8], shapes[9]
     q_q, q_v, v_q, v_v = recursion[0], recursion[1], recursion[2], recursion[3]
     q_force, v_force = recursion[4], recursion[5]
-    decay, back_emf, step, clip = constants[0], constants[1], constants[2], constants[3]
-    motor, offset, reach = constants[4], constants[5], constants[6]
-    cubic, sag, stop, gap = constants[7], constants[8], constants[9], constants[10]
-    friction, slip, joint_friction, joint_slip = constants[11], constants[12], constants[13], constants[14]
-    peak_motor = motor * (1 + (offset / reach) ** 2)
     for n in range(drive.shape[0]):
         x1 = x2 = u1 = u2 = s1 = s2 = r1 = r2 = w1 = w2 = a1 = a2 = 0.0
         for m in range(q.shape[0]):
@@ -49,38 +46,54 @@ def run_modes(
             w2 += joint2[m] * v[m]
             a1 -= stiff1[m] * q[m] + damp1[m] * v[m]
             a2 -= stiff2[m] * q[m] + damp2[m] * v[m]
-        # coil: force factor BL(x), current behind resistance and inductance, back-EMF
-        b1 = peak_motor / (1 + ((x1 - offset) / reach) ** 2)
-        b2 = peak_motor / (1 + ((x2 - offset) / reach) ** 2)
-        c1, c2 = b1 * memory[0], b2 * memory[1]
-        memory[0] = decay * memory[0] + (1 - decay) * (min(max(drive[n, 0], -clip), clip) - back_emf * b1 * u1)
-        memory[1] = decay * memory[1] + (1 - decay) * (min(max(drive[n, 1], -clip), clip) - back_emf * b2 * u2)
-        # spring element: stiffening about its sag, a soft stop on one side, friction; then the bolted joints
-        f1 = cubic * s1 * s1 * (s1 + 3 * sag) + stop * max(s1 - gap, 0.0) + friction * memory[2]
-        f2 = cubic * s2 * s2 * (s2 + 3 * sag) + stop * max(s2 - gap, 0.0) + friction * memory[3]
-        h1, h2 = joint_friction * memory[4], joint_friction * memory[5]
-        memory[2] = (memory[2] + step * r1 / slip) / (1 + step * abs(r1) / slip)
-        memory[3] = (memory[3] + step * r2 / slip) / (1 + step * abs(r2) / slip)
-        memory[4] = (memory[4] + step * w1 / joint_slip) / (1 + step * abs(w1) / joint_slip)
-        memory[5] = (memory[5] + step * w2 / joint_slip) / (1 + step * abs(w2) / joint_slip)
-        response[n, 0] = (
-            a1
-            + direct[0, 0] * c1
-            + direct[0, 1] * c2
-            - (direct[0, 2] * f1 + direct[0, 3] * f2 + direct[0, 4] * h1 + direct[0, 5] * h2)
-        )
-        response[n, 1] = (
-            a2
-            + direct[1, 0] * c1
-            + direct[1, 1] * c2
-            - (direct[1, 2] * f1 + direct[1, 3] * f2 + direct[1, 4] * h1 + direct[1, 5] * h2)
-        )
+        c1, f1, h1 = _forces(0, drive[n, 0], x1, u1, s1, r1, w1, memory, constants)
+        c2, f2, h2 = _forces(1, drive[n, 1], x2, u2, s2, r2, w2, memory, constants)
+        response[n, 0] = a1 + _accelerated(direct[0], c1, c2, f1, f2, h1, h2)
+        response[n, 1] = a2 + _accelerated(direct[1], c1, c2, f1, f2, h1, h2)
         for m in range(q.shape[0]):
             force = coil1[m] * c1 + coil2[m] * c2
             force -= spring1[m] * f1 + spring2[m] * f2 + joint1[m] * h1 + joint2[m] * h2
             position, velocity = q[m], v[m]
             q[m] = q_q[m] * position + q_v[m] * velocity + q_force[m] * force
             v[m] = v_q[m] * position + v_v[m] * velocity + v_force[m] * force
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def _forces(
+    side: int,
+    drive: float,
+    coil: float,
+    coil_rate: float,
+    longer: float,
+    rate: float,
+    sliding: float,
+    memory: np.ndarray,
+    constants: np.ndarray,
+) -> tuple[float, float, float]:
+    """Return the forces of a side's coil, spring element and joints, N, and move its current and slips on."""
+    decay, back_emf, step, clip = constants[0], constants[1], constants[2], constants[3]
+    motor, offset, reach = constants[4], constants[5], constants[6]
+    cubic, sag, stop, gap = constants[7], constants[8], constants[9], constants[10]
+    friction, slip, joint_friction, joint_slip = constants[11], constants[12], constants[13], constants[14]
+    # coil: force factor BL(x), current behind resistance and inductance, back-EMF
+    factor = motor * (1 + (offset / reach) ** 2) / (1 + ((coil - offset) / reach) ** 2)
+    pull = factor * memory[side]
+    voltage = min(max(drive, -clip), clip) - back_emf * factor * coil_rate
+    memory[side] = decay * memory[side] + (1 - decay) * voltage
+    # spring element: stiffening about its sag, a soft stop on one side, friction; then the bolted joints
+    spring = cubic * longer * longer * (longer + 3 * sag) + stop * max(longer - gap, 0.0) + friction * memory[2 + side]
+    joint = joint_friction * memory[4 + side]
+    travel, slide = step * rate / slip, step * sliding / joint_slip
+    memory[2 + side] = (memory[2 + side] + travel) / (1 + abs(travel))
+    memory[4 + side] = (memory[4 + side] + slide) / (1 + abs(slide))
+    return pull, spring, joint
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def _accelerated(direct: np.ndarray, c1: float, c2: float, f1: float, f2: float, h1: float, h2: float) -> float:
+    """Return what the forces do at once to a shell, m/s^2."""
+    driven: float = direct[0] * c1 + direct[1] * c2
+    return driven - (direct[2] * f1 + direct[3] * f2 + direct[4] * h1 + direct[5] * h2)
 
 
 @njit(cache=True, nogil=True)
