@@ -69,7 +69,7 @@ def timing_train(chirp: np.ndarray, count: int) -> np.ndarray:
 
     Parameters
     ----------
-    chirp : array, shape (length,)
+    chirp : array, shape (length,), any unit
     count : int, >= 1
 
     Returns
@@ -86,7 +86,7 @@ def delay(emitted: np.ndarray, recorded: np.ndarray, rate: float, band: tuple[fl
 
     Parameters
     ----------
-    emitted : array, shape (length,)
+    emitted : array, shape (length,), any unit
     recorded : array, shape (at least length,), any unit
         Searched from delay 0 to its length less that of `emitted`.
     rate : float, samples/s
@@ -122,7 +122,7 @@ def train_deviations(
 
     Parameters
     ----------
-    chirp : array, shape (length,)
+    chirp : array, shape (length,), any unit
     recorded : array, shape (samples,), from the train's first emitted sample on
     whole : int, samples, >= 0
     rate : float, samples/s
@@ -148,8 +148,8 @@ def deviations(
 
     Parameters
     ----------
-    emitted : array, shape (length,)
-    recorded : array, shape (recordings, length)
+    emitted : array, shape (length,), any unit
+    recorded : array, shape (recordings, length), any unit
     rate : float, samples/s
     band : (float, float), Hz
 

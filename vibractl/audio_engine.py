@@ -122,7 +122,10 @@ class Engine:
         self._stream.close()
 
     def callback(self, indata: np.ndarray, outdata: np.ndarray, frames: int, now: Any, status: Any) -> None:
-        """Exchange one block with the device.  It fills `outdata` whatever happens, and lets no exception out."""
+        """Exchange one block with the device: `indata` (frames, inputs), `outdata` (frames, outputs), full scale 1.
+
+        It fills `outdata` whatever happens, and lets no exception out.
+        """
         filled = False
         try:
             if not self._words[Word.FAULT]:

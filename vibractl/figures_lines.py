@@ -35,7 +35,7 @@ def draw_envelope(axes: Axes, time: np.ndarray, signal: np.ndarray, style: dict[
     ----------
     axes : Axes
     time : array, shape (samples,), s
-    signal : array, shape (samples,)
+    signal : array, shape (samples,), any unit
     style : dict, as `look` gives it
     """
     step = -(-len(signal) // SPANS)
@@ -51,7 +51,7 @@ def largest_by_span(frequency: np.ndarray, size: np.ndarray) -> tuple[np.ndarray
     Parameters
     ----------
     frequency : array, shape (lines,), Hz
-    size : array, shape (lines,)
+    size : array, shape (lines,), any unit
 
     Returns
     -------

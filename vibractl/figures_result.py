@@ -110,7 +110,7 @@ def read_result(path: Path) -> Result:
 
 
 def driven(made: Setup) -> np.ndarray:
-    """Return the coils that the run drives, counted from 0."""
+    """Return the coils that the run drives, counted from 0, shape (driven,)."""
     return np.flatnonzero(np.any(made.law.spread != 0, axis=1))
 
 

@@ -78,7 +78,10 @@ class Proof(Protocol):
         """Return what to emit when the stream is opened."""
 
     def learn(self, response: np.ndarray, loopback: np.ndarray) -> str:
-        """Take the session's delay from the recorded probe; return what is wrong with it, or nothing."""
+        """Take the session's delay from the recorded probe; return what is wrong with it, or nothing.
+
+        Responses, shape (frames, responses), m/s^2; loopback, shape (frames,), full scale.
+        """
 
     def emission(self, drive: np.ndarray) -> Emission:
         """Return what to emit for a drive, shape (samples, drives), V."""
@@ -109,7 +112,10 @@ class Loopback:
         return Emission(drive, timing, 0, len(timing) + round(LARGEST_ROUND_TRIP * self._audio.rate))
 
     def learn(self, response: np.ndarray, loopback: np.ndarray) -> str:
-        """Take the session's delay from the recorded probe; return what is wrong with it, or nothing."""
+        """Take the session's delay from the recorded probe; return what is wrong with it, or nothing.
+
+        Responses, shape (frames, responses), m/s^2; loopback, shape (frames,), full scale.
+        """
         timing = alignment.timing_train(self._chirp, 4)
         found = alignment.delay(timing, loopback, self._audio.rate, alignment.LOOPBACK_BAND)
         if not found.quality >= LOOPBACK_TRUST:
@@ -176,7 +182,10 @@ class Marker:
         return Emission(drive, np.zeros(0), 0, len(drive))
 
     def learn(self, response: np.ndarray, loopback: np.ndarray) -> str:
-        """Take the session's delay, and what a marker looks like, from the recorded probe; return what is wrong."""
+        """Take the session's delay, and what a marker looks like, from the recorded probe; return what is wrong.
+
+        Responses, shape (frames, responses), m/s^2; loopback is not looked at, shape (frames,).
+        """
         periods = response[:, 0].astype(float).reshape(MARKER_PROBES, -1)
         found = alignment.delay(self._chirp, periods.mean(axis=0), self._audio.rate, alignment.MARKER_BAND)
         whole = max(0, round(np.nan_to_num(found.samples)) - self._lead)
@@ -195,7 +204,7 @@ class Marker:
         return ""
 
     def emission(self, drive: np.ndarray) -> Emission:
-        """Return the drive between two markers."""
+        """Return the drive, shape (samples, drives), V, between two markers."""
         marker = np.zeros((self._lead + len(self._chirp), drive.shape[1]))
         marker[self._lead :, 0] = self._chirp
         rest = np.zeros((self._gap, drive.shape[1]))
@@ -203,7 +212,10 @@ class Marker:
         return Emission(whole, np.zeros(0), len(marker) + self._gap, len(whole) + self._lead + self.whole)
 
     def judge(self, emission: Emission, response: np.ndarray, loopback: np.ndarray) -> Evidence:
-        """Say whether both markers of a recording lie where the session's first put them."""
+        """Say whether both markers of responses, shape (frames, responses), lie where the session's first put them.
+
+        Loopback, shape (frames,), is not looked at.
+        """
         starts = self.whole, self.whole + len(emission.drive) - self._lead - len(self._chirp)
         windows = [response[start : start + len(self._window), 0].astype(float) for start in starts]
         residual, quality = self._compare(np.stack(windows))

@@ -26,7 +26,7 @@ FAINT = 1e-12
 
 
 def decibels(ratio: np.ndarray | float) -> np.ndarray:
-    """Return 20 log10 |ratio|, (6.1)."""
+    """Return 20 log10 |ratio|, (6.1), dB, of the same shape as `ratio`: a number or an array of any shape."""
     level: np.ndarray = 20 * np.log10(np.maximum(np.abs(ratio), FAINT))
     return level
 

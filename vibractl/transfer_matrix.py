@@ -97,7 +97,7 @@ def norm(matrix: np.ndarray) -> np.ndarray:
 
     Parameters
     ----------
-    matrix : complex array, shape (bins, rows, columns)
+    matrix : complex array, shape (bins, rows, columns), any unit
 
     Returns
     -------
