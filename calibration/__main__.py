@@ -7,7 +7,8 @@ from typing import Annotated
 import typer
 
 from calibration.experiment import RawFolder
-from calibration.sweep_report import BAND_HEAD, WORST_HEAD, band_rows, sweep_figures, sweep_report, worst_rows
+from calibration.sweep_report import sweep_report
+from calibration.sweep_summary import BAND_HEAD, WORST_HEAD, band_rows, sweep_figures, worst_rows
 from calibration.vibrator import Calibration, LiveLine, calibrate
 from calibration.vibrator_sweep import refuse_unfit
 from rigkit import config as rig_file
@@ -78,8 +79,9 @@ def _print(found: Calibration, out: Path, json: str | None) -> None:
     print_table(title, BAND_HEAD, band_rows(found.matrix), stream)
     print_table("least certain", WORST_HEAD, worst_rows(found.matrix), stream)
     if len(found.passes) > 1:
-        median, worst = figures["first_pass_median_difference"], figures["first_pass_worst_difference"]
-        print(f"first pass against second: median {100 * median:.2g} %, worst {100 * worst:.2g} %", file=stream)  # noqa: T201
+        moved, missed = figures["first_pass_median_difference"], figures["first_grid_worst_interpolation"]
+        print(f"the first grid misses {100 * missed:.2g} % at worst between its lines", file=stream)  # noqa: T201
+        print(f"from the first pass to the second the lines moved by {100 * moved:.2g} %, median", file=stream)  # noqa: T201
     print(f"report: {out.with_suffix('.html')}", file=stream)  # noqa: T201
     write_json(json, figures)
 

@@ -1,7 +1,4 @@
-"""What a sweep found, drawn and in figures: the response with its uncertainty, the preload's map, the refined grid."""
-
-import math
-from typing import Any
+"""What a sweep found, drawn: the response with its uncertainty, the preload's map, the refined grid."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,83 +6,22 @@ from matplotlib.figure import Figure
 
 from calibration.preload import clearance, preload_frequencies
 from calibration.refinement import interpolation_error
+from calibration.sweep_summary import (
+    BAND_HEAD,
+    WORST_HEAD,
+    band_rows,
+    grid_error,
+    pass_difference,
+    relative_deviation,
+    sweep_figures,
+    worst_rows,
+)
 from calibration.vibrator import Calibration
 from calibration.vibrator_sweep import TOLERANCE
 from rigkit.figure_style import COLOURS, LIMIT, styled
 from rigkit.report import Fact, Plot, Report, Section, Table
 from vibractl.config import RigConfig
-from vibractl.transfer_matrix import TransferMatrix, norm
-
-BANDS = (0.0, 100.0, 200.0, 400.0, math.inf)
-"""Hz, between which lines are counted together."""
-WORST = 5
-"""Lines named one by one."""
-
-
-def relative_deviation(matrix: TransferMatrix) -> np.ndarray:
-    """Return the standard deviation of G, Frobenius, over its largest singular value; shape (bins,), 1."""
-    deviation: np.ndarray = np.sqrt(matrix.variance.sum(axis=(-2, -1))) / norm(matrix.response)
-    return deviation
-
-
-def band_rows(matrix: TransferMatrix) -> list[tuple[str, ...]]:
-    """Return a row of text for each band: lines, median and worst relative deviation, where, least coherence."""
-    relative = relative_deviation(matrix)
-    rows: list[tuple[str, ...]] = []
-    for low, high in zip(BANDS, BANDS[1:], strict=False):
-        inside = (matrix.frequency >= low) & (matrix.frequency < high)
-        if inside.any():
-            frequency, there = matrix.frequency[inside], relative[inside]
-            worst = int(there.argmax())
-            rows.append(
-                (
-                    f"{frequency[0]:g} to {frequency[-1]:g} Hz",
-                    f"{inside.sum()}",
-                    f"{100 * np.median(there):.3g}",
-                    f"{100 * there[worst]:.3g}",
-                    f"{frequency[worst]:g}",
-                    f"{_least_diagonal(matrix.coherence[inside]):.5f}",
-                )
-            )
-    return rows
-
-
-BAND_HEAD = ("band", "lines", "median deviation, %", "worst, %", "at, Hz", "least coherence on the diagonal")
-
-
-def worst_rows(matrix: TransferMatrix) -> list[tuple[str, ...]]:
-    """Return a row of text for each of the least certain lines."""
-    relative = relative_deviation(matrix)
-    worst = np.argsort(relative)[::-1][:WORST]
-    size = norm(matrix.response)
-    return [(f"{matrix.frequency[n]:g}", f"{100 * relative[n]:.3g}", f"{size[n]:.3g}") for n in worst]
-
-
-WORST_HEAD = ("least certain lines, Hz", "deviation, %", "|G|, m/s^2/V")
-
-
-def sweep_figures(found: Calibration) -> dict[str, Any]:
-    """Return what `--json` writes."""
-    relative = relative_deviation(found.matrix)
-    figures: dict[str, Any] = {
-        "lines": len(found.matrix.frequency),
-        "seconds_of_signal": found.seconds,
-        "median_relative_deviation": float(np.median(relative)),
-        "worst_relative_deviation": float(relative.max()),
-        "least_coherence": _least_diagonal(found.matrix.coherence),
-    }
-    if len(found.passes) > 1:
-        difference = pass_difference(found)
-        figures["first_pass_median_difference"] = float(np.median(difference))
-        figures["first_pass_worst_difference"] = float(difference.max())
-    return figures
-
-
-def pass_difference(found: Calibration) -> np.ndarray:
-    """Return by how much the first pass, interpolated, misses each line of the second, relative to |G|; (bins,), 1."""
-    first, last = found.passes
-    missed: np.ndarray = norm(first.at(last.frequency).response - last.response) / norm(last.response)
-    return missed
+from vibractl.transfer_matrix import TransferMatrix
 
 
 def sweep_report(found: Calibration, config: RigConfig) -> Report:
@@ -120,7 +56,10 @@ def _sections(found: Calibration, config: RigConfig) -> list[Section]:
         sections.append(Section("Preload", text, (Plot(_preload_map(found.matrix.frequency, config), caption),)))
     if len(found.passes) > 1:
         text = "Intervals are halved until interpolation is predicted to be within the limit, or the finest is reached."
-        caption = "Spacing of the lines; what interpolating the first pass misses, as predicted and by the second."
+        caption = (
+            "Spacing of the lines; what interpolating the first grid misses, as predicted by the first pass and as "
+            "measured in the second; and how far the passes are apart, which is drift and settling as well."
+        )
         sections.append(Section("Refined grid", text, (Plot(_grid(found), caption),)))
     return sections
 
@@ -176,6 +115,7 @@ def _preload_map(frequency: np.ndarray, config: RigConfig) -> Figure:
 
 def _grid(found: Calibration) -> Figure:
     first, last = found.passes
+    new, missed = grid_error(found)
     middle = (first.frequency[:-1] + first.frequency[1:]) / 2
     figure = Figure(figsize=(8.0, 5.5))
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1, 2])
@@ -183,6 +123,7 @@ def _grid(found: Calibration) -> Figure:
     upper.set_ylabel("spacing, Hz")
     lower.semilogy(middle, 100 * interpolation_error(first.frequency, first.response), label="predicted, first pass")
     lower.semilogy(last.frequency, 100 * pass_difference(found), ".", markersize=3, label="first pass against second")
+    lower.semilogy(new, 100 * missed, "x", markersize=4, label="first grid interpolated, second pass alone")
     lower.axhline(100 * TOLERANCE, label="limit of the second pass", **LIMIT)
     lower.set(ylabel="relative to |G|, %", xlabel="Hz")
     lower.legend()
@@ -196,7 +137,3 @@ def _shade(axes: Axes, frequency: np.ndarray, low: np.ndarray, high: np.ndarray)
 def _decibels(size: np.ndarray) -> np.ndarray:
     level: np.ndarray = 20 * np.log10(np.maximum(size, 1e-6))
     return level
-
-
-def _least_diagonal(coherence: np.ndarray) -> float:
-    return float(np.diagonal(coherence, axis1=1, axis2=2).min())

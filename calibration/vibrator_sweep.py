@@ -1,6 +1,7 @@
 """The preloaded stepped sine: which tones are played, in which batches, in both passes."""
 
-from collections.abc import Mapping
+import hashlib
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,7 +52,7 @@ def first_pass(config: RigConfig) -> Plan:
     frequency = low + settings.step * np.arange(int(np.floor((high - low) / settings.step + 1e-9)) + 1)
     silence = Silence(round(SILENCE * config.audio.rate), len(config.audio.drive_channels))
     batches = [silence, *_batches(config, frequency, np.full(len(frequency), settings.settle))]
-    return _plan(config, "pass-1", batches, {"step": repr(settings.step)})
+    return _plan(config, "pass-1", batches)
 
 
 def second_pass(config: RigConfig, first: TransferMatrix) -> Plan:
@@ -71,8 +72,7 @@ def second_pass(config: RigConfig, first: TransferMatrix) -> Plan:
     ringing = np.interp(frequency, first.frequency, memory(first.frequency, first.response))
     settle = np.clip(SETTLED * ringing, settings.settle, max(LONGEST_SETTLE, settings.settle))
     settle = np.ceil(settle * 100) / 100
-    grid = " ".join(f"{f:g}:{s:g}" for f, s in zip(frequency, settle, strict=True))
-    return _plan(config, "pass-2", _batches(config, frequency, settle), {"grid": grid})
+    return _plan(config, "pass-2", _batches(config, frequency, settle))
 
 
 def refuse_unfit(config: RigConfig) -> None:
@@ -120,7 +120,7 @@ def _batches(config: RigConfig, frequency: np.ndarray, settle: np.ndarray) -> li
     ]  # fmt: skip
 
 
-def _plan(config: RigConfig, name: str, batches: list[Batch], more: Mapping[str, str]) -> Plan:
+def _plan(config: RigConfig, name: str, batches: list[Batch]) -> Plan:
     """Put a plan together; its settings are all that drives and plant depend on."""
     audio, settings = config.audio, config.characterisation
     depends = {
@@ -131,10 +131,20 @@ def _plan(config: RigConfig, name: str, batches: list[Batch], more: Mapping[str,
         "simulator.plant": config.simulator.plant,
         **{
             f"characterisation.{key}": repr(getattr(settings, key))
-            for key in ("band", "tone", "settle", "preload", "preload_band", "probe")
+            for key in ("band", "step", "tone", "settle", "preload", "preload_band", "probe")
         },
-        **{f"characterisation.{key}": text for key, text in more.items()},
+        "tones": _digest(batches),
     }
     drives = [(f"drive_{side + 1}", "V") for side in range(len(audio.drive_channels))]
     responses = [(f"response_{side + 1}", "m/s^2") for side in range(len(audio.response_channels))]
     return Plan(name, depends, float(audio.rate), drives, responses, batches)
+
+
+def _digest(batches: Iterable[Batch]) -> str:
+    """Tell one list of tones from another, whichever settings or version of this program made it."""
+    tones = hashlib.sha256()
+    for batch in batches:
+        if isinstance(batch, Tones):
+            for part in (batch.frequency, batch.preload_frequency, batch.settle, batch.starts.astype(float)):
+                tones.update(np.round(part, 6).tobytes())
+    return tones.hexdigest()[:16]
