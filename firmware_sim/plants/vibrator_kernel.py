@@ -93,7 +93,8 @@ def _forces(
 def _accelerated(direct: np.ndarray, c1: float, c2: float, f1: float, f2: float, h1: float, h2: float) -> float:
     """Return what the forces do at once to a shell, m/s^2."""
     driven: float = direct[0] * c1 + direct[1] * c2
-    return driven - (direct[2] * f1 + direct[3] * f2 + direct[4] * h1 + direct[5] * h2)
+    driven -= direct[2] * f1 + direct[3] * f2 + direct[4] * h1 + direct[5] * h2
+    return driven
 
 
 @njit(cache=True, nogil=True)
