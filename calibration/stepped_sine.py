@@ -55,12 +55,17 @@ class Tones:
         return int(self._samples(self.tone))
 
     @property
+    def waits(self) -> np.ndarray:
+        """Time before each slot's tone is measured, shape (sides, tones), s; longer where the probe comes from rest."""
+        waits: np.ndarray = self.settle[self.order]
+        waits[:, 0] += REST
+        return waits
+
+    @property
     def starts(self) -> np.ndarray:
         """First sample of each slot's measured tone, shape (sides, tones)."""
-        order = self.order
-        waits = self._samples(self.settle)[order]
-        waits[:, 0] += self._samples(REST)
-        starts: np.ndarray = np.cumsum(waits.ravel() + self.window).reshape(order.shape) - self.window
+        waits = self._samples(self.waits)
+        starts: np.ndarray = np.cumsum(waits.ravel() + self.window).reshape(waits.shape) - self.window
         return starts
 
     @property

@@ -1,12 +1,14 @@
 """What the recordings of a preloaded stepped sine say: the transfer matrix at every tone, with its variance."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.signal.windows import tukey
 
 from calibration.line_fit import LineEstimator, background
+from calibration.refinement import memory
+from calibration.settling import left_over, unsettled
 from calibration.stepped_sine import Tones
 from ctlblocks.recording import Recording
 from vibractl.config import RigConfig
@@ -36,12 +38,18 @@ class Lines:
     response : complex array, shape (tones, outputs, inputs), m/s^2 per V
     variance : array, shape (tones, outputs, inputs), (m/s^2 per V)^2
     coherence : array, shape (tones, outputs, inputs), 1
+    wait : array, shape (tones, inputs), s
+        Before the tone was measured.
+    before : array, shape (tones, inputs), Hz
+        What the input carried before; 0 where it was at rest.
     """
 
     frequency: np.ndarray
     response: np.ndarray
     variance: np.ndarray
     coherence: np.ndarray
+    wait: np.ndarray
+    before: np.ndarray
 
 
 class SweepEstimator:
@@ -57,6 +65,8 @@ class SweepEstimator:
         self._sides, self._factor = len(config.audio.drive_channels), decimation(config)
         self._rate = config.audio.rate / self._factor
         self._decimator = Decimator(self._factor)
+        samples = round(self._settings.tone * config.audio.rate / self._factor)
+        self._window = tukey(samples, self._settings.tukey, sym=False)
         self._silence = np.zeros((0, len(config.audio.response_channels)))
 
     def hear_silence(self, record: Recording) -> None:
@@ -74,9 +84,9 @@ class SweepEstimator:
         -------
         Y and U are amplitudes of a windowed least-squares fit, see `LineEstimator`.
         """
-        signals, frames = self._signals(record), batch.window // self._factor
-        window = tukey(frames, self._settings.tukey, sym=False)
-        starts = np.take_along_axis(batch.starts // self._factor, np.argsort(batch.order, axis=1), axis=1)
+        signals, window = self._signals(record), self._window
+        frames, slots = len(window), np.argsort(batch.order, axis=1)
+        starts = np.take_along_axis(batch.starts // self._factor, slots, axis=1)
         found = []
         for tone, frequency in enumerate(batch.frequency):
             others = self._harmonics(batch.preload_frequency[tone]) if batch.preload else np.zeros(0)
@@ -88,7 +98,22 @@ class SweepEstimator:
                 noise = np.maximum(noise, background(self._silence, window, self._rate, float(frequency))[:, None])
             found.append(_matrix_of(amplitude[: self._sides], amplitude[self._sides :], noise))
         response, variance, coherence = (np.stack(part) for part in zip(*found, strict=True))
-        return Lines(batch.frequency, response, variance, coherence)
+        wait = np.take_along_axis(batch.waits, slots, axis=1).T
+        before = np.insert(batch.frequency[batch.order[:, :-1]], 0, 0.0, axis=1)
+        return Lines(batch.frequency, response, variance, coherence, wait, np.take_along_axis(before, slots, axis=1).T)
+
+    def joined(self, parts: Sequence[Lines], provenance: Mapping[str, str]) -> TransferMatrix:
+        """Put the lines of all batches in one matrix, and what had not settled into their variance."""
+        frequency = np.concatenate([part.frequency for part in parts])
+        order = np.argsort(frequency)
+        frequency = frequency[order]
+        response, variance, coherence, wait, last = (
+            np.concatenate([getattr(part, name) for part in parts])[order]
+            for name in ("response", "variance", "coherence", "wait", "before")
+        )
+        before = np.where(last > 0, np.searchsorted(frequency, last), -1)
+        share = left_over(memory(frequency, response), wait, self._window, self._rate)
+        return TransferMatrix(frequency, response, variance + unsettled(response, before, share), coherence, provenance)
 
     def _signals(self, record: Recording) -> np.ndarray:
         return self._decimator.apply(record.data.astype(float))
@@ -96,20 +121,6 @@ class SweepEstimator:
     def _harmonics(self, preload: float) -> np.ndarray:
         harmonics: np.ndarray = preload * np.arange(1, int((self._settings.band[1] + BEYOND) / preload) + 1)
         return harmonics
-
-
-def joined(parts: Iterable[Lines], provenance: Mapping[str, str]) -> TransferMatrix:
-    """Put the lines of all batches in one matrix."""
-    parts = list(parts)
-    frequency = np.concatenate([part.frequency for part in parts])
-    order = np.argsort(frequency)
-    return TransferMatrix(
-        frequency[order],
-        np.concatenate([part.response for part in parts])[order],
-        np.concatenate([part.variance for part in parts])[order],
-        np.concatenate([part.coherence for part in parts])[order],
-        provenance,
-    )
 
 
 def _matrix_of(drive: np.ndarray, response: np.ndarray, noise: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

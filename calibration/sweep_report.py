@@ -40,7 +40,7 @@ def sweep_report(found: Calibration, config: RigConfig) -> Report:
 
 
 def _sections(found: Calibration, config: RigConfig) -> list[Section]:
-    certainty = "Two standard deviations are shaded.  Only noise is in them: not drift, not what had not settled."
+    certainty = "Two standard deviations are shaded.  Noise is in them, and what had not settled; drift is not."
     sections = [
         Section("Transfer matrix", certainty, (Plot(_bode(found.matrix), "Magnitude and phase, output from input."),)),
         Section(

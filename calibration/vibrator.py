@@ -13,7 +13,7 @@ import numpy as np
 
 from calibration.experiment import Emit, Plan, RawFolder, now
 from calibration.stepped_sine import Tones
-from calibration.sweep_estimate import Lines, SweepEstimator, joined
+from calibration.sweep_estimate import Lines, SweepEstimator
 from calibration.vibrator_sweep import first_pass, longest_batch, second_pass
 from rigkit import config as rig_file
 from rigkit.progress import progress
@@ -122,8 +122,8 @@ def calibrate(config: RigConfig, raw: RawFolder, emit: Emit) -> Calibration:
 
     Departs
     -------
-    The second pass alone is the model where there is one: the first is older by the drift of half an hour, and
-    what had not settled in it is not noise that a weight by variance would know of.
+    The second pass alone is the model where there is one: weighing in the first would gain a tenth if nothing moved,
+    but it is older by a quarter of an hour of drift.
     """
     estimator = SweepEstimator(config)
     plans = [first_pass(config)]
@@ -151,7 +151,7 @@ def _measured(plan: Plan, raw: RawFolder, emit: Emit, estimator: SweepEstimator,
             meter.show(done)
         if waiting is not None:
             lines.append(waiting.result())
-    return joined(lines, _provenance(config, raw.path, plan))
+    return estimator.joined(lines, _provenance(config, raw.path, plan))
 
 
 def _provenance(config: RigConfig, raw: Path, plan: Plan) -> dict[str, str]:

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from calibration.stepped_sine import Tones
-from calibration.sweep_estimate import Lines, SweepEstimator, decimation, joined
+from calibration.sweep_estimate import Lines, SweepEstimator, decimation
 from calibration.vibrator_sweep import Silence
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file
@@ -89,11 +89,26 @@ def test_unloaded_joints_stick_so_that_another_machine_is_measured() -> None:
 
 def test_batches_are_joined_in_order_of_frequency() -> None:
     ones = np.ones((4, 2, 2))
-    high, low = (Lines(start + np.arange(4.0), ones * start, ones, ones) for start in (50.0, 20.0))
-    both = joined([high, low], {"rig": "x"})
+
+    def lines(start: float) -> Lines:
+        frequency = start + np.arange(4.0)
+        before = np.stack([np.append(0.0, frequency[:-1]), np.append(frequency[1:], 0.0)], axis=1)
+        return Lines(frequency, ones * start, ones, ones, np.full((4, 2), 100.0), before)
+
+    both = SweepEstimator(CONFIG).joined([lines(50.0), lines(20.0)], {"rig": "x"})
     assert both.frequency.tolist() == [20.0, 21.0, 22.0, 23.0, 50.0, 51.0, 52.0, 53.0]
     assert both.response[:, 0, 0].tolist() == [20.0] * 4 + [50.0] * 4
+    assert both.variance == pytest.approx(1.0)
     assert both.provenance == {"rig": "x"}
+
+
+def test_each_line_knows_what_its_input_carried_before_and_for_how_long_it_waited() -> None:
+    tones = batch(0.0, settle=0.2)
+    found = SweepEstimator(CONFIG).lines(tones, recorded(1, tones.drive(), **LINEAR))
+    assert found.before[:, 0].tolist() == [0.0, *FREQUENCY[:-1]]
+    assert found.before[:, 1].tolist() == [*FREQUENCY[1:], 0.0]
+    assert found.wait[:, 0] == pytest.approx([0.6, *[0.2] * 7])
+    assert found.wait[:, 1] == pytest.approx([*[0.2] * 7, 0.6])
 
 
 def test_decimation_leaves_room_for_the_band() -> None:
