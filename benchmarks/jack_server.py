@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from ctypes.util import find_library
@@ -41,8 +42,10 @@ def jack_server(options: Sequence[str], rate: int, period: int) -> Iterator[subp
     dummy = ("-d", "dummy", "-r", str(rate), "-p", str(period), "-C", "2", "-P", "2")
     command = ["jackd", "-n", name, *small, *options, *dummy]
     try:
-        with _running(subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)) as server:
-            subprocess.run(["jack_wait", "-s", name, "-w", "-t", "10"], check=True, stdout=subprocess.DEVNULL)
+        with tempfile.TemporaryFile("w+") as log, _running(subprocess.Popen(command, stdout=log, stderr=log)) as server:
+            if subprocess.run(["jack_wait", "-s", name, "-w", "-t", "10"], capture_output=True).returncode:
+                log.seek(0)
+                raise RuntimeError(f"jackd has not started: {log.read()[-500:]}")
             yield server
     finally:
         for key, value in before.items():

@@ -243,6 +243,9 @@ def test_stop_ramps_down_and_the_line_goes_on(files: list[str], card: list[Stepp
         assert not output[-400:].any()
         assert len(played) < 50
         stream.card.exchange = exchange  # type: ignore[method-assign]
+        line._memory.response.fill(7.0)  # noqa: SLF001
+        stream.advance(RATE)
+        assert (line._memory.response == 7.0).all()  # noqa: SLF001 (what has ended records no more)
         np.testing.assert_allclose(line.emit(drive).response, expected(files, drive), atol=2e-6)
 
 

@@ -1,6 +1,7 @@
 """Both proofs of alignment learn the session's delay once, and say of every recording whether it still holds."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -92,7 +93,10 @@ def test_a_slip_is_told_with_its_size_while_it_is_small(which: str, slip: int) -
     evidence = judge.judge(emission, *heard(emission, plant, LATE + slip))
     assert evidence.fault
     if which == "loopback" or abs(slip) == 1:
+        assert evidence.fault.startswith("slip: the delay is")
         assert evidence.residual == pytest.approx(slip, abs=0.1)
+    else:
+        assert re.match("the marker (before|after) the drive is wrong: quality", evidence.fault)
 
 
 @pytest.mark.parametrize("which", ["loopback", "marker"])

@@ -52,9 +52,9 @@ def test_it_plays_the_drive_then_silence_and_records_with_the_margin(frames: int
 
 
 def test_it_is_done_when_the_margin_is_recorded_and_not_before() -> None:
-    trial = Trial(drive(), 2, margin=28)
+    trial = Trial(drive(), 2, margin=60)
     trial.prepare(RATE, 64)
-    play(trial, 64, 1)
+    play(trial, 64, 2)
     assert not trial.done
     play(trial, 64, 1)
     assert trial.done
