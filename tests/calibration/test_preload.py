@@ -23,9 +23,9 @@ def test_the_preload_stays_near_the_middle_of_its_band() -> None:
 
 
 def test_a_band_too_narrow_for_that_clearance_gives_the_clearest_there_is() -> None:
-    preload = preload_frequencies(np.array([600.0]), (59.5, 60.5))
-    assert 59.5 <= preload[0] <= 60.5
-    others = np.linspace(59.5, 60.5, 500)
+    preload = preload_frequencies(np.array([600.0]), (60.0, 61.0))
+    assert 60.0 <= preload[0] <= 61.0
+    others = np.linspace(60.0, 61.0, 500)
     assert clearance(np.array([600.0]), preload)[0] == pytest.approx(clearance(np.array(600.0), others).max(), abs=0.05)
 
 
