@@ -148,11 +148,12 @@ def test_a_callback_that_raises_ends_the_stream(how: type[Exception], capsys: py
     assert ("ZeroDivisionError" in capsys.readouterr().err) == (how is ZeroDivisionError)
 
 
-def test_sounddevices_own_stop_is_honoured(portaudio: ModuleType) -> None:
+def test_sounddevices_own_stop_is_honoured(portaudio: ModuleType, capsys: pytest.CaptureFixture[str]) -> None:
     def raising(*_: Any) -> None:
         raise portaudio.CallbackStop
 
     assert not stepped(raising, 2).active
+    assert capsys.readouterr().err == ""
 
 
 def test_with_a_clock_it_runs_by_itself_and_gives_the_same() -> None:

@@ -34,8 +34,10 @@ def test_channels_and_full_scales_are_those_of_the_wiring() -> None:
 def test_both_converters_saturate_at_full_scale() -> None:
     recorded = np.zeros((2, 3))
     played = np.array([[1.5, -2.0, 3.0], [0.1, 0.0, -0.5]])
-    prepared(Wiring(output_full_scale=10.0, input_full_scale=5.0)).step(played, recorded)
-    np.testing.assert_allclose(recorded, [[1.0, -1.0, 1.0], [0.2, 0.0, -0.5]])
+    prepared(Wiring(output_full_scale=10.0, input_full_scale=40.0)).step(played, recorded)
+    np.testing.assert_allclose(recorded, [[0.25, -0.25, 1.0], [0.025, 0.0, -0.5]])
+    prepared(Wiring(output_full_scale=10.0, input_full_scale=5.0)).step(0.9 * played, recorded)
+    np.testing.assert_allclose(recorded, [[1.0, -1.0, 1.0], [0.18, 0.0, -0.45]])
 
 
 def test_a_card_opened_with_fewer_channels_plays_nothing_on_the_others() -> None:
