@@ -14,7 +14,9 @@ from vibractl.audio_stream import AudioError
 from vibractl.capture import Capture, Discarded, spoiled
 from vibractl.config import RigConfig
 from vibractl.guard import Violation, as_violation, violation
-from vibractl.proof import LARGEST_ROUND_TRIP, Emission, proof
+from vibractl.loopback import Loopback
+from vibractl.marker import Marker
+from vibractl.proof import LARGEST_ROUND_TRIP, Emission, Proof
 
 SECONDS = 40.0
 """Longest drive, unless the line is opened for another."""
@@ -65,7 +67,7 @@ class Line:
                 f"limits.peak is {limits.peak:g} V, must be <= audio.output_full_scale, {audio.output_full_scale:g} V"
             )
         self._audio, self._limits, self._seconds, self._on_discard = audio, limits, seconds, on_discard
-        self._proof = proof(audio, limits)
+        self._proof: Proof = Loopback(audio) if audio.alignment == "loopback" else Marker(audio, limits)
         room = round((seconds + 10 * LARGEST_ROUND_TRIP) * audio.rate)  # the probe and markers need some, too
         self._memory = Memory(len(audio.drive_channels), len(audio.response_channels), room)
         self._host: _Host = AudioProcess(config, self._memory) if audio.isolated else Engine(config, self._memory)

@@ -8,7 +8,9 @@ import pytest
 
 from firmware_sim.plants.vibrator import VibratorPlant
 from vibractl.config import Audio, Limits
-from vibractl.proof import Emission, Loopback, Marker, Proof, proof
+from vibractl.loopback import Loopback
+from vibractl.marker import Marker
+from vibractl.proof import Emission, Proof
 
 RATE = 44_100
 LATE = 573
@@ -25,8 +27,12 @@ def heard(emission: Emission, plant: VibratorPlant, late: int = LATE) -> tuple[n
     return response[: emission.frames].astype(np.float32), loopback[: emission.frames].astype(np.float32)
 
 
+def made(which: str) -> Proof:
+    return Loopback(Audio()) if which == "loopback" else Marker(Audio(), Limits())
+
+
 def learned(which: str, plant: VibratorPlant) -> Proof:
-    found = proof(Audio(alignment=which), Limits())
+    found = made(which)
     assert found.learn(*heard(found.probe(), plant)) == ""
     return found
 
@@ -36,11 +42,6 @@ def sweep(amplitude: float) -> np.ndarray:
     return (
         amplitude * np.sin(2 * np.pi * np.array([40.0, 76.0]) * time[:, None]) * np.sin(np.pi * time / 2)[:, None] ** 2
     )
-
-
-def test_the_rig_file_chooses_the_proof() -> None:
-    assert isinstance(proof(Audio(alignment="loopback"), Limits()), Loopback)
-    assert isinstance(proof(Audio(alignment="marker"), Limits()), Marker)
 
 
 def test_the_loopback_emits_nothing_on_the_drives_and_knows_the_delay_exactly() -> None:
@@ -107,10 +108,10 @@ def test_silence_noise_and_nan_are_not_trusted(which: str) -> None:
     noise = np.random.default_rng(1).standard_normal((max(probe, emission.frames), 2)).astype(np.float32)
     for response in (np.zeros_like(noise), noise, np.full_like(noise, math.nan)):
         assert judge.judge(emission, response, response[:, 0]).fault
-        assert proof(Audio(alignment=which), Limits()).learn(response[:probe], response[:probe, 0]) != ""
+        assert made(which).learn(response[:probe], response[:probe, 0]) != ""
 
 
 def test_an_inverted_cable_is_not_accepted() -> None:
-    cable = proof(Audio(), Limits())
+    cable = Loopback(Audio())
     response, loopback = heard(cable.probe(), VibratorPlant(RATE))
     assert "not inverted" in cable.learn(response, -loopback)
