@@ -1,5 +1,6 @@
 """A JACK audio server without hardware under a private name, and the simulated vibrator as its client."""
 
+import fcntl
 import os
 import shutil
 import subprocess
@@ -10,6 +11,7 @@ from contextlib import contextmanager
 from ctypes.util import find_library
 from typing import Any
 
+_NAMES = 4
 _LONGEST_END = 10.0
 """s for a process to end when asked, before it is killed."""
 
@@ -34,22 +36,47 @@ def jack_server(options: Sequence[str], rate: int, period: int) -> Iterator[subp
     rate : int, samples/s
     period : int, samples
     """
-    name = f"vibrostage{os.getpid()}"
-    settings = {"JACK_DEFAULT_SERVER": name, "JACK_NO_START_SERVER": "1", "JACK_NO_AUDIO_RESERVATION": "1"}
-    before = {key: os.environ.get(key) for key in settings}
-    os.environ |= settings
     small = ("--port-max", "128", "-t", "5000")  # the default needs 100 MB of /dev/shm, more than containers have
     dummy = ("-d", "dummy", "-r", str(rate), "-p", str(period), "-C", "2", "-P", "2")
-    command = ["jackd", "-n", name, *small, *options, *dummy]
-    try:
-        with tempfile.TemporaryFile("w+") as log, _running(subprocess.Popen(command, stdout=log, stderr=log)) as server:
+    with _private_name() as name, _environment(name), tempfile.TemporaryFile("w+") as log:
+        command = ["jackd", "-n", name, *small, *options, *dummy]
+        with _running(subprocess.Popen(command, stdout=log, stderr=log)) as server:
             if subprocess.run(["jack_wait", "-s", name, "-w", "-t", "10"], capture_output=True).returncode:
                 log.seek(0)
                 raise RuntimeError(f"jackd has not started: {log.read()[-500:]}")
             yield server
+
+
+@contextmanager
+def _environment(name: str) -> Iterator[None]:
+    """Let the programs that are started meanwhile find this server, and start no other."""
+    settings = {"JACK_DEFAULT_SERVER": name, "JACK_NO_START_SERVER": "1", "JACK_NO_AUDIO_RESERVATION": "1"}
+    before = {key: os.environ.get(key) for key in settings}
+    os.environ |= settings
+    try:
+        yield
     finally:
         for key, value in before.items():
             os.environ.pop(key) if value is None else os.environ.__setitem__(key, value)
+
+
+@contextmanager
+def _private_name() -> Iterator[str]:
+    """Hold one of a few names for a server.
+
+    A jackd that dies leaves its place in the machine's list of eight servers taken; only one of the same name takes it
+    over.  With names that are never the same again no server would start after the eighth such death.
+    """
+    for number in range(_NAMES):
+        path = os.path.join(tempfile.gettempdir(), f"vibrostage-jack-{os.getuid()}-{number}.lock")
+        with open(path, "w") as file:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                continue
+            yield f"vibrostage{number}"
+            return
+    raise RuntimeError(f"{_NAMES} JACK servers of ours run already")
 
 
 @contextmanager

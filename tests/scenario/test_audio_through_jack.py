@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,8 @@ import soundfile
 from benchmarks.jack_server import jack_server, missing, vibrator_client
 from ctlblocks.block import Block
 from firmware_sim.plant_blocks import ImpulseResponse, Vibrator
-from vibractl.audio import AudioError, Line
+from vibractl.audio import AudioError, Line, ShotAbandoned
+from vibractl.capture import Capture
 from vibractl.config import Audio, RigConfig
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason=missing())
@@ -53,16 +55,19 @@ def offline(plant: Block, drive: np.ndarray) -> np.ndarray:
     return response
 
 
+def first_capture(settings: list[str]) -> Capture:
+    """Return the first recording from a vibrator at rest: after a discarded one, friction holds it elsewhere."""
+    for _ in range(5):
+        with vibrator_client(settings), Line(rig(attempts=1)) as line, suppress(ShotAbandoned):
+            return line.emit(sweep())
+    raise AssertionError("this machine was late in each of five recordings of a second")
+
+
 @pytest.mark.usefixtures("server")
 def test_the_recorded_response_of_the_vibrator_is_that_of_the_plant_offline() -> None:
     expected = offline(Vibrator(seed=3, **QUIET), sweep())
-    with vibrator_client(["simulator.options.seed=3", *(f"simulator.options.{k}={v}" for k, v in QUIET.items())]):
-        with Line(rig(attempts=1)) as line:
-            assert line.round_trip == pytest.approx(2 * PERIOD, abs=1e-6)
-            try:
-                capture = line.emit(sweep())
-            except AudioError as fault:  # a second attempt would find friction elsewhere than at rest
-                pytest.skip(f"this machine is too busy: {fault}")
+    capture = first_capture(["simulator.options.seed=3", *(f"simulator.options.{k}={v}" for k, v in QUIET.items())])
+    assert capture.delay == pytest.approx(2 * PERIOD, abs=1e-6)
     assert np.abs(expected).max() > 5.0
     np.testing.assert_allclose(capture.response, expected, atol=1e-6 * np.abs(expected).max())
     np.testing.assert_array_equal(capture.emitted, sweep().astype(np.float32))
