@@ -19,5 +19,5 @@ def test_the_plant_against_real_time(benchmark) -> None:  # type: ignore[no-unty
         start = perf_counter()
         plant.run(drive, response)
         times.append(perf_counter() - start)
-    print(f"\nplant: {SECONDS / median(times):.0f} x real time")  # noqa: T201
+    print(f"\nplant: {SECONDS / median(times):.0f} x real time")
     benchmark.pedantic(plant.run, (drive, response), rounds=5)

@@ -60,7 +60,7 @@ def test_one_mimo_update(benchmark) -> None:  # type: ignore[no-untyped-def] # n
 
     whole, transforms, numpys = seconds(ours, bare, vectorised)
     benchmark.extra_info["ms"] = round(whole * 1e3, 2)
-    print(  # noqa: T201
+    print(
         f"\nupdate {whole * 1e3:.2f} ms: {whole / transforms:.2f} x the bare pyfftw transforms "
         f"({transforms * 1e3:.2f} ms), {numpys / whole:.1f} x as fast as vectorised numpy ({numpys * 1e3:.1f} ms)"
     )

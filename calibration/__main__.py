@@ -66,7 +66,7 @@ def _raw_folder(out: Path) -> Path:
 
 
 def _calibrated(rig: RigConfig, raw: RawFolder) -> Calibration:
-    with stoppable() as stop, LiveLine(rig, stop) as line:
+    with stoppable() as stop, LiveLine(rig, raw, stop) as line:
         try:
             return calibrate(rig, raw, line.emit)
         except Stopped:
@@ -80,9 +80,9 @@ def _print(found: Calibration, out: Path, json: str | None) -> None:
     print_table("least certain", WORST_HEAD, worst_rows(found.matrix), stream)
     if len(found.passes) > 1:
         moved, missed = figures["first_pass_median_difference"], figures["first_grid_worst_interpolation"]
-        print(f"the first grid misses {100 * missed:.2g} % at worst between its lines", file=stream)  # noqa: T201
-        print(f"from the first pass to the second the lines moved by {100 * moved:.2g} %, median", file=stream)  # noqa: T201
-    print(f"report: {out.with_suffix('.html')}", file=stream)  # noqa: T201
+        print(f"the first grid misses {100 * missed:.2g} % at worst between its lines", file=stream)
+        print(f"from the first pass to the second the lines moved by {100 * moved:.2g} %, median", file=stream)
+    print(f"report: {out.with_suffix('.html')}", file=stream)
     write_json(json, figures)
 
 

@@ -5,7 +5,6 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Protocol, Self
 
@@ -16,6 +15,7 @@ from ctlblocks.recording import Recording
 from rigkit import atomic
 from rigkit.json_text import json_text
 from rigkit.lock import Lock
+from rigkit.provenance import now
 
 Emit = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 """Plays a drive, shape (samples, drives), and returns what was emitted and the responses, one row a sample, float32."""
@@ -158,8 +158,3 @@ class RawFolder:
                 f"{self.path}/ was recorded with {key} = {before.get(key)}, now it is {plan.settings.get(key)}{more}; "
                 "go back to the old settings, or use another folder"
             )
-
-
-def now() -> str:
-    """Return the time, UTC, for a provenance."""
-    return datetime.now(UTC).isoformat(timespec="seconds")

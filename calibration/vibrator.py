@@ -1,29 +1,28 @@
 """The vibrator's calibration: both passes of the stepped sine over the live line, and the model they end in."""
 
-import platform
 import sys
 import threading
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Self
 
 import numpy as np
 
-from calibration.experiment import Emit, Plan, RawFolder, now
+from calibration.experiment import Emit, Plan, RawFolder
 from calibration.stepped_sine import Tones
 from calibration.sweep_estimate import Lines, SweepEstimator
 from calibration.vibrator_sweep import first_pass, longest_batch, second_pass
 from rigkit import config as rig_file
 from rigkit.progress import progress
+from rigkit.provenance import now, software
 from rigkit.stop import StopRequest
 from vibractl.audio import Line
 from vibractl.capture import Discarded
 from vibractl.config import RigConfig
+from vibractl.shot_file import DISCARDED, keep_discarded
 from vibractl.transfer_matrix import TransferMatrix
 
-SOFTWARE = ("vibrostage", "numpy", "scipy", "numba")
 STOP_POLL = 0.1
 """s."""
 
@@ -55,12 +54,14 @@ class LiveLine:
     Parameters
     ----------
     config : RigConfig
+    raw : RawFolder
+        Keeps the recordings that are discarded, in a folder of their own.
     stop : StopRequest
         Ramps the drive down in the middle of a batch when it is made.
     """
 
-    def __init__(self, config: RigConfig, stop: StopRequest) -> None:
-        self._config, self._stop = config, stop
+    def __init__(self, config: RigConfig, raw: RawFolder, stop: StopRequest) -> None:
+        self._config, self._stop, self._discarded = config, stop, raw.path / DISCARDED
         self._line: Line | None = None
 
     def __enter__(self) -> Self:
@@ -80,7 +81,7 @@ class LiveLine:
         Stopped : it was asked for.
         """
         if self._line is None:
-            line = Line(self._config, seconds=longest_batch(self._config), on_discard=_tell_discarded)
+            line = Line(self._config, seconds=longest_batch(self._config), on_discard=self._keep_discarded)
             self._line = line.__enter__()
         done = threading.Event()
         watch = threading.Thread(target=self._stop_when_asked, args=(self._line, done), daemon=True)
@@ -97,9 +98,9 @@ class LiveLine:
             if self._stop.made:
                 line.stop()
 
-
-def _tell_discarded(discarded: Discarded) -> None:
-    sys.stderr.write(f"recording discarded, attempt {discarded.attempt}: {discarded.reason}\n")
+    def _keep_discarded(self, discarded: Discarded) -> None:
+        kept = keep_discarded(self._discarded, "batch", discarded, self._config)
+        sys.stderr.write(f"recording discarded, attempt {discarded.attempt}: {discarded.reason}; kept as {kept}\n")
 
 
 def calibrate(config: RigConfig, raw: RawFolder, emit: Emit) -> Calibration:
@@ -155,11 +156,10 @@ def _measured(plan: Plan, raw: RawFolder, emit: Emit, estimator: SweepEstimator,
 
 
 def _provenance(config: RigConfig, raw: Path, plan: Plan) -> dict[str, str]:
-    software = ", ".join(f"{name} {version(name)}" for name in SOFTWARE)
     return {
         "rig": config.rig.name,
         "config": rig_file.dump(config),
         "recording": f"{raw.name}/{plan.name}-*.wav, fingerprint {plan.fingerprint}",
-        "software": f"{software}, Python {platform.python_version()}",
+        "software": software(),
         "date": now(),
     }

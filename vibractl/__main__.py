@@ -97,7 +97,7 @@ def _learn(session: Session, shots: int, json: str | None) -> None:
     _print_shots(path, json)
     met = figures["objective_met_shot"]
     verdict = f"objective met from shot {met} on" if met is not None else "objective not met"
-    print(f"{verdict}; report: {path / 'report.html'}", file=words(json))  # noqa: T201
+    print(f"{verdict}; report: {path / 'report.html'}", file=words(json))
     write_json(json, figures)
 
 
@@ -163,7 +163,7 @@ def report_command(
     Example: `vibractl report RUN/ --png figures/`
     """
     figures = run_report(path, png)
-    print(f"report: {path / 'report.html'}", file=words(json))  # noqa: T201
+    print(f"report: {path / 'report.html'}", file=words(json))
     write_json(json, figures)
 
 

@@ -105,7 +105,7 @@ class Characterisation(Section):
     step: float = setting(1.0, "Hz", "spacing of the first pass", gt=0, le=50)
     tone: float = setting(0.5, "s", "length of a tone", ge=0.1, le=10)
     settle: float = setting(0.1, "s", "before a tone is measured", ge=0, le=10)
-    preload: float = setting(1.0, "V", "amplitude A of the preload, on both sides", ge=0, le=100)
+    preload: float = setting(0.7, "V", "amplitude A of the preload, on both sides", ge=0, le=100)
     preload_band: tuple[float, float] = setting((40.0, 90.0), "Hz", "where the preload frequency is chosen from")
     probe: float = setting(0.1, "V", "amplitude B of the probe, on one side at a time", gt=0, le=100)
     tukey: float = setting(0.5, "1", "tapered part of the window, 0 rectangular, 1 Hann", ge=0, le=1)

@@ -11,8 +11,9 @@ from ctlblocks import recording
 from rigkit.run_folder import read_quality
 from vibractl.model_file import read_model
 from vibractl.quality import Judge
-from vibractl.session import MODEL, setup_of, shot_files, split
+from vibractl.session import MODEL, setup_of, shot_files
 from vibractl.setup import Setup
+from vibractl.shot_file import split
 from vibractl.transfer_matrix import TransferMatrix
 
 Row = Mapping[str, str]

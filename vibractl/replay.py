@@ -12,8 +12,9 @@ from ctlblocks.replay import Replay
 from vibractl.guard import Guard
 from vibractl.learner import Learner
 from vibractl.quality import FAINT, decibels
-from vibractl.session import channel_names, shot_files, split
+from vibractl.session import shot_files
 from vibractl.setup import Setup
+from vibractl.shot_file import channel_names, split
 from vibractl.trial import shot_graph
 
 

@@ -11,22 +11,22 @@ import numpy as np
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file
+from rigkit.provenance import software
 from rigkit.run_folder import RunFolder, read_quality
 from vibractl.audio import Line
-from vibractl.capture import Capture, Discarded
+from vibractl.capture import Discarded
 from vibractl.config import RigConfig
 from vibractl.learner import Learner
 from vibractl.model_file import read_model
 from vibractl.quality import FAINT, Judge, Marks, decibels
 from vibractl.reference import is_file
 from vibractl.setup import Setup, setup
+from vibractl.shot_file import DISCARDED, EVIDENCE, keep_discarded, recording_of, split
 from vibractl.spectrum import load_wisdom, save_wisdom
 
-MODEL, WISDOM, REFERENCE, DISCARDED = "model.h5", "fftw.wisdom", "reference", "discarded"
+MODEL, WISDOM, REFERENCE = "model.h5", "fftw.wisdom", "reference"
 UNDRIVEN = 200.0
 """dB of head-room, from which a coil is silent."""
-EVIDENCE = ("delay", "residual", "quality", "input_xruns", "output_xruns", "late")
-"""What is kept of each shot beside its samples."""
 
 
 def create(path: Path, config: RigConfig, model: Path) -> tuple[RunFolder, Setup]:
@@ -127,7 +127,7 @@ class Session:
             return
         seconds = self.learner.shot.total / self.learner.shot.rate
         with Line(self.config, seconds=seconds, on_discard=self._discarded) as line:
-            self.folder.event("started", {"shot": self.done, "round_trip": line.round_trip})
+            self.folder.event("started", {"shot": self.done, "round_trip": line.round_trip, "software": software()})
             try:
                 while self.done < shots and not stopped():
                     number = self.done
@@ -145,7 +145,7 @@ class Session:
 
     def _shoot(self, line: Line) -> Marks:
         capture = line.emit(self.learner.drive)
-        record = _recording(capture, self.config)
+        record = recording_of(capture, self.config)
         path = self.folder.shot(self.done).with_suffix(f".{self.config.session.recording}")
         recording.write(path, record)
         return self._learn(record)
@@ -198,35 +198,9 @@ class Session:
 
     def _discarded(self, discarded: Discarded) -> None:
         """Keep a recording that nothing is learned from, and say why."""
-        place = self.folder.path / DISCARDED
-        place.mkdir(exist_ok=True)
-        path = place / f"{self.done:04d}-{discarded.attempt}-{len(list(place.iterdir())):03d}.wav"
+        kept = keep_discarded(self.folder.path / DISCARDED, f"{self.done:04d}", discarded, self.config)
         fields = {"shot": self.done, "attempt": discarded.attempt, "reason": discarded.reason}
-        finite = np.isfinite(discarded.capture.response).all()
-        if finite:
-            recording.write(path, _recording(discarded.capture, self.config))
-        else:
-            np.save(path.with_suffix(".npy"), discarded.capture.response)
-        self.folder.event("discarded", {**fields, "kept": path.name if finite else path.with_suffix(".npy").name})
-
-
-def split(record: Recording, config: RigConfig) -> tuple[np.ndarray, np.ndarray]:
-    """Return drives and responses of a shot's recording, (samples, drives) V and (samples, responses) m/s^2.
-
-    Raises
-    ------
-    RecordingError : a channel is missing.
-    """
-    drives, responses = channel_names(config)
-    return record.select(drives).data, record.select(responses).data
-
-
-def channel_names(config: RigConfig) -> tuple[list[str], list[str]]:
-    """Return the names that a shot's recording has for drives and for responses."""
-    return (
-        [f"drive_{n + 1}" for n in range(len(config.audio.drive_channels))],
-        [f"response_{n + 1}" for n in range(len(config.audio.response_channels))],
-    )
+        self.folder.event("discarded", {**fields, "kept": kept.name})
 
 
 def summary(rows: list[dict[str, str]]) -> dict[str, Any]:
@@ -254,15 +228,6 @@ def summary(rows: list[dict[str, str]]) -> dict[str, Any]:
         "worst_line_db": max(worst) if worst else None,
         "iae_ratio": [float(rows[0][side]) / float(rows[-1][side]) for side in sides],
     }
-
-
-def _recording(capture: Capture, config: RigConfig) -> Recording:
-    drives, responses = channel_names(config)
-    names = (*drives, *responses, "loopback")
-    units = ("V",) * len(drives) + ("m/s^2",) * len(responses) + ("1",)
-    data = np.column_stack((capture.emitted, capture.response, capture.loopback))
-    about = {name: repr(getattr(capture, name)) for name in EVIDENCE}
-    return Recording(names, units, config.audio.rate, data, {"rig": config.rig.name, **about})
 
 
 def _row(shot: int, gain: float, marks: Marks, evidence: Mapping[str, str], repeatability: float) -> dict[str, Any]:

@@ -7,10 +7,12 @@ import pytest
 
 from calibration.experiment import RawFolder
 from calibration.vibrator import LiveLine, calibrate
+from ctlblocks import recording
 from rigkit import config as rig_file
 from rigkit.stop import Stopped, StopRequest
 from tests.calibration.killed_calibration import KILLS
 from tests.calibration.linear_vibrator import LINEAR, emitter, linear_response
+from vibractl.audio import AudioError
 from vibractl.config import RigConfig
 
 SHORT = ("characterisation.band=[136, 143]", "characterisation.settle=0.05", "audio.isolated=false")
@@ -49,7 +51,7 @@ def test_one_pass_is_enough_when_that_is_asked_for(tmp_path: Path) -> None:
 
 def test_over_the_live_line_the_model_says_where_it_comes_from(tmp_path: Path) -> None:
     config = rig_file.load(None, RigConfig, [*SHORT, "characterisation.passes=1", "rig.name=bench"])
-    with RawFolder(tmp_path / "model.raw") as raw, LiveLine(config, StopRequest()) as line:
+    with RawFolder(tmp_path / "model.raw") as raw, LiveLine(config, raw, StopRequest()) as line:
         matrix = calibrate(config, raw, line.emit).matrix
     assert np.isfinite(matrix.response).all()
     assert matrix.provenance["rig"] == "bench"
@@ -63,7 +65,18 @@ def test_a_stop_in_the_middle_of_a_batch_ramps_it_down_and_the_calibration_goes_
     stop = StopRequest()
     with RawFolder(tmp_path) as raw:
         stop.made = True
-        with LiveLine(config, stop) as line, pytest.raises(Stopped):
+        with LiveLine(config, raw, stop) as line, pytest.raises(Stopped):
             calibrate(config, raw, line.emit)
         assert not list(tmp_path.glob("*.wav"))
         assert len(calibrate(config, raw, emitter(1)).matrix.frequency) == 8
+
+
+def test_recordings_that_are_discarded_are_kept_beside_the_others(tmp_path: Path) -> None:
+    clipped = ["audio.input_full_scale=0.2", "audio.attempts=2"]
+    config = rig_file.load(None, RigConfig, [*SHORT, "characterisation.passes=1", *clipped])
+    with RawFolder(tmp_path) as raw, LiveLine(config, raw, StopRequest()) as line:
+        with pytest.raises(AudioError, match="clipped"):
+            calibrate(config, raw, line.emit)
+    kept = sorted((tmp_path / "discarded").iterdir())
+    assert len(kept) == 2
+    assert recording.read(kept[0]).names[0] == "drive_1"

@@ -16,7 +16,7 @@ from vibractl.session import Session, create, summary
 def measured_model(folder: Path, *overrides: str) -> Path:
     """Measure the simulated vibrator's transfer matrix and return its model file."""
     config = rig_file.load(None, RigConfig, ("audio.isolated=false", *overrides))
-    with RawFolder(folder / "raw") as raw, LiveLine(config, StopRequest()) as line:
+    with RawFolder(folder / "raw") as raw, LiveLine(config, raw, StopRequest()) as line:
         matrix = calibrate(config, raw, line.emit).matrix
     write_model(folder / "model.h5", matrix)
     return folder / "model.h5"
