@@ -119,7 +119,10 @@ def plant_block(name: str, options: dict[str, Any]) -> Block:
         raise ValueError(
             f"simulator.plant is {name!r}, must be {', '.join(PLANTS)}, or package.module:Class of a Block"
         )
-    build = resolve(PLANTS.get(name, name))
+    try:
+        build = resolve(PLANTS.get(name, name))
+    except ValueError as fault:
+        raise ValueError(f"simulator.plant, {fault}") from fault
     if not (isinstance(build, type) and issubclass(build, Block)):
         raise ValueError(f"simulator.plant is {name!r}, must be the class of a Block")
     try:

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from datetime import UTC, datetime
@@ -77,6 +78,11 @@ class RunFolder:
         folder = cls(path, Lock(path / _LOCK))
         folder._sweep()
         return folder
+
+    def withdraw(self) -> None:
+        """Take the folder away with all that is in it: nothing has come of the run."""
+        self.close()
+        shutil.rmtree(self.path)
 
     def close(self) -> None:
         """Release the lock; may be called twice."""

@@ -20,6 +20,7 @@ from rigkit.command import (
 from rigkit.progress import progress
 from rigkit.run_folder import RunFolder, read_quality
 from rigkit.stop import Stopped, stoppable
+from vibractl.audio_stream import AudioError
 from vibractl.config import RigConfig
 from vibractl.quality import Marks
 from vibractl.replay import replay
@@ -73,7 +74,13 @@ def run_command(
         raise ValueError("a new run needs --model FILE and --out RUN/")
     folder, made = create(out, rig_file.load(config, RigConfig, laid_over), model)
     with folder:
-        _learn(Session(folder, made), made.config.session.shots, json)
+        session = Session(folder, made)
+        try:
+            _learn(session, made.config.session.shots, json)
+        except (AudioError, ValueError):
+            if session.untouched:
+                folder.withdraw()
+            raise
 
 
 def _go_on(path: Path, shots: int | None, json: str | None) -> None:

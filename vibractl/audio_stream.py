@@ -68,12 +68,13 @@ def _constructor(config: RigConfig) -> tuple[Any, Any]:
     """Return the module and the constructor; a class that wants to see the whole rig file first has `from_config`."""
     try:
         found = resolve(config.audio.stream)
-        from_config = getattr(found, "from_config", None)
-        constructor = from_config(config) if from_config else found
     except ValueError as fault:
         hint = "; on Debian: apt-get install libportaudio2" if "PortAudio" in str(fault) else ""
         raise AudioError(f"audio.stream, {fault}{hint}") from fault
-    return sys.modules[found.__module__], constructor
+    try:
+        return sys.modules[found.__module__], found.from_config(config) if hasattr(found, "from_config") else found
+    except ValueError as fault:
+        raise AudioError(str(fault)) from fault
 
 
 def _refuse_missing_channels(module: Any, audio: Audio, inputs: int, outputs: int) -> None:

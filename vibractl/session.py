@@ -115,6 +115,11 @@ class Session:
         """Shots recorded."""
         return self.learner.number
 
+    @property
+    def untouched(self) -> bool:
+        """Whether nothing at all has been recorded."""
+        return not (self.done or (self.folder.path / DISCARDED).exists())
+
     def run(self, shots: int, tell: Callable[[int, Marks], None], stopped: Callable[[], bool]) -> None:
         """Emit until `shots` are recorded or `stopped` says so; the session can go on later either way.
 

@@ -2,12 +2,17 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from vibractl.config import RigConfig
 from vibractl.law import Law, learning_law
 from vibractl.learner import Learner, Timeline, timeline
 from vibractl.reference import Reference, reference_from
 from vibractl.spectrum import load_wisdom, save_wisdom, user_wisdom
 from vibractl.transfer_matrix import TransferMatrix
+
+LEAST_WITHIN = 0.99
+"""Part of a reference's energy that the learned lines must hold."""
 
 
 @dataclass(frozen=True)
@@ -67,9 +72,22 @@ def setup(config: RigConfig, matrix: TransferMatrix, fresh_plans: bool = True) -
             f"reference {reference.text}: no overtone of {reference.root:g} Hz lies within learning.band and "
             "below quality.judged_to"
         )
+    _refuse_beyond_band(reference, config)
     law = learning_law(config.learning, matrix, reference, config.audio.rate)
     made = Setup(config, reference, law, timeline(config, len(reference.signal)))
     made.learner()  # plans its transforms, so that they can be kept
     if fresh_plans:
         save_wisdom(user_wisdom())
     return made
+
+
+def _refuse_beyond_band(reference: Reference, config: RigConfig) -> None:
+    energy = (np.abs(np.fft.rfft(reference.signal, axis=0)) ** 2).sum(axis=1)
+    frequency = np.fft.rfftfreq(len(reference.signal), 1 / config.audio.rate)
+    low, high = config.learning.band
+    within = float(energy[(frequency >= low) & (frequency <= high)].sum() / energy.sum())
+    if within < LEAST_WITHIN:
+        raise ValueError(
+            f"reference {reference.text}: learning.band, {low:g} to {high:g} Hz, holds {100 * within:.1f} % of its "
+            f"energy, must hold {100 * LEAST_WITHIN:g} %"
+        )

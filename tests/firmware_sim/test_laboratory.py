@@ -50,8 +50,8 @@ def test_a_card_opened_with_fewer_channels_plays_nothing_on_the_others() -> None
     ("name", "options", "reason"),
     [
         ("wibrator", {}, "simulator.plant is 'wibrator', must be vibrator, impulse-response, or package.module:Class"),
-        ("no.such:Plant", {}, "no.such:Plant: there is no module no"),
-        ("math:flor", {}, "math:flor: module math has no flor; did you mean floor"),
+        ("no.such:Plant", {}, "simulator.plant, no.such:Plant: there is no module no"),
+        ("math:flor", {}, "simulator.plant, math:flor: module math has no flor; did you mean floor"),
         ("math:floor", {}, "simulator.plant is 'math:floor', must be the class of a Block"),
         ("builtins:dict", {"a": 1}, "simulator.plant is 'builtins:dict', must be the class of a Block"),
         ("vibrator", {"sed": 1}, "'vibrator': got an unexpected keyword argument 'sed'; there are seed, nonlinearity"),

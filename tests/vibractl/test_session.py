@@ -98,6 +98,7 @@ def test_a_reference_file_goes_with_the_run(tmp_path: Path) -> None:
         (("learning.gains=[0.5,0.1]",), "must have one fewer"),
         (("learning.band=[5.0,650.0]",), "the model was measured from"),
         (("reference.signal=chirp:40",), "is not chirp"),
+        (("reference.signal=chirp:700:900:1",), r"15 to 650 Hz, holds 0.0 % of its energy, must hold 99 %"),
     ],
 )
 def test_what_does_not_fit_is_refused_and_nothing_is_written(
