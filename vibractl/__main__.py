@@ -21,6 +21,7 @@ from rigkit.progress import progress
 from rigkit.run_folder import RunFolder, read_quality
 from rigkit.stop import Stopped, stoppable
 from vibractl.audio_stream import AudioError
+from vibractl.commands_export import export_command
 from vibractl.config import RigConfig
 from vibractl.quality import Marks
 from vibractl.replay import replay
@@ -28,6 +29,7 @@ from vibractl.report import run_report
 from vibractl.session import Session, create, settings_of, setup_of
 
 app = application("The marine vibrator learns, shot by shot, to emit the reference and nothing else.")
+app.command("export")(export_command)
 
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")]
 
