@@ -39,7 +39,7 @@ def vibrator(
         raise ValueError("no wire is chosen, must be --jack")
     overrides = [*(settings or []), *([] if seed is None else [f"simulator.options.seed={seed}"])]
     rig = load(config, RigConfig, overrides)
-    wiring = Wiring(**{key: getattr(rig.audio, key) for key in Wiring.__dataclass_fields__})
+    wiring = Wiring.of(rig.audio)
     laboratory = Laboratory(plant_block(rig.simulator.plant, rig.simulator.options), wiring)
     client = JackClient(laboratory, rig.audio.rate, name)
 

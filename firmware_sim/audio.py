@@ -105,7 +105,7 @@ class Stream:
             It makes a `SteppedStream` when `simulator.speed` is 0, else a `Stream`.
         """
         audio, simulator = config.audio, config.simulator
-        wiring = Wiring(**{key: getattr(audio, key) for key in Wiring.__dataclass_fields__})
+        wiring = Wiring.of(audio)
         laboratory = Laboratory(plant_block(simulator.plant, dict(simulator.options)), wiring)
         if simulator.speed == 0:
             return functools.partial(SteppedStream, laboratory=laboratory)

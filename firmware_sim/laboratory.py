@@ -2,7 +2,7 @@
 
 import inspect
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -11,7 +11,9 @@ from rigkit.config import resolve
 
 PLANTS = {
     "vibrator": "firmware_sim.plant_blocks:Vibrator",
+    "vibrator-array": "firmware_sim.plant_blocks:VibratorArray",
     "impulse-response": "firmware_sim.plant_blocks:ImpulseResponse",
+    "vibrator-impulse-response": "firmware_sim.plant_blocks:VibratorImpulseResponse",
 }
 
 
@@ -26,6 +28,8 @@ class Wiring:
     loopback_output, loopback_input : int, the two ends of the loopback cable
     output_full_scale : float, V
     input_full_scale : float, m/s^2
+    far_field_channels : tuple of int, input channel of each hydrophone or microphone; empty where none is plugged in
+    far_field_full_scale : float, Pa
     """
 
     drive_channels: tuple[int, ...] = (1, 2)
@@ -34,6 +38,18 @@ class Wiring:
     loopback_input: int = 3
     output_full_scale: float = 10.0
     input_full_scale: float = 400.0
+    far_field_channels: tuple[int, ...] = ()
+    far_field_full_scale: float = 200.0
+
+    @classmethod
+    def of(cls, audio: Any) -> Self:
+        """Return the wiring that a rig file's `[audio]` says; what it does not say is as by default.
+
+        Parameters
+        ----------
+        audio : any object with attributes named as these parameters
+        """
+        return cls(**{key: getattr(audio, key) for key in cls.__dataclass_fields__ if hasattr(audio, key)})
 
     @property
     def outputs(self) -> int:
@@ -43,7 +59,7 @@ class Wiring:
     @property
     def inputs(self) -> int:
         """Input channels of the card."""
-        return max(*self.response_channels, self.loopback_input)
+        return max(*self.response_channels, self.loopback_input, *self.far_field_channels)
 
 
 class Laboratory:
@@ -54,20 +70,21 @@ class Laboratory:
     Parameters
     ----------
     plant : Block
-        One input in V, one output in m/s^2.
+        One input in V, one output in m/s^2; there may be a second in Pa.
     wiring : Wiring
-        As many drives and accelerometers as the plant has.
+        As many drives and accelerometers as the plant has, and as many hydrophones, or none.
     """
 
     def __init__(self, plant: Block, wiring: Wiring) -> None:
         _refuse_wrong_ports(plant, wiring)
         self.plant, self.wiring = plant, wiring
-        self._drive = self._response = np.zeros((0, 1))
+        self._drive = np.zeros((0, 1))
+        self._heard: list[np.ndarray] = []
 
     def prepare(self, rate: float, frames: int) -> None:
         """Put the plant at rest, for steps of `frames` samples at `rate` samples/s."""
         self._drive = np.zeros((frames, self.plant.inputs[0].width))
-        self._response = np.zeros((frames, self.plant.outputs[0].width))
+        self._heard = [np.zeros((frames, port.width)) for port in self.plant.outputs]
         self.plant.prepare(rate, frames)
 
     def step(self, played: np.ndarray, recorded: np.ndarray) -> None:
@@ -86,12 +103,17 @@ class Laboratory:
                 self._drive[:, column] = played[:, channel - 1]
         np.clip(self._drive, -1.0, 1.0, out=self._drive)
         self._drive *= wiring.output_full_scale
-        self.plant.process(self._drive, self._response)
-        self._response *= 1.0 / wiring.input_full_scale
+        self.plant.process(self._drive, *self._heard)
         recorded.fill(0.0)
-        for column, channel in enumerate(wiring.response_channels):
-            if channel <= recorded.shape[1]:
-                recorded[:, channel - 1] = self._response[:, column]
+        wires = (
+            (wiring.response_channels, wiring.input_full_scale),
+            (wiring.far_field_channels, wiring.far_field_full_scale),
+        )
+        for heard, (channels, full_scale) in zip(self._heard, wires, strict=False):  # a plant may have no far field
+            heard *= 1.0 / full_scale
+            for column, channel in enumerate(channels):
+                if channel <= recorded.shape[1]:
+                    recorded[:, channel - 1] = heard[:, column]
         if wiring.loopback_output <= played.shape[1] and wiring.loopback_input <= recorded.shape[1]:
             recorded[:, wiring.loopback_input - 1] = played[:, wiring.loopback_output - 1]
         np.clip(recorded, -1.0, 1.0, out=recorded)
@@ -134,10 +156,13 @@ def plant_block(name: str, options: dict[str, Any]) -> Block:
 
 
 def _refuse_wrong_ports(plant: Block, wiring: Wiring) -> None:
-    ports = [[(port.unit, port.width) for port in side] for side in (plant.inputs, plant.outputs)]
-    wanted = [[("V", len(wiring.drive_channels))], [("m/s^2", len(wiring.response_channels))]]
-    if ports != wanted:
+    inputs, outputs = ([(port.unit, port.width) for port in side] for side in (plant.inputs, plant.outputs))
+    hydrophones = len(wiring.far_field_channels)
+    drives = [("V", len(wiring.drive_channels))]
+    heard = [("m/s^2", len(wiring.response_channels)), *([("Pa", hydrophones)] if hydrophones else [])]
+    plugged = [*outputs[:1], *(port for port in outputs[1:] if hydrophones or port[0] != "Pa")]
+    if (inputs, plugged) != (drives, heard):
         raise ValueError(
-            f"the plant {type(plant).__name__} has inputs {ports[0]} and outputs {ports[1]}, but the card is wired "
-            f"for inputs {wanted[0]} and outputs {wanted[1]}"
+            f"the plant {type(plant).__name__} has inputs {inputs} and outputs {outputs}, but the card is wired "
+            f"for inputs {drives} and outputs {heard}"
         )

@@ -1,53 +1,64 @@
 """The simulated plants as blocks; the plants themselves know neither blocks nor ports."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ctlblocks.block import Block, Port
 from ctlblocks.recording import read
 from firmware_sim.plants.impulse_response import ImpulseResponsePlant
-from firmware_sim.plants.vibrator import VibratorPlant
+from firmware_sim.plants.vibrator import LumpedVibratorPlant, VibratorPlant
+from firmware_sim.plants.vibrator_array import ArrayOptions, VibratorArrayPlant
+from firmware_sim.plants.vibrator_options import VibratorOptions
 
 
-class Vibrator(Block):
+@dataclass(eq=False, kw_only=True)
+class Vibrator(VibratorOptions, Block):
     """The simulated marine vibrator, at rest after every `prepare`; `VibratorPlant` says what it models.
 
-    Ports: `drive` (V) in, `response` (m/s^2) out, two wide.
-
-    Parameters
-    ----------
-    seed : int, which vibrator
-    nonlinearity : float, 1
-    drift : float, 1
-    noise : float, dB re 10 m/s^2
-    hum : float, dB re 10 m/s^2
-    hum_frequency : float, Hz
+    Ports: `drive` (V) in, `response` (m/s^2) out, two wide.  Parameters: those of `VibratorOptions`.
     """
 
     inputs = (Port("drive", "V", 2),)
     outputs = (Port("response", "m/s^2", 2),)
 
-    def __init__(
-        self,
-        seed: int = 1,
-        nonlinearity: float = 1.0,
-        drift: float = 0.002,
-        noise: float = -75.0,
-        hum: float = -60.0,
-        hum_frequency: float = 50.0,
-    ) -> None:
-        self._options = seed, nonlinearity, drift, noise, hum, hum_frequency
-        self._plant = VibratorPlant(44_100.0, *self._options)  # refuses a wrong option here and now
+    def __post_init__(self) -> None:
+        """Refuse a wrong option here and now."""
+        self.prepare(44_100.0, 1)
 
     def prepare(self, rate: float, frames: int) -> None:
         """Build it anew, at rest."""
-        self._plant = VibratorPlant(rate, *self._options)
+        self._plant = VibratorPlant(rate, **_chosen(self, VibratorOptions))
 
     def process(self, drive: np.ndarray, response: np.ndarray) -> None:
         """Run it over one frame."""
         self._plant.run(drive, response)
+
+
+@dataclass(eq=False, kw_only=True)
+class VibratorArray(ArrayOptions, Block):
+    """Vibrators side by side and hydrophones before them, at rest after every `prepare`; see `VibratorArrayPlant`.
+
+    Ports: `drive` (V), two a vibrator, in; `response` (m/s^2), two a vibrator, and `far_field` (Pa), one a hydrophone,
+    out.  Parameters: those of `ArrayOptions`.
+    """
+
+    def __post_init__(self) -> None:
+        """Refuse a wrong option here and now."""
+        self.prepare(44_100.0, 1)
+        self.inputs = (Port("drive", "V", 2 * self.vibrators),)
+        self.outputs = (Port("response", "m/s^2", 2 * self.vibrators), Port("far_field", "Pa", self.hydrophones))
+
+    def prepare(self, rate: float, frames: int) -> None:
+        """Build it anew, at rest."""
+        self._plant = VibratorArrayPlant(rate, **_chosen(self, ArrayOptions))
+
+    def process(self, drive: np.ndarray, response: np.ndarray, far_field: np.ndarray) -> None:
+        """Run it over one frame."""
+        self._plant.run(drive, response, far_field)
 
 
 class ImpulseResponse(Block):
@@ -94,6 +105,63 @@ class ImpulseResponse(Block):
     def process(self, drive: np.ndarray, response: np.ndarray) -> None:
         """Convolve one frame."""
         self._plant.run(drive, response)
+
+
+@dataclass(eq=False, kw_only=True)
+class VibratorImpulseResponse(VibratorOptions, Block):
+    """The coils, springs and shells of the simulated vibrator, and behind them what was measured elsewhere.
+
+    The two shells, with all their nonlinear forces and without flexure, move what the impulse responses start from;
+    sensors with noise and hum hear what they end in.
+
+    Ports: `drive` (V) in, `response` (m/s^2) out, two wide.
+
+    Parameters
+    ----------
+    files : list of str or Path
+        Two WAV files with two channels: what each accelerometer, a channel each, gives after an impulse of one shell.
+    gain : float, m/s^2 per m/s^2 for a file's 1.0, finite and not 0
+        So that the responses are about as large as the shells' motion in the band that is wanted: the overtones are
+        then those of the simulated vibrator.
+
+    Others: those of `VibratorOptions`.
+
+    Raises
+    ------
+    ValueError : an option outside its range; there are not two whole, finite files with two channels at one rate.
+    """
+
+    inputs = (Port("drive", "V", 2),)
+    outputs = (Port("response", "m/s^2", 2),)
+
+    files: Sequence[str | Path]
+    gain: float = 1.0
+
+    def __post_init__(self) -> None:
+        """Read the files and refuse a wrong option here and now."""
+        super().__post_init__()
+        self._path = ImpulseResponse(self.files, self.gain)
+        widths = self._path.outputs[0].width, self._path.inputs[0].width
+        if widths != (2, 2):
+            raise ValueError(f"files: {widths[1]} with {widths[0]} channels, must be two with two")
+
+    def prepare(self, rate: float, frames: int) -> None:
+        """Build the shells anew, at rest, and forget how they moved."""
+        self._path.prepare(rate, frames)
+        self._vibrator = LumpedVibratorPlant(rate, **_chosen(self, VibratorOptions))
+        self._shells = np.zeros((frames, 2))
+
+    def process(self, drive: np.ndarray, response: np.ndarray) -> None:
+        """Move the shells over one frame, convolve, and listen."""
+        shells = self._shells[: len(drive)]
+        self._vibrator.accelerate(drive, shells)
+        self._path.process(shells, response)
+        self._vibrator.pick_up(response)
+
+
+def _chosen(block: object, options: type[VibratorOptions]) -> dict[str, Any]:
+    """Return the options that a block was built with."""
+    return {each.name: getattr(block, each.name) for each in fields(options)}
 
 
 def _read(files: Sequence[str | Path]) -> tuple[float, np.ndarray]:

@@ -1,9 +1,14 @@
 """A simulated marine vibrator: two coils, two shells, 47 modes to 1300 Hz, and what makes a real one hard to drive."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from firmware_sim.plants.immersion import PISTON_FLUID_MASS, immersed_modes, with_radiation
+from firmware_sim.plants.modal_drift import ModalDrift
 from firmware_sim.plants.vibrator_kernel import add_pickup, retune, run_modes
-from firmware_sim.plants.vibrator_modes import SPRING_STIFFNESS, vibrator_modes
+from firmware_sim.plants.vibrator_modes import SPRING_STIFFNESS, Modes, lumped_modes, vibrator_modes
+from firmware_sim.plants.vibrator_options import VibratorOptions
 
 NOMINAL_RESPONSE = 10.0
 """m/s^2, what noise and hum in dB refer to."""
@@ -25,23 +30,13 @@ SPRING_FRICTION, SPRING_SLIP = 1.8e-6, 12e-6
 """m and m: friction force over the spring's stiffness, and travel until it slips."""
 JOINT_FRICTION, JOINT_SLIP = 2.2, 0.5e-6
 """N and m: friction in the shell's bolted joints.  They stick at small motion and stiffen every flexural mode."""
-DRIFT_PERIODS = (600.0, 2400.0)
-"""s, of the slow swing of each mode's frequency."""
 RETUNE_EVERY = 4096
 """Samples between two steps of the drift."""
 
-Range = tuple[float, float]
-RANGES: dict[str, tuple[str, Range]] = {
-    "nonlinearity": ("1", (0.0, 5.0)),
-    "drift": ("1", (0.0, 0.1)),
-    "noise": ("dB", (-400.0, 0.0)),
-    "hum": ("dB", (-400.0, 0.0)),
-    "hum_frequency": ("Hz", (16.0, 400.0)),
-}
 
-
-class VibratorPlant:
-    """Two coil voltages in, two shell accelerations out, sample by sample.
+@dataclass(eq=False)
+class VibratorPlant(VibratorOptions):
+    """Two coil voltages in, two shell accelerations out, sample by sample; the options are those of `VibratorOptions`.
 
     A lumped model (two coils, two shells, a frame) gives the two wanted resonances near 34 and 76 Hz; 37 flexural
     modes to 640 Hz, of one side at the lower end and of both above 180 Hz, give peaks, notches, cross coupling and
@@ -50,66 +45,59 @@ class VibratorPlant:
     model; the joints stick when nothing else moves them, which is why an unloaded measurement shows another machine),
     a force factor that falls away from the middle of the field.
 
-    It does not model: the water's load and radiation beyond an added mass, the far field, temperature and depth, heat
-    in the coils, saturation of the accelerometers and of the converters, clock drift, wear.
+    It does not model: temperature and depth but as `trend`, heat in the coils, saturation of the accelerometers and of
+    the converters, clock drift, wear; in water, what the load does to the shapes of the modes.
 
     Parameters
     ----------
     rate : float, samples/s, >= 8000
-    seed : int, which vibrator: masses, springs, modes, drift and noise are drawn from it
-    nonlinearity : float, 1, 0 to 5, scales every nonlinear force
-    drift : float, 1, 0 to 0.1, swing of each mode's frequency, relative, over 10 to 40 minutes
-    noise : float, dB re 10 m/s^2, rms of the sensors' white noise
-    hum : float, dB re 10 m/s^2, amplitude of the mains' pick-up; its third harmonic is 20 dB weaker
-    hum_frequency : float, Hz
 
     Raises
     ------
     ValueError : an option outside its range, by name.
     """
 
-    def __init__(
-        self,
-        rate: float,
-        seed: int = 1,
-        nonlinearity: float = 1.0,
-        drift: float = 0.002,
-        noise: float = -75.0,
-        hum: float = -60.0,
-        hum_frequency: float = 50.0,
-    ) -> None:
-        _check(rate, seed, locals())
-        rng = np.random.default_rng(seed)
-        modes = vibrator_modes(rng)
+    rate: float
+
+    def __post_init__(self) -> None:
+        """Draw it, at rest."""
+        super().__post_init__()
+        if not 8_000 <= self.rate <= 1e6:
+            raise ValueError(f"rate is {self.rate!r} samples/s, must be 8000 to 1e6 for the simulated vibrator")
+        self._rng = np.random.default_rng(self.seed)
+        self._modes = modes = self.draw_modes(self._rng)
+        self._drift = ModalDrift(modes, self, self._rng)
         count = len(modes.frequency)
-        self._modes, self._rng, self._step, self._sample = modes, rng, 1.0 / rate, 0
-        self._swing = drift * np.ones(count)
-        self._pace = 2 * np.pi / rng.uniform(*DRIFT_PERIODS, count)
-        self._phase = rng.uniform(0, 2 * np.pi, count)
-        self._frequency = modes.frequency.copy()
+        self._moved = self._heard = 0
         self._motion, self._memory = np.zeros((2, count)), np.zeros(6)
         self._recursion, self._shapes = np.zeros((6, count)), np.zeros((10, count))
-        self._shapes[:6] = np.concatenate([modes.coil, modes.spring, modes.joint])
         forces = np.concatenate([modes.coil, modes.spring, modes.joint])
+        self._shapes[:6] = forces
         self._direct = modes.shell @ forces.T
-        self._constants = _constants(rate, nonlinearity)
+        self._constants = _constants(self.rate, self.nonlinearity)
         self._noise = np.zeros((RETUNE_EVERY, 2))
-        self._noise_rms = NOMINAL_RESPONSE * 10 ** (noise / 20)
-        self._hum = NOMINAL_RESPONSE * 10 ** (hum / 20)
-        self._hum_cycles = hum_frequency / rate
+        self._noise_rms, self._hum_size = (NOMINAL_RESPONSE * 10 ** (level / 20) for level in (self.noise, self.hum))
+
+    def draw_modes(self, rng: np.random.Generator) -> Modes:
+        """Draw what moves."""
+        return immersed_modes(rng) if self.medium == "water" else vibrator_modes(rng)
 
     def run(self, drive: np.ndarray, response: np.ndarray) -> None:
         """Go on for `drive` (frames, 2) V and fill `response` (frames, 2) m/s^2, both C-contiguous float64."""
+        self.accelerate(drive, response)
+        self.pick_up(response)
+
+    def accelerate(self, drive: np.ndarray, shells: np.ndarray) -> None:
+        """Go on for `drive` (frames, 2) V and fill `shells` (frames, 2) m/s^2 with how they move, without sensors."""
         done = 0
         while done < len(drive):
-            into = self._sample % RETUNE_EVERY
+            into = self._moved % RETUNE_EVERY
             if into == 0:
-                self._drift()
+                self._retune()
             end = min(len(drive), done + RETUNE_EVERY - into)
-            out, noise = response[done:end], self._noise[: end - done]
             run_modes(
                 drive[done:end],
-                out,
+                shells[done:end],
                 self._motion,
                 self._memory,
                 self._recursion,
@@ -117,22 +105,33 @@ class VibratorPlant:
                 self._direct,
                 self._constants,
             )
-            self._rng.standard_normal(out=noise)
-            add_pickup(out, noise, self._noise_rms, self._hum, self._hum_cycles, self._sample)
-            self._sample += end - done
+            self._moved += end - done
             done = end
 
-    def _drift(self) -> None:
-        """Move every mode to where its slow swing has it now; at the start each is at its drawn frequency."""
-        seconds = self._sample * self._step
-        np.multiply(self._pace, seconds, out=self._frequency)
-        self._frequency += self._phase
-        np.sin(self._frequency, out=self._frequency)
-        self._frequency -= np.sin(self._phase)
-        self._frequency *= self._swing
-        self._frequency += 1.0
-        self._frequency *= self._modes.frequency
-        retune(self._frequency, self._modes.damping, self._modes.shell, self._step, self._recursion, self._shapes)
+    def pick_up(self, response: np.ndarray) -> None:
+        """Add to `response` (frames, 2) m/s^2, in place, the noise and hum of the next samples."""
+        cycles = self.hum_frequency / self.rate
+        for start in range(0, len(response), RETUNE_EVERY):
+            heard = response[start : start + RETUNE_EVERY]
+            noise = self._noise[: len(heard)]
+            self._rng.standard_normal(out=noise)
+            add_pickup(heard, noise, self._noise_rms, self._hum_size, cycles, self._heard)
+            self._heard += len(heard)
+
+    def _retune(self) -> None:
+        modes, step = self._modes, 1.0 / self.rate
+        frequency = self._drift.at(self._moved * step)
+        retune(frequency, modes.damping, modes.shell, step, self._recursion, self._shapes)
+
+
+class LumpedVibratorPlant(VibratorPlant):
+    """The same two coils and shells on their frame, with every nonlinear force, but without flexure."""
+
+    def draw_modes(self, rng: np.random.Generator) -> Modes:
+        """Draw coils, shells and frame."""
+        return (
+            with_radiation(lumped_modes(rng, PISTON_FLUID_MASS)) if self.medium == "water" else lumped_modes(rng, 0.0)
+        )
 
 
 def _constants(rate: float, nonlinearity: float) -> np.ndarray:
@@ -156,14 +155,3 @@ def _constants(rate: float, nonlinearity: float) -> np.ndarray:
             JOINT_SLIP,
         ]
     )
-
-
-def _check(rate: float, seed: object, options: dict[str, object]) -> None:
-    if not 8_000 <= rate <= 1e6:
-        raise ValueError(f"rate is {rate!r} samples/s, must be 8000 to 1e6 for the simulated vibrator")
-    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        raise ValueError(f"simulator.options.seed is {seed!r}, must be a whole number >= 0")
-    for name, (unit, (low, high)) in RANGES.items():
-        value = options[name]
-        if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
-            raise ValueError(f"simulator.options.{name} is {value!r}, must be {low:g} to {high:g} {unit}")

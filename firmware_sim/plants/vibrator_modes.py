@@ -6,7 +6,9 @@ import numpy as np
 from scipy.linalg import eigh
 
 COIL_MASS, SHELL_MASS, FRAME_MASS = 15.0, 60.0, 1500.0
-"""kg; the shell's with the fluid that moves with it."""
+"""kg."""
+SHELL_AREA = 0.3
+"""m^2 of a shell's face, which radiates."""
 SPRING_STIFFNESS = 2.549e6
 """N/m, between coil and shell; with the shell's own it gives the two wanted resonances, near 34 and 76 Hz."""
 SHELL_STIFFNESS = 3.674e6
@@ -50,24 +52,30 @@ class Modes:
 
 
 def vibrator_modes(rng: np.random.Generator) -> Modes:
-    """Draw one vibrator: no two have the same masses, springs and flexure."""
-    lumped, flexural = _lumped(rng), _flexural(rng)
-    return Modes(
-        *(
-            np.concatenate([getattr(part, name) for part in (lumped, flexural)], axis=-1)
-            for name in Modes.__annotations__
-        )
-    )
+    """Draw one vibrator in air: no two have the same masses, springs and flexure."""
+    return joined(lumped_modes(rng, 0.0), flexural_modes(rng))
 
 
-def _lumped(rng: np.random.Generator) -> Modes:
-    """Coil 1, shell 1, coil 2, shell 2 and the frame, as five degrees of freedom."""
+def joined(*parts: Modes) -> Modes:
+    """Put the modes of several tables into one."""
+    return Modes(*(np.concatenate([getattr(part, name) for part in parts], axis=-1) for name in Modes.__annotations__))
+
+
+def lumped_modes(rng: np.random.Generator, fluid_mass: float) -> Modes:
+    """Draw coil 1, shell 1, coil 2, shell 2 and the frame: five degrees of freedom.
+
+    Parameters
+    ----------
+    rng : Generator
+    fluid_mass : float, kg
+        What moves with each shell.
+    """
     frame = 4
     mass, stiffness = np.zeros(5), np.zeros((5, 5))
     for coil, shell in ((0, 1), (2, 3)):
         scatter = rng.standard_normal(4)
         mass[coil] = COIL_MASS * (1 + MASS_SPREAD * scatter[0])
-        mass[shell] = SHELL_MASS * (1 + MASS_SPREAD * scatter[1])
+        mass[shell] = SHELL_MASS * (1 + MASS_SPREAD * scatter[1]) + fluid_mass
         _add_spring(stiffness, coil, shell, SPRING_STIFFNESS * (1 + STIFFNESS_SPREAD * scatter[2]))
         _add_spring(stiffness, shell, frame, SHELL_STIFFNESS * (1 + STIFFNESS_SPREAD * scatter[3]))
     mass[frame] = FRAME_MASS
@@ -85,8 +93,8 @@ def _add_spring(stiffness: np.ndarray, a: int, b: int, value: float) -> None:
     stiffness[[a, b], [b, a]] -= value
 
 
-def _flexural(rng: np.random.Generator) -> Modes:
-    """Shell and spring flexure: in pairs of one side each at the lower end, of both sides above."""
+def flexural_modes(rng: np.random.Generator) -> Modes:
+    """Draw shell and spring flexure: in pairs of one side each at the lower end, of both sides above."""
     pairs = np.repeat(_spread(rng, LOCAL_PAIRS, LOCAL_BAND), 2) * (
         1 + rng.uniform(-0.5, 0.5, 2 * LOCAL_PAIRS) * PAIR_SPREAD
     )

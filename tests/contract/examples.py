@@ -7,7 +7,7 @@ import numpy as np
 
 from ctlblocks import Block, Port, recording, replay
 from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
-from firmware_sim.plant_blocks import ImpulseResponse, Vibrator
+from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, VibratorImpulseResponse
 from tests.contract.conformance import Example
 from vibractl.audio_engine import DeviceInput
 from vibractl.config import Limits
@@ -28,12 +28,12 @@ def _replay() -> Block:
     return replay.Replay(played, {"response": ("left", "right"), "drive": ("drive",)})
 
 
-def _impulse_response() -> Block:
+def _measured(plant: type[ImpulseResponse] | type[VibratorImpulseResponse]) -> Block:
     with tempfile.TemporaryDirectory() as folder:
         files = [Path(folder) / f"{drive}.wav" for drive in range(2)]
         for file in files:
             recording.write(file, recording.Recording(("left", "right"), ("1", "1"), 44_100.0, NOISE[:, :2].copy()))
-        return ImpulseResponse(files)
+        return plant(files=files)
 
 
 def _learner() -> Block:
@@ -59,5 +59,7 @@ EXAMPLES: dict[type[Block], Example] = {
     Learner: Example(_learner),
     DeviceInput: Example(lambda: DeviceInput(2), start=lambda block: block.frame.fill(0.1)),
     Vibrator: Example(Vibrator),
-    ImpulseResponse: Example(_impulse_response),
+    VibratorArray: Example(lambda: VibratorArray(hydrophones=2)),
+    ImpulseResponse: Example(lambda: _measured(ImpulseResponse)),
+    VibratorImpulseResponse: Example(lambda: _measured(VibratorImpulseResponse)),
 }

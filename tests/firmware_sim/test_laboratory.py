@@ -49,7 +49,7 @@ def test_a_card_opened_with_fewer_channels_plays_nothing_on_the_others() -> None
 @pytest.mark.parametrize(
     ("name", "options", "reason"),
     [
-        ("wibrator", {}, "simulator.plant is 'wibrator', must be vibrator, impulse-response, or package.module:Class"),
+        ("wibrator", {}, "simulator.plant is 'wibrator', must be vibrator, vibrator-array, impulse-response, "),
         ("no.such:Plant", {}, "simulator.plant, no.such:Plant: there is no module no"),
         ("math:flor", {}, "simulator.plant, math:flor: module math has no flor; did you mean floor"),
         ("math:floor", {}, "simulator.plant is 'math:floor', must be the class of a Block"),

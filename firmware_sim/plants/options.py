@@ -1,0 +1,62 @@
+"""What a plant can be told: each option declared once, with default, unit and range, and refused by name outside it."""
+
+from dataclasses import field, fields
+from math import inf
+from typing import Any
+
+
+def option(default: float, unit: str, low: float, high: float = inf) -> Any:
+    """Declare a number as a field of a dataclass; a whole default wants whole numbers.
+
+    Parameters
+    ----------
+    default : float or int, in the unit
+    unit : str
+        "1" for a pure number, empty for a count.
+    low, high : float, in the unit
+        Smallest and largest value allowed.
+
+    Returns
+    -------
+    dataclass field
+    """
+    return field(default=default, metadata={"unit": unit, "range": (low, high)})
+
+
+def choice(*allowed: str) -> Any:
+    """Declare a word as a field of a dataclass; the first allowed one is the default.
+
+    Returns
+    -------
+    dataclass field
+    """
+    return field(default=allowed[0], metadata={"allowed": allowed})
+
+
+def refuse_wrong_options(options: Any) -> None:
+    """Check every field that `option` or `choice` declared.
+
+    Parameters
+    ----------
+    options : dataclass instance
+
+    Raises
+    ------
+    ValueError : an option outside its range or of another type, by name.
+    """
+    for each in fields(options):
+        value, allowed = getattr(options, each.name), ""
+        if "allowed" in each.metadata and value not in each.metadata["allowed"]:
+            allowed = " or ".join(map(repr, each.metadata["allowed"]))
+        elif "range" in each.metadata:
+            low, high = each.metadata["range"]
+            whole = isinstance(each.default, int)
+            if (
+                isinstance(value, bool)
+                or not isinstance(value, int if whole else int | float)
+                or not low <= value <= high
+            ):
+                within = f">= {low:g}" if high == inf else f"{low:g} to {high:g}"
+                allowed = f"a whole number {within}" if whole else f"{within} {each.metadata['unit']}"
+        if allowed:
+            raise ValueError(f"simulator.options.{each.name} is {value!r}, must be {allowed}")

@@ -1,0 +1,51 @@
+"""Measurements made by others, in ../shared/data beside the checkout, and two-channel plants made from them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.io
+import soundfile
+
+DATA = Path(__file__).parents[2] / "shared" / "data"
+RATE = 44_100
+MEASURED_PAIRS = ("head-30-110", "head-90", "room")
+"""Two loudspeakers, one on each side, 30 and 110 degrees off; both 90 degrees off; two microphones in a room."""
+
+ROOM_START, ROOM_END, ROOM_FADE = 1_580, 19_220, 4_410
+"""Samples: sound has travelled, 0.4 s later the rest is left out, after a fade of 0.1 s."""
+
+
+def shared(path: str) -> Path:
+    """Return a file under ../shared/data, or skip the test that wants it, with the reason."""
+    if not (DATA / path).exists():
+        pytest.skip(f"{DATA / path} is not here")
+    return DATA / path
+
+
+def measured_pair(name: str, folder: Path) -> list[Path]:
+    """Write one of `MEASURED_PAIRS` as two WAV files into a folder: both channels, for each of the two sources.
+
+    They are scaled so that, over 40 to 90 Hz, sources must move as much as both channels are to (rms).
+    """
+    taps = _taps(name)
+    frequency = np.arange(40, 91)
+    response = np.fft.rfft(taps, RATE, axis=0)[frequency]  # 1 Hz apart
+    needed = np.linalg.solve(response, np.ones((len(frequency), 2, 1)))
+    taps = taps * np.sqrt(np.mean(np.abs(needed) ** 2))
+    files = [folder / f"{name}-{source + 1}.wav" for source in range(2)]
+    for source, file in enumerate(files):
+        soundfile.write(file, taps[:, :, source], RATE, subtype="FLOAT")
+    return files
+
+
+def _taps(name: str) -> np.ndarray:
+    """Return the impulse responses, shape (taps, channels, sources); the second source is on the other side."""
+    if name == "room":
+        both = scipy.io.loadmat(shared("room/EstereoRIS1_time.mat"))["EstereoRIS1_time"]
+        taps = both[ROOM_START:ROOM_END].astype(float)
+        taps[-ROOM_FADE:] *= (0.5 + 0.5 * np.cos(np.pi * np.arange(ROOM_FADE) / ROOM_FADE))[:, None]
+        return np.stack([taps, taps[:, ::-1]], axis=-1)
+    angles = [int(angle) for angle in name.split("-")[1:]]
+    sides = [soundfile.read(shared(f"kemar/H0e{angle:03d}a.wav"))[0] for angle in (angles[0], angles[-1])]
+    return np.stack([sides[0], sides[1][:, ::-1]], axis=-1)
