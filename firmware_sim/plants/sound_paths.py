@@ -41,7 +41,8 @@ class SoundPaths:
         """
         frames = shells.shape[1]
         if self._end + frames > self._past.shape[2]:
-            self._past[:, :, : self._longest] = self._past[:, :, self._end - self._longest : self._end]
+            for shell in self._past.reshape(-1, self._past.shape[2]):  # one by one, since numpy would copy them all
+                shell[: self._longest] = shell[self._end - self._longest : self._end]
             self._end = self._longest
         _spread(shells, self._past[0], self._past[1], self._end, *self._paths, far_field)
         self._end += frames
