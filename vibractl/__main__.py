@@ -21,6 +21,7 @@ from rigkit.progress import progress
 from rigkit.run_folder import RunFolder, read_quality
 from rigkit.stop import Stopped, stoppable
 from vibractl.audio_stream import AudioError
+from vibractl.commands_doctor import doctor_command
 from vibractl.commands_export import export_command
 from vibractl.config import RigConfig
 from vibractl.quality import Marks
@@ -30,6 +31,7 @@ from vibractl.session import Session, create, settings_of, setup_of
 
 app = application("The marine vibrator learns, shot by shot, to emit the reference and nothing else.")
 app.command("export")(export_command)
+app.command("doctor")(doctor_command)
 
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")]
 
