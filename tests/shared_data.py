@@ -26,13 +26,14 @@ def shared(path: str) -> Path:
 def measured_pair(name: str, folder: Path) -> list[Path]:
     """Write one of `MEASURED_PAIRS` as two WAV files into a folder: both channels, for each of the two sources.
 
-    They are scaled so that, over 40 to 90 Hz, sources must move as much as both channels are to (rms).
+    They are scaled so that, over 40 to 90 Hz, the sources must move a quarter more (rms) than both channels are to:
+    overtones above 100 Hz are then as loud as on the simulated vibrator itself.
     """
     taps = _taps(name)
     frequency = np.arange(40, 91)
     response = np.fft.rfft(taps, RATE, axis=0)[frequency]  # 1 Hz apart
     needed = np.linalg.solve(response, np.ones((len(frequency), 2, 1)))
-    taps = taps * np.sqrt(np.mean(np.abs(needed) ** 2))
+    taps = taps * np.sqrt(np.mean(np.abs(needed) ** 2)) / 1.25
     files = [folder / f"{name}-{source + 1}.wav" for source in range(2)]
     for source, file in enumerate(files):
         soundfile.write(file, taps[:, :, source], RATE, subtype="FLOAT")
@@ -40,7 +41,7 @@ def measured_pair(name: str, folder: Path) -> list[Path]:
 
 
 def _taps(name: str) -> np.ndarray:
-    """Return the impulse responses, shape (taps, channels, sources); the second source is on the other side."""
+    """Return the impulse responses, shape (taps, channels, sources), each source nearest to its own channel."""
     if name == "room":
         both = scipy.io.loadmat(shared("room/EstereoRIS1_time.mat"))["EstereoRIS1_time"]
         taps = both[ROOM_START:ROOM_END].astype(float)
@@ -48,4 +49,4 @@ def _taps(name: str) -> np.ndarray:
         return np.stack([taps, taps[:, ::-1]], axis=-1)
     angles = [int(angle) for angle in name.split("-")[1:]]
     sides = [soundfile.read(shared(f"kemar/H0e{angle:03d}a.wav"))[0] for angle in (angles[0], angles[-1])]
-    return np.stack([sides[0], sides[1][:, ::-1]], axis=-1)
+    return np.stack([sides[0][:, ::-1], sides[1]], axis=-1)  # measured on the right; the left ear is channel 1

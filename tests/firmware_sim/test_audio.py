@@ -255,5 +255,26 @@ def test_a_rig_file_chooses_plant_wiring_and_clock() -> None:
         assert hasattr(stream, "advance") == (speed == 0)
 
 
+def test_two_vibrators_are_played_and_recorded_on_four_channels_each() -> None:
+    audio = Audio(drive_channels=(1, 2, 3, 4), response_channels=(2, 3, 4, 5), loopback_output=5, loopback_input=1)
+    config = RigConfig(
+        audio=audio, simulator=Simulator(plant="vibrator-array", options={"noise": -300.0, "hum": -300.0})
+    )
+    heard: list[np.ndarray] = []
+
+    def callback(indata: np.ndarray, outdata: np.ndarray, *_: Any) -> None:
+        heard.append(indata.copy())
+        outdata[:] = 0.0
+        outdata[0, 2] = 0.1 if len(heard) == 1 else 0.0  # coil 1 of vibrator 2
+
+    stream = Stream.from_config(config)(callback=callback, blocksize=512, channels=(5, 5))
+    stream.start()
+    stream.advance(8 * 512)
+    size = np.abs(np.concatenate(heard)).max(axis=0)
+    assert size[0] == 0  # nothing on the cable
+    assert size[3] > 1e-4
+    assert 1e-3 * size[3] < min(size[1:3]) < max(size[1:3]) < 0.3 * size[3]
+
+
 def test_without_a_laboratory_it_is_the_default_vibrator() -> None:
     assert Stream(callback=Session()).channels == (3, 3)

@@ -1,7 +1,6 @@
 """Partitioned convolution equals direct convolution, in frames of any length, from made and from measured responses."""
 
 import tracemalloc
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,8 +8,7 @@ from scipy.signal import fftconvolve
 
 from ctlblocks.recording import read
 from firmware_sim.plants.impulse_response import BLOCK, ImpulseResponsePlant
-
-KEMAR = Path("/work/shared/data/kemar")
+from tests.shared_data import shared
 
 
 def noise(*shape: int, seed: int = 1) -> np.ndarray:
@@ -85,9 +83,9 @@ def test_responses_without_shape_or_not_finite_are_refused(responses: np.ndarray
         ImpulseResponsePlant(responses)
 
 
-@pytest.mark.skipif(not KEMAR.is_dir(), reason=f"{KEMAR} is not here")
 def test_measured_responses_of_a_head_to_two_loudspeakers() -> None:
-    measured = [read(KEMAR / f"H0e{angle:03d}a.wav", rate=44_100, channels=2).data for angle in (30, 90)]
+    files = [shared(f"kemar/H0e{angle:03d}a.wav") for angle in (30, 90)]
+    measured = [read(file, rate=44_100, channels=2).data for file in files]
     responses = np.stack(measured, axis=-1).astype(float)
     drive = noise(4410, 2)
     expected = convolved(responses, drive)

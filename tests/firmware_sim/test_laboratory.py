@@ -1,5 +1,7 @@
 """The bench: channels go where they are wired, converters saturate, and a wrong plant is refused in words."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,16 @@ class Follow(Block):
 
     def process(self, drive: np.ndarray, response: np.ndarray) -> None:
         response[:] = drive
+
+
+class Afar(Follow):
+    """Return twice the first drive as a pressure as well."""
+
+    outputs = (Port("response", "m/s^2", 2), Port("far_field", "Pa", 1))
+
+    def process(self, drive: np.ndarray, response: np.ndarray, far_field: np.ndarray) -> None:  # type: ignore[override]
+        response[:] = drive
+        np.multiply(drive[:, :1], 2.0, out=far_field)
 
 
 def prepared(wiring: Wiring) -> Laboratory:
@@ -67,6 +79,34 @@ def test_a_plant_that_cannot_be_built_is_refused_with_the_reason(name: str, opti
 def test_a_plant_that_does_not_fit_the_wiring_is_refused() -> None:
     with pytest.raises(ValueError, match=r"Follow has inputs \[\('V', 2\)\] .* wired for inputs \[\('V', 1\)\]"):
         Laboratory(Follow(), Wiring(drive_channels=(1,)))
+
+
+def test_a_hydrophone_is_recorded_on_its_channel_at_its_own_full_scale() -> None:
+    wiring = Wiring(input_full_scale=40.0, far_field_channels=(5,), far_field_full_scale=100.0)
+    assert wiring.inputs == 5
+    laboratory, recorded = Laboratory(Afar(), wiring), np.full((2, 5), np.nan)
+    laboratory.prepare(44_100.0, 2)
+    laboratory.step(np.array([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]), recorded)
+    np.testing.assert_allclose(recorded, [[0.025, 0.05, 0.3, 0, 0.02], [0.1, 0.125, 0.6, 0, 0.08]])
+
+
+def test_a_hydrophone_need_not_be_plugged_in() -> None:
+    laboratory, recorded = Laboratory(Afar(), Wiring()), np.zeros((2, 3))
+    laboratory.prepare(44_100.0, 2)
+    laboratory.step(np.full((2, 3), 0.4), recorded)
+    np.testing.assert_allclose(recorded, [[0.01, 0.01, 0.4]] * 2)
+
+
+@pytest.mark.parametrize(("plant", "channels"), [(Follow(), (4,)), (Afar(), (4, 5))])
+def test_other_hydrophones_than_the_plant_has_cannot_be_plugged_in(plant: Block, channels: tuple[int, ...]) -> None:
+    with pytest.raises(ValueError, match=rf"wired for .* outputs \[\('m/s\^2', 2\), \('Pa', {len(channels)}\)\]"):
+        Laboratory(plant, Wiring(far_field_channels=channels))
+
+
+def test_what_a_rig_file_does_not_say_of_the_wiring_is_as_by_default() -> None:
+    assert Wiring.of(SimpleNamespace(drive_channels=(2,), rate=1)) == Wiring(drive_channels=(2,))
+    said = SimpleNamespace(far_field_channels=(7,), far_field_full_scale=20.0)
+    assert Wiring.of(said) == Wiring(far_field_channels=(7,), far_field_full_scale=20.0)
 
 
 def test_anybodys_block_on_the_path_can_be_the_plant() -> None:
