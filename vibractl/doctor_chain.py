@@ -76,12 +76,15 @@ class Clock:
         Slope of a line through them: 1e-6 is 1 ppm.
     slip : float, samples
         Largest step between two stretches beyond that slope.
+    quality : float, 1
+        Of the worst stretch, as `alignment.Delay`.
     """
 
     time: np.ndarray
     delay: np.ndarray
     deviation: float
     slip: float
+    quality: float
 
 
 def clock(chirp: np.ndarray, count: int, recorded: np.ndarray, delay: float, rate: float) -> Clock:
@@ -106,16 +109,17 @@ def clock(chirp: np.ndarray, count: int, recorded: np.ndarray, delay: float, rat
     for start in starts:
         first = start + round(delay)
         window = padded[first : first + step + 2 * _REACH]
-        found.append(alignment.delay(train[start : start + step], window, rate, alignment.LOOPBACK_BAND).samples)
-    delays = np.array(found) - found[0]
+        found.append(alignment.delay(train[start : start + step], window, rate, alignment.LOOPBACK_BAND))
+    delays = np.array([each.samples for each in found]) - found[0].samples
+    quality = min(each.quality for each in found)
     time = (starts + step / 2) / rate
     if not np.isfinite(delays).all():
-        return Clock(time, delays, float("nan"), float("nan"))
+        return Clock(time, delays, float("nan"), float("nan"), quality)
     steps = np.diff(delays)
     usual = float(np.median(steps))
     slip = float(np.abs(steps - usual).max())
     slope = float(np.polyfit(time * rate, delays, 1)[0])
-    return Clock(time, delays, slope, slip)
+    return Clock(time, delays, slope, slip, quality)
 
 
 def two_tones(rate: float, seconds: float, amplitude: float) -> np.ndarray:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.fft import next_fast_len
 from scipy.optimize import linear_sum_assignment
 
 from vibractl.quality import FAINT, decibels
@@ -68,12 +69,13 @@ def answers(
     -------
     Answers
     """
-    frames = len(recorded[0])
+    samples = len(recorded[0])
+    frames = next_fast_len(samples, real=True)
     frequency = np.fft.rfftfreq(frames, 1 / rate)
     inside = (frequency >= band[0]) & (frequency <= band[1])
     sent = np.fft.rfft(drive, frames)[inside, None]
-    heard = [np.fft.rfft(each, axis=0)[inside] for each in recorded]
-    quiet = np.fft.rfft(silence[:frames], axis=0)[inside]
+    heard = [np.fft.rfft(each, frames, axis=0)[inside] for each in recorded]
+    quiet = np.fft.rfft(silence[:samples], frames, axis=0)[inside]
     floor = np.maximum(np.sqrt(np.mean(np.abs(quiet) ** 2, axis=0)), FAINT)
     loud = [np.sqrt(np.mean(np.abs(each) ** 2, axis=0)) / floor for each in heard]
     return Answers(

@@ -17,6 +17,8 @@ GAIN_RANGE = (-20.0, 14.0)
 """dB, of the loopback cable: quieter drowns in noise, louder clips with what the cable carries in a shot."""
 DEVIATION_WANTED, DEVIATION_WORST = 0.1e-6, 1e-6
 """Within one card it is 0; two crystals differ by 5e-6 and more.  1e-6 is a quarter of a sample in a shot of 6 s."""
+CLOCK_TRUST = 0.99
+"""Least quality of a stretch: a lost block of 512 samples of its 16 384 gives 0.985."""
 CLEARLY = 3.0
 """dB by which a coil's own accelerometer must be the loudest."""
 HEARD = 10.0
@@ -62,18 +64,20 @@ def loopback_verdict(found: Cable, elsewhere: int | None, config: RigConfig) -> 
 def clock_verdict(found: Clock) -> Verdict:
     """Judge the clocks: the rates of input and output against each other, and whether samples went missing."""
     ppm = 1e6 * found.deviation
-    slipped = not found.slip <= SLIP
-    grade: Grade = "fail" if slipped else graded(abs(found.deviation), DEVIATION_WANTED, DEVIATION_WORST)
-    measured = f"{ppm:+.4f} ppm over {found.time[-1] - found.time[0]:.1f} s, largest step {found.slip:.3f} samples"
-    limit = f"{1e6 * DEVIATION_WANTED:g} ppm; {SLIP} samples"
+    apart = abs(found.deviation) > DEVIATION_WORST  # which costs quality as well
+    lost = not found.slip <= SLIP or not (found.quality >= CLOCK_TRUST or apart)
+    grade: Grade = "fail" if lost else graded(abs(found.deviation), DEVIATION_WANTED, DEVIATION_WORST)
+    seconds = found.time[-1] - found.time[0]
+    measured = (
+        f"{ppm:+.4f} ppm over {seconds:.1f} s, largest step {found.slip:.3f} samples, quality {found.quality:.3f}"
+    )
+    limit = f"{1e6 * DEVIATION_WANTED:g} ppm; {SLIP} samples; {CLOCK_TRUST}"
     advice = ""
-    if slipped:
-        advice = (
-            "samples are lost or repeated without a word: larger audio.blocksize, another driver, no resampler between"
-        )
+    if lost:
+        advice = "samples are lost or repeated unsaid: larger audio.blocksize, another driver, no resampler between"
     elif grade != "pass":
         advice = "input and output have two clocks: use one interface for both, or lock them by word clock"
-    detail = {"deviation_ppm": ppm, "slip_samples": found.slip}
+    detail = {"deviation_ppm": ppm, "slip_samples": found.slip, "quality": found.quality}
     return Verdict("clock", grade, measured, limit, advice, ppm, "ppm", detail)
 
 

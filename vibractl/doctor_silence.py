@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.fft import next_fast_len
 from scipy.signal import welch
 from scipy.signal.windows import blackmanharris
 
@@ -91,7 +92,7 @@ def hum(silence: np.ndarray, rate: float, reference: Level, highest: float) -> H
     Hum
     """
     window = blackmanharris(len(silence), sym=False)[:, None]
-    points = PADDING * len(silence)
+    points = next_fast_len(PADDING * len(silence), real=True)
     amplitude = np.abs(np.fft.rfft(window * (silence - silence.mean(axis=0)), points, axis=0)) * 2 / window.sum()
     frequency = np.fft.rfftfreq(points, 1 / rate)
     found = []
