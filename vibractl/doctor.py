@@ -23,7 +23,7 @@ from vibractl.doctor_opinion import (
     polarity_verdict,
     recordings_verdict,
 )
-from vibractl.doctor_silence import Level, hum, noise, reference_level
+from vibractl.doctor_silence import Hum, Level, hum, noise, reference_level
 from vibractl.doctor_verdict import Verdict, unmeasured
 from vibractl.proof import LARGEST_ROUND_TRIP
 
@@ -56,6 +56,7 @@ class Examination:
     level : Level, of the reference
     verdicts : list of Verdict, in the order of `CHECKS`
     silence : array, shape (samples, responses), m/s^2; empty when nothing could be recorded
+    hum : Hum or None
     clock : Clock or None
     answers : Answers or None
     """
@@ -64,6 +65,7 @@ class Examination:
     level: Level
     verdicts: list[Verdict]
     silence: np.ndarray
+    hum: Hum | None = None
     clock: Clock | None = None
     answers: Answers | None = None
 
@@ -129,8 +131,10 @@ def examine(config: RigConfig, tell: Tell = lambda _seconds, _what: None) -> Exa
     except AudioError as fault:
         visit.say(Verdict("card", "fail", str(fault), "opens and runs", "see [audio] in the rig file, and the cables"))
     said = {verdict.check: verdict for verdict in visit.verdicts}
-    why = next((verdict.check for verdict in visit.verdicts if verdict.grade == "fail"), "card")
-    found.verdicts = [said.get(check) or unmeasured(check, f"the {why} failed") for check in CHECKS]
+    why = next(
+        (check for check in ("card", "recordings", "loopback") if check in said and said[check].grade == "fail"), ""
+    )
+    found.verdicts = [said.get(check) or unmeasured(check, f"{why} failed") for check in CHECKS]
     return found
 
 
@@ -179,7 +183,8 @@ class _Visit:
         capture = self._record(bench, drive, train if cabled else train[:0], "silence")
         self.found.silence = silence = capture.response.astype(float)
         highest = config.quality.judged_to
-        self.say(hum_verdict(hum(silence, rate, self.found.level, highest), config))
+        self.found.hum = hum(silence, rate, self.found.level, highest)
+        self.say(hum_verdict(self.found.hum, config))
         band = config.learning.band[0], max(highest, config.learning.band[1])
         self.say(noise_verdict(*noise(silence, rate, self.found.level, band), config))
         if not cabled:

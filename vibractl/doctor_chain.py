@@ -145,7 +145,7 @@ def products(highest: float) -> np.ndarray:
     """Return where distortion of the two tones would lie, Hz, shape (products,), from `PRODUCTS_FROM` to `highest`."""
     orders = range(-ORDER, ORDER + 1)
     pairs = [(a, b) for a, b in product(orders, orders) if 2 <= abs(a) + abs(b) <= ORDER]
-    lines = {abs(a * TONES[0] + b * TONES[1]) for a, b in pairs} - set(TONES)
+    lines = {abs(a * TONES[0] + b * TONES[1]) for a, b in pairs}
     return np.array(sorted(line for line in lines if PRODUCTS_FROM <= line <= highest))
 
 

@@ -159,7 +159,7 @@ def map_verdict(found: Answers, config: RigConfig) -> Verdict:
     owner, margin = assignment(level)
     sides = range(min(level.shape))
     detail = {f"response_{r + 1}_coil_{c + 1}_db": float(level[r, c]) for r, c in np.ndindex(*level.shape)}
-    limit = f"own accelerometer {CLEARLY:g} dB over the others, {HEARD:g} dB over silence"
+    limit = f"{CLEARLY:g} dB over the others, {HEARD:g} dB over silence"
     silent = [coil + 1 for coil in sides if not found.loudness[:, coil].max() >= HEARD]
     if silent:
         out = ", ".join(str(config.audio.drive_channels[coil - 1]) for coil in silent)

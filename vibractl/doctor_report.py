@@ -1,5 +1,6 @@
 """The doctor's findings as a page: every verdict, and the figures behind them."""
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from rigkit.report import Fact, Plot, Report, Section, Table
 from vibractl.doctor import Examination
 from vibractl.doctor_opinion import WANTED
 from vibractl.doctor_silence import line_density
+from vibractl.doctor_verdict import Verdict
 from vibractl.proof import SLIP
 from vibractl.quality import FAINT, decibels
 
@@ -26,18 +28,22 @@ def write_report(path: Path, found: Examination) -> None:
     found : Examination
     """
     with styled():
-        facts = tuple(
-            Fact(each.check.capitalize(), each.measured, {"pass": True, "fail": False}.get(each.grade))
-            for each in found.verdicts
-        )
+        facts = tuple(_fact(each) for each in found.verdicts)
         title = f"{found.config.rig.name}: what the doctor says"
         Report(title, f"{now()}, {software()}", facts, tuple(_sections(found))).write(path)
 
 
+def _fact(each: Verdict) -> Fact:
+    figure = f"{round(each.value, 3) + 0.0:g} {each.unit}".removesuffix(" 1") if math.isfinite(each.value) else ""
+    said = {"pass": figure or "in order", "warn": f"{figure} (warning)".strip(), "fail": figure}[each.grade]
+    return Fact(each.check.capitalize(), said, {"pass": True, "warn": None, "fail": False}[each.grade])
+
+
 def _sections(found: Examination) -> Iterator[Section]:
-    rows = tuple((each.check, each.grade, each.measured, each.limit, each.advice) for each in found.verdicts)
-    yield Section("Verdicts", tables=(Table(("check", "verdict", "measured", "wanted", "what to do"), rows),))
-    if len(found.silence):
+    rows = tuple((each.check, each.grade, each.measured, each.limit) for each in found.verdicts)
+    advice = "\n\n".join(f"{each.check.capitalize()}: {each.advice}." for each in found.verdicts if each.advice)
+    yield Section("Verdicts", advice, tables=(Table(("check", "verdict", "measured", "wanted"), rows),))
+    if found.hum is not None:
         yield Section("Noise and hum", plots=(_noise_plot(found),))
     if found.clock is not None:
         yield Section("Clock", plots=(_clock_plot(found),))
@@ -46,6 +52,7 @@ def _sections(found: Examination) -> Iterator[Section]:
 
 
 def _noise_plot(found: Examination) -> Plot:
+    assert found.hum is not None
     quality, level = found.config.quality, found.level
     frequency, density = line_density(found.silence, found.config.audio.rate)
     shown = (frequency >= found.config.learning.band[0]) & (frequency <= quality.judged_to)
@@ -53,14 +60,15 @@ def _noise_plot(found: Examination) -> Plot:
     figure = Figure()
     axes = figure.subplots()
     for side, each in enumerate(lines.T, 1):
-        axes.plot(frequency[shown], each, linewidth=0.8, label=f"response {side}")
+        axes.plot(frequency[shown], each, linewidth=0.8, label=f"noise, response {side}")
+    axes.plot(found.hum.frequency, found.hum.level, "kx", markersize=4, label=f"harmonics of {found.hum.mains:g} Hz")
     axes.plot(
         [quality.above, quality.judged_to], [quality.objective + WANTED] * 2, "k--", linewidth=1.0, label="wanted"
     )
     axes.set(xlabel="frequency, Hz", ylabel="line of a shot re reference, dB")
-    axes.legend()
+    axes.legend(ncols=2)
     return Plot(
-        figure, "Recorded without a drive, as the lines of a shot would be. A tone of the mains shows 3 to 5 dB low."
+        figure, "Recorded without a drive, as lines of a shot; crosses: the mains, of the louder accelerometer."
     )
 
 

@@ -15,6 +15,8 @@ def test_every_verdict_is_on_the_page_with_its_figures(tmp_path: Path) -> None:
     write_report(tmp_path / "doctor.html", found)
     page = (tmp_path / "doctor.html").read_text(encoding="utf-8")
     assert all(check.capitalize() in page for check in CHECKS)
+    assert "(warning)" in page
+    assert "Hum: response" in page
     assert [title in page for title in ("Noise and hum", "<h2>Clock", "<h2>Channels")] == [True] * 3
     assert page.count("data:image/") == 3
     assert [file.name for file in tmp_path.iterdir()] == ["doctor.html"]
