@@ -6,16 +6,18 @@ from typing import Annotated
 
 import typer
 
+from calibration.comparison_report import comparison_figures, comparison_report
 from calibration.experiment import RawFolder
+from calibration.model_comparison import COMPARED_HEAD, DIFFERING_HEAD, compare, compared_rows, differing_rows
+from calibration.multisine_report import level_table
 from calibration.sweep_report import sweep_report
 from calibration.sweep_summary import BAND_HEAD, WORST_HEAD, band_rows, sweep_figures, worst_rows
-from calibration.vibrator import Calibration, LiveLine, calibrate
-from calibration.vibrator_sweep import refuse_unfit
+from calibration.vibrator import Calibration, LiveLine, calibrate, refuse_unfit
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, application, print_table, run, words, write_json
 from rigkit.stop import Stopped, stoppable
 from vibractl.config import RigConfig
-from vibractl.model_file import write_model
+from vibractl.model_file import read_model, write_model
 
 app = application("Experiments that end in a model file.")
 
@@ -25,22 +27,29 @@ def vibrator_command(
     out: Annotated[Path, typer.Option(metavar="FILE", help="Model file to write; recordings and report go beside it.")],
     config: ConfigOption = None,
     seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
+    method: Annotated[str | None, typer.Option(metavar="multisine|stepped|both", help="How it is measured.")] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Multisine: no line louder than the objective.")] = False,
     passes: Annotated[int | None, typer.Option(help="2: once more, on a grid refined from the first pass.")] = None,
     no_preload: Annotated[bool, typer.Option("--no-preload", help="Leave the preload out, for comparison.")] = False,
     png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Measure a vibrator's transfer matrix by a preloaded stepped sine.
+    """Measure a vibrator's transfer matrix on top of a preload: by a stepped sine, by multisines, or by both.
 
     Raw recordings are kept in a folder beside the model; stopped or killed, the same command goes on from there.
 
     Example: `calibrate vibrator --config rig.toml --out model.h5`
     """
-    flags = {"simulator.options.seed": seed, "characterisation.passes": passes}
+    flags = {
+        "simulator.options.seed": seed,
+        "characterisation.method": method,
+        "characterisation.passes": passes,
+        "characterisation.quiet": "true" if quiet else None,
+    }
     laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
     if no_preload:
-        laid_over.append("characterisation.preload=0.0")
+        laid_over += ["characterisation.preload=0.0", "characterisation.operating=0.0"]
     rig = rig_file.load(config, RigConfig, laid_over)
     refuse_unfit(rig)
     with RawFolder(_raw_folder(out)) as raw:
@@ -51,6 +60,32 @@ def vibrator_command(
     if png is not None:
         report.png(png)
     _print(found, out, json)
+
+
+@app.command("compare")
+def compare_command(
+    first: Annotated[Path, typer.Argument(metavar="A.h5")],
+    second: Annotated[Path, typer.Argument(metavar="B.h5")],
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a report (HTML).")] = None,
+    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files.")] = None,
+    json: JsonOption = None,
+) -> None:
+    """Say how two models of one rig differ, line by line, against their uncertainty.
+
+    Example: `calibrate compare tank.h5 sea.h5 --out difference.html`
+    """
+    found = compare(read_model(first), read_model(second), str(first), str(second))
+    if out is not None or png is not None:
+        report = comparison_report(found)
+        if out is not None:
+            report.write(out)
+        if png is not None:
+            report.png(png)
+    stream = words(json)
+    title = f"{found.first_name} and {found.second_name}: {len(found.frequency)} lines in common"
+    print_table(title, COMPARED_HEAD, compared_rows(found), stream)
+    print_table("farthest apart", DIFFERING_HEAD, differing_rows(found), stream)
+    write_json(json, comparison_figures(found))
 
 
 def _raw_folder(out: Path) -> Path:
@@ -75,15 +110,25 @@ def _calibrated(rig: RigConfig, raw: RawFolder) -> Calibration:
 
 def _print(found: Calibration, out: Path, json: str | None) -> None:
     stream, figures = words(json), sweep_figures(found)
-    title = f"{out}: {figures['lines']} lines from {found.seconds / 60:.1f} min of signal"
+    title = f"{out}: {figures['lines']} lines from {_duration(found.seconds)} of signal"
     print_table(title, BAND_HEAD, band_rows(found.matrix), stream)
     print_table("least certain", WORST_HEAD, worst_rows(found.matrix), stream)
+    if found.levels is not None:
+        table = level_table(found.levels)
+        print_table("levels of a line; distortion and noise re the multisine's", table.head, table.rows, stream)
+        print(f"the multisine's loudest line is {found.loudest:.1f} dB re what the preload emits", file=stream)
+    if len(found.tones):
+        print(f"{len(found.tones)} lines were measured again by a stepped sine", file=stream)
     if len(found.passes) > 1:
         moved, missed = figures["first_pass_median_difference"], figures["first_grid_worst_interpolation"]
         print(f"the first grid misses {100 * missed:.2g} % at worst between its lines", file=stream)
         print(f"from the first pass to the second the lines moved by {100 * moved:.2g} %, median", file=stream)
     print(f"report: {out.with_suffix('.html')}", file=stream)
     write_json(json, figures)
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds / 60:.1f} min" if seconds >= 120 else f"{seconds:.1f} s"
 
 
 def main() -> int:

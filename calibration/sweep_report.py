@@ -1,9 +1,10 @@
-"""What a sweep found, drawn: the response with its uncertainty, the preload's map, the refined grid."""
+"""What a calibration found, drawn: the response with its uncertainty, and how its method came to it."""
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from calibration.multisine_report import levels_section
 from calibration.preload import clearance, preload_frequencies
 from calibration.refinement import interpolation_error
 from calibration.sweep_summary import (
@@ -20,7 +21,7 @@ from calibration.vibrator import Calibration
 from calibration.vibrator_sweep import TOLERANCE
 from rigkit.figure_style import COLOURS, LIMIT, styled
 from rigkit.report import Fact, Plot, Report, Section, Table
-from vibractl.config import RigConfig
+from vibractl.config import Characterisation, RigConfig
 from vibractl.transfer_matrix import TransferMatrix
 
 
@@ -29,9 +30,9 @@ def sweep_report(found: Calibration, config: RigConfig) -> Report:
     settings, figures = config.characterisation, sweep_figures(found)
     facts = (
         Fact("lines", f"{figures['lines']}"),
-        Fact("signal", f"{found.seconds / 60:.1f} min"),
+        Fact("signal", f"{found.seconds / 60:.1f} min emitted"),
         Fact("median relative deviation", f"{100 * figures['median_relative_deviation']:.2g} %"),
-        Fact("preload and probe", f"{settings.preload:g} V and {settings.probe:g} V a side"),
+        _drive_fact(found, settings),
     )
     with styled():
         sections = _sections(found, config)
@@ -39,8 +40,16 @@ def sweep_report(found: Calibration, config: RigConfig) -> Report:
     return Report("Vibrator calibration", subtitle, facts, tuple(sections))
 
 
+def _drive_fact(found: Calibration, settings: Characterisation) -> Fact:
+    if found.levels is None:
+        return Fact("preload and probe", f"{settings.preload:g} V and {settings.probe:g} V a side")
+    return Fact("preload and loudest line", f"{settings.operating:g} V rms a side, {found.loudest:.1f} dB")
+
+
 def _sections(found: Calibration, config: RigConfig) -> list[Section]:
     certainty = "Two standard deviations are shaded.  Noise is in them, and what had not settled; drift is not."
+    if found.levels is not None:
+        certainty = "Two standard deviations are shaded.  Noise and distortion are in them; slow drift is not."
     sections = [
         Section("Transfer matrix", certainty, (Plot(_bode(found.matrix), "Magnitude and phase, output from input."),)),
         Section(
@@ -50,6 +59,8 @@ def _sections(found: Calibration, config: RigConfig) -> list[Section]:
             (Table(BAND_HEAD, tuple(band_rows(found.matrix))), Table(WORST_HEAD, tuple(worst_rows(found.matrix)))),
         ),
     ]
+    if found.levels is not None:
+        return [*sections, levels_section(found.levels, found.tones)]
     if config.characterisation.preload:
         text = "The preload makes way for the probe, but stays near the middle of its band."
         caption = "Where the preload was for each probe, and how far its harmonics and mixing products stayed away."

@@ -1,10 +1,11 @@
-"""What a sweep found, in figures: how certain the lines are, and what the second pass says about the first."""
+"""What a calibration found, in figures: how certain the lines are, and what a second pass says about the first."""
 
 import math
 from typing import Any
 
 import numpy as np
 
+from calibration.multisine_report import LEVEL_HEAD, level_table
 from calibration.vibrator import Calibration
 from vibractl.transfer_matrix import TransferMatrix, norm
 
@@ -62,6 +63,7 @@ def sweep_figures(found: Calibration) -> dict[str, Any]:
     figures: dict[str, Any] = {
         "lines": len(found.matrix.frequency),
         "seconds_of_signal": found.seconds,
+        "identification_seconds": found.seconds,
         "median_relative_deviation": float(np.median(relative)),
         "worst_relative_deviation": float(relative.max()),
         "least_coherence": _least_diagonal(found.matrix.coherence),
@@ -71,6 +73,10 @@ def sweep_figures(found: Calibration) -> dict[str, Any]:
         figures["first_pass_median_difference"] = float(np.median(difference))
         figures["first_pass_worst_difference"] = float(difference.max())
         figures["first_grid_worst_interpolation"] = float(grid_error(found)[1].max(initial=0.0))
+    if found.levels is not None:
+        figures["levels_db"] = [dict(zip(LEVEL_HEAD, row, strict=True)) for row in level_table(found.levels).rows]
+        figures["loudest_line_db"] = found.loudest
+        figures["measured_again_hz"] = found.tones
     return figures
 
 

@@ -1,20 +1,22 @@
-"""The vibrator's calibration: both passes of the stepped sine over the live line, and the model they end in."""
+"""The vibrator's calibration over the live line: stepped sine, multisine or both, and the model they end in."""
 
 import sys
 import threading
-from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
 
-from calibration.experiment import Emit, Plan, RawFolder
-from calibration.stepped_sine import Tones
-from calibration.sweep_estimate import Lines, SweepEstimator
-from calibration.vibrator_sweep import first_pass, longest_batch, second_pass
+from calibration.experiment import Emit, RawFolder
+from calibration.multisine import FADE
+from calibration.multisine_calibration import measure_by_multisine
+from calibration.multisine_estimate import Levels
+from calibration.stepped_calibration import measure_by_stepped_sine, measure_tones
+from calibration.sweep_estimate import SweepEstimator
+from calibration.uncertain_lines import merged, uncertain_lines
+from calibration.vibrator_multisine import refuse_unfit_multisine
+from calibration.vibrator_sweep import FEWEST, chosen_tones, longest_batch, refuse_unfit_sweep
 from rigkit import config as rig_file
-from rigkit.progress import progress
 from rigkit.provenance import now, software
 from rigkit.stop import StopRequest
 from vibractl.audio import Line
@@ -34,13 +36,22 @@ class Calibration:
     Parameters
     ----------
     passes : tuple of TransferMatrix
-        Each pass by itself; the last is the model.
+        Each pass of a stepped sine by itself, or the one model of the other methods; the last is the model.
     seconds : float, s
-        Of signal.
+        Of signal emitted.
+    levels : Levels or None
+        Of noise and distortion, by a multisine.
+    loudest : float or None, dB
+        The multisine's strongest line, see `Multisined`.
+    tones : array, shape (tones,), Hz
+        Lines that a short stepped sine measured again.
     """
 
     passes: tuple[TransferMatrix, ...]
     seconds: float
+    levels: Levels | None = None
+    loudest: float | None = None
+    tones: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def matrix(self) -> TransferMatrix:
@@ -81,7 +92,9 @@ class LiveLine:
         Stopped : it was asked for.
         """
         if self._line is None:
-            line = Line(self._config, seconds=longest_batch(self._config), on_discard=self._keep_discarded)
+            settings = self._config.characterisation
+            longest = max(longest_batch(self._config), settings.run_in + settings.period + FADE)
+            line = Line(self._config, seconds=longest, on_discard=self._keep_discarded)
             self._line = line.__enter__()
         done = threading.Event()
         watch = threading.Thread(target=self._stop_when_asked, args=(self._line, done), daemon=True)
@@ -104,7 +117,7 @@ class LiveLine:
 
 
 def calibrate(config: RigConfig, raw: RawFolder, emit: Emit) -> Calibration:
-    """Measure the transfer matrix: silence, an even sweep, and a second one on the grid that the first asks for.
+    """Measure the transfer matrix by `characterisation.method`.
 
     Parameters
     ----------
@@ -116,50 +129,38 @@ def calibrate(config: RigConfig, raw: RawFolder, emit: Emit) -> Calibration:
     Returns
     -------
     Calibration
-
-    Source
-    ------
-    Sörnmo 2015, sec. 6.5-6.6.
-
-    Departs
-    -------
-    The second pass alone is the model where there is one: weighing in the first would gain a tenth if nothing moved,
-    but it is older by a quarter of an hour of drift.
     """
-    estimator = SweepEstimator(config)
-    plans = [first_pass(config)]
-    passes = [_measured(plans[0], raw, emit, estimator, config)]
-    if config.characterisation.passes > 1:
-        plans.append(second_pass(config, passes[0]))
-        passes.append(_measured(plans[1], raw, emit, estimator, config))
-    return Calibration(tuple(passes), sum(plan.seconds for plan in plans))
+    if config.characterisation.method == "stepped":
+        return Calibration(*measure_by_stepped_sine(config, raw, emit, _provenance(config)))
+    about = _provenance(config)
+    found = measure_by_multisine(config, raw, emit, about)
+    by_multisine = Calibration((found.matrix,), found.emitted, found.levels, found.loudest)
+    tones = uncertain_lines(found.matrix) if config.characterisation.method == "both" else np.zeros(0)
+    if len(tones) < FEWEST:
+        return by_multisine
+    plan = chosen_tones(config, tones)
+    again = measure_tones(plan, raw, emit, SweepEstimator(config), about)
+    model = merged(found.matrix, again)
+    return replace(by_multisine, passes=(model,), seconds=found.emitted + plan.seconds, tones=tones)
 
 
-def _measured(plan: Plan, raw: RawFolder, emit: Emit, estimator: SweepEstimator, config: RigConfig) -> TransferMatrix:
-    """Record a pass; each batch is estimated while the next is emitted."""
-    lines: list[Lines] = []
-    waiting: Future[Lines] | None = None
-    done, title = 0.0, f"{plan.name}, {plan.seconds / 60:.1f} min of signal"
-    with ThreadPoolExecutor(1) as pool, progress(title, plan.seconds, start=raw.recorded(plan)) as meter:
-        for batch, record in raw.record(plan, emit):
-            if waiting is not None:
-                lines.append(waiting.result())
-            if isinstance(batch, Tones):
-                waiting = pool.submit(estimator.lines, batch, record)
-            else:
-                estimator.hear_silence(record)
-            done += batch.samples / plan.rate
-            meter.show(done)
-        if waiting is not None:
-            lines.append(waiting.result())
-    return estimator.joined(lines, _provenance(config, raw.path, plan))
+def refuse_unfit(config: RigConfig) -> None:
+    """Refuse a calibration that could not end in a model: too loud for the guard, or too few lines.
+
+    Raises
+    ------
+    ValueError : it says which setting, and what is allowed.
+    """
+    if config.characterisation.method != "multisine":
+        refuse_unfit_sweep(config)
+    if config.characterisation.method != "stepped":
+        refuse_unfit_multisine(config)
 
 
-def _provenance(config: RigConfig, raw: Path, plan: Plan) -> dict[str, str]:
+def _provenance(config: RigConfig) -> dict[str, str]:
     return {
         "rig": config.rig.name,
         "config": rig_file.dump(config),
-        "recording": f"{raw.name}/{plan.name}-*.wav, fingerprint {plan.fingerprint}",
         "software": software(),
         "date": now(),
     }

@@ -24,6 +24,8 @@ SETTLED = 4.0
 """Time constants of the response, as the first pass saw it, that the second pass lets pass before a tone ..."""
 LONGEST_SETTLE = 1.0
 """s, ... at most."""
+CHOSEN_SETTLE = 0.3
+"""s, before a tone that was chosen because the response is narrow there."""
 FEWEST = 4
 """Lines of a model."""
 
@@ -75,7 +77,13 @@ def second_pass(config: RigConfig, first: TransferMatrix) -> Plan:
     return _plan(config, "pass-2", _batches(config, frequency, settle))
 
 
-def refuse_unfit(config: RigConfig) -> None:
+def chosen_tones(config: RigConfig, frequency: np.ndarray) -> Plan:
+    """Plan a short sweep over the lines given, shape (tones,), Hz, rising, with the patience of narrow ones."""
+    settle = np.full(len(frequency), max(config.characterisation.settle, CHOSEN_SETTLE))
+    return _plan(config, "tones", _batches(config, frequency, settle))
+
+
+def refuse_unfit_sweep(config: RigConfig) -> None:
     """Refuse a sweep that could not end in a model: levels above the guard's limits, or too few lines.
 
     Raises
@@ -122,22 +130,31 @@ def _batches(config: RigConfig, frequency: np.ndarray, settle: np.ndarray) -> li
 
 def _plan(config: RigConfig, name: str, batches: list[Batch]) -> Plan:
     """Put a plan together; its settings are all that drives and plant depend on."""
-    audio, settings = config.audio, config.characterisation
+    drives, responses, rig = depends_on_rig(config)
+    depends = {
+        **rig,
+        **{
+            f"characterisation.{key}": repr(getattr(config.characterisation, key))
+            for key in ("band", "step", "tone", "settle", "preload", "preload_band", "probe")
+        },
+        "tones": _digest(batches),
+    }
+    return Plan(name, depends, float(config.audio.rate), drives, responses, batches)
+
+
+def depends_on_rig(config: RigConfig) -> tuple[list[tuple[str, str]], list[tuple[str, str]], dict[str, str]]:
+    """Return names and units of drives and of responses, and what of the rig a recording depends on."""
+    audio = config.audio
     depends = {
         "rig.name": config.rig.name,
         **{f"audio.{key}": repr(getattr(audio, key)) for key in ("stream", "device", "rate", "drive_channels")},
         **{f"audio.{key}": repr(getattr(audio, key)) for key in ("response_channels", "input_full_scale")},
         **{f"simulator.options.{key}": repr(value) for key, value in sorted(config.simulator.options.items())},
         "simulator.plant": config.simulator.plant,
-        **{
-            f"characterisation.{key}": repr(getattr(settings, key))
-            for key in ("band", "step", "tone", "settle", "preload", "preload_band", "probe")
-        },
-        "tones": _digest(batches),
     }
     drives = [(f"drive_{side + 1}", "V") for side in range(len(audio.drive_channels))]
     responses = [(f"response_{side + 1}", "m/s^2") for side in range(len(audio.response_channels))]
-    return Plan(name, depends, float(audio.rate), drives, responses, batches)
+    return drives, responses, depends
 
 
 def _digest(batches: Iterable[Batch]) -> str:

@@ -1,0 +1,126 @@
+"""A calibration by multisines: records them, quiet ones in two steps, and turns them into a model and its levels."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibration.experiment import Emit, Plan, RawFolder
+from calibration.multisine import Design, Record
+from calibration.multisine_estimate import (
+    Levels,
+    Spectra,
+    coherence_of,
+    levels,
+    matrix_on,
+    raw_matrix,
+    spectra_of,
+)
+from calibration.vibrator_multisine import (
+    emitted_seconds,
+    flat_design,
+    multisine_plan,
+    quiet_design,
+    scout_design,
+)
+from calibration.vibrator_sweep import Silence
+from rigkit.progress import progress
+from vibractl.config import RigConfig
+from vibractl.transfer_matrix import TransferMatrix
+
+
+@dataclass(frozen=True)
+class Multisined:
+    """What multisines found.
+
+    Parameters
+    ----------
+    matrix : TransferMatrix
+    levels : Levels
+    emitted : float, s
+        Of signal, over all records.
+    loudest : float, dB
+        Strongest line of the multisine from `quality.above` on, re what the preload emits.
+    """
+
+    matrix: TransferMatrix
+    levels: Levels
+    emitted: float
+    loudest: float
+
+
+def measure_by_multisine(config: RigConfig, raw: RawFolder, emit: Emit, provenance: Mapping[str, str]) -> Multisined:
+    """Measure the transfer matrix by multisines on top of the preload.
+
+    Parameters
+    ----------
+    config : RigConfig
+    raw : RawFolder
+        Open; what it holds already is not measured again.
+    emit : Emit
+    provenance : mapping of strings
+        The recording is added to it.
+
+    Source
+    ------
+    Pintelon and Schoukens 2012, System Identification, sec. 4.3 and 7.
+    """
+    emitted = 0.0
+    if config.characterisation.quiet:
+        design, _ = scout_design(config)
+        plan = multisine_plan(config, "scout", design)
+        spectra = _recorded(plan, design, config, raw, emit)
+        emitted += emitted_seconds(plan)
+        wanted = np.arange(design.bins[0], design.bins[-1] + 1)
+        response, _ = matrix_on(design, raw_matrix(design, spectra), wanted)
+        grid = wanted * design.rate / design.period
+        design, detection = quiet_design(config, grid, response, preload_density(spectra, design, config))
+    else:
+        design, detection = flat_design(config)
+    plan = multisine_plan(config, "multisine", design)
+    spectra = _recorded(plan, design, config, raw, emit)
+    about = {**provenance, "recording": f"{raw.path.name}/{plan.name}-*.wav, fingerprint {plan.fingerprint}"}
+    matrix = _model(config, design, spectra, about)
+    loudest = _loudest(config, design, spectra)
+    return Multisined(matrix, levels(design, spectra, detection), emitted + emitted_seconds(plan), loudest)
+
+
+def preload_density(spectra: Spectra, design: Design, config: RigConfig) -> np.ndarray:
+    """Return the amplitude of a line, (outputs,), m/s^2, were what the preload emits spread over its whole band."""
+    low, high = (edge * design.period / design.rate for edge in config.characterisation.preload_band)
+    bins = spectra.first + np.arange(spectra.response.shape[1])
+    inside = (bins >= low) & (bins <= high)
+    density: np.ndarray = np.sqrt(np.mean(np.abs(spectra.response.mean(axis=0)[inside]) ** 2, axis=0))
+    return density
+
+
+def _model(config: RigConfig, design: Design, spectra: Spectra, about: Mapping[str, str]) -> TransferMatrix:
+    low, high = (edge * design.period / design.rate for edge in config.characterisation.band)
+    wanted = np.arange(int(np.floor(low + 1e-9)), int(np.ceil(high - 1e-9)) + 1)
+    response, variance = matrix_on(design, raw_matrix(design, spectra), wanted)
+    frequency = wanted * design.rate / design.period
+    return TransferMatrix(frequency, response, variance, coherence_of(response, variance), about)
+
+
+def _loudest(config: RigConfig, design: Design, spectra: Spectra) -> float:
+    """Return the strongest line that the multisine adds to any record, dB re what the preload emits."""
+    place = design.bins[design.bins * design.rate / design.period >= config.quality.above] - spectra.first
+    added = np.abs(spectra.response - spectra.response.mean(axis=0))[:, place].max(axis=(0, 1))
+    return float(20 * np.log10(np.max(added / preload_density(spectra, design, config))))
+
+
+def _recorded(plan: Plan, design: Design, config: RigConfig, raw: RawFolder, emit: Emit) -> Spectra:
+    """Record a plan and transform the periods."""
+    sides = len(config.audio.drive_channels)
+    silence, periods, done = np.zeros((design.period, len(plan.responses))), [], 0.0
+    title = f"{plan.name}, {plan.seconds:.0f} s of signal"
+    with progress(title, plan.seconds, start=raw.recorded(plan)) as meter:
+        for batch, record in raw.record(plan, emit):
+            data = record.data.astype(float)
+            if isinstance(batch, Record):
+                periods.append((data[batch.window, :sides], data[batch.window, sides:]))
+            elif isinstance(batch, Silence):
+                silence = data[-design.period :, sides:]
+            done += batch.samples / plan.rate
+            meter.show(done)
+    return spectra_of(design, periods, silence, int(design.bins[0]), int(design.bins[-1]))

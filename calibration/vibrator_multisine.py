@@ -1,0 +1,170 @@
+"""The multisine's plans: which records are played, how loud, and quiet ones that stay within the objective."""
+
+import hashlib
+from dataclasses import replace
+
+import numpy as np
+
+from calibration.experiment import Batch, Plan
+from calibration.multisine import FADE, Design, Record, codes, low_crest, odd_lines
+from calibration.multisine_estimate import REACH
+from calibration.vibrator_sweep import Silence, depends_on_rig
+from vibractl.config import RigConfig
+
+SEED = 1
+"""Of the phases: every calibration plays the same ones."""
+GROUP = 5
+"""Odd lines, of which one is left out for distortion to show."""
+PRELOAD_SPACING = 2.0
+"""Hz between the preload's lines, all odd: what even orders of distortion make of it falls on even lines alone."""
+SCOUT_LEVEL = -26.0
+"""dB re the objective, of the records by which the level of the quiet ones is chosen ..."""
+SCOUT_SPARE = 2
+"""... and how many more of them there are than coils."""
+REST = 2.0
+"""s of the silence before its measured part, for what was played before to ring down."""
+UNCERTAINTY = 0.85
+"""1, of the allowed level, what is used: kappa of (6.22)."""
+KEYS = ("band", "preload_band", "records", "period", "run_in", "operating", "level", "quiet")
+
+
+def scout_design(config: RigConfig) -> tuple[Design, np.ndarray]:
+    """Design the few faint records of a quiet calibration that say how loud the others may be; see `flat_design`."""
+    records = len(config.audio.drive_channels) + SCOUT_SPARE
+    return _design(config, records, config.quality.objective + SCOUT_LEVEL)
+
+
+def flat_design(config: RigConfig) -> tuple[Design, np.ndarray]:
+    """Design records whose lines are all equally strong.
+
+    Returns
+    -------
+    design : Design
+    detection : int array
+        Odd bins that are not excited.
+    """
+    return _design(config, config.characterisation.records, config.characterisation.level)
+
+
+def quiet_design(
+    config: RigConfig, frequency: np.ndarray, response: np.ndarray, emitted: np.ndarray
+) -> tuple[Design, np.ndarray]:
+    """Design records whose every line from `quality.above` on stays `objective` below what the preload emits.
+
+    Parameters
+    ----------
+    config : RigConfig
+    frequency : array, shape (lines,), Hz
+    response : complex array, shape (lines, outputs, inputs), m/s^2 per V
+        As well as it is known.
+    emitted : array, shape (outputs,), m/s^2
+        Amplitude of a line in the preload's band, were its response spread over all of them.
+
+    Returns
+    -------
+    design : Design
+    detection : int array
+        See `flat_design`.
+
+    Source
+    ------
+    Sörnmo 2015, eq. (6.22), for all lines at once.
+
+    Departs
+    -------
+    Both coils drive at once: their responses may add up, so it is the sum of |G| over them that counts.  All lines are
+    as strong as the one that needs it least may be: shaped line by line, weak lines would drown in what the preload
+    makes of their strong neighbours.
+    """
+    flat, detection = flat_design(config)
+    size = np.abs(response[frequency >= config.quality.above]).sum(axis=2).max(axis=0)
+    allowed = float(np.min(UNCERTAINTY * emitted * 10 ** (config.quality.objective / 20) / size))
+    return replace(flat, amplitude=np.minimum(flat.amplitude, allowed)), detection
+
+
+def multisine_plan(config: RigConfig, name: str, design: Design) -> Plan:
+    """Plan a silence, whose last period counts, and all records of a design."""
+    sides, settings = len(config.audio.drive_channels), config.characterisation
+    silence = Silence(round(REST * design.rate) + design.period, sides)
+    batches: list[Batch] = [silence, *(Record(design, number) for number in range(design.records))]
+    settled = {f"characterisation.{key}": repr(getattr(settings, key)) for key in KEYS}
+    digest = hashlib.sha256()
+    for part in (design.bins, design.code, np.round(design.phase, 9), design.preload):
+        digest.update(np.ascontiguousarray(part, dtype=float).round(9).tobytes())
+    drives, responses, rig = depends_on_rig(config)
+    depends = {**rig, **settled, "objective": repr(config.quality.objective), "lines": digest.hexdigest()[:16]}
+    return Plan(name, depends, float(config.audio.rate), drives, responses, batches)
+
+
+def emitted_seconds(plan: Plan) -> float:
+    """Return how long a plan of multisines emits, s: all but the silence."""
+    return sum(batch.samples for batch in plan.batches if not isinstance(batch, Silence)) / plan.rate
+
+
+def refuse_unfit_multisine(config: RigConfig) -> None:
+    """Refuse a multisine that could not end in a model: too loud for the guard, too few lines or records.
+
+    Raises
+    ------
+    ValueError : it says which setting, and what is allowed.
+    """
+    settings, limits, sides = config.characterisation, config.limits, len(config.audio.drive_channels)
+    if not settings.records > sides:
+        raise ValueError(f"characterisation.records is {settings.records}, must be > {sides}, the number of coils")
+    if not settings.run_in >= FADE:
+        raise ValueError(f"characterisation.run_in is {settings.run_in:g} s, must be >= {FADE:g} s")
+    low, high = _bins(config)
+    if not (low >= 1 and high - low >= 4 * GROUP * (2 * REACH + 1) / (GROUP - 1)):
+        raise ValueError(
+            f"characterisation.band is {settings.band[0]:g} to {settings.band[1]:g} Hz: too near 0 Hz, or too few "
+            f"lines of 1 / {settings.period:g} s in it"
+        )
+    design, _ = flat_design(config)
+    drives = np.stack([Record(design, number).drive() for number in range(design.records)])
+    peak, rms = np.abs(drives).max(), np.sqrt(np.mean(drives**2, axis=1)).max()
+    for what, value, limit in (("peak", peak, limits.peak), ("rms", rms, limits.rms)):
+        if not value <= limit:
+            raise ValueError(
+                f"characterisation.operating of {settings.operating:g} V gives a multisine with {what} {value:.4g} V, "
+                f"must be <= limits.{what}, {limit:g} V"
+            )
+
+
+def _design(config: RigConfig, records: int, level: float) -> tuple[Design, np.ndarray]:
+    settings, rate, sides = config.characterisation, float(config.audio.rate), len(config.audio.drive_channels)
+    period, rng = round(settings.period * rate), np.random.default_rng(SEED)
+    low, high = _bins(config)
+    excited, detection = odd_lines(low, high, GROUP, rng)
+    preload_bins = _preload_bins(settings.preload_band, period / rate)
+    preload = low_crest(preload_bins, period, settings.operating, rng) if settings.operating else np.zeros(period)
+    density = _operating(config) * np.sqrt(2 / _lines_in(config, settings.preload_band))
+    spread = np.sqrt((high - low + 1) / len(excited))  # the power of the lines that are left out is given to the others
+    amplitude = np.full((len(excited), sides), density * spread * 10 ** (level / 20))
+    phase = 2 * np.pi * rng.random((len(excited), sides))
+    code = codes(len(excited), sides, records)
+    run_in = round(settings.run_in * rate)
+    return Design(period, rate, records, excited, amplitude, phase, code, preload, run_in), detection
+
+
+def _operating(config: RigConfig) -> float:
+    """Return the level that the multisine's is relative to: without a preload, that of the stepped sine's probe."""
+    settings = config.characterisation
+    return settings.operating or settings.probe / np.sqrt(2)
+
+
+def _lines_in(config: RigConfig, band: tuple[float, float]) -> float:
+    return (band[1] - band[0]) * config.characterisation.period
+
+
+def _bins(config: RigConfig) -> tuple[int, int]:
+    """Return the first and last bin: the band, and so much beyond that its ends lie within a window."""
+    settings, beyond = config.characterisation, 2 * REACH
+    low, high = (edge * settings.period for edge in settings.band)
+    top = int(0.4 * config.audio.rate * settings.period)
+    return max(int(np.floor(low + 1e-9)) - beyond, 1), min(int(np.ceil(high - 1e-9)) + beyond, top)
+
+
+def _preload_bins(band: tuple[float, float], period: float) -> np.ndarray:
+    step = max(2 * round(PRELOAD_SPACING * period / 2), 2)
+    first = int(np.ceil(band[0] * period)) | 1
+    return np.arange(first, max(int(band[1] * period), first) + 1, step)
