@@ -21,22 +21,26 @@ STEEL_DENSITY, STEEL_MODULUS, POISSON = 7850.0, 2.0e11, 0.3
 """kg/m^3, Pa and 1."""
 END_CORRECTION = 0.6133
 """1, of the radius: the fluid that moves with a piston at the end of a long tube (Levine and Schwinger 1948)."""
+WETTED_SHARE = 0.3
+"""1, of a flexural mode's kinetic energy: the shells' wet faces; the rest is springs and what else stays dry."""
 
-PISTON_FLUID_MASS = DENSITY["water"] * SHELL_AREA * END_CORRECTION * float(np.sqrt(SHELL_AREA / np.pi))
-"""kg of water that move with a shell as a whole."""
+MEAN_SHAPE, MEAN_SQUARE_SHAPE = 1 / 2, 1 / 3
+"""1: a shell held at its rim bulges as 1 - r^2 of its middle, where the accelerometer is; means over its face."""
+FLUID_MASS = MEAN_SQUARE_SHAPE * END_CORRECTION * DENSITY["water"] * SHELL_AREA * float(np.sqrt(SHELL_AREA / np.pi))
+"""kg of water that move with a shell, referred to its middle."""
 
 
 def immersed_modes(rng: np.random.Generator) -> Modes:
     """Draw the same vibrator as `vibrator_modes`, in water."""
-    return with_radiation(joined(lumped_modes(rng, PISTON_FLUID_MASS), flexure_in_water(flexural_modes(rng))))
+    return with_radiation(joined(lumped_modes(rng, FLUID_MASS), flexure_in_water(flexural_modes(rng))))
 
 
 def flexure_in_water(dry: Modes) -> Modes:
     """Load the flexural modes of steel shells with the water on one side: lower, and smaller per force.
 
     The shell is a plate as heavy as it, `SHELL_MASS / SHELL_AREA`, and thick enough for that in steel; the water that
-    moves with a bending wave of wavenumber k below coincidence weighs rho / k per area.  So the lower modes are pulled
-    down most, and modes from above come into the band.
+    moves with a bending wave of wavenumber k below coincidence weighs rho / k per area, on `WETTED_SHARE` of the mode.
+    So the lower modes are pulled down most, and modes from above come into the band.
 
     Parameters
     ----------
@@ -57,7 +61,7 @@ def flexure_in_water(dry: Modes) -> Modes:
     wet = dry.frequency
     for _ in range(50):  # k belongs to the frequency in water, which k decides: a contraction
         wavenumber = ((2 * np.pi * wet) ** 2 * area_mass / rigidity) ** 0.25
-        load = DENSITY["water"] / (wavenumber * area_mass)
+        load = WETTED_SHARE * DENSITY["water"] / (wavenumber * area_mass)
         wet = dry.frequency / np.sqrt(1 + load)
     smaller = 1 / np.sqrt(1 + load)
     return replace(
@@ -87,6 +91,6 @@ def with_radiation(modes: Modes) -> Modes:
     Kinsler and others, Fundamentals of Acoustics (2000), simple source: radiation resistance rho c (k S)^2 / (4 pi),
     over 2 omega m.
     """
-    volume = SHELL_AREA * modes.shell.sum(axis=0)
+    volume = MEAN_SHAPE * SHELL_AREA * modes.shell.sum(axis=0)
     radiated = DENSITY["water"] * 2 * np.pi * modes.frequency * volume**2 / (8 * np.pi * SOUND_SPEED["water"])
     return replace(modes, damping=modes.damping + radiated)

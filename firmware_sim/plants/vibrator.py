@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from firmware_sim.plants.immersion import PISTON_FLUID_MASS, immersed_modes, with_radiation
+from firmware_sim.plants.immersion import FLUID_MASS, immersed_modes, with_radiation
 from firmware_sim.plants.modal_drift import ModalDrift
 from firmware_sim.plants.vibrator_kernel import add_pickup, retune, run_modes
 from firmware_sim.plants.vibrator_modes import SPRING_STIFFNESS, Modes, lumped_modes, vibrator_modes
@@ -129,9 +129,7 @@ class LumpedVibratorPlant(VibratorPlant):
 
     def draw_modes(self, rng: np.random.Generator) -> Modes:
         """Draw coils, shells and frame."""
-        return (
-            with_radiation(lumped_modes(rng, PISTON_FLUID_MASS)) if self.medium == "water" else lumped_modes(rng, 0.0)
-        )
+        return with_radiation(lumped_modes(rng, FLUID_MASS)) if self.medium == "water" else lumped_modes(rng, 0.0)
 
 
 def _constants(rate: float, nonlinearity: float) -> np.ndarray:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from firmware_sim.plants.immersion import DENSITY, SOUND_SPEED
+from firmware_sim.plants.immersion import DENSITY, MEAN_SHAPE, SOUND_SPEED
 from firmware_sim.plants.options import option
 from firmware_sim.plants.sound_paths import SoundPaths
 from firmware_sim.plants.vibrator import NOMINAL_RESPONSE, VibratorPlant
@@ -55,13 +55,13 @@ class ArrayOptions(VibratorOptions):
 class VibratorArrayPlant(ArrayOptions):
     """Two voltages a vibrator in; two shell accelerations a vibrator and the pressure at each hydrophone out.
 
-    Every shell radiates as a point source with its volume acceleration, S a: p = rho S a(t - r/c) / (4 pi r).  A
-    neighbour's shells follow the pressure at them at once and all of a piece, whatever their own resonances;
-    hydrophones hear what all shells do in the end.  In air the same holds with air's density and speed of sound; what
-    crosstalk there is then comes through what both hang on, but is modelled alike.
+    Every shell radiates as a point source with its volume acceleration, half its face times the accelerometer's a:
+    p = rho S a(t - r/c) / (8 pi r).  A neighbour's shells follow the pressure at them at once and all of a piece,
+    whatever their own resonances; hydrophones hear what all shells do in the end.  In air the same holds with air's
+    density and speed of sound; what crosstalk there is then comes through what both hang on, but is modelled alike.
 
-    It does not model: the surface and the bottom, that flexed shells displace less than their accelerometers say, sound
-    going round a vibrator's body, and a second crossing from neighbour to neighbour.
+    It does not model: the surface and the bottom, that flexed shells displace other volumes than bulging ones,
+    sound going round a vibrator's body, and a second crossing from neighbour to neighbour.
 
     Parameters
     ----------
@@ -145,7 +145,8 @@ class VibratorArrayPlant(ArrayOptions):
         angle = np.pi / 2 * np.arange(self.hydrophones) / self.hydrophones
         places = self.distance * np.stack([np.cos(angle), np.sin(angle)], axis=1)
         apart = np.linalg.norm(places[:, None] - self._shell_places()[None], axis=-1)
-        return DENSITY[self.medium] * SHELL_AREA / (4 * np.pi * apart), self._delay(apart)
+        source = DENSITY[self.medium] * MEAN_SHAPE * SHELL_AREA / (4 * np.pi)  # Pa m per m/s^2
+        return source / apart, self._delay(apart)
 
     def _delay(self, apart: np.ndarray) -> np.ndarray:
         delay: np.ndarray = np.rint(apart / SOUND_SPEED[self.medium] * self.rate).astype(np.int64)
