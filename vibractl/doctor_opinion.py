@@ -68,9 +68,8 @@ def clock_verdict(found: Clock) -> Verdict:
     lost = not found.slip <= SLIP or not (found.quality >= CLOCK_TRUST or apart)
     grade: Grade = "fail" if lost else graded(abs(found.deviation), DEVIATION_WANTED, DEVIATION_WORST)
     seconds = found.time[-1] - found.time[0]
-    measured = (
-        f"{ppm:+.4f} ppm over {seconds:.1f} s, largest step {found.slip:.3f} samples, quality {found.quality:.3f}"
-    )
+    rate = f"{round(ppm, 4) + 0.0:g} ppm over {seconds:.1f} s"
+    measured = f"{rate}, largest step {found.slip:.3f} samples, quality {found.quality:.3f}"
     limit = f"{1e6 * DEVIATION_WANTED:g} ppm; {SLIP} samples; {CLOCK_TRUST}"
     advice = ""
     if lost:

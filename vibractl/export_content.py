@@ -30,7 +30,7 @@ class Content:
         The run folder.
     config : RigConfig
     text : str
-        How the reference was asked for.
+        How the reference was asked for; the name of its file where it is a recording.
     reference : array, shape (samples, sides controlled), m/s^2
         On the time axis of a whole shot: silent before and after.
     sides : tuple of int
@@ -107,7 +107,7 @@ def read_content(path: Path, shots: str | None = None) -> Content:
     return Content(
         path,
         made.config,
-        made.reference.text,
+        Path(made.reference.text).name,
         reference,
         tuple(output + 1 for output in made.law.outputs),
         made.shot.lead,

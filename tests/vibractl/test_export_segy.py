@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import segyio
 
-from tests.vibractl.exported_run import REAL, recorded_run
+from tests.vibractl.exported_run import REAL, recorded_run, with_pressure
 from vibractl.export_content import Content, read_content
 from vibractl.export_segy import interval_us, resampled, write_segy
 
@@ -105,6 +105,14 @@ def test_a_shot_of_more_samples_than_two_bytes_count_is_refused(content: Content
     long = replace(content, reference=np.zeros((44_100 * 17, 2)))
     with pytest.raises(ValueError, match="a shot has 34000 samples at 500 us, must be <= 32767 for SEG-Y"):
         write_segy(tmp_path / "long.sgy", long)
+
+
+def test_a_far_field_sensor_goes_along_as_a_pressure(content: Content, tmp_path: Path) -> None:
+    write_segy(tmp_path / "run.sgy", replace(content, files=with_pressure(content, tmp_path)))
+    field = segyio.TraceField
+    with segyio.open(tmp_path / "run.sgy", ignore_geometry=True) as read:
+        assert read.attributes(field.TraceIdentificationCode)[:].tolist() == [21, 21, 6, 6, 1, 1, 11]
+        assert read.attributes(field.TraceValueMeasurementUnit)[:].tolist() == [7, 7, 2, 2, 7, 7, 1]
 
 
 @pytest.mark.skipif(not (REAL / "segy").is_dir(), reason="no files of recorders here")

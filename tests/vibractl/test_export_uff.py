@@ -1,5 +1,6 @@
 """A run as dataset 58, read back by pyuff, and beside files that other programs wrote."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 import pyuff
 
-from tests.vibractl.exported_run import REAL, recorded_run
+from tests.vibractl.exported_run import REAL, recorded_run, with_pressure
 from vibractl.export_content import Content, read_content
 from vibractl.export_uff import auto_spectrum, write_uff
 
@@ -98,6 +99,13 @@ def test_the_records_stand_in_their_columns(content: Content, tmp_path: Path) ->
     assert lines[7][31:41].strip() == b"RESPONSE"
     assert all(line.strip() for line in lines[2:7])  # ID lines may not be blank
     assert max(map(len, lines)) <= 80
+
+
+def test_a_far_field_sensor_goes_along_as_a_pressure(content: Content, tmp_path: Path) -> None:
+    write_uff(tmp_path / "run.uff", replace(content, files=with_pressure(content, tmp_path)))
+    (found,) = of_kind(pyuff.UFF(str(tmp_path / "run.uff")).read_sets(), 1, "far_field_1, shot 0")
+    assert (found["ordinate_spec_data_type"], found["ordinate_axis_units_lab"]) == (15, "Pa")
+    assert (found["rsp_ent_name"], found["rsp_node"], found["rsp_dir"]) == ("FAR_FIELD", 1, 0)
 
 
 @pytest.mark.skipif(not (REAL / "uff58").is_dir(), reason="no files of other programs here")
