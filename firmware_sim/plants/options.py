@@ -1,6 +1,6 @@
 """What a plant can be told: each option declared once, with default, unit and range, and refused by name outside it."""
 
-from dataclasses import field, fields
+from dataclasses import Field, field, fields
 from math import inf
 from typing import Any
 
@@ -45,18 +45,23 @@ def refuse_wrong_options(options: Any) -> None:
     ValueError : an option outside its range or of another type, by name.
     """
     for each in fields(options):
-        value, allowed = getattr(options, each.name), ""
-        if "allowed" in each.metadata and value not in each.metadata["allowed"]:
-            allowed = " or ".join(map(repr, each.metadata["allowed"]))
-        elif "range" in each.metadata:
-            low, high = each.metadata["range"]
-            whole = isinstance(each.default, int)
-            if (
-                isinstance(value, bool)
-                or not isinstance(value, int if whole else int | float)
-                or not low <= value <= high
-            ):
-                within = f">= {low:g}" if high == inf else f"{low:g} to {high:g}"
-                allowed = f"a whole number {within}" if whole else f"{within} {each.metadata['unit']}"
+        value = getattr(options, each.name)
+        allowed = _missed(each, value)
         if allowed:
             raise ValueError(f"simulator.options.{each.name} is {value!r}, must be {allowed}")
+
+
+def _missed(declared: Field[Any], value: object) -> str:
+    """Return what is allowed where `value` is not, else nothing."""
+    if "allowed" in declared.metadata:
+        words = declared.metadata["allowed"]
+        return "" if value in words else " or ".join(map(repr, words))
+    if "range" not in declared.metadata:
+        return ""
+    low, high = declared.metadata["range"]
+    whole, unit = isinstance(declared.default, int), declared.metadata["unit"]
+    right = isinstance(value, int if whole else int | float) and not isinstance(value, bool)
+    if right and low <= value <= high:
+        return ""
+    within = f">= {low:g}" if high == inf else f"{low:g} to {high:g}"
+    return f"a whole number {within}" if whole else f"{within} {unit}".removesuffix(" 1")

@@ -145,7 +145,7 @@ def test_other_than_two_times_two_impulse_responses_are_refused_behind_a_vibrato
         VibratorImpulseResponse(files=[one, two, one])
     with pytest.raises(ValueError, match="files: 2 with 1 channels, must be two with two"):
         VibratorImpulseResponse(files=[mono, mono])
-    with pytest.raises(ValueError, match="simulator.options.nonlinearity is 9.0, must be 0 to 5 1"):
+    with pytest.raises(ValueError, match="simulator.options.nonlinearity is 9.0, must be 0 to 5$"):
         VibratorImpulseResponse(files=[one, two], nonlinearity=9.0)
 
 

@@ -75,13 +75,13 @@ def test_who_is_twice_as_far_is_heard_half_as_loud_and_twice_as_late() -> None:
 
 
 def test_the_far_field_is_the_volume_acceleration_of_all_shells_over_their_distance_and_later() -> None:
-    drive = noise(4_000, 2)
+    drive = noise(4_000, 4)
     response, far_field = driven(drive, medium="water", hydrophones=2, **SILENT)
     places = np.array([[10.0, 0.0], [10 / np.sqrt(2), 10 / np.sqrt(2)]])
     expected = np.zeros((4_000, 2))
     for hydrophone, place in enumerate(places):
-        for shell, x in enumerate((-0.5, 0.5)):
-            apart = np.hypot(place[0] - x, place[1])
+        for shell, (x, y) in enumerate([(-0.5, -1.5), (0.5, -1.5), (-0.5, 1.5), (0.5, 1.5)]):
+            apart = np.hypot(place[0] - x, place[1] - y)
             late = round(apart / 1500 * RATE)
             expected[late:, hydrophone] += 1000 * 0.15 / (4 * np.pi * apart) * response[: 4_000 - late, shell]
     np.testing.assert_allclose(far_field, expected, atol=1e-9)
