@@ -61,7 +61,7 @@ def compare(first: TransferMatrix, second: TransferMatrix, first_name: str, seco
     rigs = [model.provenance.get("rig") for model in (first, second)]
     if rigs[0] != rigs[1]:
         raise ComparisonError(
-            f"{first_name} was measured on rig {rigs[0]!r}, {second_name} on {rigs[1]!r}; must be the same"
+            f"{first_name} was measured on rig {rigs[0]!r}, {second_name} on rig {rigs[1]!r}; must be the same"
         )
     if first.response.shape[1:] != second.response.shape[1:]:
         sizes = [f"{model.outputs} accelerometers and {model.inputs} coils" for model in (first, second)]
@@ -119,7 +119,7 @@ def compared_rows(found: Comparison) -> list[tuple[str, ...]]:
 
 
 def farthest(found: Comparison) -> np.ndarray:
-    """Return the numbers of the lines that differ most against their uncertainty, none near another one."""
+    """Return which lines differ most against their uncertainty, none near another one; shape (at most WORST,)."""
     worst = found.normalised.max(axis=(1, 2))
     chosen: list[int] = []
     for line in np.argsort(worst)[::-1]:

@@ -87,11 +87,15 @@ def measure_by_multisine(config: RigConfig, raw: RawFolder, emit: Emit, provenan
 
 def preload_density(spectra: Spectra, design: Design, config: RigConfig) -> np.ndarray:
     """Return the amplitude of a line, (outputs,), m/s^2, were what the preload emits spread over its whole band."""
-    low, high = (edge * design.period / design.rate for edge in config.characterisation.preload_band)
-    bins = spectra.first + np.arange(spectra.response.shape[1])
-    inside = (bins >= low) & (bins <= high)
-    density: np.ndarray = np.sqrt(np.mean(np.abs(spectra.response.mean(axis=0)[inside]) ** 2, axis=0))
+    low, high = (edge - spectra.first for edge in _preload_bins(config, design))
+    preload = spectra.response[:, low : high + 1].mean(axis=0)
+    density: np.ndarray = np.sqrt(np.mean(np.abs(preload) ** 2, axis=0))
     return density
+
+
+def _preload_bins(config: RigConfig, design: Design) -> tuple[int, int]:
+    low, high = (round(edge * design.period / design.rate) for edge in config.characterisation.preload_band)
+    return low, high
 
 
 def _model(config: RigConfig, design: Design, spectra: Spectra, about: Mapping[str, str]) -> TransferMatrix:
@@ -123,4 +127,5 @@ def _recorded(plan: Plan, design: Design, config: RigConfig, raw: RawFolder, emi
                 silence = data[-design.period :, sides:]
             done += batch.samples / plan.rate
             meter.show(done)
-    return spectra_of(design, periods, silence, int(design.bins[0]), int(design.bins[-1]))
+    low, high = _preload_bins(config, design)
+    return spectra_of(design, periods, silence, min(int(design.bins[0]), low), max(int(design.bins[-1]), high))

@@ -9,8 +9,8 @@ from scipy.ndimage import maximum_filter1d, uniform_filter1d
 from calibration.local_polynomial import local_polynomial
 from calibration.multisine import Design
 
-REACH, DEGREE = 8, 4
-"""Excited lines to each side of a local polynomial, and its degree."""
+REACH, NARROW_REACH, DEGREE = 8, 4, 4
+"""Excited lines to each side of a local polynomial, of one for narrow resonances and notches, and their degree."""
 DOUBT_REACH = 1.0
 """Hz to each side of a line from where the largest variance is taken: what one window says of it is uncertain."""
 FLOOR = 0.01
@@ -99,6 +99,8 @@ def raw_matrix(design: Design, spectra: Spectra) -> np.ndarray:
 def matrix_on(design: Design, raw: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Smooth raw lines over their neighbours and read them at the bins wanted.
 
+    Where a wide polynomial misses what a narrow one shows, beyond the latter's variance, the narrow one is taken.
+
     Parameters
     ----------
     design : Design
@@ -113,15 +115,32 @@ def matrix_on(design: Design, raw: np.ndarray, wanted: np.ndarray) -> tuple[np.n
         What the polynomials leave, the largest of the windows around, and a floor: noise, distortion, drift during a
         record and what bends faster than a polynomial are in it.
     """
-    smooth = local_polynomial(design.bins.astype(float), raw, wanted.astype(float), REACH, DEGREE)
+    lines, at = design.bins.astype(float), wanted.astype(float)
     size = 2 * round(DOUBT_REACH * design.period / design.rate) + 1
-    doubt = maximum_filter1d(smooth.variance, size, axis=0, mode="nearest")
-    floor = FLOOR**2 * (np.abs(smooth.value) ** 2).mean(axis=(1, 2), keepdims=True)
-    return smooth.value, doubt + floor
+    wide, narrow = (local_polynomial(lines, raw, at, reach, DEGREE) for reach in (REACH, NARROW_REACH))
+    apart = uniform_filter1d(np.abs(wide.value - narrow.value) ** 2, size, axis=0, mode="nearest")
+    bent = np.maximum(apart - uniform_filter1d(narrow.variance, size, axis=0, mode="nearest"), 0.0)
+    wide_doubt, narrow_doubt = (
+        maximum_filter1d(each.variance, size, axis=0, mode="nearest") for each in (wide, narrow)
+    )
+    value = np.where(wide_doubt + bent <= narrow_doubt, wide.value, narrow.value)
+    doubt = np.minimum(wide_doubt + bent, narrow_doubt)
+    floor = FLOOR**2 * (np.abs(value) ** 2).mean(axis=(1, 2), keepdims=True)
+    return value, doubt + floor
 
 
 def coherence_of(response: np.ndarray, variance: np.ndarray) -> np.ndarray:
-    """Return which part of an element's estimated power is response; shapes as theirs, 0 to 1."""
+    """Return which part of an element's estimated power is response.
+
+    Parameters
+    ----------
+    response : complex array, shape (bins, outputs, inputs), any unit
+    variance : array, shape (bins, outputs, inputs), the response's unit squared
+
+    Returns
+    -------
+    array, shape (bins, outputs, inputs), 0 to 1
+    """
     power = np.abs(response) ** 2
     part: np.ndarray = power / (power + variance)
     return part
@@ -134,7 +153,7 @@ def levels(design: Design, spectra: Spectra, detection: np.ndarray) -> Levels:
     ----------
     design : Design
     spectra : Spectra
-    detection : int array
+    detection : int array, shape (left out,)
         Odd bins that are not excited.
 
     Source

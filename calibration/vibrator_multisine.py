@@ -113,11 +113,16 @@ def refuse_unfit_multisine(config: RigConfig) -> None:
         raise ValueError(f"characterisation.records is {settings.records}, must be > {sides}, the number of coils")
     if not settings.run_in >= FADE:
         raise ValueError(f"characterisation.run_in is {settings.run_in:g} s, must be >= {FADE:g} s")
-    low, high = _bins(config)
-    if not (low >= 1 and high - low >= 4 * GROUP * (2 * REACH + 1) / (GROUP - 1)):
+    if not settings.band[0] * settings.period >= 1:
         raise ValueError(
-            f"characterisation.band is {settings.band[0]:g} to {settings.band[1]:g} Hz: too near 0 Hz, or too few "
-            f"lines of 1 / {settings.period:g} s in it"
+            f"characterisation.band begins at {settings.band[0]:g} Hz, must be >= {1 / settings.period:g} Hz, "
+            "one cycle of characterisation.period"
+        )
+    lines, fewest = _bins(config)[1] - _bins(config)[0], 2 * GROUP * (2 * REACH + 1) / (GROUP - 1)
+    if not lines >= fewest:
+        raise ValueError(
+            f"characterisation.band is {settings.band[1] - settings.band[0]:g} Hz wide, must be >= "
+            f"{(fewest - 4 * REACH) / settings.period:g} Hz for a polynomial over {2 * REACH + 1} lines"
         )
     design, _ = flat_design(config)
     drives = np.stack([Record(design, number).drive() for number in range(design.records)])

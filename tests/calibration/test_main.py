@@ -10,6 +10,12 @@ from vibractl.model_file import read_model
 SHORT = ("band=[60, 67]", "settle=0.05", "tone=0.2")
 
 
+MULTISINE = ("--method", "multisine", *(
+    part for text in ("band=[100, 160]", "records=4", "period=2", "run_in=0.3")
+    for part in ("--set", f"characterisation.{text}")
+))  # fmt: skip
+
+
 def call(monkeypatch: pytest.MonkeyPatch, *arguments: str | Path) -> int:
     settings = [part for text in SHORT for part in ("--set", f"characterisation.{text}")]
     quiet = ["--set", "audio.isolated=false"]
@@ -31,6 +37,51 @@ def test_it_writes_model_recordings_report_and_figures(
     assert "least certain" in capsys.readouterr().out
 
 
+def test_by_multisine_it_says_how_long_it_emitted_and_draws_noise_and_distortion(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model = tmp_path / "model.h5"
+    arguments = (*MULTISINE, "--json", tmp_path / "figures.json", "--png", tmp_path / "png")
+    assert call(monkeypatch, "--out", model, *arguments) == 0
+    figures = json.loads((tmp_path / "figures.json").read_text())
+    assert figures["identification_seconds"] == pytest.approx(4 * 2.4)
+    assert figures["loudest_line_db"] < 0
+    assert len(figures["levels_db"]) == 4  # two bands, two responses
+    assert "Noise and distortion" in (tmp_path / "model.html").read_text()
+    assert (tmp_path / "png" / "noise-and-distortion.png").is_file()
+    assert "lines from 9.6 s of" in " ".join(capsys.readouterr().out.split())
+    assert len(list((tmp_path / "model.raw").glob("multisine-*.wav"))) == 5
+
+
+def test_two_models_are_compared(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for seed in ("1", "2"):
+        assert call(monkeypatch, "--out", tmp_path / f"{seed}.h5", *MULTISINE, "--seed", seed) == 0
+    files = (str(tmp_path / "1.h5"), str(tmp_path / "2.h5"))
+    outputs = ("--json", str(tmp_path / "c.json"), "--out", str(tmp_path / "c.html"), "--png", str(tmp_path / "png"))
+    monkeypatch.setattr(sys, "argv", ["calibrate", "compare", *files, *outputs])
+    capsys.readouterr()
+    assert main() == 0
+    figures = json.loads((tmp_path / "c.json").read_text())
+    assert figures["lines"] == len(figures["frequency_hz"]) == 121
+    assert figures["mean_normalised_difference"] > 10
+    assert (tmp_path / "png" / "difference.png").is_file()
+    assert "Two models compared" in (tmp_path / "c.html").read_text()
+    assert "farthest apart" in capsys.readouterr().out
+
+
+def test_models_of_different_rigs_are_not_compared(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for rig in ("tank", "ship"):
+        assert call(monkeypatch, "--out", tmp_path / f"{rig}.h5", *MULTISINE, "--set", f"rig.name={rig}") == 0
+    monkeypatch.setattr(sys, "argv", ["calibrate", "compare", str(tmp_path / "tank.h5"), str(tmp_path / "ship.h5")])
+    capsys.readouterr()
+    assert main() == 2
+    assert "was measured on rig 'tank'" in capsys.readouterr().err
+
+
 def test_called_again_it_takes_the_recordings_that_are_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     model = tmp_path / "model.h5"
     arguments = ("--out", model, "--passes", "1", "--no-preload", "--seed", "2")
@@ -48,6 +99,8 @@ def test_called_again_it_takes_the_recordings_that_are_there(tmp_path: Path, mon
         (("--out", "nowhere/model.h5"), "there is no folder nowhere"),
         (("--out", "model.txt"), "must be '.h5'"),
         (("--out", "model.h5", "--passes", "3"), "passes"),
+        (("--out", "model.h5", "--method", "noise"), "noise"),
+        (("--out", "model.h5", "--method", "multisine", "--set", "characterisation.records=2"), "must be > 2"),
         (("--out", "model.h5", "--set", "characterisation.probe=-1"), "-1"),
         (("--out", "model.h5", "--set", "characterisation.prob=1"), "prob"),
         (("--out", "model.h5", "--config", "no.toml"), "no.toml"),

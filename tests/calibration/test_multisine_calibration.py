@@ -1,0 +1,82 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.identification import BANDS, FREQUENCY, errors, truth_at_preload
+from calibration.experiment import RawFolder
+from calibration.vibrator import Calibration, calibrate
+from rigkit import config as rig_file
+from tests.calibration.linear_vibrator import emitter
+from vibractl.config import RigConfig
+
+SHORT = ("band=[100, 160]", "records=4", "period=2", "run_in=0.3")
+
+
+def config(*settings: str) -> RigConfig:
+    texts = ("method=multisine", *settings)
+    return rig_file.load(None, RigConfig, [f"characterisation.{text}" for text in texts])
+
+
+def found(folder: Path, *settings: str) -> Calibration:
+    with RawFolder(folder) as raw:
+        return calibrate(config(*settings), raw, emitter(1))
+
+
+def test_45_seconds_find_a_nonlinear_vibrator_within_the_stated_variance(tmp_path: Path) -> None:
+    """Against the linearisation around the same preload, whose own error is a third of the model's or so.
+
+    The whole table is benchmarks/identification.py.
+    """
+    measured = found(tmp_path)
+    assert measured.seconds < 45
+    relative, normalised = errors(measured.matrix, truth_at_preload(1, rounds=1, records=48))
+    for (low, high), most in zip(BANDS, (0.14, 0.18, 0.15, 0.07), strict=True):
+        assert np.percentile(relative[(FREQUENCY >= low) & (FREQUENCY < high)], 95) < most
+    assert 0.2 < np.median(normalised) < 1.0
+    assert 1.0 < np.percentile(normalised, 95) < 6.0
+
+
+def test_quiet_records_keep_every_line_below_the_objective(tmp_path: Path) -> None:
+    measured = found(tmp_path, "quiet=true", "records=4")
+    assert measured.loudest is not None
+    assert -60 < measured.loudest < -40
+    assert measured.seconds < 60
+    assert sorted({path.name[:-8] for path in tmp_path.glob("*.wav")}) == ["multisine", "scout"]
+
+
+def test_stopped_after_any_record_it_goes_on_to_the_same_model(tmp_path: Path) -> None:
+    rig, played = config(*SHORT), 0
+
+    def failing(drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        nonlocal played
+        played += 1
+        if played == 4:
+            raise InterruptedError
+        return emitter(1)(drive)
+
+    with pytest.raises(InterruptedError), RawFolder(tmp_path / "stopped") as raw:
+        calibrate(rig, raw, failing)
+    assert len(list((tmp_path / "stopped").glob("*.wav"))) == 3
+    models = []
+    for name in ("stopped", "undisturbed"):
+        with RawFolder(tmp_path / name) as raw:
+            models.append(calibrate(rig, raw, lambda drive: emitter(1)(drive)).matrix)
+    assert (models[0].response == models[1].response).all()
+    assert (models[0].variance == models[1].variance).all()
+
+
+def test_both_measures_uncertain_lines_again_by_a_stepped_sine(tmp_path: Path) -> None:
+    measured = found(tmp_path, *SHORT, "method=both")
+    assert 4 <= len(measured.tones) <= 40
+    assert np.isin(measured.tones, measured.matrix.frequency).all()
+    assert (tmp_path / "tones-000.wav").is_file()
+    assert measured.seconds > len(measured.tones) * 2 * 0.8
+
+
+def test_the_model_covers_the_band_and_says_where_it_comes_from(tmp_path: Path) -> None:
+    matrix = found(tmp_path / "m.raw", *SHORT).matrix
+    assert matrix.frequency[0] == 100
+    assert matrix.frequency[-1] == 160
+    assert "m.raw/multisine-*.wav" in matrix.provenance["recording"]
+    assert matrix.provenance["rig"] == "simulated-vibrator"
