@@ -3,7 +3,8 @@
 `python -m benchmarks.identification [SEED ...]`, about a minute and a half a seed.  Error: of G against the
 linearisation around the drive that makes the default reference (noise-free, undrifting), largest singular value,
 relative.  Normalised: squared error of the elements over their stated variance, against that truth and against the
-one around the calibration's own preload.  Shots: until the objective holds, with `start = "inverse", gains = [0.5]`.
+one around the calibration's own preload.  Shots: until the objective holds, with `law = "thesis", start = "inverse",
+gains = [0.5]`.
 """
 
 import sys
@@ -28,7 +29,7 @@ METHODS = {
     "stepped sine": (),
     "multisine, 8 records": ("method=multisine",),
     "multisine, 4 records": ("method=multisine", "records=4"),
-    "multisine, quiet": ("method=multisine", "quiet=true", "records=6"),
+    "multisine, quiet": ("method=multisine", "quiet=true"),
     "both": ("method=both",),
 }
 SEEDS = range(1, 11)
@@ -37,7 +38,7 @@ FIRST, LAST = 75, 3250
 """Bins of 0.2 Hz."""
 FREQUENCY = np.arange(FIRST, LAST + 1) * 0.2
 SHOTS = 20
-LAW = ("learning.start=inverse", "learning.gains=[0.5]")
+LAW = ("learning.law=thesis", "learning.start=inverse", "learning.gains=[0.5]")
 
 
 def found_by(method: tuple[str, ...], seed: int) -> Calibration:

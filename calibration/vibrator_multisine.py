@@ -20,7 +20,7 @@ PRELOAD_SPACING = 2.0
 SCOUT_LEVEL = -26.0
 """dB re the objective, of the records by which the level of the quiet ones is chosen ..."""
 SCOUT_SPARE = 2
-"""... and how many more of them there are than coils."""
+"""... and how many more of them there are than coils, and fewer of the quiet ones than of others."""
 REST = 2.0
 """s of the silence before its measured part, for what was played before to ring down."""
 UNCERTAINTY = 0.85
@@ -76,7 +76,8 @@ def quiet_design(
     as strong as the one that needs it least may be: shaped line by line, weak lines would drown in what the preload
     makes of their strong neighbours.
     """
-    flat, detection = flat_design(config)
+    settings = config.characterisation
+    flat, detection = _design(config, settings.records - SCOUT_SPARE, settings.level)
     size = np.abs(response[frequency >= config.quality.above]).sum(axis=2).max(axis=0)
     allowed = float(np.min(UNCERTAINTY * emitted * 10 ** (config.quality.objective / 20) / size))
     return replace(flat, amplitude=np.minimum(flat.amplitude, allowed)), detection
@@ -109,8 +110,12 @@ def refuse_unfit_multisine(config: RigConfig) -> None:
     ValueError : it says which setting, and what is allowed.
     """
     settings, limits, sides = config.characterisation, config.limits, len(config.audio.drive_channels)
-    if not settings.records > sides:
-        raise ValueError(f"characterisation.records is {settings.records}, must be > {sides}, the number of coils")
+    fewest = sides + SCOUT_SPARE * settings.quiet
+    if not settings.records > fewest:
+        raise ValueError(
+            f"characterisation.records is {settings.records}, must be > {fewest} for {sides} coils"
+            f"{' and quiet records' * settings.quiet}"
+        )
     if not settings.run_in >= FADE:
         raise ValueError(f"characterisation.run_in is {settings.run_in:g} s, must be >= {FADE:g} s")
     if not settings.band[0] * settings.period >= 1:
@@ -118,11 +123,11 @@ def refuse_unfit_multisine(config: RigConfig) -> None:
             f"characterisation.band begins at {settings.band[0]:g} Hz, must be >= {1 / settings.period:g} Hz, "
             "one cycle of characterisation.period"
         )
-    lines, fewest = _bins(config)[1] - _bins(config)[0], 2 * GROUP * (2 * REACH + 1) / (GROUP - 1)
-    if not lines >= fewest:
+    lines, least = _bins(config)[1] - _bins(config)[0], 2 * GROUP * (2 * REACH + 1) / (GROUP - 1)
+    if not lines >= least:
         raise ValueError(
             f"characterisation.band is {settings.band[1] - settings.band[0]:g} Hz wide, must be >= "
-            f"{(fewest - 4 * REACH) / settings.period:g} Hz for a polynomial over {2 * REACH + 1} lines"
+            f"{(least - 4 * REACH) / settings.period:g} Hz for a polynomial over {2 * REACH + 1} lines"
         )
     design, _ = flat_design(config)
     drives = np.stack([Record(design, number).drive() for number in range(design.records)])

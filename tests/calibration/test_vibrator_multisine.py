@@ -54,6 +54,7 @@ def test_quiet_lines_stay_below_the_objective_even_where_both_responses_add_up()
     assert (size / emitted).max() == pytest.approx(UNCERTAINTY * 0.01, rel=0.05)
     assert np.ptp(design.amplitude) == 0
     flat, _ = flat_design(rig)
+    assert design.records == 6
     loud = quiet_design(rig, frequency, 1e-6 * response, emitted)[0]
     assert (loud.amplitude == flat.amplitude).all()
 
@@ -75,6 +76,7 @@ def test_another_level_is_another_plan() -> None:
     [
         (("operating=8",), "must be <= limits.peak, 9 V"),
         (("records=2",), "characterisation.records is 2, must be > 2"),
+        (("records=4", "quiet=true"), "must be > 4 for 2 coils and quiet records"),
         (("band=[60, 66]", "period=1"), "must be >= 10.5 Hz for a polynomial over 17 lines"),
         (("band=[0.1, 66]",), "begins at 0.1 Hz, must be >= 0.2 Hz"),
     ],
