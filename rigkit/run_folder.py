@@ -110,17 +110,17 @@ class RunFolder:
         with atomic.replacing(self.path / name) as temporary:
             yield temporary
 
-    def event(self, kind: str, fields: Mapping[str, Any]) -> None:
-        """Add a line to `events.jsonl`: the time (UTC), what kind of thing happened, and its particulars.
+    def event(self, event: str, fields: Mapping[str, Any]) -> None:
+        """Add a line to `events.jsonl`: the time (UTC), what happened, and its particulars.
 
         Raises
         ------
-        ValueError : a field is called time or kind.
+        ValueError : a field is called time or event.
         """
-        if taken := fields.keys() & {"time", "kind"}:
-            raise ValueError(f"event {kind}: a field is called {taken.pop()}, which the line has already")
+        if taken := fields.keys() & {"time", "event"}:
+            raise ValueError(f"event {event}: a field is called {taken.pop()}, which the line has already")
         time = datetime.now(UTC).isoformat(timespec="milliseconds")
-        line_file.append(self.path / EVENTS, json_text({"time": time, "kind": kind, **fields}))
+        line_file.append(self.path / EVENTS, json_text({"time": time, "event": event, **fields}))
 
     def quality(self, row: Mapping[str, Any]) -> None:
         """Add a row to `qc.csv`, under a header of its keys.

@@ -55,6 +55,7 @@ def run_command(
     ] = None,
     shots: Annotated[int | None, typer.Option(help="Shots in all.")] = None,
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
+    law: Annotated[str | None, typer.Option(help="kalman, or thesis for the text's own law.")] = None,
     seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
     resume: Annotated[Path | None, typer.Option(metavar="RUN/", help="Go on with a run that stopped.")] = None,
     settings: SetOption = None,
@@ -64,7 +65,7 @@ def run_command(
 
     Example: `vibractl run --config rig.toml --model model.h5 --reference chirp:40:90:5 --shots 30 --out RUN/`
     """
-    flags = {"reference.signal": reference, "learning.side": side, "simulator.options.seed": seed}
+    flags = {"reference.signal": reference, "learning.side": side, "learning.law": law, "simulator.options.seed": seed}
     laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
     if shots is not None:
         laid_over.append(f"session.shots={shots}")

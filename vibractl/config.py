@@ -65,9 +65,14 @@ class Shot(Section):
 class Learning(Section):
     """Frequency-domain iterative learning control, (6.9)-(6.19)."""
 
+    law: Literal["kalman", "thesis"] = setting(
+        "kalman", "", "kalman follows G from shot to shot, see [adaptation]; thesis keeps the model"
+    )
     side: int = setting(0, "", "the one side that is driven and controlled; 0 for all", ge=0, le=64)
     band: tuple[float, float] = setting((15.0, 650.0), "Hz", "f_ILC: lines that are learned")
-    gains: tuple[float, ...] = setting((), "1", "Q2 by stage; empty for (6.24) on a sine, (6.25) on anything else")
+    gains: tuple[float, ...] = setting(
+        (), "1", "Q2 by stage; empty for 0.8, 0.4; thesis: (6.24) on a sine, else (6.25)"
+    )
     stages: tuple[int, ...] = setting((), "shots", "shots in each stage but the last")
     regularisation: Literal["per-line", "constant"] = setting("per-line", "", "how (6.19) is bounded near notches")
     epsilon: float = setting(1e-3, "1", "per-line weight, times ||G||^2 of the line", ge=0, le=1)
@@ -75,12 +80,26 @@ class Learning(Section):
     constant_epsilon: float = setting(
         0.01, "(m/s^2/V)^2", "the thesis' eps, for regularisation = constant", ge=0, le=1e6
     )
-    start: Literal["reference", "inverse"] = setting("reference", "", "first drive: scaled reference, or G^+ R")
+    start: Literal["by-law", "reference", "inverse"] = setting(
+        "by-law", "", "first drive: scaled reference (thesis), or G^+ R (kalman)"
+    )
     structure: Literal["mimo", "decentralised", "common"] = setting(
         "mimo", "", "both sides together, each for itself (fails), or one drive for both (poor)"
     )
     overtones: int = setting(4, "", "overtones of a sine that are learned beside its root", ge=0, le=60)
     decimation: Literal[1, 4] = setting(4, "1", "learn at the rate divided by this; 4 as in the thesis, 1 full rate")
+
+
+class Adaptation(Section):
+    """What law = kalman adds to the thesis' law, each part for itself."""
+
+    model: bool = setting(True, "", "follow G from how the response changes with the drive")
+    walk: float = setting(0.02, "1", "how far G walks at random from shot to shot, re its size", ge=1e-4, le=1)
+    doubt: float = setting(0.2, "1", "uncertainty of G beyond the model's own, re its size", ge=0, le=2)
+    neighbours: int = setting(4, "lines", "lines to each side that say something of a line's G", ge=0, le=50)
+    coupling: float = setting(4.0, "1", "how many times a change of the strong lines changes distortion", ge=0, le=20)
+    cautious: bool = setting(True, "", "learn less where the error is mostly noise, or follows the strong lines")
+    rollback: bool = setting(True, "", "go back to the best shot when the error has grown twice")
 
 
 class Session(Section):
@@ -102,7 +121,7 @@ class Characterisation(Section):
     """How a model is measured: a preloaded stepped sine, (6.2)-(6.6), or multisines on top of a preload."""
 
     method: Literal["multisine", "stepped", "both"] = setting(
-        "stepped", "", "both: multisine, then a stepped sine where that is least certain"
+        "multisine", "", "both: multisine, then a stepped sine where that is least certain"
     )
     band: tuple[float, float] = setting((15.0, 650.0), "Hz", "first and last probe frequency")
     step: float = setting(1.0, "Hz", "spacing of the first pass", gt=0, le=50)
@@ -139,6 +158,7 @@ class RigConfig(Section):
     reference: Reference = Field(default_factory=Reference)
     shot: Shot = Field(default_factory=Shot)
     learning: Learning = Field(default_factory=Learning)
+    adaptation: Adaptation = Field(default_factory=Adaptation)
     session: Session = Field(default_factory=Session)
     quality: Quality = Field(default_factory=Quality)
     characterisation: Characterisation = Field(default_factory=Characterisation)

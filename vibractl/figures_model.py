@@ -52,7 +52,7 @@ def trust_plot(result: Result) -> Plot:
     legend_above(above)
     law = result.made.law
     learned = law.active > 0
-    frequency, bound = law.matrix.frequency[learned], law.certificate(0)[learned]
+    frequency, bound = law.matrix.frequency[learned], result.made.learner().algorithm.certificate[learned]
     below.plot(frequency, bound, "o" if learned.sum() < 100 else "-", linewidth=1.0, markersize=5)
     below.axhline(1.0, **BOUND, label="certified below 1")
     below.set_ylim(0.0, max(1.1, 1.05 * bound.max()))

@@ -6,10 +6,10 @@ import numpy as np
 from scipy.signal.windows import hann
 
 from vibractl.config import Learning
-from vibractl.learning import CHIRP_GAINS, SINE_GAINS, Gains
+from vibractl.learning import CHIRP_GAINS, KALMAN_GAINS, SINE_GAINS, Gains
 from vibractl.reference import Reference
 from vibractl.spectrum import Decimator, LineSpectrum
-from vibractl.transfer_matrix import TransferMatrix, contraction, line_weights, regularized_inverse
+from vibractl.transfer_matrix import TransferMatrix, line_weights, regularized_inverse
 
 SETTLED = 0.1
 """Part of a sine, beside its taper and at each end, that is not looked at: only its steady state is learned."""
@@ -25,6 +25,8 @@ class Law:
     ----------
     matrix : TransferMatrix, on the lines learned, of the inputs and outputs that are used
     inverse : complex array, shape (lines, inputs, outputs), V per m/s^2
+        Of the model.
+    settings : Learning
     reference : complex array, shape (lines, outputs), m/s^2 s
     start : complex array, shape (lines, inputs), V s
         The first drive.
@@ -41,6 +43,7 @@ class Law:
 
     matrix: TransferMatrix
     inverse: np.ndarray
+    settings: Learning
     reference: np.ndarray
     start: np.ndarray
     gains: Gains
@@ -48,15 +51,6 @@ class Law:
     outputs: tuple[int, ...]
     spread: np.ndarray
     window: np.ndarray | float = 1.0
-
-    def gain(self, shot: int) -> np.ndarray:
-        """Return Q2 (lines,) for the update after shot `shot`."""
-        gain: np.ndarray = self.gains.at(shot) * self.active
-        return gain
-
-    def certificate(self, shot: int) -> np.ndarray:
-        """Return the bound (lines,) on how much that update shrinks each line's error; below 1 is certified."""
-        return contraction(self.matrix, self.inverse, self.gains.at(shot))
 
 
 def learning_law(settings: Learning, matrix: TransferMatrix, reference: Reference, rate: float) -> Law:
@@ -71,23 +65,21 @@ def learning_law(settings: Learning, matrix: TransferMatrix, reference: Referenc
 
     Raises
     ------
-    ValueError : a side that is not there, gains that do not fit, or lines outside the model.
+    ValueError : a side that is not there, gains or a structure that do not fit, or lines outside the model.
 
     Source
     ------
     Sörnmo 2015, eq. (6.10)-(6.19), (6.24), (6.25).
     """
+    if settings.law == "kalman" and settings.structure == "decentralised":
+        raise ValueError("learning.structure is decentralised: learning.law is kalman, must be thesis")
     outputs, spread = _structure(settings.structure, settings.side, matrix)
     lines = _lines(settings, reference, rate)
     used = _as_driven(matrix.at(lines.frequency), outputs, spread, settings.structure)
     window = settled_window(reference, lines.frames)
     wanted = lines.lines(window * Decimator(settings.decimation).apply(reference.signal))
-    if settings.regularisation == "per-line":
-        epsilon: np.ndarray | float = line_weights(used.response, settings.epsilon, settings.floor)
-    else:
-        epsilon = settings.constant_epsilon
-    inverse = regularized_inverse(used.response, epsilon)
-    if settings.start == "inverse":
+    inverse = bounded_inverse(used.response, settings)
+    if settings.start == "inverse" or (settings.start == "by-law" and settings.law == "kalman"):
         start = (inverse @ wanted[..., None])[..., 0]
     else:
         start = _scaled_reference(used, wanted)
@@ -96,7 +88,24 @@ def learning_law(settings: Learning, matrix: TransferMatrix, reference: Referenc
         active = _overtones(lines.frequency, reference.root, settings.overtones)
         start = start * active[:, None]
     gains = _gains(settings, reference)
-    return Law(used, inverse, wanted, start, gains, active, outputs, spread, window)
+    return Law(used, inverse, settings, wanted, start, gains, active, outputs, spread, window)
+
+
+def bounded_inverse(response: np.ndarray, settings: Learning) -> np.ndarray:
+    """Return G^+ as the settings bound it, (6.19).
+
+    Parameters
+    ----------
+    response : complex array, shape (lines, outputs, inputs), m/s^2 per V
+    settings : Learning
+
+    Returns
+    -------
+    complex array, shape (lines, inputs, outputs), V per m/s^2
+    """
+    if settings.regularisation == "per-line":
+        return regularized_inverse(response, line_weights(response, settings.epsilon, settings.floor))
+    return regularized_inverse(response, settings.constant_epsilon)
 
 
 def settled_window(reference: Reference, frames: int) -> np.ndarray | float:
@@ -162,4 +171,6 @@ def _gains(settings: Learning, reference: Reference) -> Gains:
         return Gains(settings.gains, settings.stages)
     if settings.stages:
         raise ValueError(f"learning.stages is {list(settings.stages)}, but learning.gains is empty")
+    if settings.law == "kalman":
+        return KALMAN_GAINS
     return CHIRP_GAINS if reference.root is None else SINE_GAINS

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vibractl.algorithm import Algorithm, Shot
 from vibractl.config import RigConfig
-from vibractl.law import Law
-from vibractl.learning import update
+from vibractl.disturbance import noise_power
 from vibractl.spectrum import Decimator, LineSpectrum
 from vibractl.trial import Trial
 
@@ -52,16 +52,17 @@ class Learner(Trial):
 
     Parameters
     ----------
-    law : Law
+    algorithm : Algorithm
     shot : Timeline
     decimation : int, 1 or 4, of the response before it is transformed
     edge : float, s, of the drive at both ends
     responses : int, accelerometers recorded
     """
 
-    def __init__(self, law: Law, shot: Timeline, decimation: int, edge: float, responses: int) -> None:
+    def __init__(self, algorithm: Algorithm, shot: Timeline, decimation: int, edge: float, responses: int) -> None:
+        law = algorithm.law
         super().__init__(np.zeros((shot.total, len(law.spread))), responses)
-        self.law, self.shot = law, shot
+        self.algorithm, self.shot = algorithm, shot
         lines = law.matrix.frequency
         band = (lines[0], lines[-1])
         self._decimator = Decimator(decimation)
@@ -73,25 +74,35 @@ class Learner(Trial):
 
     def restart(self) -> None:
         """Go back to the first drive."""
-        self.number = 0
-        self.lines = self.law.start.copy()
-        self.heard = np.zeros_like(self.law.reference)
+        self.algorithm.restart()
+        self.heard = np.zeros_like(self.algorithm.law.reference)
         self._play()
+
+    @property
+    def number(self) -> int:
+        """Shots learned from."""
+        return self.algorithm.number
+
+    @property
+    def lines(self) -> np.ndarray:
+        """The present drive, shape (lines, inputs), V s."""
+        return self.algorithm.lines
 
     def advance(self) -> None:
         """Learn from the response just recorded, whose lines are then in `heard`; called between ticks."""
-        measured = self._decimator.apply(self.response[: self.shot.total, list(self.law.outputs)])
+        law, analysis = self.algorithm.law, self._analysis
+        measured = self._decimator.apply(self.response[: self.shot.total, list(law.outputs)])
         first = self.shot.lead // self._decimator.factor
-        self.heard = self._analysis.lines(self.law.window * measured[first : first + self._analysis.frames])
-        self.lines = update(self.lines, self.law.inverse, self.law.reference - self.heard, self.law.gain(self.number))
-        self.number += 1
+        self.heard = analysis.lines(law.window * measured[first : first + analysis.frames])
+        noise = noise_power(measured[:first], analysis.rate, analysis.frequency, analysis.frames)
+        self.algorithm.step(Shot(self.lines, self.heard, noise))
         self._play()
 
     def _play(self) -> None:
         """Put the drive of the present lines into the trial."""
         self._synthesis.time(self.lines, self._signal)
         self._signal *= self._edge
-        drive = (self._signal @ self.law.spread.T).astype(np.float32)
+        drive = (self._signal @ self.algorithm.law.spread.T).astype(np.float32)
         self.drive.fill(0.0)
         self.drive[self.shot.window] = drive
         self.rewind()

@@ -117,3 +117,5 @@ SINE_GAINS = Gains((1.0, 0.25), (12,))
 """Sörnmo 2015, eq. (6.24)."""
 CHIRP_GAINS = Gains((0.3, 0.15), (15,))
 """Sörnmo 2015, eq. (6.25)."""
+KALMAN_GAINS = Gains((0.8, 0.4), (7,))
+"""Where the model follows the plant, and so may be trusted with more."""

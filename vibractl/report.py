@@ -82,7 +82,7 @@ def _facts(result: Result, figures: Mapping[str, Any], events: list[dict[str, An
         yield Fact(f"Tracking error of side {side}", f"{float(last[f'error_db_{number + 1}']):.1f} dB re reference")
     room = min(float(last[f"headroom_db_{coil}"]) for coil in result.coils)
     yield Fact("Head-room of the last drive", f"{room:.1f} dB under {result.made.config.limits.peak:g} V", room >= 0)
-    discarded = sum(event["kind"] == "discarded" for event in events)
+    discarded = sum(event["event"] == "discarded" for event in events)
     yield Fact("Shots", f"{len(result.rows)}" + (f", {discarded} discarded" if discarded else ""))
     yield Fact(
         "Drives to sides", f"{len(result.coils)} to {len(result.sides)}, {result.made.config.learning.structure}"
@@ -137,7 +137,7 @@ def event_table(events: list[dict[str, Any]]) -> Table:
         told = (
             f"{key} {value:.6g}" if isinstance(value, float) else f"{key} {value}"
             for key, value in event.items()
-            if key not in ("time", "kind")
+            if key not in ("time", "event")
         )
-        rows.append((event["time"][:19].replace("T", " "), event["kind"], ", ".join(told)))
+        rows.append((event["time"][:19].replace("T", " "), event["event"], ", ".join(told)))
     return Table(("time, UTC", "event", "particulars"), tuple(rows))

@@ -165,8 +165,10 @@ class Session:
         repeatability = self._repeatability(lines)
         if write:
             self._write_lines(number)
-            gain = self.learner.law.gains.at(number)
+            gain = self.learner.algorithm.nominal
             self.folder.quality(_row(number, gain, marks, record.provenance, repeatability))
+            for decision in self.learner.algorithm.decisions:
+                self.folder.event(decision.event, {"shot": number, **decision.fields})
         return marks
 
     def _repeatability(self, lines: np.ndarray) -> float:
@@ -175,20 +177,22 @@ class Session:
         self._before = lines, heard
         if before is None:
             return float("nan")
-        law = self.learner.law
-        predicted = (law.matrix.response @ (lines - before[0])[..., None])[..., 0]
+        algorithm, law = self.learner.algorithm, self.learner.algorithm.law
+        predicted = (algorithm.response @ (lines - before[0])[..., None])[..., 0]
         unexplained = (heard - before[1] - predicted)[law.active > 0]
         size = max(float(np.linalg.norm(heard[law.active > 0])), FAINT)
         return float(decibels(float(np.linalg.norm(unexplained)) / size))
 
     def _write_lines(self, number: int) -> None:
         """Keep gain and certificate of every line beside the shot, (6.12)/(6.18)."""
-        law = self.learner.law
+        algorithm = self.learner.algorithm
+        law = algorithm.law
         with self.folder.replacing(f"shots/{number:04d}.h5") as path, h5py.File(path, "w") as file:
             for name, unit, value in (
                 ("frequency", "Hz", law.matrix.frequency),
-                ("gain", "1", law.gain(number)),
-                ("certificate", "1", law.certificate(number)),
+                ("gain", "1", algorithm.gain),
+                ("certificate", "1", algorithm.certificate),
+                ("error_bound", "m/s^2 s", algorithm.error_bound),
                 ("error", "m/s^2 s", law.reference - self.learner.heard),
             ):
                 file.create_dataset(name, data=value).attrs["unit"] = unit

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vibractl.algorithm import Algorithm
 from vibractl.config import RigConfig
 from vibractl.law import Law, learning_law
 from vibractl.learner import Learner, Timeline, timeline
@@ -39,7 +40,7 @@ class Setup:
         edge = config.limits.ramp
         if self.reference.root is not None:  # the overtones rise and fall with the root
             edge = max(edge, self.reference.taper * self.shot.frames / self.shot.rate)
-        return Learner(self.law, self.shot, config.learning.decimation, edge, responses)
+        return Learner(Algorithm(self.law, config.adaptation), self.shot, config.learning.decimation, edge, responses)
 
 
 def setup(config: RigConfig, matrix: TransferMatrix, fresh_plans: bool = True) -> Setup:

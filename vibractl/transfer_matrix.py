@@ -159,7 +159,13 @@ def line_weights(response: np.ndarray, epsilon: float, floor: float) -> np.ndarr
     return weight
 
 
-def contraction(matrix: TransferMatrix, inverse: np.ndarray, gain: float, deviations: float = 2.0) -> np.ndarray:
+def contraction(
+    response: np.ndarray,
+    variance: np.ndarray,
+    inverse: np.ndarray,
+    gain: np.ndarray | float,
+    deviations: float = 2.0,
+) -> np.ndarray:
     """Bound by how much one update shrinks the error at each line; learning is certified where it is below one.
 
     || I - G G^+ K || <= || I - G_hat G^+ K || + K || dG || || G^+ ||, with || dG || bounded by `deviations` standard
@@ -167,9 +173,12 @@ def contraction(matrix: TransferMatrix, inverse: np.ndarray, gain: float, deviat
 
     Parameters
     ----------
-    matrix : TransferMatrix, on the lines learned
+    response : complex array, shape (lines, outputs, inputs), m/s^2 per V
+    variance : array, shape (lines, outputs, inputs), (m/s^2 per V)^2
+        E |G_hat - G|^2.
     inverse : complex array, shape (lines, inputs, outputs), V per m/s^2
-    gain : float, 1, K of (6.11)
+    gain : array, shape (lines,), or float, 1
+        K of (6.11).
     deviations : float, 1, >= 0; 0 gives the estimate's own value
 
     Returns
@@ -180,7 +189,8 @@ def contraction(matrix: TransferMatrix, inverse: np.ndarray, gain: float, deviat
     ------
     Sörnmo 2015, eq. (6.12), (6.18).
     """
-    nominal = norm(np.eye(matrix.outputs) - gain * matrix.response @ inverse)
-    doubt = np.sqrt(matrix.variance.sum(axis=(-2, -1)))
-    bound: np.ndarray = nominal + gain * deviations * doubt * norm(inverse)
+    pace = np.broadcast_to(np.asarray(gain, dtype=float), response.shape[:1])
+    nominal = norm(np.eye(response.shape[1]) - pace[:, None, None] * (response @ inverse))
+    doubt = np.sqrt(variance.sum(axis=(-2, -1)))
+    bound: np.ndarray = nominal + pace * deviations * doubt * norm(inverse)
     return bound

@@ -9,8 +9,9 @@ from ctlblocks import Block, Port, recording, replay
 from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
 from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, VibratorImpulseResponse
 from tests.contract.conformance import Example
+from vibractl.algorithm import Algorithm
 from vibractl.audio_engine import DeviceInput
-from vibractl.config import Limits
+from vibractl.config import Adaptation, Learning, Limits
 from vibractl.guard import Guard
 from vibractl.law import Law
 from vibractl.learner import Learner, Timeline
@@ -42,8 +43,8 @@ def _learner() -> Block:
     response = np.broadcast_to(np.eye(2) + 0j, (len(lines), 2, 2))
     matrix = TransferMatrix(lines, response, np.zeros(response.shape), np.ones(response.shape))
     start, active = np.full((len(lines), 2), 1e-3 + 0j), np.ones(len(lines))
-    law = Law(matrix, response, 2 * start, start, Gains((0.5,), ()), active, (0, 1), np.eye(2))
-    return Learner(law, shot, 4, 0.002, 2)
+    law = Law(matrix, response, Learning(), 2 * start, start, Gains((0.5,), ()), active, (0, 1), np.eye(2))
+    return Learner(Algorithm(law, Adaptation()), shot, 4, 0.002, 2)
 
 
 EXAMPLES: dict[type[Block], Example] = {

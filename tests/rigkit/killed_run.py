@@ -75,7 +75,7 @@ def check_what_stands(path: Path) -> None:
     for file in (path / "shots").glob("[0-9]*"):
         assert file.read_bytes() == sound(int(file.stem)), file
     assert [row["shot"] for row in read_quality(path)] == [str(number) for number in range(len(read_quality(path)))]
-    assert all(event["kind"] == "shot" for event in read_events(path))
+    assert all(event["event"] == "shot" for event in read_events(path))
     if (path / SUMMARY).exists():
         assert 1 <= json.loads((path / SUMMARY).read_text())["shots"] <= SHOTS
 

@@ -67,14 +67,14 @@ def test_a_folder_without_a_configuration_cannot_be_taken_up(path: Path) -> None
 def test_what_a_kill_left_is_swept_up_when_the_folder_is_opened(path: Path) -> None:
     RunFolder.create(path, "").close()
     (path / "shots" / ".0003.0a1b2c3d.tmp.wav").write_bytes(b"half")
-    (path / "events.jsonl").write_bytes(b'{"kind": "shot"}\n{"kin')
+    (path / "events.jsonl").write_bytes(b'{"event": "shot"}\n{"eve')
     (path / "qc.csv").write_bytes(b"shot,iae\n0,1.5\n1,0.")
-    assert read_events(path) == [{"kind": "shot"}]
+    assert read_events(path) == [{"event": "shot"}]
     assert read_quality(path) == [{"shot": "0", "iae": "1.5"}]
     with RunFolder.open(path) as folder:
         folder.quality({"shot": 1, "iae": 0.75})
     assert list((path / "shots").iterdir()) == []
-    assert (path / "events.jsonl").read_bytes() == b'{"kind": "shot"}\n'
+    assert (path / "events.jsonl").read_bytes() == b'{"event": "shot"}\n'
     assert (path / "qc.csv").read_text() == "shot,iae\n0,1.5\n1,0.75\n"
 
 
@@ -84,7 +84,7 @@ def test_an_event_carries_the_time_in_utc_its_kind_and_its_fields(path: Path) ->
     (event,) = read_events(path)
     time = datetime.fromisoformat(event.pop("time"))
     assert abs((datetime.now(UTC) - time).total_seconds()) < 60
-    assert event == {"kind": "discarded", "shot": 3, "reason": "xrun", "delay": None}
+    assert event == {"event": "discarded", "shot": 3, "reason": "xrun", "delay": None}
 
 
 def test_an_event_cannot_hide_its_own_time(path: Path) -> None:
@@ -94,7 +94,7 @@ def test_an_event_cannot_hide_its_own_time(path: Path) -> None:
 
 def test_an_event_that_is_not_json_is_named_by_its_line(path: Path) -> None:
     RunFolder.create(path, "").close()
-    (path / "events.jsonl").write_text('{"kind": "shot"}\nnonsense\n')
+    (path / "events.jsonl").write_text('{"event": "shot"}\nnonsense\n')
     with pytest.raises(ValueError, match="line 2 is not JSON: 'nonsense'"):
         read_events(path)
 

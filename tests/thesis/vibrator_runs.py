@@ -15,7 +15,7 @@ from vibractl.session import Session, create, summary
 
 def measured_model(folder: Path, *overrides: str) -> Path:
     """Measure the simulated vibrator's transfer matrix and return its model file."""
-    config = rig_file.load(None, RigConfig, ("audio.isolated=false", *overrides))
+    config = rig_file.load(None, RigConfig, ("audio.isolated=false", "characterisation.method=stepped", *overrides))
     with RawFolder(folder / "raw") as raw, LiveLine(config, raw, StopRequest()) as line:
         matrix = calibrate(config, raw, line.emit).matrix
     write_model(folder / "model.h5", matrix)
@@ -24,7 +24,7 @@ def measured_model(folder: Path, *overrides: str) -> Path:
 
 def learned(folder: Path, model: Path, shots: int, *overrides: str) -> list[dict[str, str]]:
     """Run so many shots and return the rows of `qc.csv`; fewer where the guard's limits ended it."""
-    config = rig_file.load(None, RigConfig, ("audio.isolated=false", *overrides))
+    config = rig_file.load(None, RigConfig, ("audio.isolated=false", "learning.law=thesis", *overrides))
     run, made = create(folder, config, model)
     with run:
         try:

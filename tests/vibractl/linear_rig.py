@@ -16,6 +16,7 @@ QUIET = {"nonlinearity": 0.0, "drift": 0.0, "noise": -200.0, "hum": -200.0}
 SETTINGS = (
     "audio.isolated=false",
     "reference.signal=chirp:40:90:1",
+    "learning.law=thesis",
     "learning.start=inverse",
     "learning.gains=[0.5]",
     "session.shots=4",

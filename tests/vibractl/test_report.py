@@ -166,5 +166,5 @@ def test_the_shots_table_has_a_row_a_shot_and_a_dash_for_what_is_not_known(mimo:
 
 
 def test_an_event_is_told_with_its_particulars() -> None:
-    event = {"time": "2026-11-21T13:23:37.198+00:00", "kind": "discarded", "shot": 4, "reason": "an xrun"}
+    event = {"time": "2026-11-21T13:23:37.198+00:00", "event": "discarded", "shot": 4, "reason": "an xrun"}
     assert event_table([event]).rows == (("2026-11-21 13:23:37", "discarded", "shot 4, reason an xrun"),)

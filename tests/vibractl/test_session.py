@@ -62,7 +62,7 @@ def test_the_folder_holds_what_other_programs_read(tmp_path: Path) -> None:
     with h5py.File(tmp_path / "run" / "shots" / "0001.h5") as file:
         assert file["certificate"].shape == file["frequency"].shape
         assert np.mean(file["certificate"][...] < 1) > 0.95
-    assert [event["kind"] for event in read_events(tmp_path / "run")] == ["started", "finished"]
+    assert [event["event"] for event in read_events(tmp_path / "run")] == ["started", "finished"]
 
 
 def test_one_side_is_driven_and_controlled_alone(tmp_path: Path) -> None:
@@ -114,7 +114,7 @@ def test_a_drive_beyond_the_limits_is_not_played_and_the_run_says_so(tmp_path: P
     with folder, pytest.raises(ValueError, match=r"limits.peak is 0.1 V"):
         Session(folder, made).run(2, lambda *_: None, lambda: False)
     assert shot_files(tmp_path / "run") == []
-    assert read_events(tmp_path / "run")[-1]["kind"] == "failed"
+    assert read_events(tmp_path / "run")[-1]["event"] == "failed"
 
 
 def test_a_resumed_run_gives_the_drives_of_one_that_was_not_stopped(tmp_path: Path) -> None:

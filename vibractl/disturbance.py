@@ -1,0 +1,102 @@
+"""What else changes a response from shot to shot: noise, and distortion that follows the drive's strong lines."""
+
+import numpy as np
+
+from vibractl.law import SIGNIFICANT
+
+QUIET_REACH = 15
+"""Bins to each side over which the noise in the silence is a median: hum is left out."""
+FLOOR = 1e-6
+"""Of the reference's level: a disturbance is never taken to be smaller."""
+
+
+class Disturbance:
+    """Expects how strongly a response changes beyond what G says of the change of drive.
+
+    Distortion of a line, D = Y - G U, comes from the strong lines of the reference.  When those change by a part
+    delta, it changes by some multiple of delta |D|, whatever the drive at the line itself does.
+
+    Parameters
+    ----------
+    reference : complex array, shape (lines, outputs), m/s^2 s
+    coupling : float, 1, >= 0
+        The multiple; a distortion of order n changes by n times.
+    reach : int, lines to each side over which |D|^2 is averaged
+    """
+
+    def __init__(self, reference: np.ndarray, coupling: float, reach: int) -> None:
+        size = np.abs(reference).max(axis=1)
+        self._strong = size > SIGNIFICANT * size.max()
+        self._coupling, self._reach = coupling, reach
+        self._floor = (FLOOR * float(size.max())) ** 2
+
+    def power(self, noise: np.ndarray, distortion: np.ndarray, change: float) -> np.ndarray:
+        """Return E |v|^2 of each line.
+
+        Parameters
+        ----------
+        noise : array, shape (lines, outputs), (m/s^2 s)^2
+        distortion : array, shape (lines, outputs), (m/s^2 s)^2
+            |Y - G U|^2.
+        change : float, 1
+            delta, see `change`.
+
+        Returns
+        -------
+        array, shape (lines, outputs), (m/s^2 s)^2
+        """
+        spread = smoothed(distortion, self._reach)
+        total: np.ndarray = noise + (self._coupling * change) ** 2 * spread + self._floor
+        return total
+
+    def change(self, step: np.ndarray, response: np.ndarray) -> float:
+        """Return delta: how much `step` changes the strong lines of a response, both (lines, outputs), m/s^2 s."""
+        size = np.linalg.norm(response[self._strong], axis=0)
+        parts = np.linalg.norm(step[self._strong], axis=0) / np.maximum(size, np.finfo(float).tiny)
+        return float(parts.max())
+
+
+def smoothed(power: np.ndarray, reach: int) -> np.ndarray:
+    """Average over `reach` lines to each side, mirrored at the ends.
+
+    Parameters
+    ----------
+    power : array, shape (lines, outputs), any unit
+    reach : int, lines
+
+    Returns
+    -------
+    array, shape (lines, outputs)
+    """
+    if reach == 0:
+        return power
+    padded = np.pad(power, ((reach + 1, reach), (0, 0)), mode="reflect")
+    total = np.cumsum(padded, axis=0)
+    mean: np.ndarray = (total[2 * reach + 1 :] - total[: -2 * reach - 1]) / (2 * reach + 1)
+    return mean
+
+
+def noise_power(silence: np.ndarray, rate: float, frequency: np.ndarray, frames: int) -> np.ndarray:
+    """Estimate the noise in the lines of a shot from the silence before it.
+
+    Parameters
+    ----------
+    silence : array, shape (samples, outputs), m/s^2
+    rate : float, samples/s
+    frequency : array, shape (lines,), Hz
+    frames : int, samples
+        Of the shot whose lines are meant.
+
+    Returns
+    -------
+    array, shape (lines, outputs), (m/s^2 s)^2
+        E |N|^2; a median over neighbouring bins, so that hum does not raise it.
+    """
+    samples = len(silence)
+    window = np.hanning(samples + 2)[1:-1, None]
+    bins = np.abs(np.fft.rfft(window * silence, axis=0) / rate) ** 2 / (window**2).mean() * (frames / samples)
+    reach = min(QUIET_REACH, (len(bins) - 1) // 2)
+    padded = np.pad(bins, ((reach, reach), (0, 0)), mode="reflect")
+    median = np.median(np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=0), axis=-1) / np.log(2)
+    place = frequency * samples / rate
+    return np.column_stack([np.interp(place, np.arange(len(median)), column) for column in median.T])
