@@ -54,7 +54,7 @@ def vibrator_command(
     refuse_unfit(rig)
     with RawFolder(_raw_folder(out)) as raw:
         found = _calibrated(rig, raw)
-        write_model(out, found.matrix)
+        write_model(out, found.matrix.described(seconds=f"{found.seconds:.1f}"))
     report = sweep_report(found, rig)
     report.write(out.with_suffix(".html"))
     if png is not None:

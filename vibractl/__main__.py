@@ -23,6 +23,7 @@ from rigkit.stop import Stopped, stoppable
 from vibractl.audio_stream import AudioError
 from vibractl.commands_doctor import doctor_command
 from vibractl.commands_export import export_command
+from vibractl.commands_predict import predict_command
 from vibractl.config import RigConfig
 from vibractl.quality import Marks
 from vibractl.replay import replay
@@ -32,6 +33,7 @@ from vibractl.session import Session, create, settings_of, setup_of
 app = application("The marine vibrator learns, shot by shot, to emit the reference and nothing else.")
 app.command("export")(export_command)
 app.command("doctor")(doctor_command)
+app.command("predict")(predict_command)
 
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")]
 
@@ -55,6 +57,9 @@ def run_command(
     ] = None,
     shots: Annotated[int | None, typer.Option(help="Shots in all.")] = None,
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
+    watch: Annotated[
+        bool, typer.Option("--watch", help="Reidentify bands that diverge, while it goes on.")
+    ] = False,
     law: Annotated[str | None, typer.Option(help="kalman, or thesis for the text's own law.")] = None,
     seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
     resume: Annotated[Path | None, typer.Option(metavar="RUN/", help="Go on with a run that stopped.")] = None,
@@ -67,6 +72,8 @@ def run_command(
     """
     flags = {"reference.signal": reference, "learning.side": side, "learning.law": law, "simulator.options.seed": seed}
     laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
+    if watch:
+        laid_over.append("watch.on=true")
     if shots is not None:
         laid_over.append(f"session.shots={shots}")
     if resume is not None:

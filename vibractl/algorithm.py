@@ -5,37 +5,26 @@ from typing import Any
 
 import numpy as np
 
+from vibractl import config
 from vibractl.config import Adaptation
 from vibractl.disturbance import Disturbance, smoothed
-from vibractl.law import Law, bounded_inverse
+from vibractl.law import Law, bounded_inverse, reference_level
 from vibractl.learning import update
 from vibractl.line_filter import LineFilter
+from vibractl.reidentify import LEAST, Reidentification, probe
 from vibractl.rollback import Rollback
-from vibractl.transfer_matrix import contraction
+from vibractl.shot import Shot
+from vibractl.transfer_matrix import contraction, norm
+from vibractl.watch import Trouble, Watch
 
 DEVIATIONS = 2.0
 """Standard deviations that a bound allows for."""
 CONFIDENCE = 0.97
 """Part of the lines whose last error should have been within its bound; bounds widen until it is."""
+DOUBT = 1.0
+"""Of its size: how uncertain G is where a band has diverged."""
 REACH = 10
 """Lines to each side over which powers are averaged."""
-
-
-@dataclass(frozen=True)
-class Shot:
-    """One shot in lines.
-
-    Parameters
-    ----------
-    drive : complex array, shape (lines, inputs), V s
-    response : complex array, shape (lines, outputs), m/s^2 s
-    noise : array, shape (lines, outputs), (m/s^2 s)^2
-        E |N|^2 in the response.
-    """
-
-    drive: np.ndarray
-    response: np.ndarray
-    noise: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -47,22 +36,31 @@ class Decision:
 
 
 class Algorithm:
-    """Learns from shot to shot.  With every part of [adaptation] off it is the law of the thesis.
+    """Learns from shot to shot.  With every part of [adaptation] and [watch] off it is the law of the thesis.
 
-    `lines` is the next drive; `response` is what is believed of G; `gain`, `certificate` and `error_bound` (lines,)
-    belong to the update last made: Q2, at most `nominal`; the bound on the norm of its error map, with G's uncertainty
-    (1); and how large the next error may then be, with noise and the distortion that follows the strong lines
-    (m/s^2 s).  `decisions` are those of the last step.
+    `lines` is the next drive, made to "learn" or to "reidentify": `purpose`; `response` is what is believed of G;
+    `gain`, `certificate` and `error_bound` (lines,) belong to the update last made: Q2, at most `nominal`; the bound on
+    the norm of its error map, with G's uncertainty (1); and how large the next error may then be, with noise and the
+    distortion that follows the strong lines (m/s^2 s).  `decisions` are those of the last step.
 
     Parameters
     ----------
     law : Law
     adaptation : Adaptation
+    watch : config.Watch
+    objective : float, dB
+        Limit on errors, re the reference's level.
+
+    Source
+    ------
+    Sörnmo 2015, Algorithm 1.
     """
 
-    def __init__(self, law: Law, adaptation: Adaptation) -> None:
+    def __init__(self, law: Law, adaptation: Adaptation, watch: config.Watch, objective: float) -> None:
         self.law = law
         self._parts = adaptation if law.settings.law == "kalman" else _NOTHING
+        self._watching = watch
+        self._limit = float(reference_level(law.reference).min()) * 10 ** (objective / 20)
         tonal = bool(np.any(law.active == 0.0))  # lines apart, that say nothing of their neighbours
         self._reach = 0 if tonal else REACH
         self._neighbours = 0 if tonal else adaptation.neighbours
@@ -72,44 +70,120 @@ class Algorithm:
     def restart(self) -> None:
         """Go back to the first drive."""
         law, parts = self.law, self._parts
-        self.number = 0
+        self.number = self._learned = 0
         self.lines = law.start.copy()
         self.decisions: list[Decision] = []
         self._filter = LineFilter(law.matrix.response, law.matrix.variance, parts.walk, parts.doubt, self._neighbours)
         self._inverse = law.inverse
         self._rollback = Rollback() if parts.rollback else None
+        self._watch = Watch(law, self._watching, self._limit) if self._watching.on else None
+        self._running: Reidentification | None = None
+        self._treated: list[float] = []
+        self._open = law.active.copy()
         self._before: Shot | None = None
+        self._caution = 1.0
         self.nominal = law.gains.at(0)
         self.gain = self.nominal * law.active
         self.certificate = contraction(law.matrix.response, self._filter.variance, self._inverse, self.gain, DEVIATIONS)
         self.error_bound = self.certificate * np.linalg.norm(law.reference, axis=1)
-        self._caution = 1.0
 
     @property
     def response(self) -> np.ndarray:
         """G, (lines, outputs, inputs), m/s^2 per V."""
         return self._filter.response
 
+    @property
+    def purpose(self) -> str:
+        """What the next shot is for."""
+        return "learn" if self._running is None else "reidentify"
+
     def step(self, shot: Shot) -> None:
-        """Learn from a shot that was made with `lines`."""
+        """Take a shot that was made with `lines`."""
         self.decisions = []
-        error = self.law.reference - shot.response
+        if self._running is None:
+            self._consider(shot)
+        else:
+            self._probed(shot, self._running)
+        self.number += 1
+
+    def _consider(self, shot: Shot) -> None:
+        """Learn from a shot, unless a band diverges."""
         if self._parts.model and self._before is not None:
             self._follow(shot, self._before)
+        error = self.law.reference - shot.response
+        if self._watch is not None and self._learned:
+            trouble = self._watch.judged(shot.drive, error, self.error_bound)
+            if trouble is not None and self._intervened(trouble, shot, error):
+                return
+        self._learn(shot, error)
+
+    def _learn(self, shot: Shot, error: np.ndarray) -> None:
+        """Make the next drive from a shot."""
+        expected = float(np.linalg.norm(self.error_bound))
         self._choose_gain(shot, error)
         self.lines = update(shot.drive, self._inverse, error, self.gain)
-        if self._rollback is not None and (best := self._rollback.judged(self.number, shot.drive, error)):
+        if self._rollback is not None and (best := self._rollback.judged(self.number, shot.drive, error, expected)):
             self.lines = best.lines
             self.decisions.append(Decision("rollback", {"to_shot": best.shot, "error_db": best.growth_db}))
         self._before = shot
-        self.number += 1
+        self._learned += 1
+
+    def _intervened(self, trouble: Trouble, shot: Shot, error: np.ndarray) -> bool:
+        """Begin to reidentify a band, or freeze it when that has been done often enough; say whether it has begun."""
+        watching, frequency = self._watching, self.law.matrix.frequency
+        near = np.abs(frequency - trouble.centre) <= watching.half_width
+        fields = {"band_hz": [float(frequency[near][0]), float(frequency[near][-1])], "at_hz": trouble.centre}
+        self.decisions.append(Decision("divergence", {**fields, "test": trouble.test, **trouble.values}))
+        if sum(abs(centre - trouble.centre) <= watching.half_width for centre in self._treated) >= watching.rounds:
+            self._open = np.where(near, 0.0, self._open)
+            self.decisions.append(Decision("frozen", {**fields, "rounds": watching.rounds}))
+            return False
+        size = np.abs(error).max(axis=1)
+        room = np.maximum(self._limit - size, LEAST * self._limit) * self.law.active
+        made = probe(
+            frequency, self.response, self._filter.variance, room, trouble.centre, watching.half_width, watching.share
+        )
+        self._treated.append(trouble.centre)
+        self._running = Reidentification(made, trouble.centre, shot, watching.input == "zeroed")
+        self.lines = self._running.drive
+        self.decisions.append(Decision("reidentify", {**fields, "shots": len(made.lines)}))
+        return True
+
+    def _probed(self, shot: Shot, running: Reidentification) -> None:
+        """Take a shot of a reidentification; after the last one go on from where it began."""
+        if not running.take(shot):
+            self.lines = running.drive
+            return
+        before, old = self.response.copy(), self._inverse
+        self._filter.forget(running.probe.inside, DOUBT)
+        for step, change, noise in running.evidence():
+            self._filter.observe(step, change, noise + running.repeatability)
+        self._inverse = bounded_inverse(self.response, self.law.settings)
+        self.decisions.append(self._gained(running, before, old))
+        if self._watch is not None:
+            self._watch.forgive(running.centre)
+        if self._rollback is not None:
+            self._rollback.forget()
+        self._running = None
+        self._learn(running.base, self.law.reference - running.base.response)
+
+    def _gained(self, running: Reidentification, before: np.ndarray, old: np.ndarray) -> Decision:
+        """Say how far G has moved in the band, and what its error map was with the old inverse and is with the new."""
+        inside, now = running.probe.inside, self.response[running.probe.inside]
+        moved = norm(now - before[inside]) / norm(before[inside])
+        sure = np.zeros(now.shape)
+        was, will = (contraction(now, sure, inverse[inside], self.nominal).max() for inverse in (old, self._inverse))
+        fields = {"band_hz": list(running.probe.band), "moved": float(np.median(moved))}
+        return Decision("reidentified", {**fields, "contraction_before": float(was), "contraction_after": float(will)})
 
     def _follow(self, shot: Shot, before: Shot) -> None:
         """Correct G by what this shot shows beside the one before."""
         step, change = shot.drive - before.drive, shot.response - before.response
         power = np.abs(self._distortion(shot)) ** 2 + np.abs(self._distortion(before)) ** 2
         share = self._disturbance.change(change, shot.response)
-        self._filter.observe(step, change, self._disturbance.power(shot.noise + before.noise, power, share))
+        moved = (self._parts.drift * np.abs((self.response @ shot.drive[..., None])[..., 0])) ** 2
+        noise = self._disturbance.power(shot.noise + before.noise, power, share)
+        self._filter.observe(step, change, noise + smoothed(moved, self._reach))
         self._inverse = bounded_inverse(self.response, self.law.settings)
 
     def _distortion(self, shot: Shot) -> np.ndarray:
@@ -119,8 +193,8 @@ class Algorithm:
 
     def _choose_gain(self, shot: Shot, error: np.ndarray) -> None:
         """Set Q2 of the coming update, and the bounds on what it leaves of the error."""
-        self.nominal = self.law.gains.at(self.number) * (self._rollback.pace if self._rollback else 1.0)
-        self.gain = self.nominal * self.law.active
+        self.nominal = self.law.gains.at(self._learned) * (self._rollback.pace if self._rollback else 1.0)
+        self.gain = self.nominal * self._open
         share = self._disturbance.change(self.nominal * error, shot.response)
         coming = self._disturbance.power(shot.noise, np.abs(self._distortion(shot)) ** 2, share).sum(axis=1)
         power = smoothed(np.abs(error) ** 2, self._reach).sum(axis=1)
@@ -128,7 +202,7 @@ class Algorithm:
             self.gain = self.gain * power / (power + coming)
         self.certificate = contraction(self.response, self._filter.variance, self._inverse, self.gain, DEVIATIONS)
         size = np.linalg.norm(error, axis=1)
-        self._caution = self._outcome(size) if self.number else 1.0
+        self._caution = self._outcome(size) if self._learned else 1.0
         self.error_bound = self._caution * (self.certificate * size + DEVIATIONS * np.sqrt(coming))
 
     def _outcome(self, size: np.ndarray) -> float:

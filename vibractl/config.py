@@ -97,9 +97,26 @@ class Adaptation(Section):
     walk: float = setting(0.02, "1", "how far G walks at random from shot to shot, re its size", ge=1e-4, le=1)
     doubt: float = setting(0.2, "1", "uncertainty of G beyond the model's own, re its size", ge=0, le=2)
     neighbours: int = setting(4, "lines", "lines to each side that say something of a line's G", ge=0, le=50)
+    drift: float = setting(0.005, "1", "part of G U that changes from shot to shot by itself", ge=0, le=1)
     coupling: float = setting(4.0, "1", "how many times a change of the strong lines changes distortion", ge=0, le=20)
     cautious: bool = setting(True, "", "learn less where the error is mostly noise, or follows the strong lines")
     rollback: bool = setting(True, "", "go back to the best shot when the error has grown twice")
+
+
+class Watch(Section):
+    """Divergence and reidentification, (6.20)-(6.23)."""
+
+    on: bool = setting(False, "", "look out for bands that diverge, and reidentify them while the run goes on")
+    band: tuple[float, float] = setting((100.0, 645.0), "Hz", "f_div: where divergence is looked for")
+    eta_1: float = setting(1.0, "1", "weight of the error re the limit in (6.20)", ge=0, le=100)
+    eta_2: float = setting(0.0, "1", "weight of the drive's growth since the line was best", ge=0, le=100)
+    delta: float = setting(1.0, "1", "threshold of (6.20)", gt=0, le=100)
+    half_width: float = setting(10.0, "Hz", "f_D: half of the band that is reidentified", ge=2, le=100)
+    share: float = setting(0.5, "1", "kappa: part of the room below the limit that the chirp uses", gt=0, le=1)
+    rounds: int = setting(2, "", "reidentifications of a band before it is frozen", ge=1, le=20)
+    input: Literal["kept", "zeroed"] = setting(
+        "kept", "", "the drive in the band meanwhile; zeroed is what the text says, and fails"
+    )
 
 
 class Session(Section):
@@ -159,6 +176,7 @@ class RigConfig(Section):
     shot: Shot = Field(default_factory=Shot)
     learning: Learning = Field(default_factory=Learning)
     adaptation: Adaptation = Field(default_factory=Adaptation)
+    watch: Watch = Field(default_factory=Watch)
     session: Session = Field(default_factory=Session)
     quality: Quality = Field(default_factory=Quality)
     characterisation: Characterisation = Field(default_factory=Characterisation)
@@ -171,6 +189,7 @@ class RigConfig(Section):
             ("learning", "band", self.learning.band),
             ("characterisation", "band", self.characterisation.band),
             ("characterisation", "preload_band", self.characterisation.preload_band),
+            ("watch", "band", self.watch.band),
             ("quality", "above, judged_to", (self.quality.above, self.quality.judged_to)),
         ):
             if not 0 < low < high < nyquist:

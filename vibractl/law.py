@@ -122,6 +122,14 @@ def settled_window(reference: Reference, frames: int) -> np.ndarray | float:
     return settled
 
 
+def reference_level(lines: np.ndarray) -> np.ndarray:
+    """Return the level (outputs,) of a reference's lines (lines, outputs), m/s^2 s: rms of the significant ones."""
+    size = np.abs(lines)
+    strong = size > SIGNIFICANT * size.max(axis=0)
+    level: np.ndarray = np.sqrt((size**2 * strong).sum(axis=0) / strong.sum(axis=0))
+    return level
+
+
 def _structure(structure: str, side: int, matrix: TransferMatrix) -> tuple[tuple[int, ...], np.ndarray]:
     if side:
         sides = min(matrix.outputs, matrix.inputs)

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibractl.algorithm import Algorithm, Shot
+from vibractl.algorithm import Algorithm
 from vibractl.config import RigConfig
 from vibractl.disturbance import noise_power
+from vibractl.shot import Shot
 from vibractl.spectrum import Decimator, LineSpectrum
 from vibractl.trial import Trial
 

@@ -7,7 +7,7 @@ from scipy.signal import hilbert, upfirdn
 from scipy.signal.windows import blackmanharris
 
 from vibractl.config import Limits, Quality
-from vibractl.law import SIGNIFICANT, settled_window
+from vibractl.law import SIGNIFICANT, reference_level, settled_window
 from vibractl.setup import Setup
 from vibractl.spectrum import Decimator, LineSpectrum
 
@@ -101,10 +101,7 @@ class Judge:
     @property
     def reference_level(self) -> np.ndarray:
         """The reference's spectrum in its own band, (outputs,), m/s^2 s: rms of its significant lines."""
-        size = np.abs(self._wanted)
-        strong = size > SIGNIFICANT * size.max(axis=0)
-        level: np.ndarray = np.sqrt((size**2 * strong).sum(axis=0) / strong.sum(axis=0))
-        return level
+        return reference_level(self._wanted)
 
     @property
     def limit(self) -> np.ndarray:

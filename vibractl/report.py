@@ -45,7 +45,7 @@ def run_report(path: Path, png: Path | None = None) -> dict[str, Any]:
     ValueError : no shot is recorded, or the folder lacks a part.
     """
     result = read_result(path)
-    figures = summary([dict(row) for row in result.rows])
+    figures = summary([dict(row) for row in result.rows], result.made)
     with styled():
         report = Report(
             f"{_reference_name(result)} on {result.made.config.rig.name}",

@@ -41,7 +41,12 @@ class Rollback:
         self._shot = 0
         self._lines = np.zeros((0, 0), complex)
 
-    def judged(self, shot: int, lines: np.ndarray, error: np.ndarray) -> Best | None:
+    def forget(self) -> None:
+        """Let no earlier shot count any more: the vibrator is another one since."""
+        self._best = self._last = np.inf
+        self._grown = 0
+
+    def judged(self, shot: int, lines: np.ndarray, error: np.ndarray, expected: float) -> Best | None:
         """Look at the error that a drive left; return the best shot if it is time to go back to it.
 
         Parameters
@@ -49,11 +54,13 @@ class Rollback:
         shot : int
         lines : complex array, shape (lines, inputs), V s
         error : complex array, shape (lines, outputs), m/s^2 s
+        expected : float, m/s^2 s
+            How large its norm could be expected to be; growth within that is no reason.
         """
         size = float(np.linalg.norm(error))
         if size < self._best:
             self._best, self._shot, self._lines = size, shot, lines.copy()
-        self._grown = self._grown + 1 if size > self._last else 0
+        self._grown = self._grown + 1 if size > max(self._last, expected) else 0
         self._last = size
         if self._grown < 2 or size < GROWN * self._best:
             return None

@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Callable, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -104,7 +105,7 @@ class Session:
     """
 
     def __init__(self, folder: RunFolder, made: Setup) -> None:
-        self.folder, self.config = folder, made.config
+        self.folder, self.config, self._made = folder, made.config, made
         self.learner: Learner = made.learner()
         self._judge = Judge(made)
         self._before: tuple[np.ndarray, np.ndarray] | None = None
@@ -144,7 +145,7 @@ class Session:
 
     def summary(self) -> dict[str, Any]:
         """Return the figures of the run so far, and keep them in `summary.json`."""
-        figures = summary(read_quality(self.folder.path))
+        figures = summary(read_quality(self.folder.path), self._made)
         self.folder.summarise(figures)
         return figures
 
@@ -157,7 +158,7 @@ class Session:
 
     def _learn(self, record: Recording, write: bool = True) -> Marks:
         """Take a recording into the learner, and write what it was worth."""
-        number, lines = self.done, self.learner.lines
+        number, lines, purpose = self.done, self.learner.lines, self.learner.algorithm.purpose
         drive, response = split(record, self.config)
         self.learner.response[: len(response)] = response
         marks = self._judge.marks(response, drive)
@@ -166,7 +167,7 @@ class Session:
         if write:
             self._write_lines(number)
             gain = self.learner.algorithm.nominal
-            self.folder.quality(_row(number, gain, marks, record.provenance, repeatability))
+            self.folder.quality(_row(number, purpose, gain, marks, record.provenance, repeatability))
             for decision in self.learner.algorithm.decisions:
                 self.folder.event(decision.event, {"shot": number, **decision.fields})
         return marks
@@ -212,35 +213,49 @@ class Session:
         self.folder.event("discarded", {**fields, "kept": kept.name})
 
 
-def summary(rows: list[dict[str, str]]) -> dict[str, Any]:
+def summary(rows: list[dict[str, str]], made: Setup | None = None) -> dict[str, Any]:
     """Return the figures that other programs read from `summary.json`.
 
     Parameters
     ----------
     rows : list of dicts
         Of `qc.csv`.
+    made : Setup, optional
+        The run's, for how long it was identified.
 
     Returns
     -------
     dict
         `shots`; `objective_met_shot`, the first from which the objective holds to the end, or None; `worst_line_db`
-        of the last shot over the limit, dB; `iae_ratio` per side, first over last shot.
+        of the last shot over the limit, dB; `iae_ratio` per side, first over last shot; `reidentifications`, of bands;
+        `identification_seconds`, s of signal emitted for the model and for them, None where the model does not say.
     """
     sides = [key for key in rows[0] if key.startswith("iae_")] if rows else []
     met = len(rows)
     while met and rows[met - 1]["verdict"] == "pass":
         met -= 1
     worst = [float(rows[-1][key]) for key in rows[-1] if key.startswith("worst_line_db_")] if rows else []
+    probes = [row.get("purpose") == "reidentify" for row in rows]
     return {
         "shots": len(rows),
         "objective_met_shot": met if met < len(rows) else None,
         "worst_line_db": max(worst) if worst else None,
         "iae_ratio": [float(rows[0][side]) / float(rows[-1][side]) for side in sides],
+        "reidentifications": sum(now and not before for before, now in pairwise([False, *probes])),
+        "identification_seconds": _identification_seconds(made, sum(probes)),
     }
 
 
-def _row(shot: int, gain: float, marks: Marks, evidence: Mapping[str, str], repeatability: float) -> dict[str, Any]:
-    row: dict[str, Any] = {"shot": shot, "verdict": "pass" if marks.met else "fail", "reason": marks.reason}
+def _identification_seconds(made: Setup | None, probes: int) -> float | None:
+    seconds = made and made.law.matrix.provenance.get("seconds")
+    return float(seconds) + probes * made.shot.total / made.shot.rate if made and seconds else None
+
+
+def _row(
+    shot: int, purpose: str, gain: float, marks: Marks, evidence: Mapping[str, str], repeatability: float
+) -> dict[str, Any]:
+    row: dict[str, Any] = {"shot": shot, "purpose": purpose}
+    row |= {"verdict": "pass" if marks.met else "fail", "reason": marks.reason}
     row["gain"] = f"{gain:g}"
     sides = range(len(marks.iae))
     for name in ("iae", "error_db", "worst_line_db", "worst_line_hz", "worst_band_db", "worst_band_hz", "thd_db"):

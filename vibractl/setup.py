@@ -33,6 +33,11 @@ class Setup:
     law: Law
     shot: Timeline
 
+    def algorithm(self) -> Algorithm:
+        """Return the learning at its first drive."""
+        config = self.config
+        return Algorithm(self.law, config.adaptation, config.watch, config.quality.objective)
+
     def learner(self) -> Learner:
         """Return a learner at its first drive."""
         config = self.config
@@ -40,7 +45,7 @@ class Setup:
         edge = config.limits.ramp
         if self.reference.root is not None:  # the overtones rise and fall with the root
             edge = max(edge, self.reference.taper * self.shot.frames / self.shot.rate)
-        return Learner(Algorithm(self.law, config.adaptation), self.shot, config.learning.decimation, edge, responses)
+        return Learner(self.algorithm(), self.shot, config.learning.decimation, edge, responses)
 
 
 def setup(config: RigConfig, matrix: TransferMatrix, fresh_plans: bool = True) -> Setup:

@@ -1,7 +1,7 @@
 """A measured transfer matrix with its uncertainty, its bounded inverse, and how fast learning with it contracts."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.interpolate import Akima1DInterpolator
@@ -62,6 +62,10 @@ class TransferMatrix:
         """Coils."""
         count: int = self.response.shape[2]
         return count
+
+    def described(self, **words: str) -> "TransferMatrix":
+        """Return it with more words in its provenance."""
+        return replace(self, provenance={**self.provenance, **words})
 
     def at(self, frequency: np.ndarray) -> "TransferMatrix":
         """Interpolate to other lines: modified Akima on real and imaginary part, linear on variance and coherence.

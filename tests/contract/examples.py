@@ -11,7 +11,7 @@ from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, 
 from tests.contract.conformance import Example
 from vibractl.algorithm import Algorithm
 from vibractl.audio_engine import DeviceInput
-from vibractl.config import Adaptation, Learning, Limits
+from vibractl.config import Adaptation, Learning, Limits, Watch
 from vibractl.guard import Guard
 from vibractl.law import Law
 from vibractl.learner import Learner, Timeline
@@ -44,7 +44,7 @@ def _learner() -> Block:
     matrix = TransferMatrix(lines, response, np.zeros(response.shape), np.ones(response.shape))
     start, active = np.full((len(lines), 2), 1e-3 + 0j), np.ones(len(lines))
     law = Law(matrix, response, Learning(), 2 * start, start, Gains((0.5,), ()), active, (0, 1), np.eye(2))
-    return Learner(Algorithm(law, Adaptation()), shot, 4, 0.002, 2)
+    return Learner(Algorithm(law, Adaptation(), Watch(), -40.0), shot, 4, 0.002, 2)
 
 
 EXAMPLES: dict[type[Block], Example] = {

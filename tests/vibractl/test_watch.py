@@ -1,0 +1,85 @@
+import numpy as np
+import pytest
+
+from tests.vibractl.linear_rig import linear_config, linear_matrix
+from vibractl.config import Watch as Settings
+from vibractl.law import Law
+from vibractl.setup import setup
+from vibractl.watch import Trouble, Watch
+
+LIMIT = 0.01
+
+
+@pytest.fixture(scope="module")
+def law() -> Law:
+    return setup(linear_config(), linear_matrix(), fresh_plans=False).law
+
+
+def errors(law: Law, level: float, around: float | None = None, times: float = 1.0) -> np.ndarray:
+    """Return an even error, larger by `times` in a band of 20 Hz."""
+    lines = np.full(law.reference.shape, level * LIMIT, complex)
+    if around is not None:
+        lines[np.abs(law.matrix.frequency - around) <= 10] *= times
+    return lines
+
+
+def judged(law: Law, settings: Settings, history: list[np.ndarray], bound: float = 0.2) -> list[Trouble | None]:
+    watch = Watch(law, settings, LIMIT)
+    drive = np.ones((len(law.reference), 2), complex)
+    return [watch.judged(drive, error, np.full(len(error), bound * LIMIT)) for error in history]
+
+
+def test_a_steady_error_is_no_trouble(law: Law) -> None:
+    assert judged(law, Settings(), [errors(law, 0.3)] * 20) == [None] * 20
+
+
+def test_a_band_that_grows_twice_beyond_its_bound_is_found_below_the_limit(law: Law) -> None:
+    history = [errors(law, 0.1), errors(law, 0.1), errors(law, 0.1, 545, 4), errors(law, 0.1, 545, 6)]
+    found = judged(law, Settings(), history)
+    assert found[:3] == [None] * 3
+    assert found[3] is not None
+    assert found[3].test == "growth"
+    assert abs(found[3].centre - 545) <= 10
+    assert found[3].values["grown_db"] > 12
+
+
+def test_growth_that_was_to_be_expected_is_no_trouble(law: Law) -> None:
+    history = [errors(law, 0.1), errors(law, 0.1), errors(law, 0.1, 545, 4), errors(law, 0.1, 545, 6)]
+    assert judged(law, Settings(), history, bound=2.0) == [None] * 4
+
+
+def test_a_line_that_comes_back_above_the_limit_is_found_at_once(law: Law) -> None:
+    found = judged(law, Settings(), [errors(law, 5.0), errors(law, 0.1), errors(law, 0.1, 300, 20)], bound=1e9)
+    assert found[:2] == [None, None]
+    assert found[2] is not None
+    assert found[2].test == "level"
+    assert abs(found[2].centre - 300) <= 10
+
+
+def test_a_drive_that_grows_is_found_when_it_has_weight(law: Law) -> None:
+    watch = Watch(law, Settings(eta_2=1.0, delta=1.0), LIMIT)
+    drive, error, bound = (
+        np.ones((len(law.reference), 2), complex),
+        errors(law, 0.1),
+        np.full(len(law.reference), LIMIT),
+    )
+    assert watch.judged(drive, error, bound) is None
+    drive[np.argmin(np.abs(law.matrix.frequency - 400))] = 3.0
+    found = watch.judged(drive, 1.01 * error, bound)
+    assert found is not None
+    assert abs(found.centre - 400) < 0.2 / 2 + 1
+
+
+def test_outside_of_its_band_nothing_is_looked_at(law: Law) -> None:
+    history = [errors(law, 0.1), errors(law, 0.1, 60, 50), errors(law, 0.1, 60, 50)]
+    assert judged(law, Settings(), history) == [None] * 3
+
+
+def test_after_a_band_was_forgiven_it_starts_afresh(law: Law) -> None:
+    watch = Watch(law, Settings(), LIMIT)
+    drive, bound = np.ones((len(law.reference), 2), complex), np.full(len(law.reference), 0.2 * LIMIT)
+    for error in (errors(law, 0.1), errors(law, 0.1, 545, 4), errors(law, 0.1, 545, 6)):
+        found = watch.judged(drive, error, bound)
+    assert found is not None
+    watch.forgive(found.centre)
+    assert watch.judged(drive, errors(law, 0.1, 545, 5), bound) is None
