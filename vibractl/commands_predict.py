@@ -1,0 +1,69 @@
+"""The command `vibractl predict`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rigkit import config as rig_file
+from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.progress import progress
+from vibractl.config import RigConfig
+from vibractl.model_file import read_model
+from vibractl.predict import RUNS, Prediction, predict
+from vibractl.predict_report import drive_table, reason_table, shots_text, write_report
+from vibractl.setup import setup
+
+
+def predict_command(
+    model: Annotated[Path, typer.Option(metavar="FILE", help="Model file from `calibrate vibrator`.")],
+    config: ConfigOption = None,
+    reference: Annotated[
+        str | None, typer.Option(help="chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file.")
+    ] = None,
+    shots: Annotated[int | None, typer.Option(help="Shots of each simulated run.")] = None,
+    side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
+    law: Annotated[str | None, typer.Option(help="kalman, or thesis for the text's own law.")] = None,
+    report: Annotated[Path | None, typer.Option(metavar="FILE", help="Write an HTML page with figures.")] = None,
+    settings: SetOption = None,
+    json: JsonOption = None,
+) -> None:
+    """Say what a run will need and how it may go, before anything is emitted.
+
+    Drives and head-room, lines where convergence is not certified and why, and in how many shots the objective will be
+    met.
+
+    Example: `vibractl predict --model model.h5 --reference chirp:40:90:5 --report predicted.html`
+    """
+    flags = {
+        "reference.signal": reference,
+        "session.shots": shots,
+        "learning.side": side,
+        "learning.law": law,
+    }
+    laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
+    made_with = rig_file.load(config, RigConfig, laid_over)
+    if report is not None and not report.parent.is_dir():
+        raise ValueError(f"--report {report}: its folder does not exist")
+    sides = len(made_with.audio.response_channels), len(made_with.audio.drive_channels)
+    made = setup(made_with, read_model(model, made_with.rig.name, sides))
+    with progress("predicting", RUNS) as meter:
+        found = predict(made, RUNS, meter.show)
+    _print(found, json)
+    if report is not None:
+        write_report(report, found)
+    write_json(json, found.figures())
+
+
+def _print(found: Prediction, json: str | None) -> None:
+    stream, config = words(json), found.made.config
+    drives, reasons = drive_table(found), reason_table(found)
+    print_table(f"{config.rig.name}, {config.reference.signal}: drives", drives.head, drives.rows, stream)
+    if found.drives.violation:
+        stream.write(f"the guard would not let it out: {found.drives.violation}\n")
+    certified = f"{found.lines.certified.sum()} of {len(found.lines.bound)} lines are certified to converge"
+    if reasons.rows:
+        print_table(certified, reasons.head, reasons.rows, stream)
+    else:
+        stream.write(f"{certified}\n")
+    stream.write(f"law {config.learning.law}, objective {config.quality.objective:g} dB: {shots_text(found)}\n")

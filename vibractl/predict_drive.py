@@ -1,0 +1,97 @@
+"""Which drives a reference needs, and what room they leave under the guard's limits."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.signal import lfilter
+
+from vibractl.config import Limits
+from vibractl.guard import violation
+from vibractl.law import bounded_inverse
+from vibractl.predict_plant import drawn_response
+from vibractl.quality import FAINT, decibels
+from vibractl.setup import Setup
+
+DRAWS = 12
+"""Of G, for the range of the drives."""
+SEED = 21
+QUANTITIES = (("peak", "V"), ("rms", "V"), ("slew", "V/s"))
+"""What the guard limits; rms is the root of its exponential mean at its largest."""
+
+
+@dataclass(frozen=True)
+class DriveNeeds:
+    """Drives as numbers: peak V, rms V and slew V/s, last axis, of each coil, the axis before.
+
+    Parameters
+    ----------
+    needed : array, shape (coils, 3)
+        By G^+ R.
+    low, high : arrays, shape (coils, 3)
+        10 and 90 % of what it may be, for all that the model says of G.
+    first : array, shape (coils, 3)
+        Of the first drive.
+    learned : array, shape (coils, 3)
+        90 % of the last drives of simulated runs: with what makes up for distortion.
+    violation : str
+        What the guard would say to the first drive or to G^+ R; empty if it lets both out.
+    """
+
+    needed: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    first: np.ndarray
+    learned: np.ndarray
+    violation: str
+
+    def headroom(self, limits: Limits) -> np.ndarray:
+        """Return the room (coils, 3) that the largest of all these leaves under the limits, dB."""
+        largest = np.max([self.needed, self.high, self.first, self.learned], axis=0)
+        allowed = np.array([limits.peak, limits.rms, limits.slew])
+        return decibels(allowed / np.maximum(largest, FAINT))
+
+
+def drive_needs(made: Setup, learned: np.ndarray) -> DriveNeeds:
+    """Find the drives a reference needs, before anything is emitted.
+
+    Parameters
+    ----------
+    made : Setup
+    learned : complex array, shape (runs, lines, inputs), V s
+        Last drives of simulated runs.
+
+    Source
+    ------
+    Sörnmo 2015, eq. (6.16), (6.19): U = G^+ R.
+    """
+    law, limits, rate = made.law, made.config.limits, made.shot.rate
+    rng = np.random.default_rng(SEED)
+    wanted = _emitted(made, _answer(made, law.inverse))
+    first = made.learner().drive.astype(float)
+    drawn = [
+        _sizes(_emitted(made, _answer(made, bounded_inverse(drawn_response(law.matrix, rng), law.settings))), made)
+        for _ in range(DRAWS)
+    ]
+    low, high = np.quantile(drawn, [0.1, 0.9], axis=0)
+    last = np.quantile([_sizes(_emitted(made, lines), made) for lines in learned], 0.9, axis=0)
+    broken = next((str(found) for each in (first, wanted) if (found := violation(each, limits, rate))), "")
+    return DriveNeeds(_sizes(wanted, made), low, high, _sizes(first, made), last, broken)
+
+
+def _answer(made: Setup, inverse: np.ndarray) -> np.ndarray:
+    """Return G^+ R, (lines, inputs), V s, on the lines that are learned."""
+    lines: np.ndarray = (inverse @ made.law.reference[..., None])[..., 0] * made.law.active[:, None]
+    return lines
+
+
+def _emitted(made: Setup, lines: np.ndarray) -> np.ndarray:
+    """Return the whole drive (samples, coils), V, that a learner makes of lines (lines, inputs), V s."""
+    return replace(made, law=replace(made.law, start=lines)).learner().drive.astype(float)
+
+
+def _sizes(drive: np.ndarray, made: Setup) -> np.ndarray:
+    """Return peak, rms and slew of each coil, (coils, 3), as the guard sees them."""
+    forget = -np.expm1(-1.0 / (made.config.limits.rms_seconds * made.shot.rate))
+    mean = lfilter([forget], [1.0, forget - 1.0], drive**2, axis=0)
+    slew = np.abs(np.diff(drive, axis=0, prepend=0.0, append=0.0)).max(axis=0) * made.shot.rate
+    return np.stack([np.abs(drive).max(axis=0), np.sqrt(mean.max(axis=0)), slew], axis=-1)

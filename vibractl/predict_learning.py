@@ -1,0 +1,107 @@
+"""How a run may go: the learning itself, in lines, on vibrators drawn from what the model leaves open."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibractl.law import reference_level
+from vibractl.predict_plant import DrawnPlant
+from vibractl.quality import decibels
+from vibractl.setup import Setup
+from vibractl.shot import Shot
+from vibractl.spectrum import LineSpectrum
+
+HELD = 5
+"""Shots in a row that meet the objective, after which a simulated run is taken to go on so."""
+SEED = 20
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """Simulated runs.
+
+    Parameters
+    ----------
+    met : array, shape (runs,), shots
+        From which shot on the objective holds, counted from 0; infinite where it is not met in `shots`.
+    worst : array, shape (shots, runs), dB
+        Worst line over the limit; NaN after the end of a run.
+    place : array, shape (runs,), Hz
+        The worst line's when a run ends.
+    drives : complex array, shape (runs, lines, inputs), V s
+        Each run's last drive.
+    """
+
+    met: np.ndarray
+    worst: np.ndarray
+    place: np.ndarray
+    drives: np.ndarray
+
+    @property
+    def shots(self) -> int:
+        """Shots simulated at most."""
+        return len(self.worst)
+
+    def quantile(self, part: float) -> float:
+        """Return the shot by which the objective is met in a part of the runs; infinite if it is not in so many."""
+        return float(np.quantile(self.met, part, method="inverted_cdf"))
+
+
+def forecast(made: Setup, runs: int, tell: Callable[[int], None]) -> Forecast:
+    """Learn on vibrators as they may be, for at most `session.shots`.
+
+    Parameters
+    ----------
+    made : Setup
+    runs : int, >= 1
+    tell : callable
+        Called with the number of runs done.
+    """
+    law, shots = made.law, made.config.session.shots
+    step = made.config.learning.decimation
+    band = float(law.matrix.frequency[0]), float(law.matrix.frequency[-1])
+    spectrum = LineSpectrum(made.shot.frames // step, law.matrix.outputs, made.shot.rate / step, band)
+    worst, place = np.full((shots, runs), np.nan), np.zeros(runs)
+    met, drives = np.full(runs, np.inf), np.zeros((runs, *law.start.shape), complex)
+    for run in range(runs):
+        plant = DrawnPlant(law, spectrum, np.random.default_rng([SEED, run]))
+        worst[:, run], place[run], drives[run] = _learned(made, plant)
+        met[run] = _met(worst[:, run])
+        tell(run + 1)
+    return Forecast(met, worst, place, drives)
+
+
+def judged_lines(made: Setup) -> np.ndarray:
+    """Return which learned lines the objective holds for, bool (lines,): those above the root, for a sine."""
+    quality, frequency = made.config.quality, made.law.matrix.frequency
+    judged: np.ndarray = (made.law.active > 0) & (frequency <= quality.judged_to)
+    if made.reference.root is not None:
+        return judged & (frequency > 1.5 * made.reference.root)
+    return judged & (frequency >= quality.above)
+
+
+def _learned(made: Setup, plant: DrawnPlant) -> tuple[np.ndarray, float, np.ndarray]:
+    """Return the worst line of each shot, where it is in the last, and the last drive."""
+    law, judged, algorithm = made.law, judged_lines(made), made.algorithm()
+    limit = reference_level(law.reference) * 10 ** (made.config.quality.objective / 20)
+    worst = np.full(made.config.session.shots, np.nan)
+    held, place = 0, 0.0
+    for shot in range(len(worst)):
+        drive = algorithm.lines
+        response = plant.respond(drive)
+        over = decibels((law.reference - response)[judged] / limit).max(axis=1)
+        worst[shot], place = over.max(), float(law.matrix.frequency[judged][over.argmax()])
+        held = held + 1 if worst[shot] <= 0 else 0
+        if held == HELD or not np.isfinite(worst[shot]):
+            break
+        algorithm.step(Shot(drive, response, plant.noise))
+    return worst, place, drive
+
+
+def _met(worst: np.ndarray) -> float:
+    """Return from which shot on the objective holds; infinite if it does not."""
+    done = worst[~np.isnan(worst)]
+    missed = np.flatnonzero(~(done <= 0))
+    first = int(missed[-1]) + 1 if len(missed) else 0
+    return float(first) if first < len(done) else np.inf
