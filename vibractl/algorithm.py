@@ -35,6 +35,11 @@ class Decision:
     fields: dict[str, Any]
 
 
+def tidy(value: float) -> float:
+    """Round a figure for the events: to four digits after the point."""
+    return round(float(value), 4)
+
+
 class Algorithm:
     """Learns from shot to shot.  With every part of [adaptation] and [watch] off it is the law of the thesis.
 
@@ -124,7 +129,7 @@ class Algorithm:
         self.lines = update(shot.drive, self._inverse, error, self.gain)
         if self._rollback is not None and (best := self._rollback.judged(self.number, shot.drive, error, expected)):
             self.lines = best.lines
-            self.decisions.append(Decision("rollback", {"to_shot": best.shot, "error_db": best.growth_db}))
+            self.decisions.append(Decision("rollback", {"to_shot": best.shot, "error_db": tidy(best.growth_db)}))
         self._before = shot
         self._learned += 1
 
@@ -132,7 +137,7 @@ class Algorithm:
         """Begin to reidentify a band, or freeze it when that has been done often enough; say whether it has begun."""
         watching, frequency = self._watching, self.law.matrix.frequency
         near = np.abs(frequency - trouble.centre) <= watching.half_width
-        fields = {"band_hz": [float(frequency[near][0]), float(frequency[near][-1])], "at_hz": trouble.centre}
+        fields = {"band_hz": [tidy(frequency[near][0]), tidy(frequency[near][-1])], "at_hz": tidy(trouble.centre)}
         self.decisions.append(Decision("divergence", {**fields, "test": trouble.test, **trouble.values}))
         if sum(abs(centre - trouble.centre) <= watching.half_width for centre in self._treated) >= watching.rounds:
             self._open = np.where(near, 0.0, self._open)
@@ -173,8 +178,8 @@ class Algorithm:
         moved = norm(now - before[inside]) / norm(before[inside])
         sure = np.zeros(now.shape)
         was, will = (contraction(now, sure, inverse[inside], self.nominal).max() for inverse in (old, self._inverse))
-        fields = {"band_hz": list(running.probe.band), "moved": float(np.median(moved))}
-        return Decision("reidentified", {**fields, "contraction_before": float(was), "contraction_after": float(will)})
+        fields = {"band_hz": [tidy(edge) for edge in running.probe.band], "moved": tidy(np.median(moved))}
+        return Decision("reidentified", {**fields, "contraction_before": tidy(was), "contraction_after": tidy(will)})
 
     def _follow(self, shot: Shot, before: Shot) -> None:
         """Correct G by what this shot shows beside the one before."""
