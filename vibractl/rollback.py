@@ -37,6 +37,7 @@ class Rollback:
         self.pace = 1.0
         self._best = np.inf
         self._last = np.inf
+        self._expected = 0.0
         self._grown = 0
         self._shot = 0
         self._lines = np.zeros((0, 0), complex)
@@ -55,12 +56,13 @@ class Rollback:
         lines : complex array, shape (lines, inputs), V s
         error : complex array, shape (lines, outputs), m/s^2 s
         expected : float, m/s^2 s
-            How large its norm could be expected to be; growth within that is no reason.
+            How large its norm could be expected to be; growth up to what was expected of the best shot is no reason,
+            but bounds that have widened because the error grew excuse nothing.
         """
         size = float(np.linalg.norm(error))
         if size < self._best:
-            self._best, self._shot, self._lines = size, shot, lines.copy()
-        self._grown = self._grown + 1 if size > max(self._last, expected) else 0
+            self._best, self._shot, self._lines, self._expected = size, shot, lines.copy(), expected
+        self._grown = self._grown + 1 if size > max(self._last, self._expected) else 0
         self._last = size
         if self._grown < 2 or size < GROWN * self._best:
             return None
