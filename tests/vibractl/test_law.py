@@ -1,0 +1,90 @@
+"""What a run's learning stands on, from its settings and the model."""
+
+import numpy as np
+import pytest
+
+from tests.vibractl.line_plant import FREQUENCY, law_of, matrix_of, modal
+from vibractl.law import SIGNIFICANT, reference_level
+from vibractl.learning import CHIRP_GAINS, KALMAN_GAINS, SINE_GAINS
+from vibractl.transfer_matrix import norm, regularized_inverse
+
+MODEL = matrix_of(modal(2, 2))
+
+
+def test_decentralised_learning_that_follows_g_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"structure is decentralised: learning\.law is kalman, must be thesis"):
+        law_of(MODEL, structure="decentralised")
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"side": 3}, r"learning\.side is 3, must be 0 to 2"),
+        ({"stages": (4,)}, r"learning\.stages is \[4\], but learning\.gains is empty"),
+        ({"gains": (0.5, 0.3)}, "0 stages for 2 gains, must have one fewer"),
+        ({"band": (15.0, 700.0)}, "15 to 700 Hz are wanted, the model was measured from 14 to 651 Hz"),
+    ],
+)
+def test_settings_that_do_not_fit_are_refused(settings: dict[str, object], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        law_of(MODEL, **settings)
+
+
+@pytest.mark.parametrize(
+    ("settings", "reference", "gains"),
+    [
+        ({}, "chirp:40:90:1", KALMAN_GAINS),
+        ({}, "sine:24:1", KALMAN_GAINS),
+        ({"law": "thesis"}, "chirp:40:90:1", CHIRP_GAINS),
+        ({"law": "thesis"}, "sine:24:1", SINE_GAINS),
+    ],
+)
+def test_each_law_has_its_own_gains(settings: dict[str, object], reference: str, gains: object) -> None:
+    assert law_of(MODEL, reference, **settings).gains == gains
+
+
+def test_the_default_law_starts_from_the_model_and_the_thesis_from_the_reference() -> None:
+    law = law_of(MODEL)
+    answer = (law.matrix.response @ law.start[..., None])[..., 0]
+    strong = np.abs(law.reference[:, 0]) > SIGNIFICANT * np.abs(law.reference).max()
+    np.testing.assert_allclose(answer[strong], law.reference[strong], rtol=0.1)
+    thesis = law_of(MODEL, law="thesis")
+    ratio = thesis.start / thesis.reference
+    np.testing.assert_allclose(ratio, np.broadcast_to(ratio[:1], ratio.shape), rtol=1e-9)
+    np.testing.assert_array_equal(law_of(MODEL, law="thesis", start="inverse").start, law.start)
+
+
+def test_the_inverse_is_bounded_line_by_line_or_by_one_number() -> None:
+    by_line, by_one = law_of(MODEL), law_of(MODEL, regularisation="constant", constant_epsilon=0.3)
+    response = by_one.matrix.response
+    np.testing.assert_array_equal(by_one.inverse, regularized_inverse(response, 0.3))
+    assert norm(by_one.inverse).max() <= 0.5 / np.sqrt(0.3)
+    assert np.all(norm(by_line.inverse) <= 0.5 / np.sqrt(1e-3) / norm(response) * (1 + 1e-9))
+
+
+def test_one_side_is_one_row_and_one_column() -> None:
+    law = law_of(MODEL, side=2)
+    first = np.searchsorted(FREQUENCY, law.matrix.frequency[0])
+    lines = slice(first, first + len(law.matrix.frequency))
+    np.testing.assert_allclose(law.matrix.response[:, 0, 0], MODEL.response[lines, 1, 1], rtol=1e-9)
+    np.testing.assert_array_equal(law.spread, [[0.0], [1.0]])
+    assert law.outputs == (1,)
+
+
+def test_a_drive_for_both_sides_is_one_input_that_drives_every_coil() -> None:
+    law = law_of(MODEL, law="thesis", structure="common")
+    assert law.matrix.response.shape[1:] == (2, 1)
+    np.testing.assert_array_equal(law.spread, np.ones((2, 1)))
+    np.testing.assert_allclose(law.matrix.response[..., 0], MODEL.at(law.matrix.frequency).response.sum(axis=2))
+
+
+def test_of_a_sine_the_root_and_its_overtones_are_learned_and_nothing_else() -> None:
+    law = law_of(MODEL, "sine:24:1", overtones=3)
+    learned = law.matrix.frequency[law.active > 0]
+    np.testing.assert_allclose(learned, [24.0, 48.0, 72.0, 96.0])
+    assert np.all(law.start[law.active == 0] == 0)
+
+
+def test_the_level_of_a_reference_is_that_of_its_strong_lines() -> None:
+    lines = np.array([[4.0, 0.1], [3.0, 2.0], [0.5, 2.0]]) + 0j
+    np.testing.assert_allclose(reference_level(lines), [np.sqrt(12.5), 2.0])
