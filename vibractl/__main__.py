@@ -21,10 +21,10 @@ from rigkit.progress import progress
 from rigkit.run_folder import RunFolder, read_quality
 from rigkit.stop import Stopped, stoppable
 from vibractl.audio_stream import AudioError
-from vibractl.commands_doctor import doctor_command
-from vibractl.commands_export import export_command
 from vibractl.commands_predict import predict_command
 from vibractl.config import RigConfig
+from vibractl.doctor.command import doctor_command
+from vibractl.export.command import export_command
 from vibractl.quality import Marks
 from vibractl.replay import replay
 from vibractl.report import run_report
@@ -57,9 +57,7 @@ def run_command(
     ] = None,
     shots: Annotated[int | None, typer.Option(help="Shots in all.")] = None,
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
-    watch: Annotated[
-        bool, typer.Option("--watch", help="Reidentify bands that diverge, while it goes on.")
-    ] = False,
+    watch: Annotated[bool, typer.Option("--watch", help="Reidentify bands that diverge, while it goes on.")] = False,
     law: Annotated[str | None, typer.Option(help="kalman, or thesis for the text's own law.")] = None,
     seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
     resume: Annotated[Path | None, typer.Option(metavar="RUN/", help="Go on with a run that stopped.")] = None,

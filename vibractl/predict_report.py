@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from rigkit.figure_style import COLOURS, styled
 from rigkit.provenance import now, software
 from rigkit.report import Fact, Plot, Report, Section, Table
-from vibractl.figures_lines import BOUND, legend_above
+from vibractl.figures.lines import BOUND, legend_above
 from vibractl.predict import Prediction
 from vibractl.predict_drive import QUANTITIES
 from vibractl.predict_lines import MEANINGS, REASONS

@@ -84,6 +84,10 @@ class Reidentification:
     def evidence(self) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         """Yield of each shot what was added, how the response changed, and the noise in that, see `LineFilter.observe`.
 
+        Returns
+        -------
+        iterator of arrays, shapes (lines, inputs), V s; (lines, outputs), m/s^2 s; (lines, outputs), (m/s^2 s)^2
+
         Source
         ------
         Sörnmo 2015, eq. (6.23).

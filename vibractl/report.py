@@ -7,13 +7,13 @@ from typing import Any
 from rigkit.figure_style import styled
 from rigkit.report import Fact, Report, Section, Table
 from rigkit.run_folder import read_events
-from vibractl.figures_drive import drive_plot, drive_spectrum_plot, headroom_table
-from vibractl.figures_model import magnitude_plot, trust_plot
-from vibractl.figures_progress import learning_plot, overtone_plot, phase_plot
-from vibractl.figures_result import Result, read_result
-from vibractl.figures_spectrogram import spectrogram_plot
-from vibractl.figures_spectrum import error_plot, response_plot
-from vibractl.figures_tracking import error_time_plot, tracking_plot
+from vibractl.figures.drive import drive_plot, drive_spectrum_plot, headroom_table
+from vibractl.figures.model import magnitude_plot, trust_plot
+from vibractl.figures.progress import learning_plot, overtone_plot, phase_plot
+from vibractl.figures.result import Result, read_result
+from vibractl.figures.spectrogram import spectrogram_plot
+from vibractl.figures.spectrum import error_plot, response_plot
+from vibractl.figures.tracking import error_time_plot, tracking_plot
 from vibractl.reference import is_file
 from vibractl.session import summary
 

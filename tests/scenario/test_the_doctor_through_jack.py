@@ -7,9 +7,9 @@ real time, so it takes half a minute a rig.
 import pytest
 
 from benchmarks.jack_server import jack_server, missing, vibrator_client
-from tests.vibractl.doctor_rig import verdict
+from tests.vibractl.doctor.doctor_rig import verdict
 from vibractl.config import Audio, RigConfig
-from vibractl.doctor import Examination, examine
+from vibractl.doctor.examination import Examination, examine
 
 pytestmark = [pytest.mark.skipif(bool(missing()), reason=missing()), pytest.mark.slow]
 

@@ -61,6 +61,13 @@ def test_one_side_alone_and_one_drive_for_both_are_drawn_as_well() -> None:
         assert drawn(made, 1).respond(made.law.start).shape == made.law.reference.shape
 
 
+def test_more_coils_than_accelerometers_are_drawn_as_well() -> None:
+    matrix = linear_matrix()
+    parts = {name: getattr(matrix, name)[:, :1] for name in ("response", "variance", "coherence")}
+    made = setup(linear_config("audio.response_channels=[1]"), replace(matrix, **parts), fresh_plans=False)
+    assert drawn(made, 1).respond(made.law.start).shape == (len(made.law.matrix.frequency), 1)
+
+
 def test_a_seed_is_one_vibrator() -> None:
     made = setup(linear_config(), linear_matrix(), fresh_plans=False)
     first, again, other = (drawn(made, seed).respond(made.law.start) for seed in (1, 1, 2))

@@ -10,11 +10,11 @@ from matplotlib.figure import Figure
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from vibractl.config import Limits, RigConfig
-from vibractl.figures_drive import extremes, headroom
-from vibractl.figures_lines import SPANS, draw_envelope, largest_by_span
-from vibractl.figures_result import read_result
-from vibractl.figures_spectrogram import spectrogram_plot
-from vibractl.figures_tracking import tracking_plot
+from vibractl.figures.drive import extremes, headroom
+from vibractl.figures.lines import SPANS, draw_envelope, largest_by_span
+from vibractl.figures.result import read_result
+from vibractl.figures.spectrogram import spectrogram_plot
+from vibractl.figures.tracking import tracking_plot
 from vibractl.model_file import write_model
 from vibractl.report import event_table, run_report, shot_table
 from vibractl.session import Session, create

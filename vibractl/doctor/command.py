@@ -1,0 +1,59 @@
+"""The command `vibractl doctor`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rigkit import config as rig_file
+from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.progress import progress
+from rigkit.stop import Stopped
+from vibractl.config import RigConfig
+from vibractl.doctor.examination import Examination, announcement, duration, examine
+from vibractl.doctor.report import write_report
+
+
+def doctor_command(
+    config: ConfigOption = None,
+    report: Annotated[Path | None, typer.Option(metavar="FILE", help="Write an HTML page with figures.")] = None,
+    settings: SetOption = None,
+    json: JsonOption = None,
+) -> None:
+    """Look at a rig before it works: card, cables, clock, hum, noise, distortion, channels, polarity.
+
+    Plays small signals for half a minute, within the limits of the rig file.  Ctrl-C ramps down and ends.  The exit
+    status is 1 if a verdict fails.
+
+    Example: `vibractl doctor --config rig.toml --report doctor.html`
+    """
+    made = rig_file.load(config, RigConfig, settings or ())
+    if report is not None and not report.parent.is_dir():
+        raise ValueError(f"--report {report}: its folder does not exist")
+    stream, total = words(json), duration(made)
+    stream.write(f"Plays for {total:.0f} s:\n" + "".join(f"  {line}\n" for line in announcement(made)))
+    stream.flush()
+    try:
+        with progress("doctor", total) as meter:
+            found = examine(made, meter.show)
+            meter.show(total)
+    except KeyboardInterrupt:
+        raise Stopped("stopped; every output is ramped down to zero") from None
+    _print(found, json)
+    if report is not None:
+        write_report(report, found)
+    verdict = "fail" if found.failed else "pass"
+    checks = [each.figures() for each in found.verdicts]
+    write_json(json, {"rig": made.rig.name, "verdict": verdict, "seconds": total, "checks": checks})
+    if found.failed:
+        raise typer.Exit(1)
+
+
+def _print(found: Examination, json: str | None) -> None:
+    rows = [[each.check, each.grade, each.measured, each.limit] for each in found.verdicts]
+    print_table(
+        f"{found.config.rig.name}: what the doctor says", ["check", "verdict", "measured", "wanted"], rows, words(json)
+    )
+    for each in found.verdicts:
+        if each.advice:
+            words(json).write(f"{each.check}: {each.advice}\n")

@@ -1,0 +1,30 @@
+"""The command `vibractl export`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rigkit.command import JsonOption, print_table, words, write_json
+from vibractl.export.run import FORMATS, export_run
+
+
+def export_command(
+    path: Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")],
+    formats: Annotated[
+        list[str] | None, typer.Option("--format", help="uff, segy, csv or mat; may be given many times; all without.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="PLACE", help="Folder, RUN/export without; or the file, for one format.")
+    ] = None,
+    shots: Annotated[str | None, typer.Option(help="all, or as in 0,5,10-20; the first and the last without.")] = None,
+    json: JsonOption = None,
+) -> None:
+    """Write model, reference and shots of a run for other programs: UFF58, SEG-Y, CSV, MATLAB.
+
+    Example: `vibractl export RUN/ --format segy --shots all --out sweeps.sgy`
+    """
+    written = export_run(path, tuple(dict.fromkeys(formats or FORMATS)), out, shots)
+    rows = [[str(file), f"{file.stat().st_size / 1e6:.3g}"] for file in written]
+    print_table(f"{path}: exported", ["file", "MB"], rows, words(json))
+    write_json(json, {"files": [str(file) for file in written]})

@@ -1,0 +1,69 @@
+"""A run in the formats of other programs, every file whole or not there."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from rigkit import atomic
+from vibractl.export.content import Content, read_content
+from vibractl.export.csv import write_csv
+from vibractl.export.mat import write_mat
+from vibractl.export.segy import write_segy
+from vibractl.export.uff import write_uff
+
+FOLDER = "export"
+"""Within the run folder, unless another place is named."""
+_WRITERS: dict[str, tuple[str, Callable[[Path, Content], None]]] = {
+    "uff": ("run.uff", write_uff),
+    "segy": ("run.sgy", write_segy),
+    "mat": ("run.mat", write_mat),
+}
+FORMATS = (*_WRITERS, "csv")
+SUFFIXES = {"uff": (".uff", ".unv", ".bin"), "segy": (".sgy", ".segy"), "mat": (".mat",), "csv": ()}
+"""What the name of a single file may end in."""
+
+
+def export_run(
+    path: Path, formats: Sequence[str] = FORMATS, out: Path | None = None, shots: str | None = None
+) -> list[Path]:
+    """Write a run folder in other formats.
+
+    Parameters
+    ----------
+    path : Path
+        Run folder of at least one shot; it may belong to a run that goes on.
+    formats : sequence of str
+        Of `FORMATS`.
+    out : Path, optional
+        A folder, made if absent; or the file, for one format that is one file, with its suffix.
+    shots : str, optional
+        As for `read_content`.
+
+    Returns
+    -------
+    list of Path
+        What was written.
+
+    Raises
+    ------
+    ValueError : no such format, place or shot, a damaged run, or a package that is not installed.
+    """
+    for name in formats:
+        if name not in FORMATS:
+            raise ValueError(f"--format is {name!r}, must be one of {', '.join(FORMATS)}")
+    single = out is not None and out.suffix.lower() in [suffix for each in SUFFIXES.values() for suffix in each]
+    if out is not None and single and (len(formats) > 1 or out.suffix.lower() not in SUFFIXES[formats[0]]):
+        raise ValueError(f"--out is {out}, must be a folder for --format {', '.join(formats)}")
+    content = read_content(path, shots)
+    folder = path / FOLDER if out is None else out.parent if single else out
+    folder.mkdir(parents=True, exist_ok=True)
+    written: list[Path] = []
+    for name in formats:
+        if name == "csv":
+            written += write_csv(folder, content)
+            continue
+        file, write = _WRITERS[name]
+        target = out if single and out is not None else folder / file
+        with atomic.replacing(target) as temporary:
+            write(temporary, content)
+        written.append(target)
+    return written
