@@ -99,6 +99,22 @@ def test_what_follows_the_strong_lines_is_not_taken_for_g() -> None:
     assert within[0.0] < 0.05
 
 
+def test_a_machine_that_changes_by_itself_does_not_spoil_g() -> None:
+    """Each line's G jumps by 1 % from shot to shot while the drive hardly moves any more."""
+    true = modal(2, 2)
+    law = law_of(matrix_of(true))
+    strong = (law.matrix.frequency > 45) & (law.matrix.frequency < 85)
+    missed = {}
+    for drift in (0.0, 0.01):
+        algorithm, plant = algorithm_of(law, drift=drift, rollback=False), LinePlant(true, law)
+        steady, rng = plant.response, np.random.default_rng(2)
+        for _ in range(12):
+            plant.response = steady * (1 + 0.01 * rng.standard_normal((len(steady), 1, 1)))
+            algorithm.step(plant.shot(algorithm.lines))
+        missed[drift] = float(np.median(norm(algorithm.response - steady)[strong] / norm(steady)[strong]))
+    assert missed[0.01] < 0.5 * missed[0.0]
+
+
 def test_a_line_whose_error_is_noise_is_learned_from_less() -> None:
     true = modal(2, 2)
     law = law_of(matrix_of(true))
