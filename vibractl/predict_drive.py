@@ -45,10 +45,10 @@ class DriveNeeds:
     violation: str
 
     def headroom(self, limits: Limits) -> np.ndarray:
-        """Return the room (coils, 3) that the largest of all these leaves under the limits, dB."""
+        """Return the room (coils, 3) that the largest of these leaves under the limits, dB; infinite where silent."""
         largest = np.max([self.needed, self.high, self.first, self.learned], axis=0)
         allowed = np.array([limits.peak, limits.rms, limits.slew])
-        return decibels(allowed / np.maximum(largest, FAINT))
+        return np.where(largest > 0, decibels(allowed / np.maximum(largest, FAINT)), np.inf)
 
 
 def drive_needs(made: Setup, learned: np.ndarray) -> DriveNeeds:

@@ -49,7 +49,8 @@ class DrawnPlant:
         self.response = drawn_response(law.matrix, rng)
         self.noise = np.broadcast_to((reference_level(law.reference) * 10 ** (NOISE / 20)) ** 2, law.reference.shape)
         size = np.abs(law.reference)
-        self._own = np.minimum(1.0, size / (SIGNIFICANT * size.max(axis=0)))
+        self._own = np.minimum(1.0, size / (SIGNIFICANT * size.max(axis=0))) * law.active[:, None]
+        self._window = law.window
         self._side = np.arange(law.matrix.inputs) % law.matrix.outputs  # whose motion a coil's side has
         self._signal = np.zeros((spectrum.frames, law.matrix.outputs))
         self._loudest = np.ones(law.matrix.outputs)
@@ -59,7 +60,7 @@ class DrawnPlant:
     def respond(self, drive: np.ndarray) -> np.ndarray:
         """Return the response (lines, outputs), m/s^2 s, to a drive (lines, inputs), V s."""
         linear = (self.response @ drive[..., None])[..., 0]
-        response: np.ndarray = linear + _gaussian(linear.shape, self._rng) * np.sqrt(self.noise)
+        response = linear + _gaussian(linear.shape, self._rng) * np.sqrt(self.noise)
         motion = self._motion(linear)
         size = np.abs(motion)
         turn = motion / np.maximum(size, np.finfo(float).tiny)
@@ -68,7 +69,8 @@ class DrawnPlant:
             phase *= turn
             grown = np.minimum(size, 1.0) ** min(max(order, MILDEST), STEEPEST) * np.maximum(size, 1.0)
             response += (path @ self._spectrum.lines(grown * phase.real)[:, self._side, None])[..., 0]
-        return response
+        self._spectrum.time(response, self._signal)
+        return self._spectrum.lines(self._window * self._signal)
 
     def _motion(self, response: np.ndarray) -> np.ndarray:
         """Return the analytic signal (frames, outputs) of a response in the reference's own band, 1 when loudest."""

@@ -37,7 +37,7 @@ def drive_table(found: Prediction) -> Table:
         name, unit = QUANTITIES[quantity]
         each = drives.needed, drives.low, drives.high, drives.first, drives.learned
         needed, low, high, first, last = (f"{sizes[coil, quantity]:.4g}" for sizes in each)
-        limit, left = f"{getattr(limits, name):g}", f"{room[coil, quantity]:.1f}"
+        limit, left = f"{getattr(limits, name):g}", _room(float(room[coil, quantity]))
         rows.append((f"coil {coil + 1}, {name}, {unit}", needed, f"{low} to {high}", first, last, limit, left))
     return Table(("drive", "G⁺ R", "10 to 90 %", "first", "learned, 90 %", "limit", "room, dB"), tuple(rows))
 
@@ -118,6 +118,10 @@ def _shots_plot(found: Prediction) -> Plot:
     return Plot(
         figure, "The worst line of every simulated run, each on another vibrator that the model does not rule out."
     )
+
+
+def _room(level: float) -> str:
+    return f"{level:.1f}" if math.isfinite(level) else "–"
 
 
 def _shot(number: float, most: int) -> str:

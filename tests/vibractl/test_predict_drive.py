@@ -54,6 +54,8 @@ def test_head_room_is_under_the_largest_drive_expected() -> None:
 
 
 def test_one_sides_coil_leaves_the_other_silent() -> None:
-    found = needs(made_with("learning.side=1"))
+    made = made_with("learning.side=1")
+    found = needs(made)
     assert np.all(found.needed[0] > 0)
     assert np.all(found.needed[1] == 0)
+    assert np.all(np.isinf(found.headroom(made.config.limits)) == [[False], [True]])

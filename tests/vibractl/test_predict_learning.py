@@ -52,6 +52,12 @@ def test_a_sine_is_judged_at_its_overtones_alone() -> None:
     np.testing.assert_allclose(made.law.matrix.frequency[judged_lines(made)], [100, 150, 200, 250])
 
 
-def test_half_the_runs_are_done_by_the_median() -> None:
-    found = Forecast(np.array([3.0, 4.0, np.inf, 3.0]), np.zeros((9, 4)), np.zeros(4), np.zeros((4, 1, 1), complex))
-    assert (found.quantile(0.5), found.quantile(0.75), found.quantile(0.9)) == (3.0, 4.0, np.inf)
+def test_a_sine_whose_edges_are_not_looked_at_is_learned_like_a_chirp() -> None:
+    found = runs(made_with("reference.signal=sine:50:1", "learning.law=kalman", "learning.gains=[]"))
+    assert found.quantile(0.5) < 10
+
+
+def test_a_part_of_the_runs_is_done_by_its_quantile() -> None:
+    met = np.append(np.arange(18.0), [np.inf, np.inf])
+    found = Forecast(met, np.zeros((30, 20)), np.zeros(20), np.zeros((20, 1, 1), complex))
+    assert [found.quantile(part) for part in (0.1, 0.5, 0.9, 0.95)] == [1.0, 9.0, 17.0, np.inf]
