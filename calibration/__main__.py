@@ -29,7 +29,7 @@ def vibrator_command(
     seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
     method: Annotated[str | None, typer.Option(metavar="multisine|stepped|both", help="How it is measured.")] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Multisine: no line louder than the objective.")] = False,
-    passes: Annotated[int | None, typer.Option(help="2: once more, on a grid refined from the first pass.")] = None,
+    passes: Annotated[int | None, typer.Option(help="Stepped sine; 2: once more, on a refined grid.")] = None,
     no_preload: Annotated[bool, typer.Option("--no-preload", help="Leave the preload out, for comparison.")] = False,
     png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
     settings: SetOption = None,
@@ -43,7 +43,7 @@ def vibrator_command(
     """
     flags = {
         "simulator.options.seed": seed,
-        "characterisation.method": method,
+        "characterisation.method": "stepped" if passes is not None and method is None else method,
         "characterisation.passes": passes,
         "characterisation.quiet": "true" if quiet else None,
     }
@@ -116,6 +116,7 @@ def _print(found: Calibration, out: Path, json: str | None) -> None:
     if found.levels is not None:
         table = level_table(found.levels)
         print_table("levels of a line; distortion and noise re the multisine's", table.head, table.rows, stream)
+    if found.loudest is not None:
         print(f"the multisine's loudest line is {found.loudest:.1f} dB re what the preload emits", file=stream)
     if len(found.tones):
         print(f"{len(found.tones)} lines were measured again by a stepped sine", file=stream)

@@ -39,14 +39,14 @@ class Multisined:
     levels : Levels
     emitted : float, s
         Of signal, over all records.
-    loudest : float, dB
+    loudest : float or None, dB
         Strongest line of the multisine from `quality.above` on, re what the preload emits.
     """
 
     matrix: TransferMatrix
     levels: Levels
     emitted: float
-    loudest: float
+    loudest: float | None
 
 
 def measure_by_multisine(config: RigConfig, raw: RawFolder, emit: Emit, provenance: Mapping[str, str]) -> Multisined:
@@ -106,9 +106,11 @@ def _model(config: RigConfig, design: Design, spectra: Spectra, about: Mapping[s
     return TransferMatrix(frequency, response, variance, coherence_of(response, variance), about)
 
 
-def _loudest(config: RigConfig, design: Design, spectra: Spectra) -> float:
-    """Return the strongest line that the multisine adds to any record, dB re what the preload emits."""
+def _loudest(config: RigConfig, design: Design, spectra: Spectra) -> float | None:
+    """Return the strongest line above 100 Hz that the multisine adds to any record, dB re what the preload emits."""
     place = design.bins[design.bins * design.rate / design.period >= config.quality.above] - spectra.first
+    if not len(place):
+        return None
     added = np.abs(spectra.response - spectra.response.mean(axis=0))[:, place].max(axis=(0, 1))
     return float(20 * np.log10(np.max(added / preload_density(spectra, design, config))))
 

@@ -43,7 +43,8 @@ def sweep_report(found: Calibration, config: RigConfig) -> Report:
 def _drive_fact(found: Calibration, settings: Characterisation) -> Fact:
     if found.levels is None:
         return Fact("preload and probe", f"{settings.preload:g} V and {settings.probe:g} V a side")
-    return Fact("preload and loudest line", f"{settings.operating:g} V rms a side, {found.loudest:.1f} dB")
+    loudest = "" if found.loudest is None else f", {found.loudest:.1f} dB"
+    return Fact("preload and loudest line", f"{settings.operating:g} V rms a side{loudest}")
 
 
 def _sections(found: Calibration, config: RigConfig) -> list[Section]:
@@ -85,6 +86,7 @@ def _bode(matrix: TransferMatrix) -> Figure:
         size, band = np.abs(response), 2 * np.sqrt(matrix.variance[:, output, drive])
         _shade(level, matrix.frequency, _decibels(size - band), _decibels(size + band))
         level.plot(matrix.frequency, _decibels(size), linewidth=0.9)
+        level.set_ylim(bottom=_decibels(size).min() - 10)  # where nothing is certain, the shade goes down without end
         level.set_title(f"response {output + 1} from drive {drive + 1}")
         angle, doubt = np.degrees(np.angle(response)), np.degrees(np.minimum(band / size, np.pi))
         _shade(phase, matrix.frequency, angle - doubt, angle + doubt)

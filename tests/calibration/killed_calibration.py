@@ -22,7 +22,7 @@ from vibractl.config import RigConfig
 from vibractl.model_file import read_model, write_model
 
 KILLS = 8
-SETTINGS = ("band=[100, 109]", "tone=0.2", "settle=0.05")
+SETTINGS = ("method=stepped", "band=[100, 109]", "tone=0.2", "settle=0.05")
 CONFIG = rig_file.load(None, RigConfig, [f"characterisation.{text}" for text in SETTINGS])
 
 

@@ -7,7 +7,7 @@ import pytest
 from calibration.__main__ import main
 from vibractl.model_file import read_model
 
-SHORT = ("band=[60, 67]", "settle=0.05", "tone=0.2")
+SHORT = ("method=stepped", "band=[60, 67]", "settle=0.05", "tone=0.2")
 
 
 MULTISINE = ("--method", "multisine", *(

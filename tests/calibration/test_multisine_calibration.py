@@ -45,6 +45,10 @@ def test_quiet_records_keep_every_line_below_the_objective(tmp_path: Path) -> No
     assert sorted({path.name[:-8] for path in tmp_path.glob("*.wav")}) == ["multisine", "scout"]
 
 
+def test_below_the_band_that_is_judged_no_line_is_too_loud(tmp_path: Path) -> None:
+    assert found(tmp_path, "band=[60, 90]", "records=3", "period=2", "run_in=0.3").loudest is None
+
+
 def test_stopped_after_any_record_it_goes_on_to_the_same_model(tmp_path: Path) -> None:
     rig, played = config(*SHORT), 0
 

@@ -15,7 +15,12 @@ from tests.calibration.linear_vibrator import LINEAR, emitter, linear_response
 from vibractl.audio import AudioError
 from vibractl.config import RigConfig
 
-SHORT = ("characterisation.band=[136, 143]", "characterisation.settle=0.05", "audio.isolated=false")
+SHORT = (
+    "characterisation.method=stepped",
+    "characterisation.band=[136, 143]",
+    "characterisation.settle=0.05",
+    "audio.isolated=false",
+)
 
 
 def test_a_calibration_killed_at_random_moments_gives_the_undisturbed_model(tmp_path: Path) -> None:
