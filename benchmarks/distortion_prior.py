@@ -13,7 +13,7 @@ from firmware_sim.plants.vibrator import VibratorPlant
 from rigkit import config as rig_file
 from vibractl.config import RigConfig
 from vibractl.law import reference_level
-from vibractl.predict_plant import DrawnPlant
+from vibractl.predict.plant import DrawnPlant
 from vibractl.setup import Setup, setup
 from vibractl.spectrum import LineSpectrum
 

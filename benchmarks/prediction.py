@@ -1,7 +1,7 @@
 """Predicted beside observed: from which shot on the objective holds, on ten simulated vibrators.
 
 `python -m benchmarks.prediction [LAW [SEED ...]]`, about half a minute a seed.  Models are calibrated by multisine;
-`vibractl predict` sees the model and the rig file alone.  The priors of `vibractl.predict_plant` were read off seeds 11
+`vibractl predict` sees the model and the rig file alone.  The priors of `vibractl.predict.plant` were read off seeds 11
 to 20, so that seeds 1 to 10 say how good the prediction is.
 """
 
@@ -13,8 +13,8 @@ from benchmarks.direct import met, shots
 from benchmarks.identification import found_by
 from rigkit import config as rig_file
 from vibractl.config import RigConfig
-from vibractl.predict import RUNS
-from vibractl.predict_learning import forecast
+from vibractl.predict.learning import forecast
+from vibractl.predict.prediction import RUNS
 from vibractl.setup import setup
 
 SEEDS = range(1, 11)

@@ -21,10 +21,10 @@ from rigkit.progress import progress
 from rigkit.run_folder import RunFolder, read_quality
 from rigkit.stop import Stopped, stoppable
 from vibractl.audio_stream import AudioError
-from vibractl.commands_predict import predict_command
 from vibractl.config import RigConfig
 from vibractl.doctor.command import doctor_command
 from vibractl.export.command import export_command
+from vibractl.predict.command import predict_command
 from vibractl.quality import Marks
 from vibractl.replay import replay
 from vibractl.report import run_report

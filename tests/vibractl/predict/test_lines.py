@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.vibractl.linear_rig import linear_config, linear_matrix
-from vibractl.predict_lines import MEANINGS, REASONS, certificates
+from vibractl.predict.lines import MEANINGS, REASONS, certificates
 from vibractl.setup import setup
 from vibractl.transfer_matrix import TransferMatrix
 

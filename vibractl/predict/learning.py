@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibractl.law import reference_level
-from vibractl.predict_plant import DrawnPlant
+from vibractl.predict.plant import DrawnPlant
 from vibractl.quality import decibels
 from vibractl.setup import Setup
 from vibractl.shot import Shot

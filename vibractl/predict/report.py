@@ -11,9 +11,9 @@ from rigkit.figure_style import COLOURS, styled
 from rigkit.provenance import now, software
 from rigkit.report import Fact, Plot, Report, Section, Table
 from vibractl.figures.lines import BOUND, legend_above
-from vibractl.predict import Prediction
-from vibractl.predict_drive import QUANTITIES
-from vibractl.predict_lines import MEANINGS, REASONS
+from vibractl.predict.drive import QUANTITIES
+from vibractl.predict.lines import MEANINGS, REASONS
+from vibractl.predict.prediction import Prediction
 
 MOST_BANDS = 30
 """Rows of uncertified lines, the largest bounds first."""

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from tests.vibractl.linear_rig import linear_config, linear_matrix
-from vibractl.predict_learning import HELD, Forecast, forecast, judged_lines
+from vibractl.predict.learning import HELD, Forecast, forecast, judged_lines
 from vibractl.setup import Setup, setup
 
 RUNS = 4

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.vibractl.linear_rig import linear_config, linear_matrix
-from vibractl.predict_plant import AT_WORK, DrawnPlant, drawn_response
+from vibractl.predict.plant import AT_WORK, DrawnPlant, drawn_response
 from vibractl.setup import Setup, setup
 from vibractl.spectrum import LineSpectrum
 from vibractl.transfer_matrix import TransferMatrix

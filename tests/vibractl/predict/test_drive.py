@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.vibractl.linear_rig import linear_config, linear_matrix
-from vibractl.predict_drive import DriveNeeds, drive_needs
+from vibractl.predict.drive import DriveNeeds, drive_needs
 from vibractl.setup import Setup, setup
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from tests.vibractl.linear_rig import SETTINGS, linear_model
 from vibractl.__main__ import main
-from vibractl.predict import RUNS
+from vibractl.predict.prediction import RUNS
 
 
 def call(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:

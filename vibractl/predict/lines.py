@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibractl.algorithm import DEVIATIONS
-from vibractl.predict_learning import judged_lines
+from vibractl.predict.learning import judged_lines
 from vibractl.setup import Setup
 from vibractl.transfer_matrix import contraction
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from vibractl.predict_drive import QUANTITIES, DriveNeeds, drive_needs
-from vibractl.predict_learning import Forecast, forecast
-from vibractl.predict_lines import REASONS, Certificates, certificates
+from vibractl.predict.drive import QUANTITIES, DriveNeeds, drive_needs
+from vibractl.predict.learning import Forecast, forecast
+from vibractl.predict.lines import REASONS, Certificates, certificates
 from vibractl.setup import Setup
 
 RUNS = 20

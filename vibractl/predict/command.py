@@ -10,8 +10,8 @@ from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, wor
 from rigkit.progress import progress
 from vibractl.config import RigConfig
 from vibractl.model_file import read_model
-from vibractl.predict import RUNS, Prediction, predict
-from vibractl.predict_report import drive_table, reason_table, shots_text, write_report
+from vibractl.predict.prediction import RUNS, Prediction, predict
+from vibractl.predict.report import drive_table, reason_table, shots_text, write_report
 from vibractl.setup import setup
 
 

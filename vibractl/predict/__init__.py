@@ -1,0 +1,1 @@
+"""What a run will need and how it may go, before anything is emitted."""
