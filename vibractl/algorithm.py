@@ -117,7 +117,7 @@ class Algorithm:
             self._follow(shot, self._before)
         error = self.law.reference - shot.response
         if self._watch is not None and self._learned:
-            trouble = self._watch.judged(shot.drive, error, self.error_bound)
+            trouble = self._watch.judged(shot.drive, error, self.error_bound / self._caution)  # as computed
             if trouble is not None and self._intervened(trouble, shot, error):
                 return
         self._learn(shot, error)

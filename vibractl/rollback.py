@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-GROWN = 2.0
+GROWN = 4.0
 """Times the best error that is more than chance."""
 SLOWER = 0.5
 """Part of the gain that is left after each rollback."""

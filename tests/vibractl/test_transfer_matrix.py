@@ -45,13 +45,14 @@ def test_line_weights_follow_each_line() -> None:
 
 def test_an_exact_estimate_contracts_by_one_minus_the_gain() -> None:
     exact = matrix(deviation=0.0)
-    np.testing.assert_allclose(contraction(exact, np.linalg.inv(exact.response), 0.3), 0.7, rtol=1e-9)
+    bound = contraction(exact.response, exact.variance, np.linalg.inv(exact.response), 0.3)
+    np.testing.assert_allclose(bound, 0.7, rtol=1e-9)
 
 
 def test_the_certificate_bounds_what_a_wrong_estimate_does() -> None:
     estimate = matrix(deviation=0.02)
     inverse = regularized_inverse(estimate.response, line_weights(estimate.response, 1e-3, 1e-5))
-    bound = contraction(estimate, inverse, 0.5, deviations=3.0)
+    bound = contraction(estimate.response, estimate.variance, inverse, 0.5, deviations=3.0)
     for _ in range(50):
         noise = (RNG.standard_normal((30, 2, 2)) + 1j * RNG.standard_normal((30, 2, 2))) * 0.02 / np.sqrt(2)
         actual = norm(np.eye(2) - 0.5 * (estimate.response + noise) @ inverse)
