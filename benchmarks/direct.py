@@ -6,7 +6,7 @@ import numpy as np
 
 from firmware_sim.laboratory import plant_block
 from vibractl.learner import Learner
-from vibractl.quality import Judge, Marks
+from vibractl.quality import Judge, Marks, holds_from
 from vibractl.setup import Setup
 
 
@@ -29,7 +29,4 @@ def shots(made: Setup, count: int, plant: object | None = None) -> Iterator[tupl
 
 def met(marks: list[Marks]) -> int | None:
     """Return the shot from which the objective holds to the end, or None."""
-    first = len(marks)
-    while first and marks[first - 1].met:
-        first -= 1
-    return first if first < len(marks) else None
+    return holds_from([mark.met for mark in marks])

@@ -21,7 +21,7 @@ from firmware_sim.plants.vibrator import VibratorPlant
 from rigkit import config as rig_file
 from tests.calibration.linear_vibrator import RATE, emitter
 from vibractl.config import RigConfig
-from vibractl.quality import Judge
+from vibractl.quality import Judge, holds_from
 from vibractl.setup import setup
 from vibractl.transfer_matrix import TransferMatrix, norm
 
@@ -59,9 +59,7 @@ def learned(matrix: TransferMatrix, seed: int, **options: float) -> tuple[int | 
         learner.response[: len(response)] = response
         met.append(judge.marks(response, drive).met)
         learner.advance()
-    missed = np.flatnonzero(~np.array(met))
-    first = int(missed[-1]) + 1 if len(missed) else 0
-    return (first if first < SHOTS else None), drive
+    return holds_from(met), drive
 
 
 def truth_at_work(seed: int, rough: TransferMatrix, rounds: int = 2) -> np.ndarray:

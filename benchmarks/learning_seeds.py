@@ -21,7 +21,7 @@ from rigkit import config as rig_file
 from tests.shared_data import DATA, MEASURED_PAIRS, measured_pair
 from vibractl.config import RigConfig
 from vibractl.guard import violation
-from vibractl.quality import Judge
+from vibractl.quality import Judge, holds_from
 from vibractl.setup import Setup, setup
 from vibractl.transfer_matrix import TransferMatrix
 
@@ -145,9 +145,8 @@ def learned(matrix: TransferMatrix, settings: tuple[str, ...], count: int) -> Ru
         left = np.linalg.norm(made.law.reference - learner.heard, axis=1)
         held.append(float(np.mean((left <= bound)[active])))
         bound = algorithm.error_bound
-    missed = np.flatnonzero(np.array(over) > 1.0)
-    first = int(missed[-1]) + 1 if len(missed) else 0
-    return Run(iae, np.inf if refused or first == count else first, refused, float(np.mean(held[1:] or [np.nan])))
+    first = None if refused else holds_from([level <= 1.0 for level in over])
+    return Run(iae, np.inf if first is None else first, refused, float(np.mean(held[1:] or [np.nan])))
 
 
 def outcome(kind: Plant, seed: int, law: tuple[str, ...], method: tuple[str, ...]) -> Outcome:

@@ -97,6 +97,11 @@ class Algorithm:
         """G, (lines, outputs, inputs), m/s^2 per V."""
         return self._filter.response
 
+    def explained(self, drive: np.ndarray) -> np.ndarray:
+        """Return G U (lines, outputs), m/s^2 s, of lines U (lines, inputs), V s."""
+        product: np.ndarray = (self.response @ drive[..., None])[..., 0]
+        return product
+
     @property
     def purpose(self) -> str:
         """What the next shot is for."""
@@ -186,14 +191,14 @@ class Algorithm:
         step, change = shot.drive - before.drive, shot.response - before.response
         power = np.abs(self._distortion(shot)) ** 2 + np.abs(self._distortion(before)) ** 2
         share = self._disturbance.change(change, shot.response)
-        moved = (self._parts.drift * np.abs((self.response @ shot.drive[..., None])[..., 0])) ** 2
+        moved = (self._parts.drift * np.abs(self.explained(shot.drive))) ** 2
         noise = self._disturbance.power(shot.noise + before.noise, power, share)
         self._filter.observe(step, change, noise + smoothed(moved, self._reach))
         self._inverse = bounded_inverse(self.response, self.law.settings)
 
     def _distortion(self, shot: Shot) -> np.ndarray:
         """Return what G does not explain of a response, (lines, outputs)."""
-        unexplained: np.ndarray = shot.response - (self.response @ shot.drive[..., None])[..., 0]
+        unexplained: np.ndarray = shot.response - self.explained(shot.drive)
         return unexplained
 
     def _choose_gain(self, shot: Shot, error: np.ndarray) -> None:

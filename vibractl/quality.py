@@ -1,5 +1,6 @@
 """How good a shot was: the objective, tracking, overtones, head-room and repeatability, each with its definition."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +30,20 @@ def decibels(ratio: np.ndarray | float) -> np.ndarray:
     """Return 20 log10 |ratio|, (6.1), dB, of the same shape as `ratio`: a number or an array of any shape."""
     level: np.ndarray = 20 * np.log10(np.maximum(np.abs(ratio), FAINT))
     return level
+
+
+def holds_from(met: Sequence[bool]) -> int | None:
+    """Return the shot, counted from 0, from which the objective holds to the end; None if it does not at the end.
+
+    Examples
+    --------
+    >>> holds_from([False, True, False, True, True])
+    3
+    """
+    first = len(met)
+    while first and met[first - 1]:
+        first -= 1
+    return first if first < len(met) else None
 
 
 @dataclass(frozen=True)

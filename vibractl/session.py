@@ -19,7 +19,7 @@ from vibractl.capture import Discarded
 from vibractl.config import RigConfig
 from vibractl.learner import Learner
 from vibractl.model_file import read_model
-from vibractl.quality import FAINT, Judge, Marks, decibels
+from vibractl.quality import FAINT, Judge, Marks, decibels, holds_from
 from vibractl.reference import is_file
 from vibractl.setup import Setup, setup
 from vibractl.shot_file import DISCARDED, EVIDENCE, keep_discarded, recording_of, split
@@ -179,8 +179,7 @@ class Session:
         if before is None:
             return float("nan")
         algorithm, law = self.learner.algorithm, self.learner.algorithm.law
-        predicted = (algorithm.response @ (lines - before[0])[..., None])[..., 0]
-        unexplained = (heard - before[1] - predicted)[law.active > 0]
+        unexplained = (heard - before[1] - algorithm.explained(lines - before[0]))[law.active > 0]
         size = max(float(np.linalg.norm(heard[law.active > 0])), FAINT)
         return float(decibels(float(np.linalg.norm(unexplained)) / size))
 
@@ -231,14 +230,11 @@ def summary(rows: list[dict[str, str]], made: Setup | None = None) -> dict[str, 
         `identification_seconds`, s of signal emitted for the model and for them, None where the model does not say.
     """
     sides = [key for key in rows[0] if key.startswith("iae_")] if rows else []
-    met = len(rows)
-    while met and rows[met - 1]["verdict"] == "pass":
-        met -= 1
     worst = [float(rows[-1][key]) for key in rows[-1] if key.startswith("worst_line_db_")] if rows else []
     probes = [row.get("purpose") == "reidentify" for row in rows]
     return {
         "shots": len(rows),
-        "objective_met_shot": met if met < len(rows) else None,
+        "objective_met_shot": holds_from([row["verdict"] == "pass" for row in rows]),
         "worst_line_db": max(worst) if worst else None,
         "iae_ratio": [float(rows[0][side]) / float(rows[-1][side]) for side in sides],
         "reidentifications": sum(now and not before for before, now in pairwise([False, *probes])),

@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import hilbert
 
 from vibractl.config import RigConfig
-from vibractl.quality import Judge, Marks, decibels
+from vibractl.quality import Judge, Marks, decibels, holds_from
 from vibractl.setup import Setup, setup
 from vibractl.transfer_matrix import TransferMatrix
 
@@ -128,3 +128,11 @@ def test_a_sine_is_judged_at_its_overtones_alone() -> None:
     assert missed.worst_line_hz[0] == pytest.approx(72.0)
     assert missed.worst_line_db[0] == pytest.approx(20 * np.log10(2), abs=0.05)
     assert missed.overtone_db[1, 0] == pytest.approx(20 * np.log10(2 * judge.limit[0] / (SECONDS / 2) / 10), abs=0.5)
+
+
+@pytest.mark.parametrize(
+    ("met", "first"),
+    [([], None), ([False], None), ([True, False], None), ([True], 0), ([False, True, False, True, True], 3)],
+)
+def test_the_objective_holds_from_the_first_shot_after_the_last_miss(met: list[bool], first: int | None) -> None:
+    assert holds_from(met) == first

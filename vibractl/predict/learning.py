@@ -7,7 +7,7 @@ import numpy as np
 
 from vibractl.law import reference_level
 from vibractl.predict.plant import DrawnPlant
-from vibractl.quality import decibels
+from vibractl.quality import decibels, holds_from
 from vibractl.setup import Setup
 from vibractl.shot import Shot
 from vibractl.spectrum import LineSpectrum
@@ -101,7 +101,5 @@ def _learned(made: Setup, plant: DrawnPlant) -> tuple[np.ndarray, float, np.ndar
 
 def _met(worst: np.ndarray) -> float:
     """Return from which shot on the objective holds; infinite if it does not."""
-    done = worst[~np.isnan(worst)]
-    missed = np.flatnonzero(~(done <= 0))
-    first = int(missed[-1]) + 1 if len(missed) else 0
-    return float(first) if first < len(done) else np.inf
+    first = holds_from((worst[~np.isnan(worst)] <= 0).tolist())
+    return np.inf if first is None else float(first)
