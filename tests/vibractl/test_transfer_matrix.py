@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rigkit.model_file import ModelFileError
 from tests.vibractl.linear_rig import linear_matrix
-from vibractl.model_file import ModelFileError, read_model, write_model
+from vibractl.model_file import read_model, write_model
 from vibractl.transfer_matrix import TransferMatrix, contraction, line_weights, norm, regularized_inverse
 
 RNG = np.random.default_rng(9)

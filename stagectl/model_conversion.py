@@ -1,0 +1,90 @@
+"""An innovation-form model to and from the state spaces of python-control and scipy.signal.
+
+Those know inputs and outputs only: the Kalman gain and the innovations' covariance are left behind on the way out, and
+given anew on the way in.  python-control is optional (`pip install vibrostage[control]`).
+"""
+
+from typing import Any
+
+import numpy as np
+
+from stagectl.models import InnovationModel
+
+
+def to_control(model: InnovationModel) -> Any:
+    """Return a `control.StateSpace` from inputs to outputs, with the signals' names.
+
+    Raises
+    ------
+    ImportError : python-control is not installed.
+    """
+    import control
+
+    return control.StateSpace(
+        model.A, model.B, model.C, model.D, 1 / model.rate, inputs=model.input_names, outputs=model.output_names
+    )
+
+
+def from_control(system: Any, gain: np.ndarray | None = None, innovation: np.ndarray | None = None) -> InnovationModel:
+    """Make a model of a discrete `control.StateSpace`.
+
+    Parameters
+    ----------
+    system : control.StateSpace
+    gain : array, shape (n, p), 1 per the outputs' units, optional
+        Kalman gain; zero where not given.
+    innovation : array, shape (p, p), products of the outputs' units, optional
+        Covariance of the innovations; the identity where not given.
+
+    Raises
+    ------
+    ValueError : continuous, or without a sample period.
+    """
+    rate = _rate(system.dt)
+    names = tuple(system.input_labels), tuple(system.output_labels)
+    return _model(system, rate, gain, innovation, names)
+
+
+def to_scipy(model: InnovationModel) -> Any:
+    """Return a discrete `scipy.signal.StateSpace` from inputs to outputs."""
+    from scipy.signal import StateSpace
+
+    return StateSpace(model.A, model.B, model.C, model.D, dt=1 / model.rate)
+
+
+def from_scipy(system: Any, gain: np.ndarray | None = None, innovation: np.ndarray | None = None) -> InnovationModel:
+    """Make a model of a `scipy.signal.dlti`: a discrete state space, transfer function or poles and zeros.
+
+    Parameters
+    ----------
+    system : scipy.signal.dlti
+    gain : array, shape (n, p), 1 per the outputs' units, optional
+        Kalman gain; zero where not given.
+    innovation : array, shape (p, p), products of the outputs' units, optional
+        Covariance of the innovations; the identity where not given.
+
+    Raises
+    ------
+    ValueError : continuous, or without a sample period.
+    """
+    rate = _rate(system.dt)
+    return _model(system.to_ss(), rate, gain, innovation, ((), ()))
+
+
+def _model(
+    system: Any,
+    rate: float,
+    gain: np.ndarray | None,
+    innovation: np.ndarray | None,
+    names: tuple[tuple[str, ...], tuple[str, ...]],
+) -> InnovationModel:
+    outputs, order = np.shape(system.C)
+    gain = np.zeros((order, outputs)) if gain is None else gain
+    innovation = np.eye(outputs) if innovation is None else innovation
+    return InnovationModel(system.A, system.B, system.C, system.D, gain, rate, innovation, *names)
+
+
+def _rate(period: float | bool | None) -> float:
+    if period is None or isinstance(period, bool) or not period > 0:
+        raise ValueError(f"the system's sample period is {period}, must be > 0 s")
+    return 1.0 / period

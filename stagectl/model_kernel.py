@@ -1,0 +1,60 @@
+"""The compiled recursions of a state-space model: free run, one step ahead, and the transient of a state.
+
+Matrices come transposed and contiguous (`A.T.copy()`), so that each step adds columns, which the compiler turns into
+vector instructions.
+"""
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, nogil=True)
+def _add_product(result, matrix, vector):  # type: ignore[no-untyped-def]
+    """Add vector @ matrix to result."""
+    for row in range(matrix.shape[0]):
+        factor = vector[row]
+        for column in range(matrix.shape[1]):
+            result[column] += factor * matrix[row, column]
+
+
+@njit(cache=True, nogil=True)
+def free_run(transition, inlet, outlet, direct, drive, state, response):  # type: ignore[no-untyped-def]
+    """Write the response, shape (N, p), to a drive, shape (N, m); `state` is left as it is after the last sample."""
+    following = np.empty_like(state)
+    for n in range(drive.shape[0]):
+        response[n] = 0.0
+        _add_product(response[n], outlet, state)
+        _add_product(response[n], direct, drive[n])
+        following[:] = 0.0
+        _add_product(following, transition, state)
+        _add_product(following, inlet, drive[n])
+        state[:] = following
+
+
+@njit(cache=True, nogil=True)
+def one_step_ahead(transition, inlet, outlet, direct, gain, drive, measured, state, predicted):  # type: ignore[no-untyped-def]
+    """Write what is predicted of each sample, shape (N, p), from those before it; `state` is left after the last."""
+    following = np.empty_like(state)
+    innovation = np.empty(measured.shape[1])
+    for n in range(drive.shape[0]):
+        predicted[n] = 0.0
+        _add_product(predicted[n], outlet, state)
+        _add_product(predicted[n], direct, drive[n])
+        innovation[:] = measured[n] - predicted[n]
+        following[:] = 0.0
+        _add_product(following, transition, state)
+        _add_product(following, inlet, drive[n])
+        _add_product(following, gain, innovation)
+        state[:] = following
+
+
+@njit(cache=True, nogil=True)
+def transient(transition, rows, result):  # type: ignore[no-untyped-def]
+    """Write C, C A, C A^2 ... into result, shape (steps, p, n), and leave the next in `rows`, shape (p, n)."""
+    following = np.empty_like(rows)
+    for step in range(result.shape[0]):
+        result[step] = rows
+        following[:] = 0.0
+        for output in range(rows.shape[0]):
+            _add_product(following[output], transition, rows[output])
+        rows[:] = following
