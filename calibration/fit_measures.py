@@ -1,0 +1,147 @@
+"""How well a model fits a record: NRMSE, VAF and MAE of its free run and one step ahead, and tests of its residuals."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibration.residual_tests import LAGS, CrossCorrelation, Whiteness, cross_correlation, whiteness
+from stagectl.models import InnovationModel
+
+
+@dataclass(frozen=True)
+class Measures:
+    """Per output, how near a modelled response comes to the measured one.
+
+    Parameters
+    ----------
+    nrmse : array, shape (p,), %
+        100: all of it; 0: no better than the mean; below 0: worse.
+    vaf : array, shape (p,), %
+        Variance accounted for.
+    mae : array, shape (p,), the outputs' units
+        Mean absolute error.
+    """
+
+    nrmse: np.ndarray
+    vaf: np.ndarray
+    mae: np.ndarray
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A model against a record.
+
+    Parameters
+    ----------
+    free_run : Measures
+        Of the response to the drive alone, from the initial state that fits best.
+    one_step : Measures
+        Of each sample as predicted from those before it, from the initial state that fits best.
+    whiteness : Whiteness
+        Of the residuals one step ahead.
+    cross_correlation : CrossCorrelation
+        Of the residuals one step ahead with the drive.
+    """
+
+    free_run: Measures
+    one_step: Measures
+    whiteness: Whiteness
+    cross_correlation: CrossCorrelation
+
+
+def nrmse(measured: np.ndarray, modelled: np.ndarray) -> np.ndarray:
+    """Return the normalized root mean square fit of each output, %, shape (p,).
+
+    Parameters
+    ----------
+    measured, modelled : arrays, shape (N, p), any unit
+
+    Source
+    ------
+    Sörnmo 2015, eq. (2.7).
+
+    Examples
+    --------
+    >>> nrmse(np.array([[0.0], [2.0]]), np.array([[0.0], [1.0]])).round(3)
+    array([29.289])
+    """
+    missed = np.linalg.norm(measured - modelled, axis=0)
+    moved = np.linalg.norm(measured - measured.mean(axis=0), axis=0)
+    return 100 * (1 - _share(missed, moved))
+
+
+def vaf(measured: np.ndarray, modelled: np.ndarray) -> np.ndarray:
+    """Return the variance of each output that the model accounts for, %, shape (p,): 100 (1 - var(error) / var).
+
+    Parameters
+    ----------
+    measured, modelled : arrays, shape (N, p), any unit
+    """
+    return 100 * (1 - _share(np.var(measured - modelled, axis=0), np.var(measured, axis=0)))
+
+
+def mae(measured: np.ndarray, modelled: np.ndarray) -> np.ndarray:
+    """Return the mean absolute error of each output, the signals' unit, shape (p,).
+
+    Parameters
+    ----------
+    measured, modelled : arrays, shape (N, p), any unit
+
+    Source
+    ------
+    Sörnmo 2015, eq. (2.8).
+    """
+    error: np.ndarray = np.mean(np.abs(measured - modelled), axis=0)
+    return error
+
+
+def measures(measured: np.ndarray, modelled: np.ndarray) -> Measures:
+    """Measure NRMSE, VAF and MAE.
+
+    Parameters
+    ----------
+    measured, modelled : arrays, shape (N, p), any unit
+    """
+    return Measures(nrmse(measured, modelled), vaf(measured, modelled), mae(measured, modelled))
+
+
+def fit(
+    model: InnovationModel,
+    drives: Sequence[np.ndarray],
+    responses: Sequence[np.ndarray],
+    lags: int = LAGS,
+    fitted: int = 0,
+) -> Fit:
+    """Hold a model against one or more records, each from the initial state that suits it best.
+
+    Parameters
+    ----------
+    model : InnovationModel
+    drives : sequence of arrays, each of shape (N, m), the inputs' units
+        Deviations from the operating point the model was identified at.
+    responses : sequence of arrays, each of shape (N, p), the outputs' units
+        As `drives`.
+    lags : int, samples
+        Of the residuals' correlations.
+    fitted : int
+        Coefficients of the noise model that were fitted to these very records; 0 on fresh data.
+    """
+    free, ahead = [], []
+    for drive, response in zip(drives, responses, strict=True):
+        free.append(model.simulate(drive, model.initial_state(drive, response)))
+        ahead.append(model.predict(drive, response, model.initial_predictor_state(drive, response)))
+    measured = np.concatenate(responses)
+    residuals = [response - predicted for response, predicted in zip(responses, ahead, strict=True)]
+    return Fit(
+        measures(measured, np.concatenate(free)),
+        measures(measured, np.concatenate(ahead)),
+        whiteness(residuals, lags, fitted),
+        cross_correlation(residuals, drives, lags),
+    )
+
+
+def _share(missed: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """Divide; an output that never moves is missed wholly unless nothing is missed."""
+    still = moved == 0
+    return np.where(still, np.where(missed == 0, 0.0, np.inf), missed / np.where(still, 1.0, moved))
