@@ -69,7 +69,8 @@ class Line:
         self._audio, self._limits, self._seconds, self._on_discard = audio, limits, seconds, on_discard
         self._proof: Proof = Loopback(audio) if audio.alignment == "loopback" else Marker(audio, limits)
         room = round((seconds + 10 * LARGEST_ROUND_TRIP) * audio.rate)  # the probe and markers need some, too
-        self._memory = Memory(len(audio.drive_channels), len(audio.response_channels), room)
+        sensors = len(audio.response_channels), len(audio.far_field_channels)
+        self._memory = Memory(len(audio.drive_channels), sensors[0], room, sensors[1])
         self._host: _Host = AudioProcess(config, self._memory) if audio.isolated else Engine(config, self._memory)
 
     def __enter__(self) -> Self:
@@ -207,6 +208,7 @@ class Line:
         capture = Capture(
             emitted=memory.emitted[played].copy(),
             response=memory.response[heard].copy(),
+            far_field=memory.far_field[heard].copy(),
             loopback=memory.loopback[heard].copy(),
             delay=evidence.delay,
             residual=evidence.residual,
@@ -215,4 +217,4 @@ class Line:
             output_xruns=int(words[Word.OUTPUT_XRUNS]),
             late=int(words[Word.LATE]),
         )
-        return capture, spoiled(capture, self._audio.input_full_scale, self._audio.rate) or evidence.fault
+        return capture, spoiled(capture, self._audio) or evidence.fault

@@ -58,9 +58,11 @@ class Engine:
         self._memory, self._words = memory, memory.words
         self._drives = [channel - 1 for channel in audio.drive_channels]
         self._responses = [channel - 1 for channel in audio.response_channels]
+        self._hydrophones = [channel - 1 for channel in audio.far_field_channels]
         loopback = audio.alignment == "loopback"
         self._loopback = (audio.loopback_output - 1, audio.loopback_input - 1) if loopback else None
         self._output_scale, self._input_scale = 1 / audio.output_full_scale, audio.input_full_scale
+        self._far_scale = np.float32(audio.far_field_full_scale)
         self._blocksize, self._rate = audio.blocksize, audio.rate
         self._guard = Guard(config.limits, len(self._drives))
         self._trial = Trial(memory.drive[:0], len(self._responses))
@@ -73,7 +75,8 @@ class Engine:
         self._scaled = np.zeros_like(self._output)
         self._phase = _IDLE
         self._latest = 0  # ns, when the last callback began
-        for array in (memory.drive, memory.timing, memory.emitted, memory.response, memory.loopback):
+        signals = memory.drive, memory.timing, memory.emitted, memory.response, memory.far_field, memory.loopback
+        for array in signals:
             array.fill(0.0)  # maps every page now, not in the callback
         self._config = config
         self._stream: Any = None
@@ -216,13 +219,16 @@ class Engine:
         self._phase = _OPENING
 
     def _keep(self, position: int, indata: np.ndarray, outdata: np.ndarray) -> None:
-        """Play the timing signal, and keep what left the guard and what came back through the cable."""
+        """Play the timing signal; keep what left the guard, what hydrophones heard and what came through the cable."""
         words, memory = self._words, self._memory
         played = min(max(int(words[Word.DRIVE]) - position, 0), self._blocksize)
         memory.emitted[position : position + played] = self._output[:played]
+        kept = min(max(int(words[Word.FRAMES]) - position, 0), self._blocksize)
+        for column, channel in enumerate(self._hydrophones):
+            heard = memory.far_field[position : position + kept, column]
+            np.multiply(indata[:kept, channel], self._far_scale, out=heard)
         if self._loopback is not None:
             to, back = self._loopback
             timed = min(max(int(words[Word.TIMING]) - position, 0), self._blocksize)
             outdata[:timed, to] = memory.timing[position : position + timed]
-            kept = min(max(int(words[Word.FRAMES]) - position, 0), self._blocksize)
             memory.loopback[position : position + kept] = indata[:kept, back]

@@ -59,15 +59,16 @@ class Memory:
     ----------
     drives, responses : int, channels
     capacity : int, samples
+    hydrophones : int, channels
     """
 
-    def __init__(self, drives: int, responses: int, capacity: int) -> None:
-        size = 8 * len(Word) + _TEXT + 8 * 5 + capacity * (8 * drives + 4 * (drives + responses + 2))
+    def __init__(self, drives: int, responses: int, capacity: int, hydrophones: int = 0) -> None:
+        size = 8 * len(Word) + _TEXT + 8 * 5 + capacity * (8 * drives + 4 * (drives + responses + hydrophones + 2))
         raw = multiprocessing.get_context("spawn").RawArray(ctypes.c_byte, size)
-        self._attach(raw, drives, responses, capacity)
+        self._attach(raw, drives, responses, capacity, hydrophones)
 
-    def _attach(self, raw: Any, drives: int, responses: int, capacity: int) -> None:
-        self._parts = raw, drives, responses, capacity
+    def _attach(self, raw: Any, drives: int, responses: int, capacity: int, hydrophones: int) -> None:
+        self._parts = raw, drives, responses, capacity, hydrophones
         self.capacity = capacity
         self._free = 0
         self.words = self._array(np.int64, len(Word))
@@ -76,6 +77,7 @@ class Memory:
         self.timing = self._array(np.float32, capacity)
         self.emitted = self._array(np.float32, capacity, drives)
         self.response = self._array(np.float32, capacity, responses)
+        self.far_field = self._array(np.float32, capacity, hydrophones)
         self.loopback = self._array(np.float32, capacity)
         self._text = self._array(np.uint8, _TEXT)
 
@@ -85,11 +87,11 @@ class Memory:
         self._free += array.nbytes
         return array
 
-    def __getstate__(self) -> tuple[Any, int, int, int]:
+    def __getstate__(self) -> tuple[Any, int, int, int, int]:
         """Hand over the memory itself, not its content."""
         return self._parts
 
-    def __setstate__(self, parts: tuple[Any, int, int, int]) -> None:
+    def __setstate__(self, parts: tuple[Any, int, int, int, int]) -> None:
         """Attach to the memory of another process."""
         self._attach(*parts)
 

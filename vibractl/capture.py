@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vibractl.config import Audio
+
 FULL_SCALE = 1.0 - 2.0**-14
 """A recorded sample from here on is clipped: the largest number of 16 bits is above."""
 
@@ -17,11 +19,12 @@ class Capture:
     emitted : float32 array, shape (samples, drives), V
         What left the guard.
     response : float32 array, shape (samples, responses), m/s^2
+    far_field : float32 array, shape (samples, hydrophones), Pa
     loopback : float32 array, shape (samples,), full scale
         Silent when alignment is by marker.
     delay : float, samples
-        Round trip by which responses came late; the whole part of the session's first is taken out of `response`
-        and `loopback`.
+        Round trip by which responses came late; the whole part of the session's first is taken out of `response`,
+        `far_field` and `loopback`.
     residual : float, samples
         Largest difference of the delay, anywhere in the emission, from the session's first.
     quality : float, 1
@@ -34,6 +37,7 @@ class Capture:
 
     emitted: np.ndarray
     response: np.ndarray
+    far_field: np.ndarray
     loopback: np.ndarray
     delay: float
     residual: float
@@ -59,15 +63,14 @@ class Discarded:
     capture: Capture
 
 
-def spoiled(capture: Capture, full_scale: float, rate: float) -> str:
+def spoiled(capture: Capture, audio: Audio) -> str:
     """Say what is wrong with the samples of a recording, whatever its alignment; nothing when they are fine.
 
     Parameters
     ----------
     capture : Capture
-    full_scale : float, m/s^2
-        Response at digital full scale.
-    rate : float, samples/s
+    audio : Audio
+        What digital full scale means.
 
     Returns
     -------
@@ -75,18 +78,20 @@ def spoiled(capture: Capture, full_scale: float, rate: float) -> str:
     """
     if capture.input_xruns or capture.output_xruns:
         return f"xruns: {capture.input_xruns} callbacks with lost input, {capture.output_xruns} with lost output"
-    signals = np.column_stack((capture.response / full_scale, capture.loopback))
+    heard = capture.response / audio.input_full_scale, capture.far_field / audio.far_field_full_scale
+    signals = np.column_stack((*heard, capture.loopback))
+    names = [f"response {n + 1}" for n in range(capture.response.shape[1])]
+    names += [f"far field {n + 1}" for n in range(capture.far_field.shape[1])]
     finite = np.isfinite(signals)
     if not finite.all():
-        return f"a sample that is not finite, {_first(~finite, rate)}"
+        return f"a sample that is not finite, {_first(~finite, [*names, 'loopback'], audio.rate)}"
     clipped = np.abs(signals) >= FULL_SCALE
     if clipped.any():
-        return f"clipped at full scale, {_first(clipped, rate)}"
+        return f"clipped at full scale, {_first(clipped, [*names, 'loopback'], audio.rate)}"
     return ""
 
 
-def _first(wrong: np.ndarray, rate: float) -> str:
+def _first(wrong: np.ndarray, names: list[str], rate: float) -> str:
     sample = int(np.argmax(wrong.any(axis=1)))
-    channel = int(np.argmax(wrong[sample]))
-    name = "loopback" if channel == wrong.shape[1] - 1 else f"response {channel + 1}"
+    name = names[int(np.argmax(wrong[sample]))]
     return f"{name} at {sample / rate:.4f} s, and {int(wrong.sum()) - 1} more"

@@ -5,6 +5,7 @@ from typing import Any, Literal, Self
 from pydantic import Field, model_validator
 
 from rigkit.config import Section, setting
+from vibractl.channel_map import collision
 
 Channels = tuple[int, ...]
 
@@ -26,6 +27,9 @@ class Audio(Section):
     blocksize: int = setting(512, "samples", "samples a callback", ge=16, le=8_192)
     drive_channels: Channels = setting((1, 2), "", "output channel of each coil, counted from 1", min_length=1)
     response_channels: Channels = setting((1, 2), "", "input channel of each accelerometer", min_length=1)
+    far_field_channels: Channels = setting(
+        (), "", "input channel of each hydrophone, or microphone in air; none if empty"
+    )
     alignment: Literal["loopback", "marker"] = setting(
         "loopback", "", "proof of alignment: a cable from output to input, or a short marker through the vibrator"
     )
@@ -33,6 +37,7 @@ class Audio(Section):
     loopback_input: int = setting(3, "", "input channel of the loopback cable", ge=1, le=64)
     output_full_scale: float = setting(10.0, "V", "drive at digital full scale", gt=0, le=1_000)
     input_full_scale: float = setting(400.0, "m/s^2", "response at digital full scale", gt=0, le=1e6)
+    far_field_full_scale: float = setting(200.0, "Pa", "sound pressure at digital full scale", gt=0, le=1e6)
     isolated: bool = setting(True, "", "run the stream in a process of its own")
     attempts: int = setting(3, "", "times a shot with an xrun, a slip or a bad sample is tried", ge=1, le=20)
 
@@ -181,6 +186,12 @@ class RigConfig(Section):
     quality: Quality = Field(default_factory=Quality)
     characterisation: Characterisation = Field(default_factory=Characterisation)
     simulator: Simulator = Field(default_factory=Simulator)
+
+    @model_validator(mode="after")
+    def _has_a_channel_for_each(self) -> Self:
+        if fault := collision(self.audio):
+            raise ValueError(fault)
+        return self
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:

@@ -16,11 +16,12 @@ EVIDENCE = ("delay", "residual", "quality", "input_xruns", "output_xruns", "late
 
 
 def recording_of(capture: Capture, config: RigConfig) -> Recording:
-    """Return one emission as it is written: drives, responses, loopback, and the evidence for its alignment."""
+    """Return one emission as it is written: its signals, and the evidence for their alignment."""
     drives, responses = channel_names(config)
-    names = (*drives, *responses, "loopback")
-    units = ("V",) * len(drives) + ("m/s^2",) * len(responses) + ("1",)
-    data = np.column_stack((capture.emitted, capture.response, capture.loopback))
+    hydrophones = hydrophone_names(config)
+    names = (*drives, *responses, *hydrophones, "loopback")
+    units = ("V",) * len(drives) + ("m/s^2",) * len(responses) + ("Pa",) * len(hydrophones) + ("1",)
+    data = np.column_stack((capture.emitted, capture.response, capture.far_field, capture.loopback))
     about = {name: repr(getattr(capture, name)) for name in EVIDENCE}
     return Recording(names, units, config.audio.rate, data, {"rig": config.rig.name, **about})
 
@@ -36,12 +37,28 @@ def split(record: Recording, config: RigConfig) -> tuple[np.ndarray, np.ndarray]
     return record.select(drives).data, record.select(responses).data
 
 
+def far_field_of(record: Recording, config: RigConfig) -> np.ndarray:
+    """Return the far field of a shot's recording, (samples, hydrophones), Pa; no columns where there is none.
+
+    Raises
+    ------
+    RecordingError : a channel is missing.
+    """
+    names = hydrophone_names(config)
+    return record.select(names).data if names else np.zeros((len(record.data), 0))
+
+
 def channel_names(config: RigConfig) -> tuple[list[str], list[str]]:
     """Return the names that a shot's recording has for drives and for responses."""
     return (
         [f"drive_{n + 1}" for n in range(len(config.audio.drive_channels))],
         [f"response_{n + 1}" for n in range(len(config.audio.response_channels))],
     )
+
+
+def hydrophone_names(config: RigConfig) -> list[str]:
+    """Return the names that a shot's recording has for the far field."""
+    return [f"far_field_{n + 1}" for n in range(len(config.audio.far_field_channels))]
 
 
 def keep_discarded(place: Path, name: str, discarded: Discarded, config: RigConfig) -> Path:
@@ -59,13 +76,14 @@ def keep_discarded(place: Path, name: str, discarded: Discarded, config: RigConf
     Returns
     -------
     Path
-        A recording; or an `.npy` file of the response alone where that is not finite.
+        A recording; or an `.npy` file of the response and far field alone where they are not finite.
     """
     place.mkdir(parents=True, exist_ok=True)
     path = place / f"{name}-{discarded.attempt}-{len(list(place.iterdir())):03d}.wav"
-    if np.isfinite(discarded.capture.response).all():
+    heard = np.column_stack((discarded.capture.response, discarded.capture.far_field))
+    if np.isfinite(heard).all():
         recording.write(path, recording_of(discarded.capture, config))
     else:
         path = path.with_suffix(".npy")
-        np.save(path, discarded.capture.response)
+        np.save(path, heard)
     return path

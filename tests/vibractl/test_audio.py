@@ -10,9 +10,11 @@ import pytest
 
 from firmware_sim.audio import SteppedStream
 from firmware_sim.faults import BadSample, Drop, Fault, Slip
+from firmware_sim.plants.vibrator_array import VibratorArrayPlant
 from tests.vibractl.audio_rig import RATE, ROUND_TRIP, expected, later, rig, sweep
 from vibractl.audio import Line, ShotAbandoned
 from vibractl.capture import Discarded
+from vibractl.config import Audio, RigConfig, Simulator
 
 
 @pytest.mark.parametrize("blocksize", [64, 500, 512, 2048])
@@ -130,3 +132,18 @@ def test_the_longest_drive_fits(files: list[str]) -> None:
     for alignment in ("loopback", "marker"):
         with Line(rig(files, alignment=alignment), seconds=0.7) as line:
             assert len(line.emit(np.zeros((round(0.7 * RATE), 2))).response) == round(0.7 * RATE)
+
+
+def test_hydrophones_are_heard_in_pascal_aligned_with_the_responses() -> None:
+    silent = dict.fromkeys(("noise", "hum", "far_field_noise"), -400.0)
+    options = {"vibrators": 1, "hydrophones": 2, "medium": "water", "drift": 0.0, **silent}
+    audio = Audio(isolated=False, far_field_channels=(6, 5), far_field_full_scale=80.0)
+    drive = sweep()
+    with Line(RigConfig(audio=audio, simulator=Simulator(plant="vibrator-array", options=options))) as line:
+        capture = line.emit(drive)
+    plant = VibratorArrayPlant(RATE, **options)
+    response, far_field = np.zeros((len(drive), 2)), np.zeros((len(drive), 2))
+    plant.run(drive, response, far_field)
+    np.testing.assert_allclose(capture.response, response, atol=1e-4)
+    np.testing.assert_allclose(capture.far_field, far_field, atol=2e-5)
+    assert np.abs(far_field).max() > 1.0

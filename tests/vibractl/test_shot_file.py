@@ -5,12 +5,13 @@ import numpy as np
 
 from ctlblocks import recording
 from vibractl.capture import Capture, Discarded
-from vibractl.config import RigConfig
-from vibractl.shot_file import keep_discarded
+from vibractl.config import Audio, RigConfig
+from vibractl.shot_file import far_field_of, keep_discarded, recording_of, split
 
 CAPTURE = Capture(
     emitted=np.ones((4, 2), np.float32),
     response=np.full((4, 2), 2.0, np.float32),
+    far_field=np.zeros((4, 0), np.float32),
     loopback=np.zeros(4, np.float32),
     delay=61.25, residual=0.01, quality=0.999, input_xruns=1, output_xruns=0, late=0,
 )  # fmt: skip
@@ -34,3 +35,17 @@ def test_a_response_that_no_recording_can_hold_is_kept_as_numbers(tmp_path: Path
     path = keep_discarded(tmp_path, "batch", Discarded(2, "not finite", replace(CAPTURE, response=broken)), RigConfig())
     assert path.suffix == ".npy"
     np.testing.assert_array_equal(np.load(path), broken)
+
+
+def test_hydrophones_are_recorded_in_pascal_beside_the_responses() -> None:
+    config = RigConfig(audio=Audio(far_field_channels=(4, 5)))
+    heard = np.arange(8, dtype=np.float32).reshape(4, 2)
+    record = recording_of(replace(CAPTURE, far_field=heard), config)
+    assert record.names[-3:] == ("far_field_1", "far_field_2", "loopback")
+    assert record.units[-3:] == ("Pa", "Pa", "1")
+    np.testing.assert_array_equal(far_field_of(record, config), heard)
+    np.testing.assert_array_equal(split(record, config)[1], CAPTURE.response)
+
+
+def test_a_recording_without_hydrophones_has_a_far_field_without_columns() -> None:
+    assert far_field_of(recording_of(CAPTURE, RigConfig()), RigConfig()).shape == (4, 0)
