@@ -8,6 +8,7 @@ import numpy as np
 from ctlblocks import Block, Port, recording, replay
 from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
 from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, VibratorImpulseResponse
+from firmware_sim.stage_blocks import PiezoStage
 from tests.contract.conformance import Example
 from vibractl.algorithm import Algorithm
 from vibractl.audio_engine import DeviceInput
@@ -63,4 +64,5 @@ EXAMPLES: dict[type[Block], Example] = {
     VibratorArray: Example(lambda: VibratorArray(hydrophones=2)),
     ImpulseResponse: Example(lambda: _measured(ImpulseResponse)),
     VibratorImpulseResponse: Example(lambda: _measured(VibratorImpulseResponse)),
+    PiezoStage: Example(PiezoStage),
 }

@@ -1,0 +1,42 @@
+"""The simulated piezo stage as a block; the plant itself knows neither blocks nor ports."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from ctlblocks.block import Block, Port
+from firmware_sim.plants.piezo_stage import PiezoStagePlant
+from firmware_sim.plants.piezo_stage_options import PiezoStageOptions
+
+
+@dataclass(eq=False, kw_only=True)
+class PiezoStage(PiezoStageOptions, Block):
+    """The simulated piezo stage, at rest at 0 V after every `prepare`; `PiezoStagePlant` says what it models.
+
+    Ports, three wide, x y z: `voltage` (V, of the stacks), `force` (N, on the plate) and `base` (m, of the robot) in;
+    `extension` (m, strain gauges), `position` (m, capacitive sensors) and `absolute` (m, laser) out.
+
+    In a loop, wire an output `delayed`: it shows the state at the end of its sample, `delay` samples late.
+
+    Parameters: those of `PiezoStageOptions`.
+    """
+
+    inputs = (Port("voltage", "V", 3), Port("force", "N", 3), Port("base", "m", 3))
+    outputs = (Port("extension", "m", 3), Port("position", "m", 3), Port("absolute", "m", 3))
+
+    def prepare(self, rate: float, frames: int) -> None:
+        """Build it anew, at rest."""
+        options = {each.name: getattr(self, each.name) for each in fields(PiezoStageOptions)}
+        self._plant = PiezoStagePlant(rate, **options)
+
+    def process(
+        self,
+        voltage: np.ndarray,
+        force: np.ndarray,
+        base: np.ndarray,
+        extension: np.ndarray,
+        position: np.ndarray,
+        absolute: np.ndarray,
+    ) -> None:
+        """Run it over one frame."""
+        self._plant.run(voltage, force, base, extension, position, absolute)
