@@ -7,8 +7,8 @@ from scipy.linalg import eigh
 
 PIEZO_STIFFNESS = 600e6
 """N/m of a stack, short-circuited: 60 kN blocked at 100 um, of the class that bears the thesis' 30 kN."""
-LEVER_MASS = 16.0
-"""kg, lever and half the stack as the stack feels them: 0.6 kg at the lever's tip times the ratio squared."""
+LEVER_MASS = 6.0
+"""kg, lever and a third of the stack as the stack feels them: 0.2 kg at the lever's tip times the ratio squared."""
 GUIDE_STIFFNESS = 0.25e6
 """N/m, the solid-state joints that guide the plate."""
 LEVER_RATIOS = (5.2, 5.0, 4.8)
@@ -24,7 +24,7 @@ COUPLING_STIFFNESS, COUPLING_MASS = 0.08e6, 0.4
 MASS_SPREAD, STIFFNESS_SPREAD, RATIO_SPREAD = 0.02, 0.03, 0.01
 """Relative standard deviation from stage to stage, cut off at two of it."""
 
-MAIN_DAMPING, FLEXURAL_DAMPING, LEVER_DAMPING = (0.010, 0.020), (0.006, 0.015), (0.025, 0.035)
+MAIN_DAMPING, FLEXURAL_DAMPING, LEVER_DAMPING = (0.010, 0.020), (0.006, 0.015), (0.04, 0.06)
 """Damping ratios below 150 Hz, of the small modes, and of the lever on the stack: bolted joints, cables, ceramic."""
 MAIN_BAND, FLEXURAL_BAND = 150.0, (170.0, 900.0)
 """Hz."""
