@@ -8,6 +8,8 @@ import typer
 
 from calibration.comparison_report import comparison_figures, comparison_report
 from calibration.experiment import RawFolder
+from calibration.far_field_report import HEAD as FAR_FIELD_HEAD
+from calibration.far_field_report import far_field_rows
 from calibration.model_comparison import COMPARED_HEAD, DIFFERING_HEAD, compare, compared_rows, differing_rows
 from calibration.multisine_report import level_table
 from calibration.sweep_report import sweep_report
@@ -54,7 +56,7 @@ def vibrator_command(
     refuse_unfit(rig)
     with RawFolder(_raw_folder(out)) as raw:
         found = _calibrated(rig, raw)
-        write_model(out, found.matrix.described(seconds=f"{found.seconds:.1f}"))
+        write_model(out, found.matrix.described(seconds=f"{found.seconds:.1f}"), found.far)
     report = sweep_report(found, rig)
     report.write(out.with_suffix(".html"))
     if png is not None:
@@ -116,6 +118,8 @@ def _print(found: Calibration, out: Path, json: str | None) -> None:
     if found.levels is not None:
         table = level_table(found.levels)
         print_table("levels of a line; distortion and noise re the multisine's", table.head, table.rows, stream)
+    if found.far is not None:
+        print_table("far field", FAR_FIELD_HEAD, far_field_rows(found.far), stream)
     if found.loudest is not None:
         print(f"the multisine's loudest line is {found.loudest:.1f} dB re what the preload emits", file=stream)
     if len(found.tones):

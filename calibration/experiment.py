@@ -18,7 +18,7 @@ from rigkit.lock import Lock
 from rigkit.provenance import now
 
 Emit = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
-"""Plays a drive, shape (samples, drives), and returns what was emitted and the responses, one row a sample, float32."""
+"""Plays a drive, shape (samples, drives); returns what was emitted and what was heard, one row a sample, float32."""
 _LOCK = ".lock"
 
 

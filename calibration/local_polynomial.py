@@ -1,4 +1,4 @@
-"""A response that is smooth over a few lines, from noisy ones: local polynomials, and what they leave as variance."""
+"""What is smooth over a few lines, from noisy ones: local polynomials, and what they leave as variance."""
 
 from dataclasses import dataclass
 
@@ -72,3 +72,62 @@ def local_polynomial(lines: np.ndarray, response: np.ndarray, wanted: np.ndarray
     variance = power * np.sum(weight**2, axis=1)[:, None]
     shape = (len(wanted), *response.shape[1:])
     return Smoothed(value.reshape(shape), variance.reshape(shape))
+
+
+RANK = 1e-4
+"""Of the largest singular value: what a window shows no better of is left out."""
+
+
+def local_transfer(
+    lines: np.ndarray, given: np.ndarray, followed: np.ndarray, wanted: np.ndarray, reach: int, degree: int
+) -> Smoothed:
+    """Fit followed = T given with a T that is a polynomial over the lines around each wanted one, and read it there.
+
+    Strong lines count for more: the residual of `followed`, not of its ratio to `given`, is made small.
+
+    Parameters
+    ----------
+    lines : array, shape (lines,), any unit, rising
+    given : complex array, shape (lines, inputs, experiments), any unit
+    followed : complex array, shape (lines, outputs, experiments), any unit
+    wanted : array, shape (wanted,), the lines' unit
+    reach : int
+        Lines to each side in a window.
+    degree : int, >= 0
+
+    Returns
+    -------
+    Smoothed
+        Of T, shape (wanted, outputs, inputs).  With more inputs than experiments it is the smallest that fits: it says
+        nothing of what the experiments do not show.
+
+    Raises
+    ------
+    ValueError : fewer lines than a window has, or too few equations.
+
+    Source
+    ------
+    Pintelon and Schoukens 2012, System Identification, sec. 7.3: the local polynomial method with a general input.
+
+    Departs
+    -------
+    Noise in `given` is not a part of the model; it draws T towards zero by its power over that of `given`.
+    """
+    count, inputs = 2 * reach + 1, given.shape[1]
+    freedom = count * given.shape[2] - inputs * (degree + 1)
+    if not (len(lines) >= count and freedom > 0):
+        raise ValueError(
+            f"{len(lines)} lines and {given.shape[2]} experiments, must be at least {count} lines, and more than "
+            f"{inputs * (degree + 1)} equations in a window"
+        )
+    first = np.clip(np.searchsorted(lines, wanted) - reach, 0, len(lines) - count)
+    window = first[:, None] + np.arange(count)
+    offset = lines[window] - wanted[:, None]
+    power = (offset / np.abs(offset).max(axis=1, keepdims=True))[..., None] ** np.arange(degree + 1)
+    rows = np.einsum("wkie,wkd->wkedi", given[window], power).reshape(len(wanted), -1, (degree + 1) * inputs)
+    data = followed[window].swapaxes(2, 3).reshape(len(wanted), -1, followed.shape[1])
+    solver = np.linalg.pinv(rows, rcond=RANK)
+    solution = solver @ data
+    left = (np.abs(data - rows @ solution) ** 2).sum(axis=1) / freedom
+    gain = (np.abs(solver[:, :inputs]) ** 2).sum(axis=2)
+    return Smoothed(solution[:, :inputs].swapaxes(1, 2), left[:, :, None] * gain[:, None, :])

@@ -1,11 +1,12 @@
 """A calibration by multisines: records them, quiet ones in two steps, and turns them into a model and its levels."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from calibration.experiment import Emit, Plan, RawFolder
+from calibration.far_field_estimate import far_field_of
 from calibration.multisine import Design, Record
 from calibration.multisine_estimate import (
     Levels,
@@ -26,6 +27,7 @@ from calibration.vibrator_multisine import (
 from calibration.vibrator_sweep import Silence
 from rigkit.progress import progress
 from vibractl.config import RigConfig
+from vibractl.far_field import FarField
 from vibractl.transfer_matrix import TransferMatrix
 
 
@@ -41,12 +43,15 @@ class Multisined:
         Of signal, over all records.
     loudest : float or None, dB
         Strongest line of the multisine from `quality.above` on, re what the preload emits.
+    far : FarField or None
+        Where there are hydrophones.
     """
 
     matrix: TransferMatrix
     levels: Levels
     emitted: float
     loudest: float | None
+    far: FarField | None
 
 
 def measure_by_multisine(config: RigConfig, raw: RawFolder, emit: Emit, provenance: Mapping[str, str]) -> Multisined:
@@ -69,7 +74,7 @@ def measure_by_multisine(config: RigConfig, raw: RawFolder, emit: Emit, provenan
     if config.characterisation.quiet:
         design, _ = scout_design(config)
         plan = multisine_plan(config, "scout", design)
-        spectra = _recorded(plan, design, config, raw, emit)
+        spectra, _ = _recorded(plan, design, config, raw, emit)
         emitted += emitted_seconds(plan)
         wanted = np.arange(design.bins[0], design.bins[-1] + 1)
         response, _ = matrix_on(design, raw_matrix(design, spectra), wanted)
@@ -78,11 +83,12 @@ def measure_by_multisine(config: RigConfig, raw: RawFolder, emit: Emit, provenan
     else:
         design, detection = flat_design(config)
     plan = multisine_plan(config, "multisine", design)
-    spectra = _recorded(plan, design, config, raw, emit)
+    spectra, heard = _recorded(plan, design, config, raw, emit)
     about = {**provenance, "recording": f"{raw.path.name}/{plan.name}-*.wav, fingerprint {plan.fingerprint}"}
     matrix = _model(config, design, spectra, about)
     loudest = _loudest(config, design, spectra)
-    return Multisined(matrix, levels(design, spectra, detection), emitted + emitted_seconds(plan), loudest)
+    seconds, far = emitted + emitted_seconds(plan), _far_field(config, design, spectra, heard, matrix.frequency)
+    return Multisined(matrix, levels(design, spectra, detection), seconds, loudest, far)
 
 
 def preload_density(spectra: Spectra, design: Design, config: RigConfig) -> np.ndarray:
@@ -106,6 +112,16 @@ def _model(config: RigConfig, design: Design, spectra: Spectra, about: Mapping[s
     return TransferMatrix(frequency, response, variance, coherence_of(response, variance), about)
 
 
+def _far_field(
+    config: RigConfig, design: Design, spectra: Spectra, heard: Spectra, wanted: np.ndarray
+) -> FarField | None:
+    if not config.audio.far_field_channels:
+        return None
+    lines, run_in = design.bins * design.rate / design.period, config.characterisation.run_in
+    response, pressure = raw_matrix(design, spectra), raw_matrix(design, heard)
+    return far_field_of(config, lines, response, pressure, wanted, ("characterisation.run_in", run_in))
+
+
 def _loudest(config: RigConfig, design: Design, spectra: Spectra) -> float | None:
     """Return the strongest line above 100 Hz that the multisine adds to any record, dB re what the preload emits."""
     place = design.bins[design.bins * design.rate / design.period >= config.quality.above] - spectra.first
@@ -115,8 +131,8 @@ def _loudest(config: RigConfig, design: Design, spectra: Spectra) -> float | Non
     return float(20 * np.log10(np.max(added / preload_density(spectra, design, config))))
 
 
-def _recorded(plan: Plan, design: Design, config: RigConfig, raw: RawFolder, emit: Emit) -> Spectra:
-    """Record a plan and transform the periods."""
+def _recorded(plan: Plan, design: Design, config: RigConfig, raw: RawFolder, emit: Emit) -> tuple[Spectra, Spectra]:
+    """Record a plan and transform the periods: as accelerometers and as hydrophones have heard them."""
     sides = len(config.audio.drive_channels)
     silence, periods, done = np.zeros((design.period, len(plan.responses))), [], 0.0
     title = f"{plan.name}, {plan.seconds:.0f} s of signal"
@@ -130,4 +146,8 @@ def _recorded(plan: Plan, design: Design, config: RigConfig, raw: RawFolder, emi
             done += batch.samples / plan.rate
             meter.show(done)
     low, high = _preload_bins(config, design)
-    return spectra_of(design, periods, silence, min(int(design.bins[0]), low), max(int(design.bins[-1]), high))
+    found = spectra_of(design, periods, silence, min(int(design.bins[0]), low), max(int(design.bins[-1]), high))
+    near = len(config.audio.response_channels)
+    parts = (slice(None, near), slice(near, None))
+    felt, heard = (replace(found, response=found.response[..., p], silence=found.silence[:, p]) for p in parts)
+    return felt, heard

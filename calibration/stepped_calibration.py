@@ -3,18 +3,22 @@
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 
+import numpy as np
+
 from calibration.experiment import Emit, Plan, RawFolder
+from calibration.far_field_estimate import far_field_of
 from calibration.stepped_sine import Tones
 from calibration.sweep_estimate import Lines, SweepEstimator
 from calibration.vibrator_sweep import first_pass, second_pass
 from rigkit.progress import progress
 from vibractl.config import RigConfig
+from vibractl.far_field import FarField
 from vibractl.transfer_matrix import TransferMatrix
 
 
 def measure_by_stepped_sine(
     config: RigConfig, raw: RawFolder, emit: Emit, provenance: Mapping[str, str]
-) -> tuple[tuple[TransferMatrix, ...], float]:
+) -> tuple[tuple[TransferMatrix, ...], float, FarField | None]:
     """Record silence, an even sweep, and a second one on the grid that the first asks for.
 
     Parameters
@@ -32,6 +36,8 @@ def measure_by_stepped_sine(
         Each by itself; the last is the model.
     seconds : float, s
         Of signal.
+    far : FarField or None
+        By the last pass, where there are hydrophones.
 
     Source
     ------
@@ -44,16 +50,22 @@ def measure_by_stepped_sine(
     """
     estimator = SweepEstimator(config)
     plans = [first_pass(config)]
-    passes = [measure_tones(plans[0], raw, emit, estimator, provenance)]
+    matrix, heard = measure_tones(plans[0], raw, emit, estimator, provenance)
+    passes = [matrix]
     if config.characterisation.passes > 1:
         plans.append(second_pass(config, passes[0]))
-        passes.append(measure_tones(plans[1], raw, emit, estimator, provenance))
-    return tuple(passes), sum(plan.seconds for plan in plans)
+        matrix, heard = measure_tones(plans[1], raw, emit, estimator, provenance)
+        passes.append(matrix)
+    far = None
+    if config.audio.far_field_channels:
+        waited = "characterisation.settle", config.characterisation.settle
+        far = far_field_of(config, matrix.frequency, matrix.response, heard, matrix.frequency, waited)
+    return tuple(passes), sum(plan.seconds for plan in plans), far
 
 
 def measure_tones(
     plan: Plan, raw: RawFolder, emit: Emit, estimator: SweepEstimator, provenance: Mapping[str, str]
-) -> TransferMatrix:
+) -> tuple[TransferMatrix, np.ndarray]:
     """Record a plan of tones; each batch is estimated while the next is emitted.
 
     Parameters
@@ -64,6 +76,11 @@ def measure_tones(
     estimator : SweepEstimator
     provenance : mapping of strings
         The recording is added to it.
+
+    Returns
+    -------
+    matrix : TransferMatrix
+    heard : complex array, shape (bins, hydrophones, coils), Pa per V
     """
     lines: list[Lines] = []
     waiting: Future[Lines] | None = None

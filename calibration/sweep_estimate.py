@@ -67,7 +67,8 @@ class SweepEstimator:
         self._decimator = Decimator(self._factor)
         samples = round(self._settings.tone * config.audio.rate / self._factor)
         self._window = tukey(samples, self._settings.tukey, sym=False)
-        self._silence = np.zeros((0, len(config.audio.response_channels)))
+        self._accelerometers = len(config.audio.response_channels)
+        self._silence = np.zeros((0, self._accelerometers + len(config.audio.far_field_channels)))
 
     def hear_silence(self, record: Recording) -> None:
         """Take what is heard without a drive into every variance from now on."""
@@ -102,8 +103,14 @@ class SweepEstimator:
         before = np.insert(batch.frequency[batch.order[:, :-1]], 0, 0.0, axis=1)
         return Lines(batch.frequency, response, variance, coherence, wait, np.take_along_axis(before, slots, axis=1).T)
 
-    def joined(self, parts: Sequence[Lines], provenance: Mapping[str, str]) -> TransferMatrix:
-        """Put the lines of all batches in one matrix, and what had not settled into their variance."""
+    def joined(self, parts: Sequence[Lines], provenance: Mapping[str, str]) -> tuple[TransferMatrix, np.ndarray]:
+        """Put the lines of all batches in one matrix, and what had not settled into their variance.
+
+        Returns
+        -------
+        matrix : TransferMatrix
+        heard : complex array, shape (bins, hydrophones, coils), Pa per V
+        """
         frequency = np.concatenate([part.frequency for part in parts])
         order = np.argsort(frequency)
         frequency = frequency[order]
@@ -111,9 +118,12 @@ class SweepEstimator:
             np.concatenate([getattr(part, name) for part in parts])[order]
             for name in ("response", "variance", "coherence", "wait", "before")
         )
+        near = slice(None, self._accelerometers)
+        heard, response = response[:, self._accelerometers :], response[:, near]
         before = np.where(last > 0, np.searchsorted(frequency, last), -1)
         share = left_over(memory(frequency, response), wait, self._window, self._rate)
-        return TransferMatrix(frequency, response, variance + unsettled(response, before, share), coherence, provenance)
+        variance = variance[:, near] + unsettled(response, before, share)
+        return TransferMatrix(frequency, response, variance, coherence[:, near], provenance), heard
 
     def _signals(self, record: Recording) -> np.ndarray:
         return self._decimator.apply(record.data.astype(float))

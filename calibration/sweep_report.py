@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from calibration.far_field_report import far_field_section
 from calibration.multisine_report import levels_section
 from calibration.preload import clearance, preload_frequencies
 from calibration.refinement import interpolation_error
@@ -60,6 +61,8 @@ def _sections(found: Calibration, config: RigConfig) -> list[Section]:
             (Table(BAND_HEAD, tuple(band_rows(found.matrix))), Table(WORST_HEAD, tuple(worst_rows(found.matrix)))),
         ),
     ]
+    if found.far is not None:
+        sections.append(far_field_section(found.far))
     if found.levels is not None:
         return [*sections, levels_section(found.levels, found.tones)]
     if config.characterisation.preload:

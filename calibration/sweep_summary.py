@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from calibration.far_field_report import far_field_figures
 from calibration.multisine_report import LEVEL_HEAD, level_table
 from calibration.vibrator import Calibration
 from vibractl.transfer_matrix import TransferMatrix, norm
@@ -68,6 +69,8 @@ def sweep_figures(found: Calibration) -> dict[str, Any]:
         "worst_relative_deviation": float(relative.max()),
         "least_coherence": _least_diagonal(found.matrix.coherence),
     }
+    if found.far is not None:
+        figures["far_field"] = far_field_figures(found.far)
     if len(found.passes) > 1:
         difference = pass_difference(found)
         figures["first_pass_median_difference"] = float(np.median(difference))

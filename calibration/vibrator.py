@@ -22,6 +22,7 @@ from rigkit.stop import StopRequest
 from vibractl.audio import Line
 from vibractl.capture import Discarded
 from vibractl.config import RigConfig
+from vibractl.far_field import FarField
 from vibractl.shot_file import DISCARDED, keep_discarded
 from vibractl.transfer_matrix import TransferMatrix
 
@@ -45,6 +46,8 @@ class Calibration:
         The multisine's strongest line, see `Multisined`.
     tones : array, shape (tones,), Hz
         Lines that a short stepped sine measured again.
+    far : FarField or None
+        Where there are hydrophones.
     """
 
     passes: tuple[TransferMatrix, ...]
@@ -52,6 +55,7 @@ class Calibration:
     levels: Levels | None = None
     loudest: float | None = None
     tones: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    far: FarField | None = None
 
     @property
     def matrix(self) -> TransferMatrix:
@@ -85,7 +89,7 @@ class LiveLine:
             self._line.__exit__(*fault)
 
     def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Play `drive` (samples, drives) V; return what was emitted and the responses, see `experiment.Emit`.
+        """Play `drive` (samples, drives) V; return what was emitted, and responses and far field: `experiment.Emit`.
 
         Raises
         ------
@@ -104,7 +108,7 @@ class LiveLine:
         finally:
             done.set()
             watch.join()
-        return capture.emitted, capture.response
+        return capture.emitted, np.hstack([capture.response, capture.far_field])
 
     def _stop_when_asked(self, line: Line, done: threading.Event) -> None:
         while not done.wait(STOP_POLL):
@@ -131,15 +135,16 @@ def calibrate(config: RigConfig, raw: RawFolder, emit: Emit) -> Calibration:
     Calibration
     """
     if config.characterisation.method == "stepped":
-        return Calibration(*measure_by_stepped_sine(config, raw, emit, _provenance(config)))
+        passes, seconds, far = measure_by_stepped_sine(config, raw, emit, _provenance(config))
+        return Calibration(passes, seconds, far=far)
     about = _provenance(config)
     found = measure_by_multisine(config, raw, emit, about)
-    by_multisine = Calibration((found.matrix,), found.emitted, found.levels, found.loudest)
+    by_multisine = Calibration((found.matrix,), found.emitted, found.levels, found.loudest, far=found.far)
     tones = uncertain_lines(found.matrix) if config.characterisation.method == "both" else np.zeros(0)
     if len(tones) < FEWEST:
         return by_multisine
     plan = chosen_tones(config, tones)
-    again = measure_tones(plan, raw, emit, SweepEstimator(config), about)
+    again, _ = measure_tones(plan, raw, emit, SweepEstimator(config), about)
     model = merged(found.matrix, again)
     return replace(by_multisine, passes=(model,), seconds=found.emitted + plan.seconds, tones=tones)
 

@@ -12,6 +12,7 @@ from calibration.refinement import memory, refined
 from calibration.stepped_sine import Tones
 from calibration.sweep_estimate import decimation
 from vibractl.config import RigConfig
+from vibractl.shot_file import hydrophone_names
 from vibractl.transfer_matrix import TransferMatrix
 
 BATCH = 30.0
@@ -143,7 +144,7 @@ def _plan(config: RigConfig, name: str, batches: list[Batch]) -> Plan:
 
 
 def depends_on_rig(config: RigConfig) -> tuple[list[tuple[str, str]], list[tuple[str, str]], dict[str, str]]:
-    """Return names and units of drives and of responses, and what of the rig a recording depends on."""
+    """Return names and units of drives and of all that is heard, and what of the rig a recording depends on."""
     audio = config.audio
     depends = {
         "rig.name": config.rig.name,
@@ -152,9 +153,12 @@ def depends_on_rig(config: RigConfig) -> tuple[list[tuple[str, str]], list[tuple
         **{f"simulator.options.{key}": repr(value) for key, value in sorted(config.simulator.options.items())},
         "simulator.plant": config.simulator.plant,
     }
+    if audio.far_field_channels:
+        depends |= {f"audio.{key}": repr(getattr(audio, key)) for key in ("far_field_channels", "far_field_full_scale")}
     drives = [(f"drive_{side + 1}", "V") for side in range(len(audio.drive_channels))]
     responses = [(f"response_{side + 1}", "m/s^2") for side in range(len(audio.response_channels))]
-    return drives, responses, depends
+    hydrophones = [(name, "Pa") for name in hydrophone_names(config)]
+    return drives, [*responses, *hydrophones], depends
 
 
 def _digest(batches: Iterable[Batch]) -> str:

@@ -54,8 +54,10 @@ def write_model_file(path: Path, content: ModelFile) -> None:
             file.attrs[_PROVENANCE + name] = text
 
 
-def read_model_file(path: Path, expected: str, arrays: Sequence[str], words: Sequence[str] = ()) -> ModelFile:
-    """Read a model of the kind `expected`, with the `arrays` and `words` it must hold.
+def read_model_file(
+    path: Path, expected: str, arrays: Sequence[str], words: Sequence[str] = (), optional: Sequence[str] = ()
+) -> ModelFile:
+    """Read a model of the kind `expected`, with the `arrays` and `words` it must hold, and `optional` arrays it may.
 
     Raises
     ------
@@ -67,6 +69,7 @@ def read_model_file(path: Path, expected: str, arrays: Sequence[str], words: Seq
         with h5py.File(path, "r") as file:
             if (found := file.attrs.get("format")) != expected:
                 raise ModelFileError(f"{path}: format is {found!r}, must be {expected!r}")
+            arrays = [*arrays, *(name for name in optional if name in file)]
             return ModelFile(
                 expected,
                 arrays={name: np.asarray(file[name]) for name in arrays},

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from calibration.local_polynomial import local_polynomial
+from calibration.local_polynomial import local_polynomial, local_transfer
 
 LINES = np.setdiff1d(np.arange(1.0, 401.0, 2.0), np.arange(5.0, 400.0, 14.0))
 
@@ -38,3 +38,28 @@ def test_where_the_response_bends_too_fast_the_variance_says_so() -> None:
 def test_what_cannot_be_fitted_is_refused(lines: int, degree: int, words: str) -> None:
     with pytest.raises(ValueError, match=words):
         local_polynomial(LINES[:lines], np.ones(lines, complex), LINES[:2], 8, degree)
+
+
+def test_a_smooth_transfer_between_wild_spectra_is_found_and_its_variance_is_right() -> None:
+    rng, lines = np.random.default_rng(2), np.arange(400.0)
+    truth = np.stack([np.exp(1j * lines / 60), 0.5 + lines * 1j / 400], axis=-1)[:, None]
+    given = 10 ** rng.uniform(-1, 1, (400, 2, 3)) * np.exp(2j * np.pi * rng.random((400, 2, 3)))
+    noise = 0.05 * (rng.standard_normal((400, 1, 3)) + 1j * rng.standard_normal((400, 1, 3)))
+    found = local_transfer(lines, given, truth @ given + noise, lines, 8, 2)
+    normalised = np.abs(found.value - truth) ** 2 / found.variance
+    assert normalised[50:350].mean() == pytest.approx(1.0, abs=0.3)
+    assert np.abs(found.value - truth).max() < 0.05
+
+
+def test_with_fewer_experiments_than_inputs_the_smallest_transfer_that_fits_is_taken() -> None:
+    lines = np.arange(40.0)
+    given = np.broadcast_to(np.array([[1.0], [2.0]]) + 0j, (40, 2, 1))
+    found = local_transfer(lines, given, given[:, :1] + 2 * given[:, 1:], lines, 8, 1)
+    np.testing.assert_allclose(found.value, np.broadcast_to([[1.0, 2.0]], (40, 1, 2)), atol=1e-9)
+
+
+def test_too_few_equations_for_a_transfer_are_refused() -> None:
+    with pytest.raises(
+        ValueError, match="10 lines and 1 experiments, must be at least 17 lines, and more than 6 equat"
+    ):
+        local_transfer(np.arange(10.0), np.ones((10, 2, 1)), np.ones((10, 1, 1)), np.arange(3.0), 8, 2)

@@ -95,7 +95,7 @@ def test_batches_are_joined_in_order_of_frequency() -> None:
         before = np.stack([np.append(0.0, frequency[:-1]), np.append(frequency[1:], 0.0)], axis=1)
         return Lines(frequency, ones * start, ones, ones, np.full((4, 2), 100.0), before)
 
-    both = SweepEstimator(CONFIG).joined([lines(50.0), lines(20.0)], {"rig": "x"})
+    both, _ = SweepEstimator(CONFIG).joined([lines(50.0), lines(20.0)], {"rig": "x"})
     assert both.frequency.tolist() == [20.0, 21.0, 22.0, 23.0, 50.0, 51.0, 52.0, 53.0]
     assert both.response[:, 0, 0].tolist() == [20.0] * 4 + [50.0] * 4
     assert both.variance == pytest.approx(1.0)
