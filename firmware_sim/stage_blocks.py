@@ -1,10 +1,11 @@
-"""The simulated piezo stage as a block; the plant itself knows neither blocks nor ports."""
+"""The simulated piezo stage and what disturbs it as blocks; they themselves know neither blocks nor ports."""
 
 from dataclasses import dataclass, fields
 
 import numpy as np
 
 from ctlblocks.block import Block, Port
+from firmware_sim.plants.milling_disturbance import MillingDisturbance, MillingOptions
 from firmware_sim.plants.piezo_stage import PiezoStagePlant
 from firmware_sim.plants.piezo_stage_options import PiezoStageOptions
 
@@ -40,3 +41,24 @@ class PiezoStage(PiezoStageOptions, Block):
     ) -> None:
         """Run it over one frame."""
         self._plant.run(voltage, force, base, extension, position, absolute)
+
+
+@dataclass(eq=False, kw_only=True)
+class Milling(MillingOptions, Block):
+    """A cut from its beginning after every `prepare`; `MillingDisturbance` says what it is made of.
+
+    Ports, three wide, x y z: `force` (N, on the stage's plate) and `base` (m, of the robot) out.
+
+    Parameters: those of `MillingOptions`.
+    """
+
+    outputs = (Port("force", "N", 3), Port("base", "m", 3))
+
+    def prepare(self, rate: float, frames: int) -> None:
+        """Draw the cut."""
+        options = {each.name: getattr(self, each.name) for each in fields(MillingOptions)}
+        self._cut = MillingDisturbance(rate, **options)
+
+    def process(self, force: np.ndarray, base: np.ndarray) -> None:
+        """Go on for one frame."""
+        self._cut.run(force, base)

@@ -8,7 +8,7 @@ import numpy as np
 from ctlblocks import Block, Port, recording, replay
 from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
 from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, VibratorImpulseResponse
-from firmware_sim.stage_blocks import PiezoStage
+from firmware_sim.stage_blocks import Milling, PiezoStage
 from tests.contract.conformance import Example
 from vibractl.algorithm import Algorithm
 from vibractl.audio_engine import DeviceInput
@@ -65,4 +65,5 @@ EXAMPLES: dict[type[Block], Example] = {
     ImpulseResponse: Example(lambda: _measured(ImpulseResponse)),
     VibratorImpulseResponse: Example(lambda: _measured(VibratorImpulseResponse)),
     PiezoStage: Example(PiezoStage),
+    Milling: Example(lambda: Milling(start=0.0, seconds=5.0)),
 }
