@@ -9,6 +9,15 @@ from ctlblocks import Block, Port, recording, replay
 from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
 from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, VibratorImpulseResponse
 from firmware_sim.stage_blocks import Milling, PiezoStage
+from stagectl import config as stage
+from stagectl.models import InnovationModel
+from stagectl.stage.controller import PiezoController, StageController
+from stagectl.stage.guard import VoltageGuard
+from stagectl.stage.kalman import kalman_gain
+from stagectl.stage.loop import inner_loops
+from stagectl.stage.sensors import SensorCheck
+from stagectl.stage.servo import servo
+from stagectl.stage.state_feedback import StateFeedback, linear_quadratic
 from tests.contract.conformance import Example
 from vibractl.algorithm import Algorithm
 from vibractl.audio_engine import DeviceInput
@@ -48,6 +57,35 @@ def _learner() -> Block:
     return Learner(Algorithm(law, Adaptation(), Watch(), -40.0), shot, 4, 0.002, 2)
 
 
+STAGE_MODEL = InnovationModel(
+    *(np.array(part) for part in ([[0.9, -0.1], [0.1, 0.9]], [[0.1], [0.0]], [[1.0, 1.0]], [[0.0]], [[0.0], [0.0]])),
+    10_000.0,
+    np.eye(1),
+)
+SENSORS = stage.Sensors(
+    position=(-0.09, 0.09), position_speed=1e3, extension=(-1.0, 1.0), extension_speed=1e3, tolerated=10
+)
+STAGE = stage.StageConfig(limits=stage.Limits(extension=(-1.0, 1.0), extension_slew=100.0, travel=(-1.0, 1.0)))
+
+
+def _stage_controller() -> Block:
+    states = servo(STAGE.outer, 50.0, 10_000.0)
+    feedback = linear_quadratic(STAGE_MODEL, states, 1.0)
+    outer = StateFeedback(STAGE_MODEL, kalman_gain(STAGE_MODEL, 1.0), feedback[0], states, feedback[1], 0.2)
+    return StageController(inner_loops(STAGE), [outer] * 3, STAGE.limits)
+
+
+def _start_stage(block: StageController | PiezoController) -> None:
+    block.start(np.full(3, 50.0))
+
+
+def _open_stage(block: VoltageGuard) -> None:
+    voltage = np.empty((1, 3))
+    while not block.at_rest:
+        block.process(np.zeros((1, 3)), np.zeros((1, 1)), voltage)
+    block.open()
+
+
 EXAMPLES: dict[type[Block], Example] = {
     Sum: Example(lambda: Sum("+-", width=2)),
     Gain: Example(lambda: Gain(-2.5, width=2)),
@@ -60,6 +98,10 @@ EXAMPLES: dict[type[Block], Example] = {
     Trial: Example(lambda: Trial(NOISE, 2, margin=50)),
     Learner: Example(_learner),
     DeviceInput: Example(lambda: DeviceInput(2), start=lambda block: block.frame.fill(0.1)),
+    StageController: Example(_stage_controller, _start_stage, 10_000.0),
+    PiezoController: Example(lambda: PiezoController(inner_loops(STAGE), STAGE.limits), _start_stage, 10_000.0),
+    VoltageGuard: Example(lambda: VoltageGuard(stage.Limits(voltage=(-0.05, 0.02)), 3), _open_stage, 10_000.0),
+    SensorCheck: Example(lambda: SensorCheck(SENSORS, 3), rate=1_000.0),
     Vibrator: Example(Vibrator),
     VibratorArray: Example(lambda: VibratorArray(hydrophones=2)),
     ImpulseResponse: Example(lambda: _measured(ImpulseResponse)),

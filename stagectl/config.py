@@ -1,0 +1,144 @@
+"""The stage's rig file: one model a table, every key with unit, range and default."""
+
+import math
+from typing import Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from rigkit.config import Section, setting
+
+Range = tuple[float, float]
+PerAxis = tuple[float, ...]
+
+
+class Rig(Section):
+    """Which rig this is; a model measured on one rig is refused on another."""
+
+    name: str = setting("simulated-stage", "", "name of the rig, kept with every model and run", min_length=1)
+
+
+class Stage(Section):
+    """The stage: its axes, and how often they are controlled."""
+
+    axes: tuple[str, ...] = setting(("x", "y", "z"), "", "name of each axis", min_length=1, max_length=8)
+    rate: float = setting(10_000.0, "samples/s", "sample rate of both loops", ge=100, le=100_000)
+
+
+class Limits(Section):
+    """What the controllers ask for and the guard lets out, on every axis."""
+
+    voltage: Range = setting((0.0, 100.0), "V", "lowest and highest piezo voltage")
+    voltage_slew: float = setting(2e5, "V/s", "largest rate of change of a voltage", gt=0, le=1e8)
+    extension: Range = setting((2e-6, 88e-6), "m", "lowest and highest reference of the piezo's extension")
+    extension_slew: float = setting(0.2, "m/s", "largest rate of change of that reference", gt=0, le=100)
+    travel: Range = setting((20e-6, 430e-6), "m", "lowest and highest reference of the plate's position")
+    rest: Literal["middle", "zero"] = setting(
+        "middle", "", "where the stage goes when it stops or faults: the middle of the voltages, or the lowest"
+    )
+    ramp: float = setting(0.2, "s", "raised-cosine ramp at start, stop, hold and fault", ge=0.001, le=10)
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        for name in ("voltage", "extension", "travel"):
+            low, high = getattr(self, name)
+            if not low < high:
+                raise ValueError(f"limits.{name} is {low:g} to {high:g}, must rise")
+        shortest = (self.voltage[1] - self.voltage[0]) * math.pi / 2 / self.voltage_slew
+        if not self.ramp >= shortest:
+            raise ValueError(
+                f"limits.ramp is {self.ramp:g} s, must be >= {shortest:.3g} s to cross limits.voltage within "
+                f"limits.voltage_slew {self.voltage_slew:g} V/s"
+            )
+        return self
+
+    @property
+    def rest_voltage(self) -> float:
+        """Where voltages rest, V."""
+        return self.voltage[0] if self.rest == "zero" else sum(self.voltage) / 2
+
+    @property
+    def rest_position(self) -> float:
+        """Where the plate rests when it is held, m."""
+        return self.travel[0] if self.rest == "zero" else sum(self.travel) / 2
+
+
+class Sensors(Section):
+    """What a sensor can show; anything else, for longer than `tolerated`, is a fault that stops the stage."""
+
+    position: Range = setting((-5e-6, 480e-6), "m", "lowest and highest position that can be")
+    position_speed: float = setting(0.25, "m/s", "fastest change of a position that can be", gt=0, le=1e3)
+    extension: Range = setting((-5e-6, 105e-6), "m", "lowest and highest extension that can be")
+    extension_speed: float = setting(0.3, "m/s", "fastest change of an extension that can be", gt=0, le=1e3)
+    stuck: float = setting(0.05, "s", "a sensor that gives the same number for so long is stuck", gt=0, le=60)
+    tolerated: int = setting(3, "samples", "wrong samples in a row for which the last right one stands", ge=0, le=100)
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        for name in ("position", "extension"):
+            low, high = getattr(self, name)
+            if not low < high:
+                raise ValueError(f"sensors.{name} is {low:g} to {high:g} m, must rise")
+        return self
+
+
+class Inner(Section):
+    """The PID that makes the measured extension follow its reference, (2.2)."""
+
+    gain: PerAxis = setting((0.9e-6,), "m/V", "extension a volt gives; one for all axes, or one an axis", min_length=1)
+    bandwidth: PerAxis = setting(
+        (250.0,), "Hz", "Ki gain / (2 pi): where the integral part alone has gain one; as gain", min_length=1
+    )
+    proportional: float = setting(0.15, "1", "Kp gain", ge=0, le=100)
+    lead: float = setting(0.0, "s", "Kd gain", ge=0, le=1)
+    smoothing: float = setting(2e-4, "s", "time constant of the derivative's low-pass", gt=0, le=1)
+    tracking: float = setting(1e-3, "s", "time constant of the anti-windup", gt=0, le=10)
+
+
+class Outer(Section):
+    """The LQG feedback with integral state that makes the position follow its reference, (2.3)-(2.5)."""
+
+    bandwidth: PerAxis = setting(
+        (60.0,), "Hz", "of the integral action, at most; one for all axes, or one an axis", min_length=1
+    )
+    drive: PerAxis = setting(
+        (1.0,), "m/m", "extension that may be spent on a position error of one; as bandwidth", min_length=1
+    )
+    disturbance: float = setting(
+        30.0, "Hz", "frequency at which disturbances are to be suppressed most", gt=0, le=2_000
+    )
+    max_sensitivity: float = setting(2.2, "1", "Ms that is kept, with `delay` more than there is", ge=1.1, le=10)
+    delay: int = setting(1, "samples", "extra delay that the bound on Ms holds for", ge=0, le=20)
+    mistuning: float = setting(0.05, "1", "natural frequencies may be off by so much, and it still holds", ge=0, le=0.5)
+    feedforward: float = setting(1.0, "1", "part of the l_r that leaves no error on a ramp", ge=0, le=1)
+    resonances: tuple[float, ...] = setting(
+        (), "Hz", "disturbances that are cancelled at their frequency", max_length=5
+    )
+    resonance_width: float = setting(2.0, "Hz", "width in which they are", gt=0, le=100)
+    resonance_damping: float = setting(0.0, "1", "damping ratio of those states", ge=0, le=0.5)
+
+
+class Simulator(Section):
+    """The laboratory without the laboratory; read by firmware_sim alone."""
+
+    options: dict[str, Any] = setting({}, "", "keywords the plant is built with")
+
+
+class StageConfig(Section):
+    """A whole rig file of the stage."""
+
+    rig: Rig = Field(default_factory=Rig)
+    stage: Stage = Field(default_factory=Stage)
+    limits: Limits = Field(default_factory=Limits)
+    sensors: Sensors = Field(default_factory=Sensors)
+    inner: Inner = Field(default_factory=Inner)
+    outer: Outer = Field(default_factory=Outer)
+    simulator: Simulator = Field(default_factory=Simulator)
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        axes = len(self.stage.axes)
+        for table, key in (("inner", "gain"), ("inner", "bandwidth"), ("outer", "bandwidth"), ("outer", "drive")):
+            values = getattr(getattr(self, table), key)
+            if len(values) not in (1, axes) or not all(value > 0 for value in values):
+                raise ValueError(f"{table}.{key} is {values}, must be 1 or {axes} numbers > 0")
+        return self

@@ -1,0 +1,59 @@
+"""The Kalman filter of the outer loop: its gain, from the identified noise and from doubt about the model."""
+
+import numpy as np
+from scipy.linalg import solve_discrete_are
+
+from stagectl.models import InnovationModel
+
+
+def kalman_gain(model: InnovationModel, doubt: float, caution: float = 0.0) -> np.ndarray:
+    """Return the gain K of (2.4) for a model that is in doubt.
+
+    To the identified noise it adds white noise at the plant's input and, `caution` times as large, at the input of each
+    mode by itself.  Without either the gain is the model's own, which is best for the noise of the experiment and
+    trusts the model where it should not.  Noise at the input brings the loop near to state feedback (loop transfer
+    recovery), by way of a filter that inverts the plant's zeros; noise at each mode keeps it from relying on those
+    zeros, which lie elsewhere as soon as a natural frequency does.
+
+    Parameters
+    ----------
+    model : InnovationModel
+        Of one output.
+    doubt : float, the input's unit per the output's unit
+        Rms of the noise at the input over that of the innovations, >= 0.
+    caution : float, 1, >= 0
+
+    Returns
+    -------
+    array, shape (n, 1), 1 per the output's unit
+
+    Source
+    ------
+    Sörnmo 2015, eq. (2.4); recovery: Doyle and Stein, IEEE Trans. Automatic Control 26 (1981) 4.
+    """
+    modes = caution * np.hstack([part @ model.B for part in modal_parts(model.A)])
+    inputs = doubt * np.hstack([model.B, modes])
+    noise = model.K @ model.K.T + inputs @ inputs.T  # per variance of the innovations
+    one = np.ones((1, 1))
+    if not noise.any():
+        return np.zeros_like(model.K)
+    covariance = solve_discrete_are(model.A.T, model.C.T, noise, one, s=model.K)
+    gain: np.ndarray = (model.A @ covariance @ model.C.T + model.K) / (model.C @ covariance @ model.C.T + one)
+    return gain
+
+
+def modal_parts(A: np.ndarray) -> list[np.ndarray]:
+    """Return for each mode what takes a state to its part in that mode: arrays of shape (n, n), 1, whose sum is one.
+
+    Parameters
+    ----------
+    A : array, shape (n, n), 1
+        With distinct eigenvalues; a mode is a real one or a complex pair.
+    """
+    poles, shapes = np.linalg.eig(A.astype(complex))
+    rows = np.linalg.inv(shapes)
+    return [
+        (1.0 + (pole.imag > 0)) * np.outer(shapes[:, number], rows[number]).real
+        for number, pole in enumerate(poles)
+        if pole.imag >= 0
+    ]
