@@ -2,5 +2,6 @@
 
 from calibration.prediction_error.autoregression import Arx, arx
 from calibration.prediction_error.refinement import Focus, Refined, refine
+from calibration.prediction_error.transfer_matrix import TransferMatrix, identify_transfer_matrix
 
-__all__ = ["Arx", "Focus", "Refined", "arx", "refine"]
+__all__ = ["Arx", "Focus", "Refined", "TransferMatrix", "arx", "identify_transfer_matrix", "refine"]

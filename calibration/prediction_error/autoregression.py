@@ -92,8 +92,8 @@ def arx(
         raise ValueError(f"lags are {lags}, must be >= 0, one of them > 0")
     if len(waits) != inputs or not all(wait >= 0 for wait in waits):
         raise ValueError(f"delays are {delays}, must be one or {inputs}, >= 0")
-    if choose is not None and past != held:
-        raise ValueError(f"lags are {lags}, must be one number to choose from up to it")
+    if choose is not None and past != held and min(past, held) > 0:
+        raise ValueError(f"lags are {lags}, must be alike or one of them 0 to choose from up to it")
     table = _regressors(past, held, waits, outputs)
     triangle, count = _folded(drives, responses, table)
     columns = len(table)
@@ -101,8 +101,9 @@ def arx(
         raise ValueError(f"{count} samples with a whole past, must be more than {columns + outputs} for lags {lags}")
     found, criterion = np.array([max(past, held)]), np.zeros(1)
     if choose is not None:
-        found, criterion = _criteria(triangle, count, past, inputs + outputs, outputs, choose)
-        columns = int(found[np.argmin(criterion)]) * (inputs + outputs)
+        step = columns // max(past, held)
+        found, criterion = _criteria(triangle, count, max(past, held), step, outputs, choose)
+        columns = int(found[np.argmin(criterion)]) * step
     right, rest = np.split(triangle[:, len(table) :], [columns])
     weights = _solved(triangle[:columns, :columns], right)
     a, b = _coefficients(table[:columns], weights, inputs, outputs)

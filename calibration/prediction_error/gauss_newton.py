@@ -65,6 +65,8 @@ class Fit:
     point : Point
     coordinates : Coordinates
         Around it.
+    states : tuple of arrays, shape (all states,), 1
+        Of the coordinates' sections, at the start of each record.
     normal : Normal
         The normal equations there.
     iterations : int
@@ -74,6 +76,7 @@ class Fit:
 
     point: Point
     coordinates: Coordinates
+    states: tuple[np.ndarray, ...]
     normal: Normal
     iterations: int
     arrived: bool
@@ -122,7 +125,7 @@ def fit(
         else:
             damping *= BRAKE
         arrived = small == 2 or here.left <= NEAR_ENOUGH * len(here.normal.slope)
-    return Fit(point, here.coordinates, here.normal, done, arrived)
+    return Fit(point, here.coordinates, tuple(here.states), here.normal, done, arrived)
 
 
 @dataclass(frozen=True, eq=False)

@@ -62,16 +62,6 @@ class Coordinates:
         elements = [e.moved(s, part) for e, s, part in zip(self.elements, self.steps, parts, strict=False)]
         return elements, self.direct + parts[-1].reshape(self.direct.shape)
 
-    def sections_state(self, states: Sequence[np.ndarray]) -> np.ndarray:
-        """Return the elements' states as the sections', shape (all states,).
-
-        Parameters
-        ----------
-        states : sequence of arrays, shape (n,), 1
-        """
-        parts = [np.linalg.solve(basis, state) for basis, state in zip(self.bases, states, strict=True)]
-        return np.concatenate([np.zeros(0), *parts])
-
     def states_moved(self, state: np.ndarray, state_step: np.ndarray, step: np.ndarray) -> list[np.ndarray]:
         """Return the elements' states, each of shape (n,), that a step leaves behind.
 

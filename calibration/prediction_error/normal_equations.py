@@ -16,8 +16,11 @@ LEAST_FRAMES = 64
 BATCHES = 16
 """Into how many parts all records together are cut to see how the gradient scatters."""
 
+LEAST_SCALE = 1e-6
+"""Information of a parameter, relative to the greatest, that damping takes it to have at least."""
+
 NEGLIGIBLE = 1e-12
-"""Eigenvalues of an initial state's information, relative to the greatest, below which that part is left as it is."""
+"""Information, relative to the greatest, below which a part of an initial state is left as it is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +68,8 @@ class Normal:
         room : array, shape (fences,), 1
         approach : array, shape (fences, free), any unit
         """
-        scale = np.sqrt(np.diag(self.information).clip(np.finfo(float).tiny))
+        own = np.diag(self.information)
+        scale = np.sqrt(own.clip(LEAST_SCALE * max(own.max(), np.finfo(float).tiny)))
         scaled = self.information / np.outer(scale, scale) + damping * np.eye(len(scale))
         rows = approach / scale
         solved = np.linalg.lstsq(scaled, np.column_stack([self.slope / scale, rows.T]), rcond=1e-14)[0]

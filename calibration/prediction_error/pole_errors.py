@@ -54,8 +54,7 @@ def coloured_covariance(fit: Fit, records: Sequence[Record]) -> np.ndarray:
     """
     inverse = white_covariance(fit)
     at = fit.coordinates
-    states = [at.sections_state(record) for record in fit.point.states]
-    scores = score_covariance(at.form, at.slopes, records, states, fit.point.weight, fit.normal)
+    scores = score_covariance(at.form, at.slopes, records, fit.states, fit.point.weight, fit.normal)
     covariance: np.ndarray = inverse @ scores @ inverse
     return covariance
 
