@@ -26,6 +26,7 @@ from vibractl.doctor.command import doctor_command
 from vibractl.export.command import export_command
 from vibractl.predict.command import predict_command
 from vibractl.quality import Marks
+from vibractl.quality_table import prefix_of
 from vibractl.replay import replay
 from vibractl.report import run_report
 from vibractl.session import Session, create, settings_of, setup_of
@@ -101,6 +102,7 @@ def _go_on(path: Path, shots: int | None, json: str | None) -> None:
 
 def _learn(session: Session, shots: int, json: str | None) -> None:
     path = session.folder.path
+    sys.stderr.write(session.note)
     with stoppable() as stop, progress("learning", shots, start=session.done) as meter:
 
         def tell(shot: int, marks: Marks) -> None:
@@ -120,13 +122,12 @@ def _learn(session: Session, shots: int, json: str | None) -> None:
 
 def _print_shots(path: Path, json: str | None) -> None:
     rows = read_quality(path)
-    sides = sum(key.startswith("iae_") for key in rows[0])
-    head = ["shot", "gain", "verdict"]
+    prefix = prefix_of(rows)
+    sides = sum(key.startswith(f"{prefix}iae_") for key in rows[0])
+    head, keys = ["shot", "gain", "verdict"], ["shot", "gain", "verdict"]
     for side in range(1, sides + 1):
         head += [f"worst line {side}, dB", "at, Hz", f"IAE {side}", f"error {side}, dB"]
-    keys = ["shot", "gain", "verdict"]
-    for side in range(1, sides + 1):
-        keys += [f"worst_line_db_{side}", f"worst_line_hz_{side}", f"iae_{side}", f"error_db_{side}"]
+        keys += [f"{prefix}{name}_{side}" for name in ("worst_line_db", "worst_line_hz", "iae", "error_db")]
     body = [[_short(row[key]) for key in keys] for row in rows]
     print_table(f"{path}: worst line against the limit, negative is good", head, body, words(json))
 

@@ -91,6 +91,12 @@ class Learning(Section):
     structure: Literal["mimo", "decentralised", "common"] = setting(
         "mimo", "", "both sides together, each for itself (fails), or one drive for both (poor)"
     )
+    sensors: Literal["accelerometers", "far-field"] = setting(
+        "accelerometers", "", "whose errors are learned from; far-field only where the objective is stated there, too"
+    )
+    weights: tuple[float, ...] = setting(
+        (), "1", "how much each of those sensors counts, where not all errors can be made small; empty for 1 each"
+    )
     overtones: int = setting(4, "", "overtones of a sine that are learned beside its root", ge=0, le=60)
     decimation: Literal[1, 4] = setting(4, "1", "learn at the rate divided by this; 4 as in the thesis, 1 full rate")
 
@@ -134,6 +140,9 @@ class Session(Section):
 class Quality(Section):
     """When a shot meets the objective."""
 
+    where: Literal["accelerometers", "far-field"] = setting(
+        "accelerometers", "", "the sensors that are to hear nothing but the reference"
+    )
     objective: float = setting(-40.0, "dB", "limit on errors above `above`, re the reference's spectrum", ge=-120, le=0)
     above: float = setting(100.0, "Hz", "the limit holds from here ...", gt=0, le=20_000)
     judged_to: float = setting(645.0, "Hz", "... to here", gt=0, le=20_000)
@@ -191,6 +200,16 @@ class RigConfig(Section):
     def _has_a_channel_for_each(self) -> Self:
         if fault := collision(self.audio):
             raise ValueError(fault)
+        far = len(self.audio.far_field_channels)
+        for key, where in (("quality.where", self.quality.where), ("learning.sensors", self.learning.sensors)):
+            if where == "far-field" and not far:
+                raise ValueError(f"{key} is far-field, but audio.far_field_channels is empty")
+        if self.learning.sensors == "far-field" and self.quality.where != "far-field":
+            raise ValueError(f"learning.sensors is far-field, but quality.where is {self.quality.where}")
+        sensors = far if self.learning.sensors == "far-field" else len(self.audio.response_channels)
+        weights = self.learning.weights
+        if weights and not (len(weights) == sensors and min(weights) >= 0 and max(weights) > 0):
+            raise ValueError(f"learning.weights is {list(weights)}, must be {sensors} numbers >= 0, not all 0")
         return self
 
     @model_validator(mode="after")

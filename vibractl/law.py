@@ -78,11 +78,11 @@ def learning_law(settings: Learning, matrix: TransferMatrix, reference: Referenc
     used = _as_driven(matrix.at(lines.frequency), outputs, spread, settings.structure)
     window = settled_window(reference, lines.frames)
     wanted = lines.lines(window * Decimator(settings.decimation).apply(reference.signal))
-    inverse = bounded_inverse(used.response, settings)
-    if settings.start == "inverse" or (settings.start == "by-law" and settings.law == "kalman"):
-        start = (inverse @ wanted[..., None])[..., 0]
-    else:
-        start = _scaled_reference(used, wanted)
+    if settings.weights and settings.sensors == "accelerometers":  # those of the outputs controlled
+        settings = settings.model_copy(update={"weights": tuple(settings.weights[output] for output in outputs)})
+    weighted = settings if settings.sensors == "accelerometers" else settings.model_copy(update={"weights": ()})
+    inverse = bounded_inverse(used.response, weighted)
+    start = first_drive(settings, used, inverse, wanted)
     active = np.ones(len(lines.frequency))
     if reference.root is not None:
         active = _overtones(lines.frequency, reference.root, settings.overtones)
@@ -91,18 +91,45 @@ def learning_law(settings: Learning, matrix: TransferMatrix, reference: Referenc
     return Law(used, inverse, settings, wanted, start, gains, active, outputs, spread, window)
 
 
+def first_drive(settings: Learning, matrix: TransferMatrix, inverse: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Return the drive to begin with, as the settings say.
+
+    Parameters
+    ----------
+    settings : Learning
+    matrix : TransferMatrix, from the inputs learned to the sensors
+    inverse : complex array, shape (lines, inputs, sensors), V per unit of the sensors
+    wanted : complex array, shape (lines, sensors), unit of the sensors times s
+
+    Returns
+    -------
+    complex array, shape (lines, inputs), V s
+    """
+    if settings.start == "inverse" or (settings.start == "by-law" and settings.law == "kalman"):
+        solved: np.ndarray = (inverse @ wanted[..., None])[..., 0]
+        return solved
+    return _scaled_reference(matrix, wanted)
+
+
 def bounded_inverse(response: np.ndarray, settings: Learning) -> np.ndarray:
-    """Return G^+ as the settings bound it, (6.19).
+    """Return G^+ as the settings bound it, (6.19), with each output's weight.
 
     Parameters
     ----------
     response : complex array, shape (lines, outputs, inputs), m/s^2 per V
     settings : Learning
+        `weights` as many as outputs, or none.
 
     Returns
     -------
     complex array, shape (lines, inputs, outputs), V per m/s^2
+        (G^H W^2 G + eps I)^-1 G^H W^2, which makes ||W (R - G U)|| small.
     """
+    if settings.weights:
+        weight = np.array(settings.weights)
+        plain = settings.model_copy(update={"weights": ()})
+        weighted: np.ndarray = bounded_inverse(weight[:, None] * response, plain) * weight
+        return weighted
     if settings.regularisation == "per-line":
         return regularized_inverse(response, line_weights(response, settings.epsilon, settings.floor))
     return regularized_inverse(response, settings.constant_epsilon)

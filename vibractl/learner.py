@@ -7,6 +7,7 @@ import numpy as np
 from vibractl.algorithm import Algorithm
 from vibractl.config import RigConfig
 from vibractl.disturbance import noise_power
+from vibractl.place import Place
 from vibractl.shot import Shot
 from vibractl.spectrum import Decimator, LineSpectrum
 from vibractl.trial import Trial
@@ -58,16 +59,21 @@ class Learner(Trial):
     decimation : int, 1 or 4, of the response before it is transformed
     edge : float, s, of the drive at both ends
     responses : int, accelerometers recorded
+    place : Place
+        Of the sensors that are learned from.
     """
 
-    def __init__(self, algorithm: Algorithm, shot: Timeline, decimation: int, edge: float, responses: int) -> None:
+    def __init__(
+        self, algorithm: Algorithm, shot: Timeline, decimation: int, edge: float, responses: int, place: Place
+    ) -> None:
         law = algorithm.law
         super().__init__(np.zeros((shot.total, len(law.spread))), responses)
-        self.algorithm, self.shot = algorithm, shot
+        self.algorithm, self.shot, self._place = algorithm, shot, place
+        self.far_field = np.zeros((shot.total, len(place.sensors) if place.is_far else 0))
         lines = law.matrix.frequency
         band = (lines[0], lines[-1])
         self._decimator = Decimator(decimation)
-        self._analysis = LineSpectrum(shot.frames // decimation, len(law.outputs), shot.rate / decimation, band)
+        self._analysis = LineSpectrum(shot.frames // decimation, len(place.sensors), shot.rate / decimation, band)
         self._synthesis = LineSpectrum(shot.frames, law.spread.shape[1], shot.rate, band)
         self._signal = np.zeros((shot.frames, law.spread.shape[1]))
         self._edge = _edges(shot.frames, round(edge * shot.rate))[:, None]
@@ -90,11 +96,15 @@ class Learner(Trial):
         return self.algorithm.lines
 
     def advance(self) -> None:
-        """Learn from the response just recorded, whose lines are then in `heard`; called between ticks."""
-        law, analysis = self.algorithm.law, self._analysis
-        measured = self._decimator.apply(self.response[: self.shot.total, list(law.outputs)])
+        """Learn from what was just recorded, whose lines are then in `heard`; called between ticks.
+
+        In the far field, that is what was put into `far_field` (samples, hydrophones), Pa.
+        """
+        law, analysis, place = self.algorithm.law, self._analysis, self._place
+        recorded = self.far_field if place.is_far else self.response[: self.shot.total]
+        measured = self._decimator.apply(recorded[:, list(place.sensors)])
         first = self.shot.lead // self._decimator.factor
-        self.heard = analysis.lines(law.window * measured[first : first + analysis.frames])
+        self.heard = analysis.lines(law.window * place.frame(measured, first))
         noise = noise_power(measured[:first], analysis.rate, analysis.frequency, analysis.frames)
         self.algorithm.step(Shot(self.lines, self.heard, noise))
         self._play()

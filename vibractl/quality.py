@@ -9,6 +9,7 @@ from scipy.signal.windows import blackmanharris
 
 from vibractl.config import Limits, Quality
 from vibractl.law import SIGNIFICANT, reference_level, settled_window
+from vibractl.place import Place
 from vibractl.setup import Setup
 from vibractl.spectrum import Decimator, LineSpectrum
 
@@ -55,7 +56,8 @@ class Marks:
     and `worst_band_hz` the same for bands of 50 Hz; `overtone_db` (4, accelerometers) re the root, followed along the
     reference's phase; `thd_db` all energy from `quality.above` to `quality.judged_to` re the reference's; `phase_mean`
     and `phase_peak` rad, of the response against the reference; `headroom_db` (coils,) peak limit over peak drive;
-    `outputs` the accelerometers controlled, counted from 0.
+    `outputs` the accelerometers controlled, or hydrophones, counted from 0; `sensor` is what one of them is called.
+    In the far field m/s^2 are Pa.
     """
 
     iae: np.ndarray
@@ -70,6 +72,7 @@ class Marks:
     phase_peak: np.ndarray
     headroom_db: np.ndarray
     outputs: tuple[int, ...]
+    sensor: str
 
     @property
     def met(self) -> bool:
@@ -81,7 +84,7 @@ class Marks:
         """Say why the objective is met or not, in one line."""
         side = int(np.argmax(self.worst_line_db))
         level, place = self.worst_line_db[side], self.worst_line_hz[side]
-        where = f"{abs(level):.1f} dB at {place:.1f} Hz, response {self.outputs[side] + 1}"
+        where = f"{abs(level):.1f} dB at {place:.1f} Hz, {self.sensor} {self.outputs[side] + 1}"
         return f"met by {where}" if self.met else f"missed by {where}"
 
 
@@ -91,19 +94,22 @@ class Judge:
     Parameters
     ----------
     setup : Setup
+    place : Place, optional
+        One of the set-up's; the accelerometers without it.
     """
 
-    def __init__(self, setup: Setup) -> None:
+    def __init__(self, setup: Setup, place: Place | None = None) -> None:
+        self.place = place or setup.places[0]
         self._quality: Quality = setup.config.quality
         self._limits: Limits = setup.config.limits
-        self._shot, self._outputs = setup.shot, list(setup.law.outputs)
+        self._shot, self._outputs = setup.shot, list(self.place.sensors)
         step = setup.config.learning.decimation
         self._decimator = Decimator(step)
         rate, frames, width = setup.shot.rate / step, setup.shot.frames // step, len(self._outputs)
         low = min(setup.config.learning.band[0], self._quality.above)
         self._spectrum = LineSpectrum(frames, width, rate, (low, self._quality.judged_to))
         self.frequency = self._spectrum.frequency
-        self._reference = self._decimator.apply(setup.reference.signal)
+        self._reference = self.place.reference
         self._settled = settled_window(setup.reference, frames)
         self._wanted = self.lines(self._reference)
         self._root = setup.reference.root
@@ -132,7 +138,7 @@ class Judge:
         """Return reference minus response, (frames, outputs) at the learner's rate, m/s^2."""
         measured = self._decimator.apply(np.asarray(response[:, self._outputs], dtype=float))
         first = self._shot.lead // self._decimator.factor
-        error: np.ndarray = self._reference - measured[first : first + len(self._reference)]
+        error: np.ndarray = self._reference - self.place.frame(measured, first)
         return error
 
     def lines(self, signal: np.ndarray) -> np.ndarray:
@@ -167,6 +173,7 @@ class Judge:
             phase_peak=np.abs(phase).max(axis=0),
             headroom_db=decibels(self._limits.peak / peak),
             outputs=tuple(self._outputs),
+            sensor=self.place.sensor,
         )
 
     def _judged_lines(self, overtones: int) -> np.ndarray:

@@ -14,7 +14,7 @@ from vibractl.learner import Learner
 from vibractl.quality import FAINT, decibels
 from vibractl.session import shot_files
 from vibractl.setup import Setup
-from vibractl.shot_file import channel_names, split
+from vibractl.shot_file import channel_names, far_field_of, split
 from vibractl.trial import shot_graph
 
 
@@ -74,6 +74,8 @@ def replay(path: Path, made: Setup) -> Iterator[Replayed]:
             raise ValueError(f"{file}: {len(record.data)} samples, must be {made.shot.total}")
         recorded, _ = split(record, made.config)
         yield Replayed(shot, _through_graph(learner, record, made), np.asarray(recorded, dtype=np.float32))
+        if learner.far_field.shape[1]:
+            learner.far_field[:] = far_field_of(record, made.config)
         learner.advance()
 
 

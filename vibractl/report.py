@@ -14,15 +14,18 @@ from vibractl.figures.result import Result, read_result
 from vibractl.figures.spectrogram import spectrogram_plot
 from vibractl.figures.spectrum import error_plot, response_plot
 from vibractl.figures.tracking import error_time_plot, tracking_plot
+from vibractl.quality_table import summary
 from vibractl.reference import is_file
-from vibractl.session import summary
 
 PAGE = "report.html"
 SHOTS_TEXT = (
-    "For each side: over, by how much the worst line passes the limit (negative is good), and where; IAE; error, its "
-    "RMS re the reference's. For each coil: room, peak limit over peak drive. repeat: part of the response's change "
-    "since the last shot that the model does not explain, re the response. align: residual of the alignment, samples."
+    "For each side, or hydrophone: over, by how much the worst line passes the limit (negative is good), and where; "
+    "IAE; error, its RMS re the reference's. For each coil: room, peak limit over peak drive. repeat: part of the "
+    "response's change since the last shot that the model does not explain, re the response. align: residual of the "
+    "alignment, samples."
 )
+_PLACES = {"accelerometers": "At the accelerometers", "far-field": "In the far field"}
+_ELSEWHERE = "The same shots as these sensors hear them; the objective need not hold here."
 
 
 def run_report(path: Path, png: Path | None = None) -> dict[str, Any]:
@@ -70,32 +73,42 @@ def _reference_name(result: Result) -> str:
 def _facts(result: Result, figures: Mapping[str, Any], events: list[dict[str, Any]]) -> Iterator[Fact]:
     met, worst, quality = figures["objective_met_shot"], figures["worst_line_db"], result.made.config.quality
     last = result.rows[-1]
+    where = " in the far field" if quality.where == "far-field" else ""
     yield Fact(
-        f"Objective, {quality.objective:g} dB", "not met" if met is None else f"met from shot {met} on", met is not None
+        f"Objective, {quality.objective:g} dB{where}",
+        "not met" if met is None else f"met from shot {met} on",
+        met is not None,
     )
     yield Fact(
         "Worst line of the last shot", f"{abs(worst):.1f} dB {'over' if worst > 0 else 'under'} the limit", worst <= 0
     )
     for number, side in enumerate(result.sides):
-        yield Fact(f"IAE of side {side}, first over last", f"{figures['iae_ratio'][number]:.3g}")
+        yield Fact(f"IAE of {result.sensor} {side}, first over last", f"{figures['iae_ratio'][number]:.3g}")
     for number, side in enumerate(result.sides):
-        yield Fact(f"Tracking error of side {side}", f"{float(last[f'error_db_{number + 1}']):.1f} dB re reference")
+        error = float(result.cell(last, f"error_db_{number + 1}"))
+        yield Fact(f"Tracking error of {result.sensor} {side}", f"{error:.1f} dB re reference")
+    if result.elsewhere is not None:
+        yield _elsewhere(result.elsewhere, figures["places"])
     room = min(float(last[f"headroom_db_{coil}"]) for coil in result.coils)
     yield Fact("Head-room of the last drive", f"{room:.1f} dB under {result.made.config.limits.peak:g} V", room >= 0)
     discarded = sum(event["event"] == "discarded" for event in events)
     yield Fact("Shots", f"{len(result.rows)}" + (f", {discarded} discarded" if discarded else ""))
-    yield Fact(
-        "Drives to sides", f"{len(result.coils)} to {len(result.sides)}, {result.made.config.learning.structure}"
-    )
+    to = f"{result.made.learned.sensor}s" if result.made.learned.is_far else "sides"
+    drives = f"{len(result.coils)} to {len(result.made.learned.sensors)}, {result.made.config.learning.structure}"
+    yield Fact(f"Drives to {to}", drives)
     yield Fact("Reference", result.made.reference.text if not is_file(result.made.reference.text) else "recording")
     date = result.model.provenance.get("date")
     yield Fact("Model measured", f"{date[:16].replace('T', ' ')} UTC" if date else "not dated")
 
 
 def _sections(result: Result, events: list[dict[str, Any]]) -> Iterator[Section]:
-    yield Section("Spectrograms", plots=(spectrogram_plot(result),))
+    yield Section("Spectrograms", result.made.note, plots=(spectrogram_plot(result),))
     yield Section("Spectra", plots=(response_plot(result), error_plot(result)))
     yield Section("Learning", plots=(learning_plot(result),))
+    other = result.elsewhere
+    if other is not None:
+        figures = spectrogram_plot(other), response_plot(other), error_plot(other), learning_plot(other)
+        yield Section(_PLACES[other.judge.place.name], _ELSEWHERE, plots=figures)
     yield Section("Tracking", plots=(tracking_plot(result), error_time_plot(result)))
     yield Section("Overtones and phase", plots=(overtone_plot(result), phase_plot(result)))
     yield Section("Drives", plots=(drive_plot(result), drive_spectrum_plot(result)), tables=(headroom_table(result),))
@@ -103,6 +116,16 @@ def _sections(result: Result, events: list[dict[str, Any]]) -> Iterator[Section]
     yield Section("Shots", SHOTS_TEXT, tables=(shot_table(result),))
     if events:
         yield Section("Events", tables=(event_table(events),))
+
+
+def _elsewhere(other: Result, places: Mapping[str, Any]) -> Fact:
+    """Say how the objective stands where it need not hold."""
+    name = other.judge.place.name
+    reached = places[name]
+    worst, met = reached["worst_line_db"], reached["objective_met_shot"]
+    said = "not met" if met is None else f"met from shot {met} on"
+    way = "over" if worst > 0 else "under"
+    return Fact(f"{_PLACES[name]}, beside that", f"{said}; last shot {abs(worst):.1f} dB {way} the limit")
 
 
 def _model_text(result: Result) -> str:
@@ -117,16 +140,17 @@ def shot_table(result: Result) -> Table:
         columns += [
             (f"worst_line_db_{number}", f"over {side}, dB", "{:+.1f}"),
             (f"worst_line_hz_{number}", "at, Hz", "{:.1f}"),
-            (f"iae_{number}", f"IAE {side}, m/s²", "{:.0f}"),
+            (f"iae_{number}", f"IAE {side}, {result.unit}", "{:.0f}"),
             (f"error_db_{number}", f"error {side}, dB", "{:.1f}"),
         ]
     columns += [(f"headroom_db_{coil}", f"room {coil}, dB", "{:.1f}") for coil in result.coils]
     columns += [("repeatability_db", "repeat, dB", "{:.1f}"), ("residual", "align", "{:.3f}")]
     head = ("shot", "objective", *(title for _, title, _ in columns))
-    rows = [
-        (row["shot"], row["verdict"], *(form.format(float(row[key])) if row[key] else "–" for key, _, form in columns))
-        for row in result.rows
-    ]
+    rows = []
+    for row in result.rows:
+        cells = [(result.cell(row, key), form) for key, _, form in columns]
+        told = (form.format(float(cell)) if cell else "–" for cell, form in cells)
+        rows.append((row["shot"], row["verdict"], *told))
     return Table(head, tuple(rows))
 
 

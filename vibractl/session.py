@@ -1,8 +1,7 @@
 """A run: shot after shot is emitted, recorded, judged and learned from, in a folder from which it can go on."""
 
 import shutil
-from collections.abc import Callable, Mapping
-from itertools import pairwise
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,16 +17,15 @@ from vibractl.audio import Line
 from vibractl.capture import Discarded
 from vibractl.config import RigConfig
 from vibractl.learner import Learner
-from vibractl.model_file import read_model
-from vibractl.quality import FAINT, Judge, Marks, decibels, holds_from
+from vibractl.model_file import read_far_field, read_model
+from vibractl.quality import FAINT, Judge, Marks, decibels
+from vibractl.quality_table import row_of, summary
 from vibractl.reference import is_file
 from vibractl.setup import Setup, setup
-from vibractl.shot_file import DISCARDED, EVIDENCE, keep_discarded, recording_of, split
+from vibractl.shot_file import DISCARDED, far_field_of, keep_discarded, recording_of, split
 from vibractl.spectrum import load_wisdom, save_wisdom
 
 MODEL, WISDOM, REFERENCE = "model.h5", "fftw.wisdom", "reference"
-UNDRIVEN = 200.0
-"""dB of head-room, from which a coil is silent."""
 
 
 def create(path: Path, config: RigConfig, model: Path) -> tuple[RunFolder, Setup]:
@@ -46,7 +44,8 @@ def create(path: Path, config: RigConfig, model: Path) -> tuple[RunFolder, Setup
     ValueError : settings, model and reference do not fit, or the folder is in use; nothing is written.
     """
     sides = len(config.audio.response_channels), len(config.audio.drive_channels)
-    made = setup(config, read_model(model, config.rig.name, sides))
+    far = read_far_field(model, len(config.audio.far_field_channels))
+    made = setup(config, read_model(model, config.rig.name, sides), far=far)
     source = Path(config.reference.signal) if is_file(config.reference.signal) else None
     kept = config
     if source is not None:
@@ -81,7 +80,8 @@ def setup_of(path: Path, overrides: tuple[str, ...] = (), model: Path | None = N
     config = settings_of(path, overrides)
     load_wisdom(path / WISDOM)
     matrix = read_model(model or path / MODEL, config.rig.name)
-    return setup(config, matrix, fresh_plans=False)
+    far = read_far_field(model or path / MODEL, len(config.audio.far_field_channels))
+    return setup(config, matrix, fresh_plans=False, far=far)
 
 
 def shot_files(path: Path) -> list[Path]:
@@ -107,7 +107,7 @@ class Session:
     def __init__(self, folder: RunFolder, made: Setup) -> None:
         self.folder, self.config, self._made = folder, made.config, made
         self.learner: Learner = made.learner()
-        self._judge = Judge(made)
+        self._judges = [Judge(made, place) for place in made.places]
         self._before: tuple[np.ndarray, np.ndarray] | None = None
         self._resume()
 
@@ -115,6 +115,11 @@ class Session:
     def done(self) -> int:
         """Shots recorded."""
         return self.learner.number
+
+    @property
+    def note(self) -> str:
+        """What a person should know before it begins, a line of text; empty for nothing."""
+        return f"{self._made.note}\n" if self._made.note else ""
 
     @property
     def untouched(self) -> bool:
@@ -160,14 +165,19 @@ class Session:
         """Take a recording into the learner, and write what it was worth."""
         number, lines, purpose = self.done, self.learner.lines, self.learner.algorithm.purpose
         drive, response = split(record, self.config)
+        heard = response, far_field_of(record, self.config)
         self.learner.response[: len(response)] = response
-        marks = self._judge.marks(response, drive)
+        if self._made.learned.is_far:
+            self.learner.far_field[:] = heard[1]
+        every = [judge.marks(signals, drive) for judge, signals in zip(self._judges, heard, strict=False)]
+        marks = every[self._made.places.index(self._made.judged)]
         self.learner.advance()
         repeatability = self._repeatability(lines)
         if write:
             self._write_lines(number)
             gain = self.learner.algorithm.nominal
-            self.folder.quality(_row(number, purpose, gain, marks, record.provenance, repeatability))
+            told = dict(zip(self._made.places, every, strict=True))
+            self.folder.quality(row_of(number, purpose, gain, marks, told, record.provenance, repeatability))
             for decision in self.learner.algorithm.decisions:
                 self.folder.event(decision.event, {"shot": number, **decision.fields})
         return marks
@@ -210,57 +220,3 @@ class Session:
         kept = keep_discarded(self.folder.path / DISCARDED, f"{self.done:04d}", discarded, self.config)
         fields = {"shot": self.done, "attempt": discarded.attempt, "reason": discarded.reason}
         self.folder.event("discarded", {**fields, "kept": kept.name})
-
-
-def summary(rows: list[dict[str, str]], made: Setup | None = None) -> dict[str, Any]:
-    """Return the figures that other programs read from `summary.json`.
-
-    Parameters
-    ----------
-    rows : list of dicts
-        Of `qc.csv`.
-    made : Setup, optional
-        The run's, for how long it was identified.
-
-    Returns
-    -------
-    dict
-        `shots`; `objective_met_shot`, the first from which the objective holds to the end, or None; `worst_line_db`
-        of the last shot over the limit, dB; `iae_ratio` per side, first over last shot; `reidentifications`, of bands;
-        `identification_seconds`, s of signal emitted for the model and for them, None where the model does not say.
-    """
-    sides = [key for key in rows[0] if key.startswith("iae_")] if rows else []
-    worst = [float(rows[-1][key]) for key in rows[-1] if key.startswith("worst_line_db_")] if rows else []
-    probes = [row.get("purpose") == "reidentify" for row in rows]
-    return {
-        "shots": len(rows),
-        "objective_met_shot": holds_from([row["verdict"] == "pass" for row in rows]),
-        "worst_line_db": max(worst) if worst else None,
-        "iae_ratio": [float(rows[0][side]) / float(rows[-1][side]) for side in sides],
-        "reidentifications": sum(now and not before for before, now in pairwise([False, *probes])),
-        "identification_seconds": _identification_seconds(made, sum(probes)),
-    }
-
-
-def _identification_seconds(made: Setup | None, probes: int) -> float | None:
-    seconds = made and made.law.matrix.provenance.get("seconds")
-    return float(seconds) + probes * made.shot.total / made.shot.rate if made and seconds else None
-
-
-def _row(
-    shot: int, purpose: str, gain: float, marks: Marks, evidence: Mapping[str, str], repeatability: float
-) -> dict[str, Any]:
-    row: dict[str, Any] = {"shot": shot, "purpose": purpose}
-    row |= {"verdict": "pass" if marks.met else "fail", "reason": marks.reason}
-    row["gain"] = f"{gain:g}"
-    sides = range(len(marks.iae))
-    for name in ("iae", "error_db", "worst_line_db", "worst_line_hz", "worst_band_db", "worst_band_hz", "thd_db"):
-        row |= {f"{name}_{side + 1}": f"{getattr(marks, name)[side]:.6g}" for side in sides}
-    for side in sides:
-        row |= {f"overtone_{n + 2}_db_{side + 1}": f"{level[side]:.2f}" for n, level in enumerate(marks.overtone_db)}
-        row[f"phase_mean_deg_{side + 1}"] = f"{np.degrees(marks.phase_mean[side]):.4f}"
-        row[f"phase_peak_deg_{side + 1}"] = f"{np.degrees(marks.phase_peak[side]):.4f}"
-    driven = [f"{level:.2f}" if level < UNDRIVEN else "" for level in marks.headroom_db]
-    row |= {f"headroom_db_{coil + 1}": level for coil, level in enumerate(driven)}
-    row["repeatability_db"] = f"{repeatability:.2f}" if np.isfinite(repeatability) else ""
-    return row | {name: evidence.get(name, "") for name in EVIDENCE}

@@ -6,10 +6,13 @@ import numpy as np
 
 from vibractl.algorithm import Algorithm
 from vibractl.config import RigConfig
+from vibractl.far_field import FarField
+from vibractl.far_field_law import far_field_law, shared_text
 from vibractl.law import Law, learning_law
 from vibractl.learner import Learner, Timeline, timeline
+from vibractl.place import Place, Where, at_accelerometers, in_far_field
 from vibractl.reference import Reference, reference_from
-from vibractl.spectrum import load_wisdom, save_wisdom, user_wisdom
+from vibractl.spectrum import Decimator, load_wisdom, save_wisdom, user_wisdom
 from vibractl.transfer_matrix import TransferMatrix
 
 LEAST_WITHIN = 0.99
@@ -26,12 +29,30 @@ class Setup:
     reference : Reference, as wide as the accelerometers controlled
     law : Law
     shot : Timeline
+    places : tuple of Place
+        Where shots are judged: at the accelerometers, and in the far field where that is known.
     """
 
     config: RigConfig
     reference: Reference
     law: Law
     shot: Timeline
+    places: tuple[Place, ...]
+
+    @property
+    def judged(self) -> Place:
+        """Where the objective must hold."""
+        return self._place(self.config.quality.where)
+
+    @property
+    def learned(self) -> Place:
+        """Whose errors are learned from."""
+        return self._place(self.config.learning.sensors)
+
+    @property
+    def note(self) -> str:
+        """What a person should know before the run; empty for nothing."""
+        return shared_text(self.law, len(self.learned.sensors)) if self.learned.is_far else ""
 
     def algorithm(self) -> Algorithm:
         """Return the learning at its first drive."""
@@ -45,10 +66,13 @@ class Setup:
         edge = config.limits.ramp
         if self.reference.root is not None:  # the overtones rise and fall with the root
             edge = max(edge, self.reference.taper * self.shot.frames / self.shot.rate)
-        return Learner(self.algorithm(), self.shot, config.learning.decimation, edge, responses)
+        return Learner(self.algorithm(), self.shot, config.learning.decimation, edge, responses, self.learned)
+
+    def _place(self, where: Where) -> Place:
+        return next(place for place in self.places if place.name == where)
 
 
-def setup(config: RigConfig, matrix: TransferMatrix, fresh_plans: bool = True) -> Setup:
+def setup(config: RigConfig, matrix: TransferMatrix, fresh_plans: bool = True, far: FarField | None = None) -> Setup:
     """Put a run together.
 
     Parameters
@@ -57,6 +81,8 @@ def setup(config: RigConfig, matrix: TransferMatrix, fresh_plans: bool = True) -
     matrix : TransferMatrix, of the rig
     fresh_plans : bool
         Take this user's FFT plans and keep new ones for the next time; False leaves those that are loaded.
+    far : FarField, optional
+        Of the rig's hydrophones.
 
     Raises
     ------
@@ -80,11 +106,24 @@ def setup(config: RigConfig, matrix: TransferMatrix, fresh_plans: bool = True) -
         )
     _refuse_beyond_band(reference, config)
     law = learning_law(config.learning, matrix, reference, config.audio.rate)
-    made = Setup(config, reference, law, timeline(config, len(reference.signal)))
+    places = _places(config, reference, law, far)
+    if config.learning.sensors == "far-field" and far is not None:
+        law = far_field_law(law, matrix, far, places[1], config.audio.rate / config.learning.decimation)
+    made = Setup(config, reference, law, timeline(config, len(reference.signal)), places)
     made.learner()  # plans its transforms, so that they can be kept
     if fresh_plans:
         save_wisdom(user_wisdom())
     return made
+
+
+def _places(config: RigConfig, reference: Reference, law: Law, far: FarField | None) -> tuple[Place, ...]:
+    near = at_accelerometers(Decimator(config.learning.decimation).apply(reference.signal), law.outputs)
+    if far is not None and config.audio.far_field_channels:
+        rate = config.audio.rate / config.learning.decimation
+        return near, in_far_field(near, far, rate, law.matrix.frequency, config.shot.tail)
+    if config.quality.where == "far-field":
+        raise ValueError("quality.where is far-field, but the model was measured without hydrophones; calibrate again")
+    return (near,)
 
 
 def _refuse_beyond_band(reference: Reference, config: RigConfig) -> None:

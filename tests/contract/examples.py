@@ -26,6 +26,7 @@ from vibractl.guard import Guard
 from vibractl.law import Law
 from vibractl.learner import Learner, Timeline
 from vibractl.learning import Gains
+from vibractl.place import at_accelerometers
 from vibractl.spectrum import LineSpectrum
 from vibractl.transfer_matrix import TransferMatrix
 from vibractl.trial import Trial
@@ -54,7 +55,8 @@ def _learner() -> Block:
     matrix = TransferMatrix(lines, response, np.zeros(response.shape), np.ones(response.shape))
     start, active = np.full((len(lines), 2), 1e-3 + 0j), np.ones(len(lines))
     law = Law(matrix, response, Learning(), 2 * start, start, Gains((0.5,), ()), active, (0, 1), np.eye(2))
-    return Learner(Algorithm(law, Adaptation(), Watch(), -40.0), shot, 4, 0.002, 2)
+    place = at_accelerometers(np.zeros((shot.frames // 4, 2)), (0, 1))
+    return Learner(Algorithm(law, Adaptation(), Watch(), -40.0), shot, 4, 0.002, 2, place)
 
 
 STAGE_MODEL = InnovationModel(

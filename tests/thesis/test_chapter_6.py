@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests.thesis.vibrator_runs import learned, measured_model, met, worst
-from vibractl.session import summary
+from vibractl.quality_table import summary
 
 pytestmark = pytest.mark.timeout(600)
 

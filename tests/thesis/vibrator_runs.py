@@ -10,7 +10,8 @@ from rigkit.stop import StopRequest
 from vibractl.audio import AudioError
 from vibractl.config import RigConfig
 from vibractl.model_file import write_model
-from vibractl.session import Session, create, summary
+from vibractl.quality_table import summary
+from vibractl.session import Session, create
 
 
 def measured_model(folder: Path, *overrides: str) -> Path:

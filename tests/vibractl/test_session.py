@@ -16,7 +16,8 @@ import pytest
 from ctlblocks import recording
 from rigkit.run_folder import RunFolder, read_events, read_quality
 from tests.vibractl.linear_rig import linear_config, linear_model
-from vibractl.session import Session, create, setup_of, shot_files, summary
+from vibractl.quality_table import summary
+from vibractl.session import Session, create, setup_of, shot_files
 from vibractl.shot_file import split
 
 

@@ -19,12 +19,12 @@ def learning_plot(result: Result) -> Plot:
     figure = Figure(figsize=(8.0, 5.2))
     error, worst = figure.subplots(2, 1, sharex=True)
     for number, side in enumerate(result.sides):
-        _draw(error, result.column(f"iae_{number + 1}"), number, f"side {side}")
-        _draw(worst, result.column(f"worst_line_db_{number + 1}"), number, f"side {side}")
+        _draw(error, result.column(f"iae_{number + 1}"), number, f"{result.sensor} {side}")
+        _draw(worst, result.column(f"worst_line_db_{number + 1}"), number, f"{result.sensor} {side}")
     error.set_yscale("log")
     low, high = error.get_ylim()
     error.set_ylim(low / (high / low) ** 0.15, high)  # room for the gains
-    error.set_ylabel("sum of |error|, m/s²")
+    error.set_ylabel(f"sum of |error|, {result.unit}")
     error.set_title("Integrated absolute error (IAE)")
     worst.axhline(0.0, **BOUND, label="limit")
     worst.set_ylabel("over the limit, dB")
@@ -44,7 +44,7 @@ def overtone_plot(result: Result) -> Plot:
             _draw(axes, result.column(f"overtone_{order}_db_{number + 1}"), order - 2, f"{order}·f")
         objective = result.made.config.quality.objective
         axes.axhline(objective, **BOUND)
-        axes.set_title(f"Side {result.sides[number]}: overtones")
+        axes.set_title(f"{result.sensor.capitalize()} {result.sides[number]}: overtones")
     panels[0].set_ylabel("level re root, dB")
     panels[-1].legend(loc="best", ncols=2)
     return Plot(
@@ -61,7 +61,7 @@ def phase_plot(result: Result) -> Plot:
         _draw(axes, np.abs(peak), 1, "largest")
         _draw(axes, np.abs(mean), 0, "|mean|")
         axes.set_yscale("log")
-        axes.set_title(f"Side {result.sides[number]}: phase error")
+        axes.set_title(f"{result.sensor.capitalize()} {result.sides[number]}: phase error")
     panels[0].set_ylabel("phase error, degrees")
     panels[-1].legend(loc="best", ncols=2)
     return Plot(figure, "Phase of the response's root against the reference's, where the reference is loud.")

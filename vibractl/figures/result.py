@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,7 @@ from vibractl.model_file import read_model
 from vibractl.quality import Judge
 from vibractl.session import MODEL, setup_of, shot_files
 from vibractl.setup import Setup
-from vibractl.shot_file import split
+from vibractl.shot_file import far_field_of, split
 from vibractl.transfer_matrix import TransferMatrix
 
 Row = Mapping[str, str]
@@ -29,6 +28,7 @@ class Shot:
     drive : array, shape (samples, driven coils), V, of the whole shot
     response : array, shape (samples, sides), m/s^2, of the whole shot
     error : array, shape (frames, sides), m/s^2
+        In the far field sides are hydrophones, and m/s^2 are Pa.
         Reference minus response while the reference lasts, at the learner's rate.
     """
 
@@ -50,6 +50,8 @@ class Result:
     rows : tuple of rows of `qc.csv`, one a shot
     ends : tuple of Shot
         The first and the last shot; one alone in a run of one shot.
+    elsewhere : Result or None
+        The same run as the sensors hear it that do not count, where there are hydrophones.
     """
 
     made: Setup
@@ -57,6 +59,7 @@ class Result:
     model: TransferMatrix
     rows: tuple[Row, ...]
     ends: tuple[Shot, ...]
+    elsewhere: "Result | None" = None
 
     @property
     def last(self) -> Shot:
@@ -65,8 +68,18 @@ class Result:
 
     @property
     def sides(self) -> tuple[int, ...]:
-        """Accelerometers controlled, counted from 1 as on the rig."""
-        return tuple(output + 1 for output in self.made.law.outputs)
+        """Accelerometers controlled, or hydrophones, counted from 1 as on the rig."""
+        return tuple(sensor + 1 for sensor in self.judge.place.sensors)
+
+    @property
+    def sensor(self) -> str:
+        """What a side is called."""
+        return "hydrophone" if self.judge.place.is_far else "side"
+
+    @property
+    def unit(self) -> str:
+        """Of responses and errors, as it is written."""
+        return self.judge.place.unit.replace("^2", "²")
 
     @property
     def coils(self) -> tuple[int, ...]:
@@ -83,14 +96,19 @@ class Result:
         """Length of the reference, s."""
         return self.made.shot.frames / self.made.shot.rate
 
-    @cached_property
+    @property
     def reference(self) -> np.ndarray:
         """The reference at the learner's rate, (frames, sides), m/s^2."""
-        return self.judge.error(np.zeros((self.made.shot.total, len(self.made.config.audio.response_channels))))
+        return self.judge.place.reference
+
+    def cell(self, row: Row, name: str) -> str:
+        """Return a cell of `qc.csv`, this place's where each place has one."""
+        own = self.judge.place.prefix + name
+        return row[own] if own in row else row[name]
 
     def column(self, name: str) -> np.ndarray:
-        """Return a column of `qc.csv` as numbers, (shots,); an empty cell is NaN."""
-        return np.array([float(row[name] or "nan") for row in self.rows])
+        """Return a column of `qc.csv` as numbers, (shots,), of any unit; an empty cell is NaN."""
+        return np.array([float(self.cell(row, name) or "nan") for row in self.rows])
 
 
 def read_result(path: Path) -> Result:
@@ -105,9 +123,13 @@ def read_result(path: Path) -> Result:
     shots = min(len(files), len(rows))
     if not shots:
         raise ValueError(f"{path}: {len(files)} shots are recorded and {len(rows)} judged, must be at least 1 of each")
-    judge = Judge(made)
-    ends = tuple(_shot(number, files[number], made, judge) for number in sorted({0, shots - 1}))
-    return Result(made, judge, read_model(path / MODEL), tuple(rows[:shots]), ends)
+    model, found = read_model(path / MODEL), None
+    for place in sorted(made.places, key=lambda place: place is made.judged):  # the one that counts comes last
+        judge = Judge(made, place)
+        ends = tuple(_shot(number, files[number], made, judge) for number in sorted({0, shots - 1}))
+        found = Result(made, judge, model, tuple(rows[:shots]), ends, found)
+    assert found is not None  # there are accelerometers
+    return found
 
 
 def driven(made: Setup) -> np.ndarray:
@@ -120,4 +142,5 @@ def _shot(number: int, path: Path, made: Setup, judge: Judge) -> Shot:
     if len(record.data) != made.shot.total:
         raise ValueError(f"{path}: {len(record.data)} samples, must be {made.shot.total}")
     drive, response = split(record, made.config)
-    return Shot(number, drive[:, driven(made)], response[:, list(made.law.outputs)], judge.error(response))
+    heard = far_field_of(record, made.config) if judge.place.is_far else response
+    return Shot(number, drive[:, driven(made)], heard[:, list(judge.place.sensors)], judge.error(heard))

@@ -24,9 +24,10 @@ def spectrogram_plot(result: Result) -> Plot:
     sides, ends, quality = result.sides, result.ends, result.made.config.quality
     figure = Figure(figsize=(8.0, 0.6 + 2.5 * len(sides)))
     grid = figure.subplots(len(sides), len(ends), sharex=True, sharey=True, squeeze=False)
+    decimator = Decimator(result.made.config.learning.decimation)
     loudest = _levels(result, _reference(result))[1].max(axis=(0, 1))
     for column, shot in enumerate(ends):
-        time, size = _levels(result, shot.response)
+        time, size = _levels(result, decimator.apply(np.asarray(shot.response, dtype=float)))
         for row, side in enumerate(sides):
             axes = grid[row, column]
             image = axes.imshow(
@@ -39,7 +40,7 @@ def spectrogram_plot(result: Result) -> Plot:
                 interpolation="nearest",
             )
             axes.grid(visible=False)
-            axes.set_title(f"Side {side}, shot {shot.number}")
+            axes.set_title(f"{result.sensor.capitalize()} {side}, shot {shot.number}")
             axes.set_xlim(0, result.seconds)
     for axes in grid[-1]:
         axes.set_xlabel("time, s")
@@ -59,17 +60,16 @@ def _caption(objective: float, ends: tuple[Shot, ...]) -> str:
 
 
 def _reference(result: Result) -> np.ndarray:
-    """Return the reference where it lies in the shot, (samples, sides)."""
-    shot = result.made.shot
-    placed = np.zeros((shot.total, len(result.sides)))
-    placed[shot.window] = result.made.reference.signal
+    """Return the reference where it lies in the shot, (samples, sides), at the learner's rate."""
+    shot, step = result.made.shot, result.made.config.learning.decimation
+    placed = np.zeros((shot.total // step, len(result.sides)))
+    placed[shot.lead // step :][: len(result.reference)] = result.reference
     return placed
 
 
 def _levels(result: Result, signal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return times from the reference's first sample, s, and magnitudes (frequencies, times, sides), 0 Hz to `TOP`."""
-    rate, decimator = result.rate, Decimator(result.made.config.learning.decimation)
-    signal = decimator.apply(np.asarray(signal, dtype=float))
+    rate = result.rate
     frames = round(WINDOW * rate)
     hop = max(1, len(signal) // COLUMNS)
     transform = ShortTimeFFT(blackmanharris(frames), hop, rate, mfft=round(rate / ROW))

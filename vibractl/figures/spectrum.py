@@ -23,11 +23,11 @@ def response_plot(result: Result) -> Plot:
         for shot in result.ends:
             _draw(axes, result, (result.reference - shot.error)[:, side], side, look(result, shot))
         _draw(axes, result, result.reference[:, side], side, {**REFERENCE, "zorder": 4})
-        axes.set_title(f"Side {result.sides[side]}: response")
+        axes.set_title(f"{result.sensor.capitalize()} {result.sides[side]}: response")
     _finish(rows, "level re reference, dB", FLOOR)
     return Plot(
         figure,
-        "Spectra of the response; 0 dB is the reference's own level. Dashed: the objective. "
+        f"Spectra of the response; 0 dB is the reference's own level, {_level(result)}. Dashed: the objective. "
         "Where a line of the figure stands for several of the spectrum, it shows the largest.",
     )
 
@@ -47,7 +47,7 @@ def error_plot(result: Result) -> Plot:
                 axes.plot(frequency, decibels(size[judge.judged]), "o", markersize=6, **style)
             if shot is result.last:
                 where = _mark_worst(axes, frequency, decibels(size[judge.judged]))
-                axes.set_title(f"Side {result.sides[side]}: worst {where}")
+                axes.set_title(f"{result.sensor.capitalize()} {result.sides[side]}: worst {where}")
         if sine:
             axes.set_xticks(frequency)
     _finish(rows, "error re reference, dB", -np.inf if sine else FLOOR)
@@ -56,6 +56,12 @@ def error_plot(result: Result) -> Plot:
         figure,
         f"What is judged: the error on {what}. Below the dashed limit the objective holds; ring: the worst line.",
     )
+
+
+def _level(result: Result) -> str:
+    """Say what 0 dB are."""
+    levels = " and ".join(f"{level:.3g}" for level in result.judge.reference_level)
+    return f"{levels} {result.unit} s"
 
 
 def _rows(result: Result) -> tuple[Figure, list[Axes]]:

@@ -25,11 +25,11 @@ def tracking_plot(result: Result) -> Plot:
             measured = (result.reference - shot.error)[part, row]
             axes.plot(time, measured, **{**look(result, shot), "label": "response"})
             axes.plot(time, result.reference[part, row], **{**REFERENCE, "linestyle": (0, (4, 2)), "zorder": 4})
-            axes.set_title(f"Side {side}, shot {shot.number}")
+            axes.set_title(f"{result.sensor.capitalize()} {side}, shot {shot.number}")
     for axes in grid[-1]:
         axes.set_xlabel("time, s")
     for axes in grid[:, 0]:
-        axes.set_ylabel("m/s²")
+        axes.set_ylabel(result.unit)
     for axes in grid[0]:
         legend_above(axes)
         axes.margins(x=0)
@@ -45,9 +45,9 @@ def error_time_plot(result: Result) -> Plot:
         for axes, shot in zip(grid[number], result.ends, strict=True):
             draw_envelope(axes, time, shot.error[:, number], look(result, shot))
             peak = np.abs(shot.error[:, number]).max()
-            axes.set_title(f"Side {side}, shot {shot.number}: peak {peak:.2g} m/s²")
+            axes.set_title(f"{result.sensor.capitalize()} {side}, shot {shot.number}: peak {peak:.2g} {result.unit}")
             axes.set_xlim(0, result.seconds)
-        grid[number, 0].set_ylabel("error, m/s²")
+        grid[number, 0].set_ylabel(f"error, {result.unit}")
     for axes in grid[-1]:
         axes.set_xlabel("time, s")
     return Plot(figure, "Reference minus response over the shot, as the smallest and largest sample of short spans.")

@@ -9,7 +9,7 @@ from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.progress import progress
 from vibractl.config import RigConfig
-from vibractl.model_file import read_model
+from vibractl.model_file import read_far_field, read_model
 from vibractl.predict.prediction import RUNS, Prediction, predict
 from vibractl.predict.report import drive_table, reason_table, shots_text, write_report
 from vibractl.setup import setup
@@ -46,7 +46,8 @@ def predict_command(
     if report is not None and not report.parent.is_dir():
         raise ValueError(f"--report {report}: its folder does not exist")
     sides = len(made_with.audio.response_channels), len(made_with.audio.drive_channels)
-    made = setup(made_with, read_model(model, made_with.rig.name, sides))
+    far = read_far_field(model, len(made_with.audio.far_field_channels))
+    made = setup(made_with, read_model(model, made_with.rig.name, sides), far=far)
     with progress("predicting", RUNS) as meter:
         found = predict(made, RUNS, meter.show)
     _print(found, json)
@@ -61,6 +62,8 @@ def _print(found: Prediction, json: str | None) -> None:
     print_table(f"{config.rig.name}, {config.reference.signal}: drives", drives.head, drives.rows, stream)
     if found.drives.violation:
         stream.write(f"the guard would not let it out: {found.drives.violation}\n")
+    if found.made.note:
+        stream.write(f"{found.made.note}\n")
     certified = f"{found.lines.certified.sum()} of {len(found.lines.bound)} lines are certified to converge"
     if reasons.rows:
         print_table(certified, reasons.head, reasons.rows, stream)

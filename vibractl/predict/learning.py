@@ -84,19 +84,27 @@ def judged_lines(made: Setup) -> np.ndarray:
 def _learned(made: Setup, plant: DrawnPlant) -> tuple[np.ndarray, float, np.ndarray]:
     """Return the worst line of each shot, where it is in the last, and the last drive."""
     law, judged, algorithm = made.law, judged_lines(made), made.algorithm()
-    limit = reference_level(law.reference) * 10 ** (made.config.quality.objective / 20)
+    limit = reference_level(_heard(made, law.reference)) * 10 ** (made.config.quality.objective / 20)
     worst = np.full(made.config.session.shots, np.nan)
     held, place = 0, 0.0
     for shot in range(len(worst)):
         drive = algorithm.lines
         response = plant.respond(drive)
-        over = decibels((law.reference - response)[judged] / limit).max(axis=1)
+        over = decibels(_heard(made, law.reference - response)[judged] / limit).max(axis=1)
         worst[shot], place = over.max(), float(law.matrix.frequency[judged][over.argmax()])
         held = held + 1 if worst[shot] <= 0 else 0
         if held == HELD or not np.isfinite(worst[shot]):
             break
         algorithm.step(Shot(drive, response, plant.noise))
     return worst, place, drive
+
+
+def _heard(made: Setup, lines: np.ndarray) -> np.ndarray:
+    """Return lines (lines, sensors learned from) as they are where the objective must hold."""
+    if made.judged is made.learned:
+        return lines
+    heard: np.ndarray = (made.judged.transfer[:, :, list(made.learned.sensors)] @ lines[..., None])[..., 0]
+    return heard
 
 
 def _met(worst: np.ndarray) -> float:

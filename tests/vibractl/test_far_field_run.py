@@ -1,0 +1,102 @@
+"""A run whose objective stands in the far field: learned there or at the shells, resumed, replayed and reported."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ctlblocks import recording
+from rigkit.run_folder import RunFolder, read_quality
+from tests.vibractl.far_field_plant import far_config, far_model_file
+from vibractl.export.content import read_content
+from vibractl.export.csv import write_csv
+from vibractl.replay import replay
+from vibractl.report import run_report
+from vibractl.session import Session, create, setup_of
+
+FAR = "learning.sensors=far-field"
+
+
+def learned(folder: Path, hydrophones: int, shots: int, *overrides: str) -> Path:
+    """Run and return the run folder."""
+    config = far_config(hydrophones, *overrides)
+    run, made = create(folder / "run", config, far_model_file(folder, hydrophones))
+    with run:
+        session = Session(run, made)
+        session.run(shots, lambda *_: None, lambda: False)
+        session.summary()
+    return folder / "run"
+
+
+def summary(path: Path) -> dict[str, object]:
+    return dict(json.loads((path / "summary.json").read_text()))
+
+
+@pytest.fixture(scope="module")
+def by_two(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return learned(tmp_path_factory.mktemp("two"), 2, 5, FAR)
+
+
+@pytest.fixture(scope="module")
+def by_one(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return learned(tmp_path_factory.mktemp("one"), 1, 5, FAR)
+
+
+def test_two_coils_meet_the_objective_at_two_hydrophones_that_they_learn_from(by_two: Path) -> None:
+    figures, last = summary(by_two), read_quality(by_two)[-1]
+    assert last["verdict"] == "pass"
+    assert figures["judged"] == "far-field"
+    assert figures["worst_line_db"] < -5
+    assert max(float(last[f"far_error_db_{n}"]) for n in (1, 2)) < -40
+    assert "hydrophone" in last["reason"]
+
+
+def test_one_hydrophone_is_satisfied_while_the_shells_are_not(by_one: Path) -> None:
+    places = summary(by_one)["places"]
+    assert places["far-field"]["objective_met_shot"] is not None
+    assert places["accelerometers"]["objective_met_shot"] is None
+
+
+def test_learned_at_the_shells_it_is_judged_in_the_far_field_all_the_same(tmp_path: Path) -> None:
+    path = learned(tmp_path, 1, 5)
+    figures = summary(path)
+    assert figures["judged"] == "far-field"
+    assert figures["objective_met_shot"] is not None
+    assert figures["places"]["accelerometers"]["objective_met_shot"] is not None
+
+
+def test_the_objective_may_stand_at_the_shells_while_hydrophones_listen(tmp_path: Path) -> None:
+    path = learned(tmp_path, 1, 1, "quality.where=accelerometers")
+    row = read_quality(path)[0]
+    assert (row["judged"], "response" in row["reason"]) == ("accelerometers", True)
+    assert float(row["far_worst_line_db_1"]) != float(row["worst_line_db_1"])
+    assert summary(path)["worst_line_db"] == pytest.approx(max(float(row[f"worst_line_db_{n}"]) for n in (1, 2)))
+
+
+def test_what_was_learned_from_hydrophones_replays_bit_for_bit(by_two: Path) -> None:
+    assert all(each.identical for each in replay(by_two, setup_of(by_two)))
+
+
+def test_a_far_field_run_goes_on_where_it_stopped(by_two: Path, tmp_path: Path) -> None:
+    path = learned(tmp_path, 2, 3, FAR)
+    with RunFolder.open(path) as folder:
+        drive = Session(folder, setup_of(path)).learner.drive.astype(np.float32)
+    recorded = recording.read(by_two / "shots/0003.wav").select(["drive_1", "drive_2"]).data
+    np.testing.assert_array_equal(drive, recorded)
+
+
+def test_the_report_shows_both_places_in_their_units(by_one: Path) -> None:
+    figures = run_report(by_one)
+    page = (by_one / "report.html").read_text()
+    assert figures["judged"] == "far-field"
+    for text in ("Objective, -40 dB in the far field", "At the accelerometers, beside that", "IAE of hydrophone 1",
+                 "IAE 1, Pa", "1 hydrophone and 2 coils", "2 to 1, mimo"):  # fmt: skip
+        assert text in page
+
+
+def test_a_shot_keeps_the_sound_in_pascal(by_one: Path, tmp_path: Path) -> None:
+    record = recording.read(by_one / "shots/0000.wav")
+    assert dict(zip(record.names, record.units, strict=True))["far_field_1"] == "Pa"
+    written = write_csv(tmp_path, read_content(by_one, "0"))
+    assert "far_field_1" in written[-1].read_text()[:2000]

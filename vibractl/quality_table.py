@@ -1,0 +1,122 @@
+"""The table of a run's shots: a row of `qc.csv` for each, and the figures that sum them up."""
+
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from vibractl.place import PREFIXES, Place
+from vibractl.quality import Marks, holds_from
+from vibractl.setup import Setup
+from vibractl.shot_file import EVIDENCE
+
+UNDRIVEN = 200.0
+"""dB of head-room, from which a coil is silent."""
+
+
+def summary(rows: list[dict[str, str]], made: Setup | None = None) -> dict[str, Any]:
+    """Return the figures that other programs read from `summary.json`.
+
+    Parameters
+    ----------
+    rows : list of dicts
+        Of `qc.csv`.
+    made : Setup, optional
+        The run's, for how long it was identified.
+
+    Returns
+    -------
+    dict
+        `shots`; `objective_met_shot`, the first from which the objective holds to the end, or None; `worst_line_db`
+        of the last shot over the limit, dB; both where it is `judged`, and at all `places` where there are hydrophones;
+        `iae_ratio` per side, first over last shot; `reidentifications`, of bands;
+        `identification_seconds`, s of signal emitted for the model and for them, None where the model does not say.
+    """
+    judged, prefix = rows[0].get("judged", "") if rows else "", prefix_of(rows)
+    sides = [key for key in rows[0] if key.startswith(f"{prefix}iae_")] if rows else []
+    worst = [_worst(row, prefix) for row in rows]
+    probes = [row.get("purpose") == "reidentify" for row in rows]
+    figures: dict[str, Any] = {
+        "shots": len(rows),
+        "objective_met_shot": holds_from([row["verdict"] == "pass" for row in rows]),
+        "worst_line_db": worst[-1] if worst else None,
+        "iae_ratio": [float(rows[0][side]) / float(rows[-1][side]) for side in sides],
+        "reidentifications": sum(now and not before for before, now in pairwise([False, *probes])),
+        "identification_seconds": _identification_seconds(made, sum(probes)),
+    }
+    if judged:
+        figures |= {"judged": judged, "places": {name: _reached(rows, each) for name, each in PREFIXES.items()}}
+    return figures
+
+
+def prefix_of(rows: list[dict[str, str]]) -> str:
+    """Return what the columns of `qc.csv` begin with that count."""
+    judged = rows[0].get("judged") if rows else None
+    return next((prefix for name, prefix in PREFIXES.items() if name == judged), "")
+
+
+def _reached(rows: list[dict[str, str]], prefix: str) -> dict[str, Any]:
+    """Return how the objective stands at one place, whether or not it must hold there."""
+    worst = [_worst(row, prefix) for row in rows]
+    return {"objective_met_shot": holds_from([each <= 0 for each in worst]), "worst_line_db": worst[-1]}
+
+
+def _worst(row: dict[str, str], prefix: str) -> float:
+    return max(float(row[key]) for key in row if key.startswith(f"{prefix}worst_line_db_"))
+
+
+def _identification_seconds(made: Setup | None, probes: int) -> float | None:
+    seconds = made and made.law.matrix.provenance.get("seconds")
+    return float(seconds) + probes * made.shot.total / made.shot.rate if made and seconds else None
+
+
+def row_of(
+    shot: int,
+    purpose: str,
+    gain: float,
+    marks: Marks,
+    told: Mapping[Place, Marks],
+    evidence: Mapping[str, str],
+    repeatability: float,
+) -> dict[str, Any]:
+    """Return a row of `qc.csv`.
+
+    Parameters
+    ----------
+    shot : int
+    purpose : str
+    gain : float, 1
+    marks : Marks
+        Those that count.
+    told : mapping of Place to Marks
+        Those of every place.
+    evidence : mapping of str to str
+        For the recording's alignment.
+    repeatability : float, dB
+        NaN for the first shot.
+    """
+    row: dict[str, Any] = {"shot": shot, "purpose": purpose}
+    row |= {"verdict": "pass" if marks.met else "fail", "reason": marks.reason}
+    row["gain"] = f"{gain:g}"
+    if len(told) > 1:
+        row["judged"] = next(place.name for place, each in told.items() if each is marks)
+    for place, each in told.items():
+        row |= {place.prefix + name: value for name, value in _sensor_cells(each).items()}
+    driven = [f"{level:.2f}" if level < UNDRIVEN else "" for level in marks.headroom_db]
+    row |= {f"headroom_db_{coil + 1}": level for coil, level in enumerate(driven)}
+    row["repeatability_db"] = f"{repeatability:.2f}" if np.isfinite(repeatability) else ""
+    return row | {name: evidence.get(name, "") for name in EVIDENCE}
+
+
+def _sensor_cells(marks: Marks) -> dict[str, str]:
+    """Return the cells of each sensor."""
+    row: dict[str, str] = {}
+    sides = range(len(marks.iae))
+    for name in ("iae", "error_db", "worst_line_db", "worst_line_hz", "worst_band_db", "worst_band_hz", "thd_db"):
+        row |= {f"{name}_{side + 1}": f"{getattr(marks, name)[side]:.6g}" for side in sides}
+    for side in sides:
+        row |= {f"overtone_{n + 2}_db_{side + 1}": f"{level[side]:.2f}" for n, level in enumerate(marks.overtone_db)}
+        row[f"phase_mean_deg_{side + 1}"] = f"{np.degrees(marks.phase_mean[side]):.4f}"
+        row[f"phase_peak_deg_{side + 1}"] = f"{np.degrees(marks.phase_peak[side]):.4f}"
+    return row
