@@ -10,6 +10,9 @@ from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
 from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, VibratorImpulseResponse
 from firmware_sim.stage_blocks import Milling, PiezoStage
 from stagectl import config as stage
+from stagectl.link.blocks import Newest, Receive, Send
+from stagectl.link.config import Link
+from stagectl.link.stage_link import StageLink
 from stagectl.models import InnovationModel
 from stagectl.stage.controller import PiezoController, StageController
 from stagectl.stage.guard import VoltageGuard
@@ -110,4 +113,7 @@ EXAMPLES: dict[type[Block], Example] = {
     VibratorImpulseResponse: Example(lambda: _measured(VibratorImpulseResponse)),
     PiezoStage: Example(PiezoStage),
     Milling: Example(lambda: Milling(start=0.0, seconds=5.0)),
+    Receive: Example(lambda: Receive(StageLink(Link())), rate=10_000.0),
+    Newest: Example(lambda: Newest(StageLink(Link()), "voltage"), rate=10_000.0),
+    Send: Example(lambda: Send(StageLink(Link())), rate=10_000.0),
 }

@@ -1,0 +1,106 @@
+"""The stage's processor behind a CAN FD adapter: the loop that serves both, and what can be made to go wrong."""
+
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from threading import Event
+
+from firmware_sim.slcan_adapter import SlcanAdapter
+from firmware_sim.stage_processor import StageProcessor
+
+NOISE = bytes(range(1, 256)) + b"b101F00FF\rt0118zz\r\a"
+"""Bytes that come out of a bad cable: none of them ASCII only, broken frames, a bell."""
+_LONGEST_WAIT = 0.01
+
+
+@dataclass(frozen=True)
+class Mishap:
+    """Something that goes wrong at a time.
+
+    Parameters
+    ----------
+    name : str, one of `CanNode.MISHAPS`
+    seconds : float, s after the node was started
+    """
+
+    name: str
+    seconds: float
+
+
+class CanNode:
+    """Serves an adapter and a processor until it is told to stop.
+
+    Parameters
+    ----------
+    adapter : SlcanAdapter
+    processor : StageProcessor
+    stick : callable()
+        Freezes a sensor of the simulated stage.
+    mishaps : sequence of Mishap
+    now : callable() -> float, s, a monotonic clock; that of the processor
+
+    Raises
+    ------
+    ValueError : there is no such mishap.
+    """
+
+    MISHAPS = ("unplug", "replug", "garbage", "stuck-sensor", "no-heartbeat", "heartbeat")
+
+    def __init__(
+        self,
+        adapter: SlcanAdapter,
+        processor: StageProcessor,
+        stick: Callable[[], None],
+        mishaps: Sequence[Mishap] = (),
+        now: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.adapter, self.processor = adapter, processor
+        self._stick, self._now = stick, now
+        for mishap in mishaps:
+            if mishap.name not in self.MISHAPS or not mishap.seconds >= 0:
+                raise ValueError(
+                    f"--fault {mishap.name}@{mishap.seconds:g}: must be {', '.join(self.MISHAPS)}, at >= 0 s"
+                )
+        self._asked: deque[str] = deque()
+        self._to_come = sorted(mishaps, key=lambda mishap: mishap.seconds)
+
+    def run(self, stop: Event) -> None:
+        """Serve until `stop` is set; then pull the adapter out."""
+        start = self._now()
+        try:
+            while not stop.is_set():
+                now = self._now()
+                while self._to_come and now - start >= self._to_come[0].seconds:
+                    self._asked.append(self._to_come.pop(0).name)
+                while self._asked:
+                    self._happen(self._asked.popleft())
+                self.adapter.wait(min(self.processor.due - now, _LONGEST_WAIT))
+                self.serve()
+        finally:
+            self.adapter.unplug()
+
+    def serve(self) -> None:
+        """Take what the host has sent, run what is due, send what that gives."""
+        now = self._now()
+        for frame in self.adapter.received():
+            self.processor.receive(frame, now)
+        for frame in self.processor.advance(now):
+            self.adapter.send(frame)
+
+    def suffer(self, name: str) -> None:
+        """Let a mishap happen, from any thread; it does before the next block."""
+        self._asked.append(name)
+
+    def _happen(self, name: str) -> None:
+        match name:
+            case "unplug":
+                self.adapter.unplug()
+            case "replug":
+                self.adapter.plug()
+            case "garbage":
+                self.adapter.spill(NOISE)
+            case "stuck-sensor":
+                self._stick()
+            case "no-heartbeat" | "heartbeat":
+                self.processor.is_mute = name == "no-heartbeat"

@@ -1,0 +1,91 @@
+"""What the host makes of all that comes and goes: the state of the link, and the fault that latches."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from stagectl.link.config import Link
+from stagectl.link.inbox import Inbox
+from stagectl.link.outbox import Outbox
+from stagectl.wire.layout import WireError
+from stagectl.wire.messages import PERIOD, Fault, HostState, State
+
+Tell = Callable[[str, Mapping[str, Any]], object]
+
+
+class Conversation:
+    """The link without its bus and threads: frames are put in and taken out.
+
+    Parameters
+    ----------
+    link : Link
+    tell : callable(event, fields)
+        Told of each fault, for the run's log.
+    now : float, s, when the link is opened
+    """
+
+    def __init__(self, link: Link, tell: Tell, now: float) -> None:
+        self.inbox, self.outbox = Inbox(link.form), Outbox(link.form)
+        self.state, self.reason = HostState.IDLE, ""
+        self._link, self._tell, self._opened = link, tell, now
+        self._has_followed = False
+
+    @property
+    def due(self) -> float:
+        """When `give` has something to send by itself, s."""
+        return self.outbox.due
+
+    def begin(self) -> None:
+        """Let references go out: the stage has answered START."""
+        self._has_followed = False
+        self.inbox.counts.longest_gap = 0
+        self.outbox.ring.skip()
+        self.state = HostState.STREAMING
+
+    def end(self) -> None:
+        """Let no reference go out any more."""
+        if not self.reason:
+            self.state = HostState.IDLE
+
+    def clear(self) -> None:
+        """Forget the fault: a person has acknowledged."""
+        self.reason, self.state = "", HostState.IDLE
+
+    def take(self, identifier: int, data: bytes, now: float) -> None:
+        """Take a frame from the bus."""
+        self.inbox.take(identifier, data, now)
+
+    def give(self, now: float) -> list[tuple[int, bytes]]:
+        """Return identifier and data of the frames to send now."""
+        try:
+            return self.outbox.frames(self.state, now, now - self._opened)
+        except WireError as fault:  # a reference that no frame can carry
+            self.latch(str(fault))
+            return []
+
+    def watch(self, now: float) -> None:
+        """Look whether the stage is still with us; only while it is to follow."""
+        if self.state is not HostState.STREAMING:
+            return
+        inbox, silence = self.inbox, now - self.inbox.heard
+        self._has_followed |= inbox.state is State.FOLLOWING
+        if not silence <= self._link.silence:
+            self.latch(f"the stage is silent for {silence:.3g} s, must be <= {self._link.silence:g} s")
+        elif inbox.fault is not Fault.NONE:
+            self.latch(f"the stage reports {inbox.fault.name}")
+        elif self._has_followed and inbox.state is not State.FOLLOWING:
+            self.latch(f"the stage has stopped following by itself, it is {inbox.state.name}")
+        elif inbox.counts.longest_gap * PERIOD > self._link.silence:
+            self.latch(f"{inbox.counts.longest_gap} blocks from the stage are lost in a row")
+
+    def lose(self, reason: str) -> None:
+        """Hear that the adapter has gone."""
+        self.inbox.rejoin()
+        if self.state is HostState.STREAMING:
+            self.latch(reason)
+
+    def latch(self, reason: str) -> None:
+        """Keep the first reason, and say FAULT to the stage with the next heartbeat, which is due at once."""
+        if not self.reason:
+            self.reason, self.state = reason, HostState.FAULT
+            self.outbox.due = 0.0
+            self._tell("link_fault", {"reason": reason})

@@ -1,0 +1,134 @@
+"""What comes from the stage: samples in order, its state, and what was lost, late or garbled on the way."""
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from stagectl.link.ring import Ring
+from stagectl.wire import messages, samples
+from stagectl.wire.layout import GarbledError, Layout
+from stagectl.wire.messages import AXES, RATE, Fault, State
+from stagectl.wire.sequence import Sequence
+
+SIGNALS = {
+    "position": {"fd": messages.POSITION, "classic": messages.SLOW_POSITION},
+    "extension": {"fd": messages.EXTENSION, "classic": messages.SLOW_EXTENSION},
+    "voltage": {"fd": messages.VOLTAGE, "classic": messages.SLOW_VOLTAGE},
+}
+_STREAMS = {layout.identifier for layouts in SIGNALS.values() for layout in layouts.values()}
+_CAPACITY = 2 * RATE
+"""Samples kept for a graph that stands still: 2 s."""
+
+
+@dataclass
+class Counts:
+    """What became of the frames from the stage.
+
+    Parameters
+    ----------
+    received, lost, late, garbled : int, frames
+        Lost: missing before the next one, told by the counter; late: after their place was filled, or twice.
+    longest_gap : int, frames lost in a row
+    """
+
+    received: int = 0
+    lost: int = 0
+    late: int = 0
+    garbled: int = 0
+    longest_gap: int = 0
+
+
+@dataclass(frozen=True)
+class Status:
+    """The stage's own account, ten times a second.
+
+    Parameters
+    ----------
+    time : float, s since it was switched on
+    block : int, its newest
+    parameters : int, CRC-32 of the set in use
+    lost, late, garbled, underruns : int, of the references
+    reference : int, counter of the newest reference
+    """
+
+    time: float
+    block: int
+    parameters: int
+    lost: int
+    late: int
+    garbled: int
+    underruns: int
+    reference: int
+
+
+class Inbox:
+    """Sorts the frames from the stage.  Fed by one thread, read by others.
+
+    Parameters
+    ----------
+    form : "fd" or "classic"
+    """
+
+    def __init__(self, form: str) -> None:
+        self.counts = Counts()
+        self.state, self.fault = State.HOLDING, Fault.NONE
+        self.heard = -np.inf
+        self.status: Status | None = None
+        self.replies: deque[tuple[int, int, int]] = deque(maxlen=16)
+        self.chunks: dict[int, bytes] = {}
+        self.rings = {name: Ring(len(AXES), _CAPACITY) for name in SIGNALS}
+        self.newest = {name: np.zeros(len(AXES)) for name in SIGNALS}
+        self._names = {layouts[form].identifier: name for name, layouts in SIGNALS.items()}
+        self._stream = SIGNALS["position"][form]
+        self._sequence = Sequence(self._stream.modulus)
+
+    def take(self, identifier: int, data: bytes, now: float) -> None:
+        """Take one frame; one that is not the stage's is passed over."""
+        layout = messages.BY_IDENTIFIER.get(identifier)
+        if layout is None or layout.sender != "stage":
+            return
+        try:
+            if identifier in self._names:
+                self._samples(layout, data)
+            elif identifier not in _STREAMS:
+                self._record(layout, layout.unpack(data)[1], now)
+        except GarbledError:
+            self.counts.garbled += 1
+            return
+        self.counts.received += 1
+
+    def rejoin(self) -> None:
+        """Take the next block as the first: the link was down, and what was missed is not made up."""
+        self._sequence.reset()
+
+    def _samples(self, layout: Layout, data: bytes) -> None:
+        counter, block = samples.decode(layout, data)
+        name = self._names[layout.identifier]
+        if layout is self._stream:
+            missing = self._sequence.accept(counter)
+            if missing < 0:
+                self.counts.late += 1
+                return
+            if missing:
+                self._fill(missing)
+        self.rings[name].put(block)
+        self.newest[name] = block[-1]
+
+    def _fill(self, missing: int) -> None:
+        """Hold the last sample in the place of lost blocks, so that those after them keep their time."""
+        self.counts.lost += missing
+        self.counts.longest_gap = max(self.counts.longest_gap, missing)
+        count = missing * len(self._stream.fields) // len(AXES)
+        self.rings["position"].put(np.tile(self.newest["position"], (min(count, _CAPACITY), 1)))
+
+    def _record(self, layout: Layout, values: tuple[int, ...], now: float) -> None:
+        if layout is messages.STAGE_HEARTBEAT:
+            self.state, self.fault, self.heard = State(values[0]), Fault(values[1]), now
+        elif layout is messages.STATUS:
+            time, block, *others = values
+            self.status = Status(1e-9 * time, block, *others[:6])
+        elif layout is messages.REPLY:
+            self.replies.append((values[0], values[1], values[2]))
+        else:
+            self.chunks[values[0]] = bytes(values[1:])

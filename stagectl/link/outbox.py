@@ -1,0 +1,73 @@
+"""What goes to the stage: heartbeats, commands and parameters, and references in blocks."""
+
+from collections import deque
+
+import numpy as np
+
+from stagectl.link.ring import Ring
+from stagectl.wire import messages, samples
+from stagectl.wire.layout import Layout
+from stagectl.wire.messages import AXES, BLOCK, RATE, Command, HostState
+
+_CAPACITY = RATE // 5
+"""Samples of references that may wait: 0.2 s."""
+
+
+class Outbox:
+    """Makes the frames to send.  `ring` is filled by the graph's thread; `frames` is called by the one that sends.
+
+    Parameters
+    ----------
+    form : "fd" or "classic"
+    """
+
+    def __init__(self, form: str) -> None:
+        self.ring = Ring(len(AXES), _CAPACITY)
+        self.sent = 0
+        self.due = 0.0
+        classic = form == "classic"
+        self._stream = messages.SLOW_REFERENCE if classic else messages.REFERENCE
+        self._chunk = messages.SLOW_WRITE_CHUNK if classic else messages.WRITE_CHUNK
+        self._waiting: deque[tuple[Layout, tuple[int, ...]]] = deque()
+        self._counters: dict[int, int] = {}
+        self._block = np.zeros((1 if classic else BLOCK, len(AXES)))
+
+    @property
+    def data_size(self) -> int:
+        """Bytes of a parameter set in a frame."""
+        return len(self._chunk.fields) - 1
+
+    def command(self, command: Command, token: int, argument: int) -> None:
+        """Let a command be sent."""
+        self._waiting.append((messages.COMMAND, (command, token, argument)))
+
+    def chunk(self, number: int, data: bytes) -> None:
+        """Let a piece of a parameter set be sent."""
+        self._waiting.append((self._chunk, (number, *data)))
+
+    def frames(self, state: HostState, now: float, uptime: float) -> list[tuple[int, bytes]]:
+        """Return identifier and data of what is to be sent now.
+
+        Raises
+        ------
+        WireError : a reference is beyond what a frame can carry.
+        """
+        out = []
+        if now >= self.due:
+            self.due = max(self.due + messages.HEARTBEAT, now)
+            out.append(self._pack(messages.HOST_HEARTBEAT, state, 0, round(1e3 * uptime) % 2**32))
+        while self._waiting:
+            layout, values = self._waiting.popleft()
+            out.append(self._pack(layout, *values))
+        if state is not HostState.STREAMING:
+            self.ring.skip()
+        while len(self.ring) >= len(self._block):
+            self.ring.take(self._block)
+            out.append((self._stream.identifier, samples.encode(self._stream, self.sent, self._block)))
+            self.sent += 1
+        return out
+
+    def _pack(self, layout: Layout, *values: int) -> tuple[int, bytes]:
+        counter = self._counters.get(layout.identifier, 0)
+        self._counters[layout.identifier] = counter + 1
+        return layout.identifier, layout.pack(counter, *values)
