@@ -16,6 +16,8 @@ from stagectl.link.stage_link import StageLink
 from stagectl.models import InnovationModel
 from stagectl.stage.controller import PiezoController, StageController
 from stagectl.stage.guard import VoltageGuard
+from stagectl.stage.hysteresis import HysteresisModel
+from stagectl.stage.hysteresis_compensation import HysteresisCompensation
 from stagectl.stage.kalman import kalman_gain
 from stagectl.stage.loop import inner_loops
 from stagectl.stage.sensors import SensorCheck
@@ -91,6 +93,11 @@ def _open_stage(block: VoltageGuard) -> None:
     block.open()
 
 
+def _loops() -> HysteresisModel:
+    parts = np.array([0.0, 1e-6, 1e-7, 0.0]), np.array([0.1, 0.0]), np.array([0.0, 0.1])
+    return HysteresisModel(-0.1, 0.1, *parts, np.array([0.2, 0.6]), np.array([3e-7, 2e-7]), 44_100.0)
+
+
 EXAMPLES: dict[type[Block], Example] = {
     Sum: Example(lambda: Sum("+-", width=2)),
     Gain: Example(lambda: Gain(-2.5, width=2)),
@@ -112,6 +119,7 @@ EXAMPLES: dict[type[Block], Example] = {
     ImpulseResponse: Example(lambda: _measured(ImpulseResponse)),
     VibratorImpulseResponse: Example(lambda: _measured(VibratorImpulseResponse)),
     PiezoStage: Example(PiezoStage),
+    HysteresisCompensation: Example(lambda: HysteresisCompensation([_loops(), None, _loops()])),
     Milling: Example(lambda: Milling(start=0.0, seconds=5.0)),
     Receive: Example(lambda: Receive(StageLink(Link())), rate=10_000.0),
     Newest: Example(lambda: Newest(StageLink(Link()), "voltage"), rate=10_000.0),
