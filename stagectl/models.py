@@ -154,22 +154,26 @@ class InnovationModel:
     def initial_state(self, drive: np.ndarray, response: np.ndarray) -> np.ndarray:
         """Return the state, shape (n,), from which the free run fits a measured response best, by least squares.
 
+        Each output counts in units of its innovation's standard deviation.
+
         Parameters
         ----------
         drive : array, shape (N, m), the inputs' units
         response : array, shape (N, p), the outputs' units
         """
-        return fit_state(self.A, self.C, response - self.simulate(drive))
+        return self._fitted_state(self.A, response - self.simulate(drive))
 
     def initial_predictor_state(self, drive: np.ndarray, response: np.ndarray) -> np.ndarray:
         """Return the state, shape (n,), from which the prediction one step ahead fits best, by least squares.
 
+        Each output counts in units of its innovation's standard deviation.
+
         Parameters
         ----------
         drive : array, shape (N, m), the inputs' units
         response : array, shape (N, p), the outputs' units
         """
-        return fit_state(self.A - self.K @ self.C, self.C, response - self.predict(drive, response))
+        return self._fitted_state(self.A - self.K @ self.C, response - self.predict(drive, response))
 
     def frequency_response(self, frequency: np.ndarray) -> np.ndarray:
         """Return the response from inputs to outputs, complex, shape (bins, p, m), the outputs' per the inputs' units.
@@ -187,6 +191,11 @@ class InnovationModel:
     def described(self, **words: str) -> "InnovationModel":
         """Return it with more words in its provenance."""
         return replace(self, provenance={**self.provenance, **words})
+
+    def _fitted_state(self, transition: np.ndarray, missed: np.ndarray) -> np.ndarray:
+        size = np.sqrt(np.maximum(np.diag(self.innovation), 0.0))
+        size = size if np.all(size > 0) else np.ones(self.outputs)
+        return fit_state(transition, self.C / size[:, None], missed / size)
 
     def _state(self, state: np.ndarray | None) -> np.ndarray:
         if state is None:

@@ -74,11 +74,12 @@ def test_the_state_a_record_began_with_is_found() -> None:
     np.testing.assert_allclose(model.initial_predictor_state(drive, response), state, rtol=1e-9)
 
 
-def test_the_initial_state_is_the_least_squares_one() -> None:
+def test_the_initial_state_is_the_least_squares_one_in_units_of_the_innovations() -> None:
     model, rng = resonant(), np.random.default_rng(6)
     drive, response = rng.standard_normal((300, 2)), rng.standard_normal((300, 3))
-    free = np.stack([model.simulate(np.zeros((300, 2)), unit).ravel() for unit in np.eye(4)], axis=1)
-    wanted = np.linalg.lstsq(free, (response - model.simulate(drive)).ravel())[0]
+    size = np.sqrt(np.diag(model.innovation))
+    free = np.stack([(model.simulate(np.zeros((300, 2)), unit) / size).ravel() for unit in np.eye(4)], axis=1)
+    wanted = np.linalg.lstsq(free, ((response - model.simulate(drive)) / size).ravel())[0]
     np.testing.assert_allclose(model.initial_state(drive, response), wanted, rtol=1e-7)
 
 

@@ -1,0 +1,7 @@
+"""Subspace identification of state-space models in innovation form: N4SID and MOESP."""
+
+from calibration.subspace.identified import Identified
+from calibration.subspace.identify import identify
+from calibration.subspace.realization import Method
+
+__all__ = ["Identified", "Method", "identify"]

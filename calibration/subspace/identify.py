@@ -1,0 +1,157 @@
+"""Subspace identification: records in, a model in innovation form (2.1) out."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from calibration.subspace.estimate import Estimate, compress, estimate
+from calibration.subspace.gain_refinement import refine_gain
+from calibration.subspace.identified import Identified
+from calibration.subspace.kalman_gain import Gain
+from calibration.subspace.modal import modal
+from calibration.subspace.modal_regression import responses as modal_responses
+from calibration.subspace.order import candidates, proposed
+from calibration.subspace.realization import Method
+from calibration.subspace.regression import Terms
+from calibration.subspace.signals import Detrend, Signals, as_records, signals
+from calibration.subspace.windows import Layout, Windows
+from stagectl.models import InnovationModel
+
+_HORIZON = 40
+"""Samples, past and future, where records are long enough."""
+_SHORTEST = 5
+_WINDOWS = 3
+"""So many windows a row of the triangle are wanted of default horizons."""
+_SEGMENTS = 16
+"""That can be left out, for the uncertainty of poles."""
+
+
+def identify(
+    drive: np.ndarray | Sequence[np.ndarray],
+    response: np.ndarray | Sequence[np.ndarray],
+    rate: float,
+    order: int | None = None,
+    method: Method = "moesp",
+    horizon: int | tuple[int, int] | None = None,
+    direct: bool = True,
+    detrend: Detrend = "mean",
+) -> Identified:
+    """Identify a state-space model with its Kalman gain from one or more records.
+
+    A and C come from the shift of the observability matrix, B, D and first states by least squares on the free run, K
+    from the Riccati equation and then by Gauss-Newton steps on the error one step ahead.  The model is stable: poles
+    on or outside of the unit circle are moved inside before B and D are fitted.
+
+    Parameters
+    ----------
+    drive : array, shape (N, m), or a sequence of such, the inputs' units
+        One record, or several of any lengths.
+    response : array, shape (N, p), or a sequence of such, the outputs' units
+        As many samples as `drive`, record by record.
+    rate : float, samples/s
+    order : int, optional
+        States; where not given, as many as stand out of the noise and improve the fit.
+    method : "n4sid" or "moesp", optional
+        Which projection's singular values are taken.  On inputs that excite all frequencies both give nearly the same;
+        on chirps and other inputs that their own future tells, the oblique projection of N4SID is the weaker one.
+    horizon : int or (past, future), samples, optional
+        The future should reach over a good part of the slowest oscillation's period.  Where not given 40 and 40, less
+        if records are short, more if the order wants it.
+    direct : bool, optional
+        Whether D is fitted; it is 0 otherwise.
+    detrend : "mean" or "none", optional
+        Whether there is an operating point, the inputs' mean over all records and what the outputs are there, or it is
+        zero.
+
+    Raises
+    ------
+    ValueError : records that are unusable or too short, an order or a horizon that they do not allow.
+
+    Source
+    ------
+    Sörnmo 2015, section 2.3 and eq. (2.1); Van Overschee and De Moor 1994; Verhaegen 1994.
+
+    Examples
+    --------
+    >>> drive = np.random.default_rng(1).standard_normal((500, 1))
+    >>> response = np.zeros((500, 1))
+    >>> for n in range(1, 500):
+    ...     response[n] = 0.9 * response[n - 1] + 0.5 * drive[n - 1]
+    >>> found = identify(drive, response, rate=100.0, horizon=5)
+    >>> found.model.order, round(float(found.model.poles[0].real), 6)
+    (1, 0.9)
+    """
+    if method not in ("n4sid", "moesp"):
+        raise ValueError(f"method is {method!r}, must be 'n4sid' or 'moesp'")
+    if not (np.isfinite(rate) and rate > 0):
+        raise ValueError(f"rate is {rate}, must be > 0 samples/s")
+    data = signals(drive, response, detrend)
+    layout = _layout(data, horizon, order)
+    terms = Terms(direct, constant=detrend == "mean")
+    windows = Windows(data.joined, layout, _SEGMENTS, terms.constant)
+    compressed = compress(windows, method)
+    tried = candidates(compressed, data, terms) if order is None else ()
+    found = estimate(compressed, proposed(tried) if order is None else order, data.drives, data.responses, terms)
+    gain = refine_gain(found.transition, found.outlet, found.gain, _left(found, data))
+    return Identified(
+        model=_in_units(found, gain, data, rate),
+        singular_values=compressed.projection.singular_values,
+        candidates=tried,
+        horizon=(layout.past, layout.future),
+        input_offset=data.input_offset,
+        output_offset=data.output_offset + data.output_scale * found.constant,
+        moved_poles=found.moved,
+        by_riccati=found.gain.by_riccati,
+        drives=tuple(as_records(drive, "input")),
+        responses=tuple(as_records(response, "output")),
+    )
+
+
+def _layout(data: Signals, horizon: int | tuple[int, int] | None, order: int | None) -> Layout:
+    """Choose horizons, or check those given against the records and the order."""
+    inputs, outputs = len(data.input_scale), len(data.output_scale)
+    shortest = min(len(drive) for drive in data.drives)
+    if horizon is None:
+        affordable = (data.samples + 2) // (2 * _WINDOWS * (inputs + outputs) + 2 * len(data.drives))
+        wanted = _HORIZON if order is None else max(_HORIZON, 2 * -(-order // outputs))
+        horizon = max(_SHORTEST, min(wanted, affordable, shortest // 4))
+    past, future = (horizon, horizon) if isinstance(horizon, int) else horizon
+    if not (past >= 1 and future >= 2):
+        raise ValueError(f"horizon is {past} past and {future} future samples, must be at least 1 and 2")
+    layout = Layout(past, future, inputs, outputs)
+    windows = sum(len(drive) - layout.length + 1 for drive in data.drives)
+    if shortest < layout.length or windows < len(layout.order):
+        raise ValueError(
+            f"records have {[len(drive) for drive in data.drives]} samples, too few for horizons of {past} and "
+            f"{future}: each must have {layout.length}, all together "
+            f"{len(layout.order) + len(data.drives) * (layout.length - 1)}"
+        )
+    if order is not None and not 1 <= order <= layout.largest_order:
+        raise ValueError(f"order is {order}, must be 1 to {layout.largest_order} with horizons of {past} and {future}")
+    return layout
+
+
+def _left(found: Estimate, data: Signals) -> list[np.ndarray]:
+    """Return what the free run leaves of each record."""
+    modes = modal(found.transition)
+    return [
+        response
+        - found.constant
+        - drive @ found.direct.T
+        - modal_responses(modes, found.outlet, found.inlet, drive, state)
+        for drive, response, state in zip(data.drives, data.responses, found.states, strict=True)
+    ]
+
+
+def _in_units(found: Estimate, gain: Gain, data: Signals, rate: float) -> InnovationModel:
+    """Undo the scaling."""
+    small, large = data.input_scale, data.output_scale
+    return InnovationModel(
+        found.transition,
+        found.inlet / small,
+        large[:, None] * found.outlet,
+        large[:, None] * found.direct / small,
+        gain.matrix / large,
+        rate,
+        large[:, None] * gain.innovation * large,
+    )

@@ -1,0 +1,104 @@
+"""The Kalman gain from the covariances of what a state-space model leaves of the compressed data."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import LinAlgError, solve_discrete_are
+
+from calibration.subspace.windows import Layout
+
+_HALVINGS = 60
+
+
+@dataclass(frozen=True)
+class Gain:
+    """A Kalman gain with its innovations' covariance.
+
+    Parameters
+    ----------
+    matrix : array, shape (n, p), 1 per the outputs' units
+    innovation : array, shape (p, p), products of the outputs' units
+    by_riccati : bool
+        False where the Riccati equation had no stabilizing solution.
+    """
+
+    matrix: np.ndarray
+    innovation: np.ndarray
+    by_riccati: bool
+
+
+def kalman_gain(
+    triangle: np.ndarray,
+    layout: Layout,
+    mapped: np.ndarray,
+    system: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
+) -> Gain:
+    """Solve the Riccati equation with the covariances of the identified process and measurement noise.
+
+    Where it has no stabilizing solution, the gain is the regression of the state's noise on the output's, halved until
+    the predictor A - K C is stable (A is).
+
+    Parameters
+    ----------
+    triangle : array, shape (rows, rows), 1
+    layout : Layout
+    mapped : array, shape (n, rows of the past), 1
+        Of `state_map`.
+    system : A, B, C and D, arrays of shapes (n, n), (n, m), (p, n) and (p, m), 1
+
+    Source
+    ------
+    Van Overschee and De Moor 1996, Subspace Identification for Linear Systems, section 4.2 (noise covariances from
+    the residuals of the state equations), with A and C from the shift of the observability matrix.
+    """
+    transition, _, outlet, _ = system
+    process, mixed, measurement = _covariances(triangle, layout, mapped, system)
+    try:
+        error = solve_discrete_are(transition.T, outlet.T, process, measurement, s=mixed)
+        innovation = outlet @ error @ outlet.T + measurement
+        gain = np.linalg.solve(innovation, (transition @ error @ outlet.T + mixed).T).T
+    except (LinAlgError, ValueError):
+        pass
+    else:
+        if is_stable(transition - gain @ outlet) and np.all(np.linalg.eigvalsh(innovation) > 0):
+            return Gain(gain, (innovation + innovation.T) / 2, by_riccati=True)
+    gain = mixed @ np.linalg.pinv(measurement, hermitian=True)
+    for _ in range(_HALVINGS):
+        if is_stable(transition - gain @ outlet):
+            break
+        gain /= 2
+    return Gain(gain, measurement, by_riccati=False)
+
+
+def is_stable(matrix: np.ndarray) -> bool:
+    """Whether every eigenvalue of a matrix, shape (n, n), lies inside of the unit circle.
+
+    Parameters
+    ----------
+    matrix : array, shape (n, n), 1
+    """
+    return bool(np.isfinite(matrix).all() and np.all(np.abs(np.linalg.eigvals(matrix)) < 1))
+
+
+def _covariances(
+    triangle: np.ndarray,
+    layout: Layout,
+    mapped: np.ndarray,
+    system: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return those of w, of w with v, and of v: what x[k+1] = A x + B u + w, y = C x + D u + v leave, past to past."""
+    transition, inlet, outlet, direct = system
+    order, now = len(transition), layout.past
+    before, after = layout.rows(0, now), layout.rows(1, now + 1)
+    drive = layout.rows(now, now + 1, slice(0, layout.inputs))
+    response = layout.rows(now, now + 1, slice(layout.inputs, None))
+    left = np.zeros((order + layout.outputs, len(triangle)))
+    left[:order, after] += mapped
+    left[:order, before] -= transition @ mapped
+    left[:order, drive] -= inlet
+    left[order:, response] += np.eye(layout.outputs)
+    left[order:, before] -= outlet @ mapped
+    left[order:, drive] -= direct
+    noise = left @ triangle
+    covariance = noise @ noise.T
+    return covariance[:order, :order], covariance[:order, order:], covariance[order:, order:]

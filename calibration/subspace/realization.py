@@ -1,0 +1,139 @@
+"""From the triangle to states: singular values, observability, A and C, and the map from the past to the state."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.linalg import lstsq, solve_triangular, svd
+
+from calibration.subspace.windows import Layout
+
+Method = Literal["n4sid", "moesp"]
+_WEAK = 300.0
+"""Directions of the past are used from so many times the standard error of a regression on a direction of size 1 ..."""
+_RANK = 1e-9
+"""... and from this size, where signals have size 1."""
+_SAFE = 10.0
+"""Over the weakest usable one, a triangle's least diagonal entry for which its singular values are not looked at."""
+
+
+@dataclass(frozen=True)
+class Projection:
+    """What the past explains of the future outputs, the future inputs' part taken out.
+
+    Parameters
+    ----------
+    directions : array, shape (future p, count), 1
+        Left singular vectors.
+    singular_values : array, shape (count,), 1, falling
+    """
+
+    directions: np.ndarray
+    singular_values: np.ndarray
+
+    def observability(self, order: int) -> np.ndarray:
+        """Return the outputs' first samples per state, C, C A, C A^2 ...: shape (future p, order)."""
+        gamma: np.ndarray = self.directions[:, :order] * np.sqrt(self.singular_values[:order])
+        return gamma
+
+
+def project(triangle: np.ndarray, layout: Layout, windows: int, method: Method) -> Projection:
+    """Take the singular values of the future outputs' projection on the past.
+
+    Parameters
+    ----------
+    triangle : array, shape (rows, rows), 1
+        As `Windows.triangle` gives it.
+    layout : Layout
+    windows : int
+        How many it was made of.
+    method : "n4sid" or "moesp"
+        The projection along the future inputs (oblique, unit weights), or the one on what of the past is orthogonal to
+        the future inputs.
+
+    Source
+    ------
+    Van Overschee and De Moor 1994, "N4SID: Subspace algorithms for the identification of combined
+    deterministic-stochastic systems", Automatica 30, 75-93; Verhaegen 1994, "Identification of the deterministic part
+    of MIMO state space models given in innovations form from input-output data", Automatica 30, 61-74 (PO-MOESP).
+    """
+    ahead, past, future = layout.parts
+    if method == "moesp":
+        explained = triangle[future, past]
+    else:
+        explained = _past_to_future(triangle, layout, windows) @ triangle[past, ahead.start : past.stop]
+    directions, values, _ = svd(explained, full_matrices=False, check_finite=False)
+    return Projection(directions, values)
+
+
+def transition(gamma: np.ndarray, outputs: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return A and C, shapes (n, n) and (outputs, n): what takes the observability matrix one sample on, and its top.
+
+    The states' own sequence is not used: the shift of one such sequence gives poles that are wrong however long the
+    record.
+
+    Parameters
+    ----------
+    gamma : array, shape (future outputs, n), 1
+        As `Projection.observability` gives it.
+    outputs : int
+    """
+    matrix: np.ndarray = lstsq(gamma[:-outputs], gamma[outputs:], check_finite=False)[0]
+    return matrix, gamma[:outputs].copy()
+
+
+def stabilized(matrix: np.ndarray, samples: int) -> np.ndarray:
+    """Return A, shape (n, n), with every pole on or outside of the unit circle moved inside.
+
+    Such a pole z becomes 1 / conj(z), or lies 1 / samples inside of the circle if that is further in: a record cannot
+    tell longer memories.  Modes' shapes stay.
+
+    Parameters
+    ----------
+    matrix : array, shape (n, n), 1
+    samples : int
+        Length of the longest record.
+    """
+    poles, shapes = np.linalg.eig(matrix)
+    radius = np.abs(poles)
+    outside = radius >= 1
+    if not outside.any():
+        return matrix
+    target = np.minimum(1 / np.maximum(radius, 1.0), 1 - 1 / samples)
+    moved = np.where(outside, poles / np.maximum(radius, np.finfo(float).tiny) * target, poles)
+    inside: np.ndarray = np.linalg.solve(shapes.T, (shapes * moved).T).T.real
+    return inside
+
+
+def state_map(triangle: np.ndarray, layout: Layout, windows: int, gamma: np.ndarray) -> np.ndarray:
+    """Return what makes the state of a window's past, shape (n, rows of the past).
+
+    Parameters
+    ----------
+    triangle : array, shape (rows, rows), 1
+    layout : Layout
+    windows : int
+        How many it was made of.
+    gamma : array, shape (future p, n), 1
+    """
+    mapped: np.ndarray = lstsq(gamma, _past_to_future(triangle, layout, windows), check_finite=False)[0]
+    return mapped
+
+
+def _past_to_future(triangle: np.ndarray, layout: Layout, windows: int) -> np.ndarray:
+    """Return the regression of the future outputs on the past beside the future inputs, shape (future p, past).
+
+    A past that the future inputs tell nearly (inputs of few frequencies) leaves directions too weak to regress on: they
+    are left out, which keeps the columns within the range of the observability matrix.
+    """
+    _, past, future = layout.parts
+    own, shared = triangle[past, past], triangle[future, past]
+    noise = float(np.sqrt(np.mean(np.diag(triangle[future, future]) ** 2)))
+    weakest = max(_WEAK * noise / np.sqrt(windows), _RANK)
+    if np.diag(own).min() > _SAFE * weakest:
+        solved: np.ndarray = solve_triangular(own, shared.T, lower=True, trans="T", check_finite=False).T
+        return solved
+    left, sizes, right = svd(own, check_finite=False)
+    strong = sizes > weakest
+    kept: np.ndarray = (shared @ right[strong].T / sizes[strong]) @ left[:, strong].T
+    return kept

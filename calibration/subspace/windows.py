@@ -1,0 +1,191 @@
+"""Windows of past and future samples, compressed into one triangle: all that a subspace method needs of N samples."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import LinAlgError, cholesky, qr
+
+from calibration.subspace import window_kernel
+
+_DEPENDENT = 1e-9
+"""Where less than this part of a row's power is its own, rounding of sums of products counts: QR takes over."""
+_CHUNK = 4
+"""Windows in one QR step, in heights of the triangle."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a triangle's rows are made of a window: future inputs, past inputs and outputs, future outputs.
+
+    Parameters
+    ----------
+    past, future : int, samples
+        Horizons.
+    inputs, outputs : int
+    """
+
+    past: int
+    future: int
+    inputs: int
+    outputs: int
+
+    @property
+    def length(self) -> int:
+        """Samples of a window."""
+        return self.past + self.future
+
+    @property
+    def largest_order(self) -> int:
+        """States that the horizons can tell apart."""
+        return min((self.future - 1) * self.outputs, self.past * (self.inputs + self.outputs))
+
+    @cached_property
+    def order(self) -> np.ndarray:
+        """Place in a window, as it comes in time, of each row: shape (rows,)."""
+        places = np.arange(self.length * (self.inputs + self.outputs)).reshape(self.length, -1)
+        later = places[self.past :]
+        parts = later[:, : self.inputs], places[: self.past], later[:, self.inputs :]
+        return np.concatenate([part.ravel() for part in parts])
+
+    @property
+    def parts(self) -> tuple[slice, slice, slice]:
+        """Rows of future inputs, past, future outputs."""
+        first = self.future * self.inputs
+        second = first + self.past * (self.inputs + self.outputs)
+        return slice(0, first), slice(first, second), slice(second, len(self.order))
+
+    def rows(self, start: int, stop: int, channels: slice = slice(None)) -> np.ndarray:
+        """Return the rows, shape (count,), of some channels (inputs first) of samples start to stop of a window."""
+        row = np.empty(len(self.order), dtype=int)
+        row[self.order] = np.arange(len(self.order))
+        chosen: np.ndarray = row.reshape(self.length, -1)[start:stop, channels].ravel()
+        return chosen
+
+
+class Windows:
+    """All windows of some records, in segments that can be left out one at a time.
+
+    Parameters
+    ----------
+    records : sequence of arrays, each of shape (inputs + outputs, N), contiguous, of like size, 1
+    layout : Layout
+    segments : int
+        In all, shared out by length; at least one a record.
+    constant : bool
+        Whether a constant is taken out of every row, the same for all records.
+    """
+
+    def __init__(self, records: Sequence[np.ndarray], layout: Layout, segments: int, constant: bool) -> None:
+        self.layout = layout
+        self._records = records
+        self._constant = constant
+        windows = np.array([record.shape[1] - layout.length + 1 for record in records])
+        pieces = np.maximum(1, np.round(segments * windows / windows.sum())).astype(int)
+        edges = [np.linspace(0, count, parts + 1).astype(int) for count, parts in zip(windows, pieces, strict=True)]
+        self._bounds = [
+            (number, int(start), int(stop))
+            for number, each in enumerate(edges)
+            for start, stop in zip(each[:-1], each[1:], strict=True)
+        ]
+        self._sizes = np.array([stop - start for _, start, stop in self._bounds])
+
+    @property
+    def segments(self) -> int:
+        """How many there are."""
+        return len(self._bounds)
+
+    @property
+    def count(self) -> int:
+        """Windows in all."""
+        return int(self._sizes.sum())
+
+    def triangle(self, without: int | None = None) -> np.ndarray:
+        """Return the lower triangle L, shape (rows, rows), whose L L' is the mean of w w' over the windows w.
+
+        By Cholesky of the sums of products; where signals nearly depend on one
+        another (almost no noise, or inputs that excite only a few frequencies) by QR of the windows.
+
+        Parameters
+        ----------
+        without : int, optional
+            A segment to leave out.
+        """
+        chosen = np.arange(self.segments) != (-1 if without is None else without)
+        count = int(self._sizes[chosen].sum())
+        if self._is_conditioned:
+            try:
+                factor: np.ndarray = cholesky(self._sums(chosen) / count, lower=True, check_finite=False)
+            except LinAlgError:
+                pass
+            else:
+                return factor
+        stacked = _upper(np.concatenate([self._triangles[segment] for segment in np.flatnonzero(chosen)]))
+        lower: np.ndarray = stacked[1:, 1:].T / np.sqrt(count)
+        return lower
+
+    def _sums(self, chosen: np.ndarray) -> np.ndarray:
+        """Add products over segments, about the mean if a constant is taken out: shape (rows, rows)."""
+        sums: np.ndarray = self._products[chosen].sum(axis=0)
+        if self._constant:
+            total = self._totals[chosen].sum(axis=0)
+            sums -= np.outer(total, total) / self._sizes[chosen].sum()
+        return sums
+
+    @cached_property
+    def _totals(self) -> np.ndarray:
+        """Sums of each segment's windows, shape (segments, rows)."""
+        running = [np.pad(np.cumsum(record, axis=1), ((0, 0), (1, 0))) for record in self._records]
+        places = np.arange(self.layout.length)
+        totals = [
+            (running[number][:, stop + places] - running[number][:, start + places]).T.ravel()
+            for number, start, stop in self._bounds
+        ]
+        return np.array(totals)[:, self.layout.order]
+
+    @cached_property
+    def _products(self) -> np.ndarray:
+        """Sums of products over each segment's windows, shape (segments, rows, rows)."""
+        size = len(self.layout.order)
+        products = np.zeros((self.segments, size, size))
+        for (number, start, stop), sums in zip(self._bounds, products, strict=True):
+            window_kernel.window_products(self._records[number], start, stop, self.layout.length, sums)
+            sums[:] = np.triu(sums) + np.triu(sums, 1).T
+        arranged: np.ndarray = products[:, self.layout.order[:, None], self.layout.order]
+        return arranged
+
+    @cached_property
+    def _is_conditioned(self) -> bool:
+        sums = self._sums(np.ones(self.segments, dtype=bool))
+        try:
+            factor = cholesky(sums, lower=True, check_finite=False)
+        except LinAlgError:
+            return False
+        return bool(np.all(np.diag(factor) ** 2 > _DEPENDENT * np.diag(sums)))
+
+    @cached_property
+    def _triangles(self) -> list[np.ndarray]:
+        """Each segment's windows as an upper triangle, by QR a few at a time."""
+        return [self._segment_triangle(*bounds) for bounds in self._bounds]
+
+    def _segment_triangle(self, number: int, start: int, stop: int) -> np.ndarray:
+        """Return an upper triangle of one more row: the first is that of the constant, or of nothing."""
+        size, length = len(self.layout.order), self.layout.length
+        inside = np.lib.stride_tricks.sliding_window_view(self._records[number], length, axis=1)
+        triangle = np.zeros((0, size + 1))
+        for first in range(start, stop, _CHUNK * size):
+            part = inside[:, first : min(stop, first + _CHUNK * size)]
+            rows = np.full((part.shape[1], size + 1), float(self._constant))
+            rows[:, 1:] = part.transpose(1, 2, 0).reshape(part.shape[1], size)[:, self.layout.order]
+            triangle = _upper(np.concatenate([triangle, rows]))
+        return triangle
+
+
+def _upper(rows: np.ndarray) -> np.ndarray:
+    """Return R of rows = Q R with no negative diagonal, square."""
+    size = rows.shape[1]
+    triangle = np.zeros((size, size))
+    part = qr(rows, mode="r", overwrite_a=True, check_finite=False)[0][:size]
+    triangle[: len(part)] = part
+    return triangle * np.where(np.diag(triangle) < 0, -1.0, 1.0)[:, None]

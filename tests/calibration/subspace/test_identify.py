@@ -1,0 +1,197 @@
+"""Subspace identification on systems that are known: order, modes, fit, and what is refused."""
+
+import numpy as np
+import pytest
+
+from calibration import subspace
+from calibration.fit_measures import fit
+from stagectl.models import InnovationModel
+from tests.calibration.resonant_systems import RATE, ResonantSystem, order_7, order_9, order_18, sweep
+
+SYSTEMS = {"7, one input, one output": order_7, "9, three outputs": order_9, "18, three inputs and outputs": order_18}
+named = pytest.mark.parametrize("system", [make() for make in SYSTEMS.values()], ids=SYSTEMS)
+
+
+def damping_errors(found: InnovationModel, truth: InnovationModel) -> np.ndarray:
+    """Return how far each oscillating mode's damping is off, in parts of it."""
+    wanted, got = truth.modes, found.modes
+    nearest = [int(np.argmin(np.abs(got.frequency - frequency))) for frequency in wanted.frequency]
+    oscillating = wanted.damping < 1
+    return np.abs(got.damping[nearest] / wanted.damping - 1)[oscillating]
+
+
+def shortfall(found: subspace.Identified, system: ResonantSystem) -> tuple[float, float]:
+    """Return how many points of NRMSE the truth is better on fresh data: free run, one step."""
+    fresh = system.record(20_000, seed=1000)
+    truth, ours = fit(system.model, [fresh[0]], [fresh[1]]), found.assess(*fresh)
+    return (
+        float(np.mean(truth.free_run.nrmse - ours.free_run.nrmse)),
+        float(np.mean(truth.one_step.nrmse - ours.one_step.nrmse)),
+    )
+
+
+@named
+@pytest.mark.parametrize("method", ["n4sid", "moesp"])
+def test_the_model_is_within_a_tenth_of_a_point_of_the_truth_on_fresh_data(
+    system: ResonantSystem, method: subspace.Method
+) -> None:
+    """10 000 samples; the least standard deviation that any method can have of a damping is up to 1.3 %."""
+    found = subspace.identify(*system.record(10_000, seed=3), RATE, system.model.order, method, horizon=40)
+    free_run, one_step = shortfall(found, system)
+    assert free_run < (0.2 if system.model.order == 18 else 0.12)
+    assert one_step < 0.1
+    assert np.all(damping_errors(found.model, system.model) < 0.03)
+
+
+@named
+def test_a_short_past_costs_the_prediction_nothing(system: ResonantSystem) -> None:
+    """The best predictor remembers hundreds of samples; the past horizon is 20."""
+    found = subspace.identify(*system.record(10_000, seed=3), RATE, system.model.order, horizon=20)
+    assert shortfall(found, system)[1] < 0.1
+
+
+@named
+@pytest.mark.parametrize("horizon", [20, 40])
+@pytest.mark.parametrize("method", ["n4sid", "moesp"])
+def test_the_order_is_found(system: ResonantSystem, horizon: int, method: subspace.Method) -> None:
+    found = subspace.identify(*system.record(10_000, seed=4), RATE, method=method, horizon=horizon)
+    assert found.model.order == system.model.order
+    assert found.candidates[-1].order == system.model.order
+
+
+@pytest.mark.parametrize("samples", [3000, 10_000])
+@pytest.mark.parametrize("horizon", [20, 40])
+def test_the_order_is_found_with_a_chirp(samples: int, horizon: int) -> None:
+    for system in (order_7(), order_9()):
+        record = system.record(samples, seed=5, drive=sweep(samples, 5.0, 150.0))
+        assert subspace.identify(*record, RATE, horizon=horizon).model.order == system.model.order
+
+
+def test_residuals_of_the_right_order_are_white_and_of_too_small_a_one_are_not() -> None:
+    system = order_7()
+    record, fresh = system.record(10_000, seed=6), system.record(10_000, seed=7)
+    right = subspace.identify(*record, RATE, 7).assess(*fresh)
+    small = subspace.identify(*record, RATE, 5).assess(*fresh)
+    assert right.whiteness.probability > 0.01
+    assert right.cross_correlation.outside < 0.1
+    assert small.whiteness.probability < 1e-6
+
+
+@named
+@pytest.mark.parametrize("method", ["n4sid", "moesp"])
+def test_a_record_without_noise_is_explained_wholly(system: ResonantSystem, method: subspace.Method) -> None:
+    drive, response = system.record(2000, seed=8, noise=0.0)
+    found = subspace.identify(drive, response, RATE, system.model.order, method, horizon=20)
+    assert np.all(found.fit.free_run.nrmse > 99.999)
+    np.testing.assert_allclose(found.model.modes.frequency, system.model.modes.frequency, rtol=1e-6)
+    np.testing.assert_allclose(found.model.modes.damping, system.model.modes.damping, rtol=1e-4)
+
+
+def test_the_order_of_a_record_without_noise_is_its_rank() -> None:
+    drive, response = order_7().record(2000, seed=8, noise=0.0)
+    assert subspace.identify(drive, response, RATE, horizon=20).model.order == 7
+
+
+def test_a_pure_delay_without_noise_is_a_model_of_its_length() -> None:
+    """All poles coincide at zero, which no set of modes describes."""
+    drive = np.random.default_rng(9).standard_normal((1500, 1))
+    response = np.concatenate([np.zeros((4, 1)), drive[:-4]])
+    found = subspace.identify(drive, response, RATE, 4, horizon=8)
+    assert found.fit.free_run.nrmse > 99.99
+
+
+def test_two_records_are_one_experiment() -> None:
+    system = order_7()
+    drive, response = system.record(10_000, seed=10)
+    whole = subspace.identify(drive, response, RATE, 7, horizon=20)
+    cut = [slice(0, 2500), slice(2500, 10_000)]
+    parts = subspace.identify([drive[each] for each in cut], [response[each] for each in cut], RATE, 7, horizon=20)
+    np.testing.assert_allclose(parts.model.modes.frequency, whole.model.modes.frequency, rtol=1e-3)
+    np.testing.assert_allclose(parts.fit.one_step.nrmse, whole.fit.one_step.nrmse, atol=0.1)
+
+
+def test_a_jump_between_records_is_not_taken_for_dynamics() -> None:
+    system = order_7()
+    first, second = system.record(5000, seed=11), system.record(5000, seed=12)
+    apart = subspace.identify([first[0], second[0]], [first[1], second[1]], RATE, 7, horizon=20)
+    assert np.all(damping_errors(apart.model, system.model) < 0.05)
+
+
+def test_an_operating_point_is_taken_away_and_reported() -> None:
+    system = order_7()
+    drive, response = system.record(4000, seed=13)
+    plain = subspace.identify(drive, response, RATE, 7, horizon=20)
+    moved = subspace.identify(drive + 5.0, 3.0 * response - 100.0, RATE, 7, horizon=20)
+    np.testing.assert_allclose(moved.input_offset, plain.input_offset + 5.0)
+    np.testing.assert_allclose(moved.output_offset, 3.0 * plain.output_offset - 100.0, rtol=1e-6)
+    np.testing.assert_allclose(
+        moved.model.frequency_response(np.array([10.0, 62.0])),
+        3.0 * plain.model.frequency_response(np.array([10.0, 62.0])),
+        rtol=1e-6,
+    )
+    np.testing.assert_allclose(moved.fit.one_step.nrmse, plain.fit.one_step.nrmse, atol=1e-6)
+
+
+def test_zero_is_the_operating_point_when_the_mean_is_not_to_be_taken_away() -> None:
+    drive, response = order_7().record(4000, seed=14)
+    found = subspace.identify(drive, response, RATE, 7, horizon=20, detrend="none")
+    assert not np.any(found.input_offset)
+    assert not np.any(found.output_offset)
+
+
+def test_signals_of_very_unlike_size_count_alike() -> None:
+    system = order_9()
+    drive, response = system.record(6000, seed=15)
+    size = np.array([1e-9, 1.0, 1e6])
+    plain = subspace.identify(drive, response, RATE, 9, horizon=20)
+    scaled = subspace.identify(1e-3 * drive, size * response, RATE, 9, horizon=20)
+    np.testing.assert_allclose(scaled.fit.free_run.nrmse, plain.fit.free_run.nrmse, atol=1e-6)
+    np.testing.assert_allclose(scaled.model.innovation / np.outer(size, size), plain.model.innovation, rtol=1e-5)
+
+
+def test_the_direct_term_is_found_or_left_out() -> None:
+    rng = np.random.default_rng(16)
+    drive = rng.standard_normal((4000, 2))
+    truth = InnovationModel([[0.8]], [[1.0, 0.5]], [[1.0]], [[0.7, -0.3]], [[0.3]], RATE, [[0.01]])
+    response = truth.simulate(drive) + 0.1 * rng.standard_normal((4000, 1))
+    np.testing.assert_allclose(subspace.identify(drive, response, RATE, 1).model.D, truth.D, atol=0.01)
+    assert not np.any(subspace.identify(drive, response, RATE, 1, direct=False).model.D)
+
+
+def test_a_model_is_stable_even_of_a_record_that_grows() -> None:
+    drive = np.random.default_rng(17).standard_normal((600, 1))
+    growing = InnovationModel([[1.004]], [[1.0]], [[1.0]], [[0.0]], [[0.0]], RATE, [[1.0]])
+    found = subspace.identify(drive, growing.simulate(drive), RATE, 1, detrend="none")
+    assert found.moved_poles == 1
+    assert found.model.is_stable
+
+
+def test_the_predictor_is_stable_and_the_innovations_are_a_covariance() -> None:
+    for system in (order_7(), order_18()):
+        model = subspace.identify(*system.record(3000, seed=18), RATE, system.model.order, horizon=20).model
+        assert np.all(np.abs(np.linalg.eigvals(model.A - model.K @ model.C)) < 1)
+        assert np.all(np.linalg.eigvalsh(model.innovation) > 0)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"order": 0}, r"order is 0, must be 1 to 19 with horizons of 20 and 20"),
+        ({"order": 20}, r"order is 20, must be 1 to 19"),
+        ({"horizon": 300}, r"records have \[500\] samples, too few for horizons of 300 and 300: each must have 600"),
+        ({"horizon": (10, 1)}, "horizon is 10 past and 1 future samples, must be at least 1 and 2"),
+        ({"rate": 0.0}, "rate is 0.0, must be > 0"),
+        ({"drive": np.zeros((500, 1))}, "input 1 never changes"),
+        ({"drive": np.ones(500)}, r"input of record 1 has shape \(500,\), must be \(N, width\)"),
+        ({"drive": np.full((500, 1), np.nan)}, "input 1 of record 1 is not finite at sample 0"),
+        ({"drive": np.ones((400, 1))}, r"inputs have \[400\] samples and outputs \[500\]"),
+        ({"drive": []}, "there is no record of input"),
+        ({"detrend": "linear"}, "detrend is 'linear', must be 'mean' or 'none'"),
+        ({"method": "cva"}, "method is 'cva', must be 'n4sid' or 'moesp'"),
+    ],
+)
+def test_what_cannot_be_identified_is_refused_with_the_reason(change: dict[str, object], said: str) -> None:
+    drive, response = order_7().record(500, seed=19)
+    arguments = {"drive": drive, "response": response, "rate": RATE, "order": 7, "horizon": 20}
+    with pytest.raises(ValueError, match=said):
+        subspace.identify(**arguments | change)  # type: ignore[arg-type]  # what is wrong is the point
