@@ -1,10 +1,11 @@
-"""The simulated vibrator against real time."""
+"""The simulated vibrator and the simulated stage against real time."""
 
 from statistics import median
 from time import perf_counter
 
 import numpy as np
 
+from firmware_sim.plants.piezo_stage import PiezoStagePlant
 from firmware_sim.plants.vibrator import VibratorPlant
 
 RATE, SECONDS = 44_100, 5
@@ -21,3 +22,20 @@ def test_the_plant_against_real_time(benchmark) -> None:  # type: ignore[no-unty
         times.append(perf_counter() - start)
     print(f"\nplant: {SECONDS / median(times):.0f} x real time")
     benchmark.pedantic(plant.run, (drive, response), rounds=5)
+
+
+def test_the_stage_against_real_time(benchmark) -> None:  # type: ignore[no-untyped-def] # noqa: ANN001
+    """Print what a sample of three axes costs in long frames, and what a call of one sample does."""
+    plant, times = PiezoStagePlant(10_000.0), []
+    for frames, calls in ((200_000, 1), (1, 20_000)):
+        signals = np.zeros((6, frames, 3))
+        plant.run(*signals)
+        rounds = []
+        for _ in range(5):
+            start = perf_counter()
+            for _ in range(calls):
+                plant.run(*signals)
+            rounds.append((perf_counter() - start) / (frames * calls))
+        times.append(1e9 * median(rounds))
+    print(f"\nstage: {times[0]:.0f} ns a sample in long frames, {times[1]:.0f} ns a call of one")
+    benchmark.pedantic(plant.run, signals, rounds=5)
