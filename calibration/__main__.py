@@ -10,7 +10,14 @@ from calibration.comparison_report import comparison_figures, comparison_report
 from calibration.experiment import RawFolder
 from calibration.far_field_report import HEAD as FAR_FIELD_HEAD
 from calibration.far_field_report import far_field_rows
-from calibration.model_comparison import COMPARED_HEAD, DIFFERING_HEAD, compare, compared_rows, differing_rows
+from calibration.model_comparison import (
+    COMPARED_HEAD,
+    DIFFERING_HEAD,
+    compare,
+    compare_far_fields,
+    compared_rows,
+    differing_rows,
+)
 from calibration.multisine_report import level_table
 from calibration.sweep_report import sweep_report
 from calibration.sweep_summary import BAND_HEAD, WORST_HEAD, band_rows, sweep_figures, worst_rows
@@ -19,7 +26,7 @@ from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, application, print_table, run, words, write_json
 from rigkit.stop import Stopped, stoppable
 from vibractl.config import RigConfig
-from vibractl.model_file import read_model, write_model
+from vibractl.model_file import read_far_field, read_model, write_model
 
 app = application("Experiments that end in a model file.")
 
@@ -76,9 +83,12 @@ def compare_command(
 
     Example: `calibrate compare tank.h5 sea.h5 --out difference.html`
     """
-    found = compare(read_model(first), read_model(second), str(first), str(second))
+    names = str(first), str(second)
+    found = compare(read_model(first), read_model(second), *names)
+    afar = read_far_field(first), read_far_field(second)
+    far = None if afar[0] is None or afar[1] is None else compare_far_fields(afar[0], afar[1], *names)
     if out is not None or png is not None:
-        report = comparison_report(found)
+        report = comparison_report(found, far)
         if out is not None:
             report.write(out)
         if png is not None:
@@ -87,7 +97,9 @@ def compare_command(
     title = f"{found.first_name} and {found.second_name}: {len(found.frequency)} lines in common"
     print_table(title, COMPARED_HEAD, compared_rows(found), stream)
     print_table("farthest apart", DIFFERING_HEAD, differing_rows(found), stream)
-    write_json(json, comparison_figures(found))
+    if far is not None:
+        print_table("far field", COMPARED_HEAD, compared_rows(far), stream)
+    write_json(json, comparison_figures(found, far))
 
 
 def _raw_folder(out: Path) -> Path:

@@ -9,6 +9,7 @@ from calibration.model_comparison import (
     COMPARED_HEAD,
     DIFFERING_HEAD,
     EXPECTED_95,
+    LETTERS,
     Comparison,
     bands,
     compared_rows,
@@ -19,9 +20,10 @@ from rigkit.figure_style import COLOURS, LIMIT, styled
 from rigkit.report import Fact, Plot, Report, Section, Table
 
 
-def comparison_figures(found: Comparison) -> dict[str, Any]:
-    """Return what `--json` writes."""
+def comparison_figures(found: Comparison, far: Comparison | None = None) -> dict[str, Any]:
+    """Return what `--json` writes; `far` compares the far fields where both models have one."""
     return {
+        **({} if far is None else {"far_field": comparison_figures(far)}),
         "first": found.first_name,
         "second": found.second_name,
         "lines": len(found.frequency),
@@ -52,8 +54,8 @@ def comparison_figures(found: Comparison) -> dict[str, Any]:
     }
 
 
-def comparison_report(found: Comparison) -> Report:
-    """Put the report of a comparison together."""
+def comparison_report(found: Comparison, far: Comparison | None = None) -> Report:
+    """Put the report of a comparison together; `far` compares the far fields where both models have one."""
     within = float(np.mean(found.normalised <= EXPECTED_95))
     facts = (
         Fact("lines in common", f"{len(found.frequency)}"),
@@ -62,20 +64,27 @@ def comparison_report(found: Comparison) -> Report:
         Fact("elements within their uncertainty", f"{100 * within:.0f} % (95 % if nothing changed)"),
     )
     with styled():
-        sections = (
-            Section("Both models", "", (Plot(_both(found), "Magnitude of each element, output from input."),)),
-            Section(
-                "Difference",
-                "The normalised difference is |difference|² over the sum of both variances: 1 on average, and below "
-                "3.0 on 95 of 100 elements, if the machine is the same and both variances are right.",
-                (Plot(_difference(found), "Relative to |G| of the first, and against the uncertainty of both."),),
-                (
-                    Table(COMPARED_HEAD, tuple(compared_rows(found))),
-                    Table(DIFFERING_HEAD, tuple(differing_rows(found))),
-                ),
-            ),
-        )
+        sections = _sections(found, "")
+        if far is not None:
+            sections += _sections(far, " of the far field")
     return Report("Two models compared", f"{found.first_name} and {found.second_name}", facts, sections)
+
+
+def _sections(found: Comparison, of_what: str) -> tuple[Section, ...]:
+    size, _ = LETTERS[found.quantity]
+    return (
+        Section(f"Both models{of_what}", "", (Plot(_both(found), "Magnitude of each element, output from input."),)),
+        Section(
+            f"Difference{of_what}",
+            "The normalised difference is |difference|² over the sum of both variances: 1 on average, and below "
+            "3.0 on 95 of 100 elements, if the machine is the same and both variances are right.",
+            (Plot(_difference(found), f"Relative to {size} of the first, and against the uncertainty of both."),),
+            (
+                Table(COMPARED_HEAD, tuple(compared_rows(found))),
+                Table(DIFFERING_HEAD, tuple(differing_rows(found))),
+            ),
+        ),
+    )
 
 
 def _both(found: Comparison) -> Figure:
@@ -91,7 +100,7 @@ def _both(found: Comparison) -> Figure:
                 axes.plot(found.frequency, 20 * np.log10(size), color=colour, linewidth=0.8, label=name)
             axes.set_title(f"{output + 1} from {drive + 1}")
     for left in grid[:, 0]:
-        left.set_ylabel("dB re 1 m/s²/V")
+        left.set_ylabel(f"dB re {LETTERS[found.quantity][1]}")
     for lowest in grid[-1]:
         lowest.set_xlabel("Hz")
     grid[0, 0].legend()
@@ -102,7 +111,7 @@ def _difference(found: Comparison) -> Figure:
     figure = Figure(figsize=(8.0, 5.5))
     upper, lower = figure.subplots(2, 1, sharex=True)
     upper.semilogy(found.frequency, 100 * found.relative, linewidth=0.9)
-    upper.set_ylabel("difference, % of |G|")
+    upper.set_ylabel(f"difference, % of {LETTERS[found.quantity][0]}")
     for number, (output, drive) in enumerate(np.ndindex(found.first.shape[1:])):
         value = np.maximum(found.normalised[:, output, drive], 1e-4)
         colour = COLOURS[number % len(COLOURS)]

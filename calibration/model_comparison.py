@@ -1,9 +1,10 @@
 """How two models of one rig differ, line by line and by band, against their uncertainty."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from vibractl.far_field import FarField
 from vibractl.transfer_matrix import TransferMatrix, norm
 
 BANDS = (0.0, 100.0, 200.0, 400.0, np.inf)
@@ -12,6 +13,8 @@ WORST = 8
 """Lines named one by one ..."""
 APART = 2.0
 """Hz ... at least so far from each other."""
+LETTERS = {"G": ("|G|", "1 m/s²/V"), "T": ("|T|", "1 Pa/(m/s²)")}
+"""How a quantity, and the unit of its level, are written."""
 EXPECTED_95 = 3.0
 """Normalised squared difference that 5 % of elements exceed if variances are right: chi-square, two degrees, halved."""
 
@@ -34,6 +37,7 @@ class Comparison:
         Largest singular value of the difference over that of the first.
     normalised : array, shape (lines, outputs, inputs), 1
         |difference|^2 over the sum of both variances: about 1 on average where the models agree within them.
+    quantity : "G", or "T" of the far field, Pa per m/s^2
     """
 
     first_name: str
@@ -43,6 +47,7 @@ class Comparison:
     second: np.ndarray
     relative: np.ndarray
     normalised: np.ndarray
+    quantity: str = "G"
 
 
 def compare(first: TransferMatrix, second: TransferMatrix, first_name: str, second_name: str) -> Comparison:
@@ -84,6 +89,20 @@ def compare(first: TransferMatrix, second: TransferMatrix, first_name: str, seco
         norm(difference) / norm(a.response),
         np.abs(difference) ** 2 / doubt,
     )
+
+
+def compare_far_fields(first: FarField, second: FarField, first_name: str, second_name: str) -> Comparison:
+    """Compare the far fields of two models, seen with the first one's delays; otherwise as `compare`.
+
+    Raises
+    ------
+    ComparisonError : of different sizes, or without a band in common.
+    """
+    if first.prompt.response.shape[1:] != second.prompt.response.shape[1:]:
+        sizes = [f"{far.hydrophones} hydrophones and {far.prompt.inputs} accelerometers" for far in (first, second)]
+        raise ComparisonError(f"{first_name} has {sizes[0]}, {second_name} has {sizes[1]}; must be the same")
+    moved = replace(second.prompt, response=second.later(first.delay))
+    return replace(compare(first.prompt, moved, first_name, second_name), quantity="T")
 
 
 COMPARED_HEAD = (

@@ -25,6 +25,7 @@ from vibractl.config import RigConfig
 from vibractl.doctor.command import doctor_command
 from vibractl.export.command import export_command
 from vibractl.predict.command import predict_command
+from vibractl.presets import PRESETS
 from vibractl.quality import Marks
 from vibractl.quality_table import prefix_of
 from vibractl.replay import replay
@@ -40,12 +41,16 @@ RunArgument = Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a r
 
 
 @app.command("example-config")
-def example_config() -> None:
+def example_config(
+    preset: Annotated[str | None, typer.Option(metavar="underwater", help="A short one for a purpose.")] = None,
+) -> None:
     """Print a complete rig file for the simulator: every key with its unit, range and default.
 
-    Example: `vibractl example-config > rig.toml`
+    Example: `vibractl example-config > rig.toml`; in water, before a hydrophone: `--preset underwater`
     """
-    sys.stdout.write(rig_file.example(RigConfig))
+    if preset is not None and preset not in PRESETS:
+        raise ValueError(f"--preset is {preset!r}, must be {' or '.join(PRESETS)}")
+    sys.stdout.write(rig_file.example(RigConfig) if preset is None else PRESETS[preset])
 
 
 @app.command("run")

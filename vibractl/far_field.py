@@ -1,6 +1,6 @@
 """From accelerometers to hydrophones: the measured transfer of the far field, and how late it is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -41,6 +41,11 @@ class FarField:
     def response(self) -> np.ndarray:
         """T with its delay, (bins, hydrophones, accelerometers), Pa per m/s^2."""
         return self.later(np.zeros(self.hydrophones))
+
+    @property
+    def late(self) -> TransferMatrix:
+        """T with its delay, as it was measured."""
+        return replace(self.prompt, response=self.response)
 
     def at(self, frequency: np.ndarray) -> "FarField":
         """Interpolate to other lines, shape (lines,), Hz; see `TransferMatrix.at`."""

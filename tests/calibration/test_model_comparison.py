@@ -1,8 +1,18 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from calibration.comparison_report import comparison_figures, comparison_report
-from calibration.model_comparison import APART, ComparisonError, compare, compared_rows, differing_rows
+from calibration.model_comparison import (
+    APART,
+    ComparisonError,
+    compare,
+    compare_far_fields,
+    compared_rows,
+    differing_rows,
+)
+from vibractl.far_field import FarField
 from vibractl.transfer_matrix import TransferMatrix
 
 FREQUENCY = np.arange(20.0, 620.0, 0.5)
@@ -70,3 +80,31 @@ def test_models_that_do_not_belong_together_are_refused() -> None:
         compare(one, single, "a", "b")
     with pytest.raises(ComparisonError, match="no band in common"):
         compare(one, model(1, frequency=np.arange(1000.0, 1100.0)), "a", "b")
+
+
+def far_field(seed: int, late: float, lines: np.ndarray = FREQUENCY) -> FarField:
+    """Return a far field whose delay is split differently between `delay` and phase."""
+    prompt = model(seed, frequency=lines)
+    own = np.exp(2j * np.pi * np.outer(lines, [late, 0.0]))[..., None]
+    return FarField(replace(prompt, response=prompt.response * own), np.array([0.006 + late, 0.008]))
+
+
+def test_far_fields_are_compared_whatever_share_of_the_phase_is_called_delay() -> None:
+    found = compare_far_fields(far_field(1, 0.0), far_field(2, 0.001), "a", "b")
+    assert found.normalised.mean() == pytest.approx(1.0, rel=0.05)
+    assert comparison_figures(compare(model(1), model(2), "a", "b"), found)["far_field"]["lines"] == len(FREQUENCY)
+    report = comparison_report(compare(model(1), model(2), "a", "b"), found)
+    assert [section.title for section in report.sections][2:] == [
+        "Both models of the far field",
+        "Difference of the far field",
+    ]
+    assert report.sections[2].plots[0].figure.axes[0].get_ylabel() == "dB re 1 Pa/(m/s²)"
+
+
+def test_far_fields_of_other_sizes_are_not_compared() -> None:
+    first = far_field(1, 0.0)
+    prompt = replace(
+        first.prompt, **{k: getattr(first.prompt, k)[:, :1] for k in ("response", "variance", "coherence")}
+    )
+    with pytest.raises(ComparisonError, match="a has 2 hydrophones and 2 accelerometers, b has 1 hydrophones"):
+        compare_far_fields(first, FarField(prompt, first.delay[:1]), "a", "b")

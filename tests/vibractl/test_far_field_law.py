@@ -6,7 +6,9 @@ import pytest
 from rigkit import config as rig_file
 from rigkit.config import ConfigError
 from tests.vibractl.far_field_plant import far_config, far_model
-from vibractl.config import Learning, RigConfig
+from tests.vibractl.line_plant import LinePlant, law_of, matrix_of, modal
+from vibractl.algorithm import Algorithm
+from vibractl.config import Adaptation, Learning, RigConfig, Watch
 from vibractl.law import bounded_inverse
 from vibractl.setup import Setup, setup
 
@@ -97,3 +99,21 @@ def test_weights_are_those_of_the_side_that_is_controlled() -> None:
     matrix, far = far_model(2)
     one = setup(far_config(2, "learning.side=2", "learning.weights=[1.0,5.0]"), matrix, fresh_plans=False, far=far).law
     assert one.settings.weights == (5.0,)
+
+
+def learned_error(weights: tuple[float, ...]) -> np.ndarray:
+    """Return the rms error (3,) that learning leaves at three accelerometers on two coils, re the reference's."""
+    response = modal(3, 2)
+    law = law_of(matrix_of(response), weights=weights)
+    plant, algorithm = LinePlant(response, law), Algorithm(law, Adaptation(), Watch(), -40.0)
+    for _ in range(6):
+        algorithm.step(plant.shot(algorithm.lines))
+    error = law.reference - plant.shot(algorithm.lines).response
+    return np.asarray(np.linalg.norm(error, axis=0) / np.linalg.norm(law.reference, axis=0))
+
+
+def test_learning_settles_where_the_weights_say() -> None:
+    plain, third = learned_error(()), learned_error((1.0, 1.0, 10.0))
+    assert third[2] < 0.1 * plain[2]
+    assert np.linalg.norm(third[:2]) > np.linalg.norm(plain[:2])
+    np.testing.assert_allclose(learned_error((1.0, 1.0, 0.0))[:2], 0.0, atol=0.01)

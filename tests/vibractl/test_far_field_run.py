@@ -5,12 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pyuff
+from scipy.io import loadmat
 
 from ctlblocks import recording
 from rigkit.run_folder import RunFolder, read_quality
 from tests.vibractl.far_field_plant import far_config, far_model_file
 from vibractl.export.content import read_content
 from vibractl.export.csv import write_csv
+from vibractl.export.mat import write_mat
+from vibractl.export.uff import write_uff
 from vibractl.replay import replay
 from vibractl.report import run_report
 from vibractl.session import Session, create, setup_of
@@ -86,17 +90,37 @@ def test_a_far_field_run_goes_on_where_it_stopped(by_two: Path, tmp_path: Path) 
     np.testing.assert_array_equal(drive, recorded)
 
 
-def test_the_report_shows_both_places_in_their_units(by_one: Path) -> None:
-    figures = run_report(by_one)
-    page = (by_one / "report.html").read_text()
+def test_the_report_shows_both_places_in_their_units(tmp_path: Path) -> None:
+    path = learned(tmp_path, 1, 1, FAR)
+    figures = run_report(path)
+    page = (path / "report.html").read_text()
     assert figures["judged"] == "far-field"
     for text in ("Objective, -40 dB in the far field", "At the accelerometers, beside that", "IAE of hydrophone 1",
                  "IAE 1, Pa", "1 hydrophone and 2 coils", "2 to 1, mimo"):  # fmt: skip
         assert text in page
 
 
-def test_a_shot_keeps_the_sound_in_pascal(by_one: Path, tmp_path: Path) -> None:
-    record = recording.read(by_one / "shots/0000.wav")
-    assert dict(zip(record.names, record.units, strict=True))["far_field_1"] == "Pa"
-    written = write_csv(tmp_path, read_content(by_one, "0"))
-    assert "far_field_1" in written[-1].read_text()[:2000]
+def test_the_far_field_is_exported_with_its_delay_and_unit(by_two: Path, tmp_path: Path) -> None:
+    content = read_content(by_two, "0")
+    assert content.far is not None
+    wanted, delay = content.far.response, content.far.delay
+    names = [path.name for path in write_csv(tmp_path, content)]
+    assert names == ["responses.csv", "reference.csv", "far-field.csv", "shot-0000.csv"]
+    head, table = (
+        (tmp_path / "far-field.csv").read_text().splitlines()[1].split(","),
+        np.loadtxt(tmp_path / "far-field.csv", delimiter=",", skiprows=2),
+    )
+    real, imaginary = (table[:, head.index(f"T_2_1_{part} [Pa/(m/s^2)]")] for part in ("re", "im"))
+    np.testing.assert_allclose(real + 1j * imaginary, wanted[:, 1, 0], rtol=1e-6, atol=1e-8)
+    write_mat(tmp_path / "run.mat", content)
+    found = loadmat(tmp_path / "run.mat", simplify_cells=True)["run"]["far_field"]
+    np.testing.assert_allclose(found["response"], wanted)
+    np.testing.assert_array_equal(found["delay"], delay)
+    assert found["units"]["response"] == "Pa/(m/s^2)"
+    write_uff(tmp_path / "run.uff", content)
+    sets = pyuff.UFF(str(tmp_path / "run.uff")).read_sets()
+    (one,) = [each for each in sets if each["id1"] == "Frequency response of far_field_2 to response_1"]
+    np.testing.assert_allclose(one["data"], wanted[:, 1, 0], rtol=1e-6, atol=1e-8)
+    assert (one["ordinate_spec_data_type"], one["orddenom_spec_data_type"]) == (15, 12)
+    record = dict(zip(content.shot(0).names, content.shot(0).units, strict=True))
+    assert record["far_field_2"] == "Pa"

@@ -12,7 +12,8 @@ from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit.provenance import software
 from vibractl.config import RigConfig
-from vibractl.model_file import read_model
+from vibractl.far_field import FarField
+from vibractl.model_file import read_far_field, read_model
 from vibractl.session import MODEL, setup_of, shot_files
 from vibractl.transfer_matrix import TransferMatrix
 
@@ -39,6 +40,8 @@ class Content:
         Silence before the reference, and its length.
     matrix : TransferMatrix
     files : mapping from shot, counted from 0, to its recording
+    far : FarField or None
+        Where there are hydrophones.
     """
 
     path: Path
@@ -50,6 +53,7 @@ class Content:
     frames: int
     matrix: TransferMatrix
     files: Mapping[int, Path]
+    far: FarField | None = None
 
     @property
     def rate(self) -> float:
@@ -114,6 +118,7 @@ def read_content(path: Path, shots: str | None = None) -> Content:
         made.shot.frames,
         read_model(path / MODEL),
         {number: recorded[number] for number in wanted},
+        read_far_field(path / MODEL, len(made.config.audio.far_field_channels)),
     )
 
 

@@ -3,6 +3,8 @@
 import csv
 import io
 import json
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -10,13 +12,37 @@ import numpy as np
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import atomic
+from vibractl import far_field
 from vibractl.export.content import Content
 from vibractl.model_file import UNITS
 from vibractl.transfer_matrix import TransferMatrix
 
 
+@dataclass(frozen=True)
+class Kind:
+    """What a file of responses says of them.
+
+    Parameters
+    ----------
+    quantity, letter, outputs, inputs : str
+    units : mapping of str to str
+    """
+
+    quantity: str
+    letter: str
+    outputs: str
+    inputs: str
+    units: Mapping[str, str]
+
+
+RESPONSES = Kind("frequency response, acceleration over drive", "G", "responses", "drives", UNITS)
+FAR_FIELD = Kind(
+    "frequency response, sound pressure over acceleration", "T", "hydrophones", "responses", far_field.UNITS
+)
+
+
 def write_csv(folder: Path, content: Content) -> list[Path]:
-    """Write `responses.csv`, `reference.csv` and `shot-0000.csv` ..., each in one step.
+    """Write `responses.csv`, `reference.csv`, `far-field.csv` if it is known, `shot-0000.csv` ..., each in one step.
 
     Parameters
     ----------
@@ -30,6 +56,9 @@ def write_csv(folder: Path, content: Content) -> list[Path]:
     """
     written = [folder / "responses.csv", folder / "reference.csv"]
     atomic.write(written[0], responses_text(content.matrix, content.about))
+    if content.far is not None:
+        written.append(folder / "far-field.csv")
+        atomic.write(written[-1], responses_text(content.far.late, content.about, FAR_FIELD))
     units = ("m/s^2",) * len(content.sides)
     about = content.about | {"reference_begins_at_sample": str(content.lead)}
     recording.write(written[1], Recording(content.reference_names, units, content.rate, content.reference, about))
@@ -41,7 +70,7 @@ def write_csv(folder: Path, content: Content) -> list[Path]:
     return written
 
 
-def responses_text(matrix: TransferMatrix, about: dict[str, str]) -> str:
+def responses_text(matrix: TransferMatrix, about: dict[str, str], kind: Kind = RESPONSES) -> str:
     """Write a transfer matrix as Touchstone does, a row for each frequency, under a line that says what it is.
 
     The first line is "#" and JSON, the second names each column with its unit: the frequency, then for each element
@@ -53,29 +82,31 @@ def responses_text(matrix: TransferMatrix, about: dict[str, str]) -> str:
     matrix : TransferMatrix
     about : dict
         Where it comes from.
+    kind : Kind
+        Of response.
 
     Returns
     -------
     str
     """
     first = {
-        "quantity": "frequency response, acceleration over drive",
+        "quantity": kind.quantity,
         "format": "RI",
-        "responses": matrix.outputs,
-        "drives": matrix.inputs,
+        kind.outputs: matrix.outputs,
+        kind.inputs: matrix.inputs,
         "bins": len(matrix.frequency),
         "provenance": about | {name: text for name, text in matrix.provenance.items() if "\n" not in text},
     }
-    head, columns = [f"frequency [{UNITS['frequency']}]"], [matrix.frequency]
+    head, columns, units = ["frequency [Hz]"], [matrix.frequency], kind.units
     for output in range(matrix.outputs):
         for drive in range(matrix.inputs):
-            name = f"G_{output + 1}_{drive + 1}"
+            name = f"{kind.letter}_{output + 1}_{drive + 1}"
             element = matrix.response[:, output, drive]
             for part, unit, values in (
-                ("re", UNITS["response"], element.real),
-                ("im", UNITS["response"], element.imag),
-                ("variance", UNITS["variance"], matrix.variance[:, output, drive]),
-                ("coherence", UNITS["coherence"], matrix.coherence[:, output, drive]),
+                ("re", units["response"], element.real),
+                ("im", units["response"], element.imag),
+                ("variance", units["variance"], matrix.variance[:, output, drive]),
+                ("coherence", units["coherence"], matrix.coherence[:, output, drive]),
             ):
                 head.append(f"{name}_{part} [{unit}]")
                 columns.append(values)

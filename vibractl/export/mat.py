@@ -7,7 +7,9 @@ import numpy as np
 from scipy.io import savemat
 
 from rigkit.run_folder import read_quality
+from vibractl import far_field
 from vibractl.export.content import Content
+from vibractl.far_field import FarField
 from vibractl.model_file import UNITS
 
 LARGEST = 2**31 - 1
@@ -45,10 +47,17 @@ def write_mat(path: Path, content: Content) -> None:
             "first_sample": content.lead + 1,
             "data": content.reference,
         },
+        **({} if content.far is None else {"far_field": _far_field(content.far)}),
         "quality": _quality(content),
         "shots": np.array([tuple(shot.values()) for shot in shots], [(name, object) for name in shots[0]]),
     }
     savemat(str(path), {"run": run}, do_compression=True, oned_as="column", long_field_names=True)
+
+
+def _far_field(far: FarField) -> dict[str, Any]:
+    matrix = far.late
+    parts = {name: getattr(matrix, name) for name in ("frequency", "response", "variance", "coherence")}
+    return parts | {"delay": far.delay, "units": {"frequency": "Hz", **far_field.UNITS}}
 
 
 def _shot(content: Content, number: int) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from vibractl.export.content import Content, optional
+from vibractl.far_field import FarField
 
 TIME, AUTO_SPECTRUM, RESPONSE, COHERENCE = 1, 2, 4, 6
 """Function types of record 6."""
@@ -68,11 +69,37 @@ def _functions(content: Content) -> Iterator[dict[str, Any]]:
                 "1",
                 {**element, "id4": "part of the response's power at the line that the drive explains"},
             )
+    if content.far is not None:
+        yield from _far_field(content.far, about, created)
     units = ["m/s^2"] * len(content.sides)
     yield from _signals(content, "reference", content.reference_names, content.reference, units, about)
     for number in content.files:
         record = content.shot(number)
         yield from _signals(content, f"shot {number}", record.names, record.data, record.units, about)
+
+
+def _far_field(far: FarField, about: str, created: str) -> Iterator[dict[str, Any]]:
+    """Return what hydrophones hear of accelerometers, with the delay in the phase."""
+    matrix = far.late
+    for hydrophone, sensor in np.ndindex(matrix.outputs, matrix.inputs):
+        ends = _end("far_field", hydrophone + 1, SCALAR, "rsp") | _end("response", sensor + 1, ALONG_AXIS, "ref")
+        names = f"far_field_{hydrophone + 1}", f"response_{sensor + 1}"
+        element = {**ends, "id2": about, "id3": created, "abscissa_spacing": 0, "x": matrix.frequency}
+        yield _function(
+            RESPONSE,
+            f"Frequency response of {names[0]} to {names[1]}",
+            matrix.response[:, hydrophone, sensor],
+            "Pa",
+            {
+                **element,
+                "orddenom_spec_data_type": ACCELERATION,
+                "orddenom_axis_lab": "response",
+                "orddenom_axis_units_lab": "m/s^2",
+            },
+        )
+        said = {**element, "id4": "response squared over itself and its variance"}
+        coherence = matrix.coherence[:, hydrophone, sensor]
+        yield _function(COHERENCE, f"Coherence of {names[0]} with {names[1]}", coherence, "1", said)
 
 
 def _signals(
