@@ -27,9 +27,9 @@ class Stage(Section):
 class Limits(Section):
     """What the controllers ask for and the guard lets out, on every axis."""
 
-    voltage: Range = setting((0.0, 100.0), "V", "lowest and highest piezo voltage")
-    voltage_slew: float = setting(2e5, "V/s", "largest rate of change of a voltage", gt=0, le=1e8)
-    extension: Range = setting((2e-6, 88e-6), "m", "lowest and highest reference of the piezo's extension")
+    voltage: Range = setting((0.0, 1000.0), "V", "lowest and highest piezo voltage")
+    voltage_slew: float = setting(1.5e5, "V/s", "largest rate of change of a voltage", gt=0, le=1e8)
+    extension: Range = setting((2e-6, 92e-6), "m", "lowest and highest reference of the piezo's extension")
     extension_slew: float = setting(0.2, "m/s", "largest rate of change of that reference", gt=0, le=100)
     travel: Range = setting((20e-6, 430e-6), "m", "lowest and highest reference of the plate's position")
     rest: Literal["middle", "zero"] = setting(
@@ -65,9 +65,9 @@ class Limits(Section):
 class Sensors(Section):
     """What a sensor can show; anything else, for longer than `tolerated`, is a fault that stops the stage."""
 
-    position: Range = setting((-5e-6, 480e-6), "m", "lowest and highest position that can be")
+    position: Range = setting((-10e-6, 520e-6), "m", "lowest and highest position that can be")
     position_speed: float = setting(0.25, "m/s", "fastest change of a position that can be", gt=0, le=1e3)
-    extension: Range = setting((-5e-6, 105e-6), "m", "lowest and highest extension that can be")
+    extension: Range = setting((-5e-6, 110e-6), "m", "lowest and highest extension that can be")
     extension_speed: float = setting(0.3, "m/s", "fastest change of an extension that can be", gt=0, le=1e3)
     stuck: float = setting(0.05, "s", "a sensor that gives the same number for so long is stuck", gt=0, le=60)
     tolerated: int = setting(3, "samples", "wrong samples in a row for which the last right one stands", ge=0, le=100)
@@ -84,13 +84,15 @@ class Sensors(Section):
 class Inner(Section):
     """The PID that makes the measured extension follow its reference, (2.2)."""
 
-    gain: PerAxis = setting((0.9e-6,), "m/V", "extension a volt gives; one for all axes, or one an axis", min_length=1)
-    bandwidth: PerAxis = setting(
-        (250.0,), "Hz", "Ki gain / (2 pi): where the integral part alone has gain one; as gain", min_length=1
+    gain: PerAxis = setting(
+        (0.0894e-6,), "m/V", "extension a volt gives; one for all axes, or one an axis", min_length=1
     )
-    proportional: float = setting(0.15, "1", "Kp gain", ge=0, le=100)
-    lead: float = setting(0.0, "s", "Kd gain", ge=0, le=1)
-    smoothing: float = setting(2e-4, "s", "time constant of the derivative's low-pass", gt=0, le=1)
+    bandwidth: PerAxis = setting(
+        (720.0,), "Hz", "Ki gain / (2 pi): where the integral part alone has gain one; as gain", min_length=1
+    )
+    proportional: float = setting(0.17, "1", "Kp gain", ge=0, le=100)
+    lead: float = setting(4.3e-5, "s", "Kd gain", ge=-1, le=1)
+    smoothing: float = setting(2.5e-4, "s", "time constant of the derivative's low-pass", gt=0, le=1)
     tracking: float = setting(1e-3, "s", "time constant of the anti-windup", gt=0, le=10)
 
 
@@ -98,18 +100,23 @@ class Outer(Section):
     """The LQG feedback with integral state that makes the position follow its reference, (2.3)-(2.5)."""
 
     bandwidth: PerAxis = setting(
-        (60.0,), "Hz", "of the integral action, at most; one for all axes, or one an axis", min_length=1
+        (200.0,), "Hz", "of the integral action, at most; one for all axes, or one an axis", min_length=1
     )
     drive: PerAxis = setting(
-        (1.0,), "m/m", "extension that may be spent on a position error of one; as bandwidth", min_length=1
+        (10.0,), "m/m", "extension that may be spent on a position error of one, at most; as bandwidth", min_length=1
     )
     disturbance: float = setting(
-        30.0, "Hz", "frequency at which disturbances are to be suppressed most", gt=0, le=2_000
+        30.0, "Hz", "what moves so fast is to be followed, and pushes that change a tenth as fast", gt=0, le=2_000
     )
+    reach: float = setting(200.0, "Hz", "the models hold up to here", gt=0, le=50_000)
+    beyond: float = setting(0.5, "1", "largest gain of the loop from there on", gt=0, le=10)
     max_sensitivity: float = setting(2.2, "1", "Ms that is kept, with `delay` more than there is", ge=1.1, le=10)
     delay: int = setting(1, "samples", "extra delay that the bound on Ms holds for", ge=0, le=20)
-    mistuning: float = setting(0.05, "1", "natural frequencies may be off by so much, and it still holds", ge=0, le=0.5)
-    feedforward: float = setting(1.0, "1", "part of the l_r that leaves no error on a ramp", ge=0, le=1)
+    mistuning: float = setting(0.05, "1", "natural frequencies may be off by so much, either way", ge=0, le=0.5)
+    mistuned_sensitivity: float = setting(
+        3.0, "1", "Ms that is kept then, and the largest answer to a reference, then or not", ge=1.1, le=20
+    )
+    feedforward: float = setting(1.0, "1", "part of the l_r that leaves no error on a ramp, at most", ge=0, le=1)
     resonances: tuple[float, ...] = setting(
         (), "Hz", "disturbances that are cancelled at their frequency", max_length=5
     )

@@ -73,6 +73,12 @@ class StateFeedback:
             np.zeros((1, 1)),
         )
 
+    def reference_system(self) -> StateSpace:
+        """Return it as a system from the reference (m) to the plant's input (m), while the position stays at zero."""
+        error = self.system()
+        start = np.vstack([self.drive * self.forward, self.servo.B])
+        return StateSpace(error.A, start, error.C, np.full((1, 1), self.forward))
+
     def from_reference(self) -> tuple[StateSpace, StateSpace]:
         """Return the closed loop from reference to position without `forward`, and what a `forward` of one adds."""
         model, servo = self.model, self.servo

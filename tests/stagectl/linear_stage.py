@@ -4,7 +4,7 @@ import numpy as np
 from scipy.linalg import block_diag, expm
 
 from ctlblocks import Block, Graph, Port
-from stagectl.config import StageConfig
+from stagectl.config import Inner, Limits, StageConfig
 from stagectl.models import InnovationModel
 from stagectl.stage.controller import StageController
 from stagectl.stage.loop import Stage
@@ -20,6 +20,9 @@ AXES = {
     "z": ((75.0, 0.020, 1.0),),
 }
 """Natural frequency (Hz), damping ratio and share of the position at rest, of each mode."""
+LIMITS = Limits(voltage=(0.0, 100.0), voltage_slew=2e5, extension=(2e-6, 88e-6))
+INNER = Inner(gain=(VOLTS,), bandwidth=(250.0,), proportional=0.15, lead=0.0)
+"""Of this stage's stacks, with 100 V."""
 LAG = 1_000.0
 """Hz, of the extension behind the voltage."""
 

@@ -7,7 +7,7 @@ from stagectl.config import Limits
 from stagectl.stage.guard import VoltageGuard
 
 RATE = 10_000.0
-LIMITS = Limits(ramp=0.01)
+LIMITS = Limits(voltage=(0.0, 100.0), voltage_slew=2e5, ramp=0.01)
 OKAY = np.zeros((1, 1))
 
 
@@ -72,7 +72,7 @@ def test_a_fault_of_a_sensor_latches_and_the_request_does_not_matter_after_it() 
 
 
 def test_rest_may_be_zero() -> None:
-    guard = opened(Limits(ramp=0.01, rest="zero"))
+    guard = opened(LIMITS.model_copy(update={"rest": "zero"}))
     sample(guard, 10.0)
     guard.close()
     for _ in range(100):
@@ -107,4 +107,4 @@ def test_a_latch_survives_prepare() -> None:
 
 def test_a_ramp_too_short_for_the_rate_of_change_is_refused() -> None:
     with pytest.raises(ValueError, match=r"limits.ramp is 0.001 s, must be >= 0.0157 s"):
-        Limits(ramp=0.001, voltage_slew=1e4)
+        Limits(voltage=(0.0, 100.0), ramp=0.001, voltage_slew=1e4)

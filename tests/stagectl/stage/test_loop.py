@@ -10,9 +10,9 @@ from stagectl.config import Outer, StageConfig
 from stagectl.stage.design import design
 from stagectl.stage.loop import Stage, inner_loops, stage_controller
 from stagectl.stage.state_feedback import StateFeedback
-from tests.stagectl.linear_stage import Bench, LinearStage, model
+from tests.stagectl.linear_stage import INNER, LIMITS, Bench, LinearStage, model
 
-CONFIG = StageConfig(outer=Outer(mistuning=0.0))
+CONFIG = StageConfig(inner=INNER, limits=LIMITS, outer=Outer(mistuning=0.0))
 NOISE_STEP = 0.02
 """V between two samples that noise of the sensors alone explains."""
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from ctlblocks import Graph
-from stagectl.config import Inner, Limits
+from stagectl.config import Limits
 from stagectl.models import InnovationModel
 from stagectl.stage.controller import PiezoController
 from stagectl.stage.piezo_pid import Pid, pid, robust_pid
-from tests.stagectl.linear_stage import LAG, RATE, VOLTS, Given
+from tests.stagectl.linear_stage import INNER, LAG, LIMITS, RATE, VOLTS, Given
 
 WIDE = Limits(voltage=(-1e4, 1e4), voltage_slew=1e8, extension=(-1.0, 1.0), extension_slew=100.0, ramp=1e-3)
 
@@ -40,8 +40,7 @@ def test_the_block_computes_the_same_as_its_linear_system() -> None:
 
 def test_the_integral_does_not_wind_up_behind_a_limit() -> None:
     """An extension out of reach for a second; back within it, the voltage comes off its limit at once."""
-    limits = Limits()
-    controller = PiezoController([pid(Inner(), 0)], limits)
+    controller = PiezoController([pid(INNER, 0)], LIMITS)
     graph = Graph(RATE)
     reference, extension = Given(1), Given(1)
     for name, block in (("reference", reference), ("extension", extension), ("controller", controller)):
@@ -62,13 +61,13 @@ def test_the_integral_does_not_wind_up_behind_a_limit() -> None:
 
 
 def test_the_design_is_as_fast_as_asked_where_that_is_robust() -> None:
-    settings, figures = robust_pid(stack(), Inner(bandwidth=(100.0,)), 0, 2.0)
+    settings, figures = robust_pid(stack(), INNER.model_copy(update={"bandwidth": (100.0,)}), 0, 2.0)
     assert settings.integral == pytest.approx(2 * np.pi * 100.0 / VOLTS, rel=1e-6)
     assert figures.max_sensitivity < 2.0
 
 
 def test_the_design_gets_slower_until_ms_is_within_its_bound() -> None:
-    settings, figures = robust_pid(stack(delay=3), Inner(bandwidth=(2_000.0,)), 0, 1.6)
+    settings, figures = robust_pid(stack(delay=3), INNER.model_copy(update={"bandwidth": (2_000.0,)}), 0, 1.6)
     assert settings.integral < 2 * np.pi * 1_000.0 / VOLTS
     assert 1.3 < figures.max_sensitivity <= 1.6
 
@@ -77,4 +76,4 @@ def test_a_model_with_no_gain_at_rest_is_refused() -> None:
     model = stack()
     turned = InnovationModel(model.A, -model.B, model.C, model.D, model.K, RATE, model.innovation)
     with pytest.raises(ValueError, match="gain at rest is -9e-07 m/V, must be > 0"):
-        robust_pid(turned, Inner(), 0, 2.0)
+        robust_pid(turned, INNER, 0, 2.0)

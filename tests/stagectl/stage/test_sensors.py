@@ -55,7 +55,7 @@ def test_as_many_wrong_samples_as_tolerated_are_held_off(wrong: float) -> None:
     ("wrong", "text"),
     [
         (np.nan, "position 2 is not a number at sample 52: nan m"),
-        (700e-6, "position 2 is out of its range at sample 52: 0.0007 m, must be -5e-06 to 0.00048 m"),
+        (700e-6, "position 2 is out of its range at sample 52: 0.0007 m, must be -1e-05 to 0.00052 m"),
         (450e-6, "position 2 jumps at sample 52: 0.00045 m, must be 0.000124"),
     ],
 )
