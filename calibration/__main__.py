@@ -10,6 +10,7 @@ from calibration.comparison_report import comparison_figures, comparison_report
 from calibration.experiment import RawFolder
 from calibration.far_field_report import HEAD as FAR_FIELD_HEAD
 from calibration.far_field_report import far_field_rows
+from calibration.identification.command import identify_command
 from calibration.model_comparison import (
     COMPARED_HEAD,
     DIFFERING_HEAD,
@@ -29,6 +30,7 @@ from vibractl.config import RigConfig
 from vibractl.model_file import read_far_field, read_model, write_model
 
 app = application("Experiments that end in a model file.")
+app.command("identify")(identify_command)
 
 
 @app.command("vibrator")
@@ -150,7 +152,7 @@ def _duration(seconds: float) -> str:
 
 def main() -> int:
     """Run the command line and return its exit status."""
-    return run(app, "calibration", "vibractl")
+    return run(app, "calibration", "vibractl", "stagectl")
 
 
 if __name__ == "__main__":

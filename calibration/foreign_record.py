@@ -1,0 +1,173 @@
+"""Anybody's measurement, CSV, WAV or HDF5, as a recording of the channels that are asked for."""
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ctlblocks import recording
+from ctlblocks.recording import Recording, RecordingError
+
+TIME = ("t", "time", "zeit", "tid", "seconds")
+"""Names, in small letters and without a unit, of a column that holds the time in seconds."""
+
+STEADY = 1e-3
+"""Part by which a rate that is given may differ from the file's."""
+
+UNEVEN = 0.5
+"""Part of a sample period by which a step of time may be too long or too short: rounded, but no sample lost."""
+
+HDF5 = (".h5", ".hdf5", ".he5")
+
+
+def read_channels(path: Path, channels: Sequence[str], rate: float | None) -> Recording:
+    """Read channels from a file in the order they are asked for.
+
+    Parameters
+    ----------
+    path : Path
+        Ends in .csv or .txt (a row of names first, or none; comma, semicolon, tab or spaces between), .wav, or .h5.
+    channels : sequence of str
+        Names, or numbers from 1; in HDF5 the paths of datasets, with ":" and a column's number where one has several.
+    rate : float or None, samples/s
+        None: what the file says: a WAV's, a CSV's own first line or its column of time, an HDF5's attribute "rate".
+
+    Raises
+    ------
+    RecordingError : a file that is not there or not whole, a channel that is not in it, no rate, or two.
+    """
+    if not path.is_file():
+        raise RecordingError(f"{path}: there is no such file")
+    if path.suffix.lower() in HDF5:
+        found = _from_hdf5(path, channels, rate)
+    else:
+        found = _from_table(path, rate)
+        found = found.select([_named(path, found, channel) for channel in channels])
+    if rate is not None and not abs(found.rate - rate) <= STEADY * rate:
+        raise RecordingError(f"{path}: {found.rate:.9g} samples/s, --rate says {rate:.9g}")
+    return found
+
+
+def _named(path: Path, found: Recording, channel: str) -> str:
+    """Return the name of a channel given by name or number."""
+    if channel in found.names:
+        return channel
+    if channel.isdecimal() and 1 <= int(channel) <= len(found.names):
+        return found.names[int(channel) - 1]
+    raise RecordingError(
+        f"{path}: no channel {channel!r}; there are {', '.join(found.names)}, or the numbers 1 to {len(found.names)}"
+    )
+
+
+def _from_table(path: Path, rate: float | None) -> Recording:
+    """Read all of a WAV, of a CSV that this program wrote, or of another table."""
+    if path.suffix.lower() not in (".csv", ".txt", ".dat", ".tsv"):
+        return recording.read(path)
+    with path.open("rb") as file:
+        if path.suffix.lower() == ".csv" and file.read(1) == b"#":
+            return recording.read(path)
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError:
+        raise RecordingError(f"{path}: is no text in UTF-8") from None
+    rows = [(number, line) for number, line in enumerate(lines, start=1) if line.strip() and not line.startswith("#")]
+    if len(rows) < 2:
+        raise RecordingError(f"{path}: has {len(rows)} rows, must have at least 2")
+    between = _separator(rows[0][1])
+    first = _cells(rows[0][1], between)
+    has_names = not all(map(_is_number, first))
+    names = first if has_names else [f"channel_{number + 1}" for number in range(len(first))]
+    data = np.array([_numbers(path, number, line, between, len(names)) for number, line in rows[has_names:]])
+    heads = [name.strip().removesuffix("]").partition("[") for name in names]
+    plain, units = tuple(head.strip() for head, _, _ in heads), tuple(unit.strip() or "1" for _, _, unit in heads)
+    try:
+        return Recording(plain, units, _rate(path, plain, data, rate), data)
+    except RecordingError as fault:
+        raise RecordingError(f"{path}: {fault}") from None
+
+
+def _separator(line: str) -> str | None:
+    """Return what stands between cells, None for spaces."""
+    return next((mark for mark in (";", "\t", ",") if mark in line), None)
+
+
+def _cells(line: str, between: str | None) -> list[str]:
+    cells = next(csv.reader([line], delimiter=between)) if between else line.split()
+    return [cell.strip() for cell in cells]
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return "_" not in cell
+
+
+def _numbers(path: Path, row: int, line: str, between: str | None, width: int) -> list[float]:
+    cells = _cells(line, between)
+    if len(cells) != width:
+        raise RecordingError(f"{path}: row {row} has {len(cells)} cells, must have {width}")
+    for column, cell in enumerate(cells, start=1):
+        if not (_is_number(cell) and np.isfinite(float(cell))):
+            raise RecordingError(f"{path}: row {row}, column {column}: {cell!r}, must be a finite number")
+    return [float(cell) for cell in cells]
+
+
+def _rate(path: Path, names: Sequence[str], data: np.ndarray, rate: float | None) -> float:
+    """Return the rate: that of a column of time, or the one given."""
+    timed = [number for number, name in enumerate(names) if name.lower() in TIME]
+    if not timed:
+        if rate is None:
+            raise RecordingError(f"{path}: does not say its rate; give it with --rate")
+        return rate
+    time = data[:, timed[0]]
+    period = float(time[-1] - time[0]) / (len(time) - 1)
+    if not (period > 0 and np.abs(np.diff(time) - period).max() <= UNEVEN * period):
+        raise RecordingError(f"{path}: {names[timed[0]]!r} does not rise in even steps, must be sampled evenly")
+    return rate if rate is not None and abs(period * rate - 1) <= STEADY else 1 / period
+
+
+def _from_hdf5(path: Path, channels: Sequence[str], rate: float | None) -> Recording:
+    try:
+        with h5py.File(path, "r") as file:
+            columns = [_dataset(path, file, channel) for channel in channels]
+            said = file.attrs.get("rate", next((own for *_, own in columns if own is not None), None))
+    except OSError as fault:
+        raise RecordingError(f"{path}: is no HDF5 file, or a damaged one ({str(fault).splitlines()[0]})") from None
+    lengths = {name: len(values) for name, values, *_ in columns}
+    if len(set(lengths.values())) > 1:
+        said_lengths = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        raise RecordingError(f"{path}: the datasets have different lengths, {said_lengths}")
+    if said is None and rate is None:
+        raise RecordingError(f"{path}: does not say its rate; give it with --rate")
+    data = np.array([values for _, values, *_ in columns]).T
+    if not (finite := np.isfinite(data).all(axis=1)).all():
+        raise RecordingError(f"{path}: sample {int(finite.argmin())} is not finite")
+    names, units = zip(*((name, unit) for name, _, unit, _ in columns), strict=True)
+    try:
+        return Recording(names, units, float(np.asarray(rate if said is None else said).item()), data)
+    except (RecordingError, ValueError, TypeError) as fault:
+        raise RecordingError(f"{path}: {fault}") from None
+
+
+def _dataset(path: Path, file: Any, channel: str) -> tuple[str, np.ndarray, str, Any]:
+    """Return name, samples, unit and rate of one channel."""
+    place, _, column = channel.partition(":")
+    dataset = file.get(place)
+    if not isinstance(dataset, h5py.Dataset) or dataset.ndim not in (1, 2) or dataset.dtype.kind not in "fiu":
+        there: list[str] = []
+        file.visititems(lambda name, item: there.append(name) if isinstance(item, h5py.Dataset) else None)
+        raise RecordingError(
+            f"{path}: no dataset {place!r} of numbers in one or two dimensions; there are {', '.join(there)}"
+        )
+    table = dataset[()].astype(float).reshape(len(dataset), -1)
+    if not column and table.shape[1] == 1:
+        column = "1"
+    if not (column.isdecimal() and 1 <= int(column) <= table.shape[1]):
+        raise RecordingError(f"{path}: {channel!r} must name one of {table.shape[1]} columns, as {place}:1")
+    unit = dataset.attrs.get("unit", dataset.attrs.get("units", "1"))
+    return channel, table[:, int(column) - 1], str(unit), dataset.attrs.get("rate")

@@ -1,0 +1,1 @@
+"""Identification on anybody's measurement, from the file to the report."""

@@ -1,0 +1,159 @@
+"""What an identification found: rows of tables, the figures of `--json`, and a report to look at."""
+
+from typing import Any
+
+import numpy as np
+
+from calibration.fit_measures import Fit
+from calibration.identification.figures import free_run_figure, residual_figure, singular_value_figure
+from calibration.identification.workflow import Identification
+from rigkit.figure_style import styled
+from rigkit.report import Fact, Plot, Report, Section, Table
+
+FIT_HEAD = ("output", "free run NRMSE, %", "VAF, %", "MAE", "one step NRMSE, %", "VAF, %", "MAE")
+MODE_HEAD = ("pole", "natural frequency, Hz", "+-", "damping ratio", "+-")
+CANDIDATE_HEAD = ("order tried", "free run, %", "one step, %")
+
+ONE_IN_20 = 0.05
+CROSSED = 0.05
+"""Share of correlations with the drive beyond their bound of one in a hundred, up to which they are called none."""
+
+
+def fit_rows(found: Identification) -> list[tuple[str, ...]]:
+    """Return a row for each output: fits on fresh data."""
+    free, step = found.fresh.free_run, found.fresh.one_step
+    return [
+        (
+            name,
+            f"{free.nrmse[row]:.2f}",
+            f"{free.vaf[row]:.3f}",
+            f"{free.mae[row]:.4g} {unit}",
+            f"{step.nrmse[row]:.2f}",
+            f"{step.vaf[row]:.3f}",
+            f"{step.mae[row]:.4g} {unit}",
+        )
+        for row, (name, unit) in enumerate(zip(found.model.output_names, found.model.output_units, strict=True))
+    ]
+
+
+def mode_rows(found: Identification) -> list[tuple[str, ...]]:
+    """Return a row for each mode of the model, with standard errors."""
+    errors = found.errors
+    modes = errors.modes
+    return [
+        (
+            f"{pole.real:.6f}" if pole.imag == 0 else f"{pole.real:.6f} +- {pole.imag:.6f}i",
+            f"{modes.frequency[row]:.5g}",
+            f"{errors.frequency[row]:.2g}",
+            f"{modes.damping[row]:.5f}",
+            f"{errors.damping[row]:.2g}",
+        )
+        for row, pole in enumerate(modes.pole)
+    ]
+
+
+def candidate_rows(found: Identification) -> list[tuple[str, ...]]:
+    """Return a row for each order tried; none where it was given."""
+    tried = found.started.candidates
+    return [(f"{each.order}", f"{each.free_run:.2f}", f"{each.one_step:.2f}") for each in tried]
+
+
+def verdicts(found: Identification) -> list[str]:
+    """Return, in sentences, what the tests of the residuals on fresh data say."""
+    white, cross = found.fresh.whiteness, found.fresh.cross_correlation
+    noise = "white" if white.probability >= ONE_IN_20 else "not white: the noise model leaves something"
+    heard = "none" if cross.outside <= CROSSED else "some: the response has more to it than the model"
+    return [
+        f"residuals one step ahead are {noise} (probability {white.probability:.2g}, "
+        f"{100 * white.outside:.0f} % of correlations beyond the bound of 1 %)",
+        f"correlation with the drive: {heard} ({100 * cross.outside:.0f} % beyond the bound of 1 %)",
+    ]
+
+
+def identification_figures(found: Identification) -> dict[str, Any]:
+    """Return what `--json` writes."""
+    model, errors, started = found.model, found.errors, found.started
+    return {
+        "method": found.method,
+        "order": model.order,
+        "rate": model.rate,
+        "horizon": list(started.horizon),
+        "singular_values": started.singular_values,
+        "orders_tried": [
+            {"order": each.order, "free_run_nrmse": each.free_run, "one_step_nrmse": each.one_step}
+            for each in started.candidates
+        ],
+        "poles_moved_inside": started.moved_poles,
+        "is_stable": model.is_stable,
+        "modes": [
+            {
+                "pole": [float(pole.real), float(pole.imag)],
+                "frequency_hz": float(errors.modes.frequency[row]),
+                "frequency_error_hz": float(errors.frequency[row]),
+                "damping_ratio": float(errors.modes.damping[row]),
+                "damping_error": float(errors.damping[row]),
+            }
+            for row, pole in enumerate(errors.modes.pole)
+        ],
+        "held_back": _fit_figures(found, found.fresh),
+        "identified_from": _fit_figures(found, found.own),
+    }
+
+
+def identification_report(found: Identification, source: str) -> Report:
+    """Put the report of an identification together."""
+    model, fresh = found.model, found.fresh
+    facts = (
+        Fact("order", f"{model.order}"),
+        Fact("free run on held back data", f"{fresh.free_run.nrmse.mean():.2f} %"),
+        Fact("one step ahead on held back data", f"{fresh.one_step.nrmse.mean():.2f} %"),
+        Fact("every pole is stable", "yes" if model.is_stable else "no", model.is_stable),
+        Fact("residuals are white", f"probability {fresh.whiteness.probability:.2g}"),
+    )
+    tried = candidate_rows(found)
+    with styled():
+        sections = (
+            Section(
+                "Singular values",
+                "Those that stand out of the noise are states of the model.",
+                (Plot(singular_value_figure(found), "Singular values, and the order taken."),),
+                (Table(CANDIDATE_HEAD, tuple(tried)),) if tried else (),
+            ),
+            Section(
+                "Free run on held back data",
+                "The response to the drive alone; the model has not seen these samples.",
+                (Plot(free_run_figure(found), "Measured, modelled, and the difference; in the title the NRMSE fit."),),
+                (Table(FIT_HEAD, tuple(fit_rows(found))),),
+            ),
+            Section(
+                "Residuals",
+                ". ".join(sentence[0].upper() + sentence[1:] for sentence in verdicts(found)) + ".",
+                (Plot(residual_figure(found), "Dashed: what chance exceeds one time in a hundred."),),
+            ),
+            Section(
+                "Modes",
+                "Poles of the model; +- is one standard error, from the Gauss-Newton Hessian of the prediction error: "
+                "the least that any unbiased estimate can have, which a model refined by pem reaches.",
+                (),
+                (Table(MODE_HEAD, tuple(mode_rows(found))),),
+            ),
+        )
+    subtitle = f"{source}, {len(found.response)} samples held back, {model.rate:g} samples/s, by {found.method}"
+    return Report("Identified model", subtitle, facts, sections)
+
+
+def _fit_figures(found: Identification, fit: Fit) -> dict[str, Any]:
+    names = found.model.output_names
+    return {
+        "outputs": {
+            name: {
+                f"{kind}_{measure}": float(np.asarray(getattr(each, measure))[row])
+                for kind, each in (("free_run", fit.free_run), ("one_step", fit.one_step))
+                for measure in ("nrmse", "vaf", "mae")
+            }
+            for row, name in enumerate(names)
+        },
+        "whiteness_probability": fit.whiteness.probability,
+        "autocorrelations_outside": fit.whiteness.outside,
+        "cross_correlations_outside": fit.cross_correlation.outside,
+    }

@@ -1,0 +1,122 @@
+"""Identify a model on the first part of a measurement, and judge it on the rest."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from calibration import subspace
+from calibration.fit_measures import Fit, fit
+from calibration.prediction_error import ModeErrors, refine
+from ctlblocks.recording import Recording
+from rigkit.provenance import now, software
+from stagectl.models import InnovationModel
+
+Method = Literal["n4sid", "moesp", "pem"]
+METHODS = ("n4sid", "moesp", "pem")
+
+LEAST_HELD_BACK, MOST_HELD_BACK = 0.05, 0.8
+"""Share of the samples that may be held back."""
+
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """A model and what it was judged on.
+
+    Parameters
+    ----------
+    model : InnovationModel
+        Between deviations from the operating point.
+    started : subspace.Identified
+        The subspace estimate that it is, or that it was refined from.
+    method : str
+    errors : ModeErrors
+        Its modes, with standard errors from the Gauss-Newton Hessian of the prediction error.
+    own, fresh : Fit
+        On the part it was identified from, and on the part held back.
+    drive, response : arrays, shapes (N, m) and (N, p), the inputs' and the outputs' units
+        The part held back, as deviations from the operating point.
+    free_run : array, shape (N, p), the outputs' units
+        What the model gives for that drive alone, from the initial state that suits it best.
+    """
+
+    model: InnovationModel
+    started: subspace.Identified
+    method: str
+    errors: ModeErrors
+    own: Fit
+    fresh: Fit
+    drive: np.ndarray
+    response: np.ndarray
+    free_run: np.ndarray
+
+
+def identify_recording(
+    measured: Recording,
+    inputs: int,
+    *,
+    order: int | None = None,
+    method: Method = "n4sid",
+    horizon: int | None = None,
+    hold_back: float = 0.3,
+) -> Identification:
+    """Identify a model between the first `inputs` channels and the others.
+
+    Parameters
+    ----------
+    measured : Recording
+    inputs : int
+    order : int, optional
+        As many as the singular values and the held back part of the training data propose, where not given.
+    method : "n4sid", "moesp" or "pem"
+        "pem" refines the result of "n4sid" by the prediction error method.
+    horizon : int, samples, optional
+    hold_back : float, share of the samples, at the end
+    """
+    if not LEAST_HELD_BACK <= hold_back <= MOST_HELD_BACK:
+        raise ValueError(f"held back are {hold_back} of the samples, must be {LEAST_HELD_BACK} to {MOST_HELD_BACK}")
+    if method not in METHODS:
+        raise ValueError(f"method is {method!r}, must be one of {', '.join(METHODS)}")
+    data = np.asarray(measured.data, float)
+    _check_moving(measured, data)
+    cut = round(len(data) * (1 - hold_back))
+    start: Literal["n4sid", "moesp"] = "moesp" if method == "moesp" else "n4sid"
+    drive, response = data[:, :inputs], data[:, inputs:]
+    found = subspace.identify(drive[:cut], response[:cut], measured.rate, order, start, horizon)
+    drive, response = drive - found.input_offset, response - found.output_offset
+    refined = refine(found.model, drive[:cut], response[:cut], iterations=REFINING if method == "pem" else 0)
+    model = _labelled(refined.model if method == "pem" else found.model, measured, inputs, method, cut)
+    late = model.initial_state(drive[cut:], response[cut:])
+    return Identification(
+        model,
+        found,
+        method,
+        refined.errors,
+        fit(model, [drive[:cut]], [response[:cut]], fitted=model.order * model.outputs),
+        fit(model, [drive[cut:]], [response[cut:]]),
+        drive[cut:],
+        response[cut:],
+        model.simulate(drive[cut:], late),
+    )
+
+
+REFINING = 100
+"""Iterations at most."""
+
+
+def _check_moving(measured: Recording, data: np.ndarray) -> None:
+    for name, channel in zip(measured.names, data.T, strict=True):
+        if not np.ptp(channel) > 0:
+            raise ValueError(f"channel {name!r} never changes: it has nothing to identify from")
+
+
+def _labelled(model: InnovationModel, measured: Recording, inputs: int, method: str, cut: int) -> InnovationModel:
+    words = {"made": now(), "software": software(), "method": method, "samples": str(cut)}
+    return replace(
+        model,
+        input_names=measured.names[:inputs],
+        output_names=measured.names[inputs:],
+        input_units=measured.units[:inputs],
+        output_units=measured.units[inputs:],
+        provenance={**measured.provenance, **words},
+    )

@@ -1,0 +1,111 @@
+"""The command `calibrate identify`: files in, model, report and figures out, faults in one line with status 2."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from calibration.__main__ import main
+from stagectl.model_file import read_model
+from tests.calibration.resonant_systems import order_7
+from tests.shared_data import shared
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("data") / "sweep.csv"
+    drive, response = order_7().record(4000, seed=1)
+    np.savetxt(path, np.hstack([drive, response]), delimiter=",", header="u [V],y [m]", comments="", fmt="%.9g")
+    return path
+
+
+def call(monkeypatch: pytest.MonkeyPatch, *arguments: str | Path) -> int:
+    monkeypatch.setattr(sys, "argv", ["calibrate", "identify", *map(str, arguments)])
+    return main()
+
+
+def test_it_writes_model_report_figures_and_json(
+    table: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "model.h5"
+    files = ("--out", out, "--png", tmp_path / "png", "--json", tmp_path / "figures.json")
+    assert call(monkeypatch, table, "--inputs", "u", "--outputs", "y", "--rate", "1000", *files) == 0
+    model = read_model(out, 1000.0, ["u"], ["y"])
+    assert model.order == 7
+    assert model.input_units == ("V",)
+    assert str(table) in model.provenance["recording"]
+    figures = json.loads((tmp_path / "figures.json").read_text())
+    assert figures["order"] == 7
+    assert figures["modes"][1]["frequency_hz"] == pytest.approx(62.0, rel=0.005)
+    assert 0 < figures["modes"][1]["damping_error"] < 0.001
+    assert figures["held_back"]["outputs"]["y"]["free_run_nrmse"] > 85
+    assert "Singular values" in out.with_suffix(".html").read_text()
+    names = {path.name for path in (tmp_path / "png").iterdir()}
+    assert names == {"singular-values.png", "free-run-on-held-back-data.png", "residuals.png"}
+    printed = capsys.readouterr().out
+    assert "natural frequency" in printed
+    assert "residuals one step ahead are" in printed
+
+
+def test_columns_go_by_number_and_figures_to_the_standard_output(
+    table: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ("--inputs", "1", "--outputs", "2", "--rate", "1000", "--order", "3", "--method", "pem", "--json", "-")
+    assert call(monkeypatch, table, *arguments) == 0
+    printed = capsys.readouterr()
+    assert json.loads(printed.out)["order"] == 3
+    assert "order 3 by pem" in printed.err
+
+
+@pytest.mark.parametrize(
+    ("wrong", "complaint"),
+    [
+        (("--rate", "-1"), "--rate is -1.0"),
+        (("--order", "many"), "--order is 'many'"),
+        (("--inputs", "z"), "no channel 'z'; there are u, y"),
+        (("--inputs", "y"), "y: cannot be input and output at once"),
+        (("--inputs", "u,"), "--inputs is 'u,'"),
+        (("--out", "nowhere/model.h5"), "there is no folder nowhere"),
+        (("--out", "model.txt"), "must be '.h5'"),
+        (("--method", "arx"), "method is 'arx'"),
+        (("--horizon", "9000"), "too few"),
+        (("--hold-back", "2"), "held back are 2.0"),
+    ],
+)
+def test_a_fault_is_one_line_and_status_2(
+    table: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    wrong: tuple[str, str],
+    complaint: str,
+) -> None:
+    given = {"--inputs": "u", "--outputs": "y", "--rate": "1000"} | dict([wrong])
+    assert call(monkeypatch, table, *(part for pair in given.items() for part in pair)) == 2
+    said = capsys.readouterr().err
+    assert complaint in said
+    assert said.count("\n") == 1
+
+
+def test_a_bad_file_is_one_line_and_status_2(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "bad.csv"
+    path.write_text("u,y\n1,2\n3\n")
+    assert call(monkeypatch, path, "--inputs", "u", "--outputs", "y", "--rate", "1") == 2
+    assert "row 3 has 1 cells, must have 2" in capsys.readouterr().err
+    assert call(monkeypatch, tmp_path / "none.csv", "--inputs", "u", "--outputs", "y") == 2
+    assert "no such file" in capsys.readouterr().err
+
+
+def test_a_measured_oscillator_is_identified(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The silverbox: 131 072 rows of two columns without names."""
+    path = shared("silverbox/SNLS80mV.csv")
+    arguments = ("--inputs", "1", "--outputs", "2", "--rate", "610.35", "--order", "2", "--json", "-")
+    assert call(monkeypatch, path, *arguments) == 0
+    figures = json.loads(capsys.readouterr().out)
+    assert figures["is_stable"]
+    assert figures["held_back"]["outputs"]["channel_2"]["free_run_nrmse"] > 80

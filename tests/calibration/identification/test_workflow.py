@@ -1,0 +1,63 @@
+"""Identification of a recording: order found, judged on what was held back, labelled with where it comes from."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calibration.identification.workflow import identify_recording
+from ctlblocks.recording import Recording
+from tests.calibration.resonant_systems import order_7, order_9
+
+
+def recorded(samples: int = 6000, seed: int = 1) -> Recording:
+    """Return a stage's drive and three responses, each about an operating point."""
+    drive, response = order_9().record(samples, seed)
+    data = np.concatenate([drive + 3.0, 1e-6 * response - 7e-6], axis=1)
+    return Recording(("u", "y1", "y2", "y3"), ("V", "m", "m", "m"), 1000.0, data, {"rig": "bench"})
+
+
+@pytest.mark.parametrize("method", ["n4sid", "moesp", "pem"])
+def test_order_and_modes_are_found_and_held_back_data_are_explained(method: str) -> None:
+    found = identify_recording(recorded(), 1, method=method)  # type: ignore[arg-type]
+    true = order_9().model.modes
+    assert found.model.order == 9
+    np.testing.assert_allclose(found.errors.modes.frequency[1:], true.frequency[1:], rtol=0.002)
+    np.testing.assert_allclose(found.errors.modes.damping[1:], true.damping[1:], rtol=0.05)
+    assert found.fresh.free_run.nrmse.min() > 88
+    assert found.fresh.one_step.nrmse.min() > 90
+    assert len(found.response) == 1800
+
+
+def test_the_model_says_where_it_comes_from() -> None:
+    model = identify_recording(recorded(2000), 1, order=9, hold_back=0.5).model
+    assert (model.input_names, model.output_units) == (("u",), ("m", "m", "m"))
+    assert model.provenance["rig"] == "bench"
+    assert (model.provenance["method"], model.provenance["samples"]) == ("n4sid", "1000")
+
+
+def test_what_is_held_back_plays_no_part() -> None:
+    whole = recorded(3000)
+    spoiled = np.array(whole.data)
+    spoiled[2100:, 1:] = np.random.default_rng(0).standard_normal((900, 3))
+    one, other = (identify_recording(each, 1, order=9) for each in (whole, replace(whole, data=spoiled)))
+    np.testing.assert_array_equal(one.model.A, other.model.A)
+    assert other.fresh.free_run.nrmse.max() < 10
+
+
+def test_pem_predicts_no_worse_than_what_it_starts_from() -> None:
+    drive, response = order_7().record(4000, seed=4)
+    measured = Recording(("u", "y"), ("1", "1"), 1000.0, np.concatenate([drive, response], axis=1))
+    fits = [identify_recording(measured, 1, order=7, horizon=15, method=each).own for each in ("n4sid", "pem")]  # type: ignore[arg-type]
+    assert fits[1].one_step.nrmse[0] >= fits[0].one_step.nrmse[0]
+
+
+def test_what_cannot_be_done_is_refused() -> None:
+    measured = recorded(500)
+    for wrong, complaint in (({"hold_back": 0.95}, "held back are 0.95"), ({"method": "arx"}, "method is 'arx'")):
+        with pytest.raises(ValueError, match=complaint):
+            identify_recording(measured, 1, **wrong)  # type: ignore[arg-type]
+    still = np.array(measured.data)
+    still[:, 2] = 1.0
+    with pytest.raises(ValueError, match="channel 'y2' never changes"):
+        identify_recording(replace(measured, data=still), 1)

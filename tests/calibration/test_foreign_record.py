@@ -1,0 +1,109 @@
+"""Files of others: channels by name and number, rates from wherever they are said, faults by name in one line."""
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from calibration.foreign_record import read_channels
+from ctlblocks import recording
+from ctlblocks.recording import Recording, RecordingError
+
+DATA = np.arange(12.0).reshape(6, 2)
+
+
+@pytest.mark.parametrize("between", [",", ";", "\t", " "])
+def test_a_table_with_names_is_read_by_name_and_by_number(tmp_path: Path, between: str) -> None:
+    path = tmp_path / "data.csv"
+    rows = [between.join(["force[N]", "y"])] + [between.join(map(str, row)) for row in DATA]
+    path.write_text("\n".join(rows) + "\n")
+    found = read_channels(path, ["y", "1"], 100.0)
+    assert found.names == ("y", "force")
+    assert found.units == ("1", "N")
+    np.testing.assert_array_equal(found.data, DATA[:, ::-1])
+
+
+def test_a_table_without_names_is_read_by_number(tmp_path: Path) -> None:
+    path = tmp_path / "data.txt"
+    np.savetxt(path, DATA)
+    np.testing.assert_array_equal(read_channels(path, ["2"], 10.0).data, DATA[:, 1:])
+
+
+def test_a_column_of_time_gives_the_rate(tmp_path: Path) -> None:
+    path = tmp_path / "data.csv"
+    rows = [f"{0.004 * k:.3f},{k}" for k in range(50)]
+    path.write_text("Time [s],u\n" + "\n".join(rows))
+    assert read_channels(path, ["u"], None).rate == pytest.approx(250.0)
+    with pytest.raises(RecordingError, match="--rate says 300"):
+        read_channels(path, ["u"], 300.0)
+    path.write_text("t,u\n" + "\n".join(rows[:20] + rows[21:]))
+    with pytest.raises(RecordingError, match="does not rise in even steps"):
+        read_channels(path, ["u"], None)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".wav"])
+def test_recordings_of_this_program_say_everything_themselves(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"data{suffix}"
+    recording.write(path, Recording(("u", "y"), ("V", "m"), 100.0, DATA))
+    found = read_channels(path, ["y"], None)
+    assert (found.names, found.units, found.rate) == (("y",), ("m",), 100.0)
+
+
+def test_datasets_are_read_by_path_and_column(tmp_path: Path) -> None:
+    path = tmp_path / "data.h5"
+    with h5py.File(path, "w") as file:
+        file["run/u"] = DATA[:, 0]
+        file["run/y"] = DATA
+        file["run/y"].attrs["unit"] = "m"
+        file.attrs["rate"] = 50.0
+        file["short"] = DATA[:3, 0]
+    found = read_channels(path, ["run/u", "run/y:2"], None)
+    assert (found.names, found.units, found.rate) == (("run/u", "run/y:2"), ("1", "m"), 50.0)
+    np.testing.assert_array_equal(found.data, DATA)
+    for channels, complaint in (
+        (["run/y"], "must name one of 2 columns"),
+        (["run/z"], "no dataset 'run/z'.*run/u"),
+        (["run/u", "short"], "different lengths"),
+    ):
+        with pytest.raises(RecordingError, match=complaint):
+            read_channels(path, channels, None)
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("u,y\n1,2\n3\n", "row 3 has 1 cells, must have 2"),
+        ("u,y\n1,2\n3,x\n", "row 3, column 2: 'x', must be a finite number"),
+        ("u,y\n1,nan\n", "row 2, column 2: 'nan', must be a finite number"),
+        ("u,y\n", "has 1 rows"),
+        ("u,u\n1,2\n", "must all be different"),
+        ("u,y\n1,2\n", "no channel 'z'; there are u, y, or the numbers 1 to 2"),
+    ],
+)
+def test_a_fault_is_named_with_its_place(tmp_path: Path, text: str, complaint: str) -> None:
+    path = tmp_path / "data.csv"
+    path.write_text(text)
+    with pytest.raises(RecordingError, match=complaint):
+        read_channels(path, ["z"], 10.0)
+
+
+def test_what_is_no_such_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="no such file"):
+        read_channels(tmp_path / "none.csv", ["1"], 1.0)
+    for name, complaint in (
+        ("a.h5", "is no HDF5 file"),
+        ("a.csv", "is no text"),
+        ("a.xyz", "suffix is"),
+        ("a.wav", "not a WAV file"),
+    ):
+        (tmp_path / name).write_bytes(b"\xff\xfe\x00 rubbish \x00" * 9)
+        with pytest.raises(RecordingError, match=complaint):
+            read_channels(tmp_path / name, ["1"], 1.0)
+
+
+def test_a_rate_that_nobody_says_is_asked_for(tmp_path: Path) -> None:
+    path = tmp_path / "data.csv"
+    path.write_text("u,y\n1,2\n3,4\n")
+    with pytest.raises(RecordingError, match="give it with --rate"):
+        read_channels(path, ["u"], None)
