@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eig, solve_discrete_lyapunov, svd
+from scipy.linalg import eig, matrix_balance, svd
 
 LEAST_HANKEL = 1e-9
 """Hankel singular values below this, relative to the greatest, count as this in balancing."""
@@ -13,6 +13,9 @@ WORST_BALANCE = 1e10
 
 SLOW = 0.5
 """Poles of smaller modulus are not watched: no step takes them out of the unit circle at once."""
+
+DOUBLINGS = 25
+"""Of the terms of a Gramian: enough for the slowest pole that is let in."""
 
 LARGEST_MODULUS = 1 - 1e-6
 """Of a pole: its response falls by a factor e in a million samples."""
@@ -91,14 +94,19 @@ def balanced(element: Element) -> tuple[Element, np.ndarray]:
     ------
     Laub, Heath, Paige, Ward 1987, IEEE Trans. Automatic Control 32(2), through square roots of the Gramians.
     """
-    left = _root(solve_discrete_lyapunov(element.a, element.b @ element.b.T))
-    right = _root(solve_discrete_lyapunov(element.a.T, element.c.T @ element.c))
+    _, spread = matrix_balance(element.a, permute=False)
+    even = _turned(element, spread)
+    left, right = _root(_gramian(even.a, even.b)), _root(_gramian(even.a.T, even.c.T))
     _, hankel, rows = svd(right.T @ left)
     basis = left @ rows.T / np.sqrt(hankel.clip(LEAST_HANKEL * max(hankel[0], np.finfo(float).tiny)))
     if not np.linalg.cond(basis) <= WORST_BALANCE:
-        basis = np.eye(len(element.a))
+        return even, spread
+    return _turned(even, basis), spread @ basis
+
+
+def _turned(element: Element, basis: np.ndarray) -> Element:
     a, b = np.linalg.solve(basis, element.a @ basis), np.linalg.solve(basis, element.b)
-    return Element(a, b, element.c @ basis, element.first, element.gain_at), basis
+    return Element(a, b, element.c @ basis, element.first, element.gain_at)
 
 
 def every_step(element: Element) -> Steps:
@@ -155,6 +163,17 @@ def pole_slopes(matrix: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray,
     overlap = np.where(np.abs(overlap) > np.finfo(float).tiny, overlap, np.finfo(float).tiny)
     slopes: np.ndarray = np.einsum("in,kin->nk", left.conj(), directions @ right) / overlap[:, None]
     return poles, slopes
+
+
+def _gramian(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Sum a^k b b' a'^k over twice as many terms each time: no equation to solve that a pole near 1 would spoil."""
+    total: np.ndarray = b @ b.T
+    for _ in range(DOUBLINGS):
+        total = total + a @ total @ a.T
+        a = a @ a
+        if not np.abs(a).max() > np.finfo(float).eps:
+            break
+    return total
 
 
 def _root(gramian: np.ndarray) -> np.ndarray:

@@ -113,6 +113,8 @@ def fit(
     """
     rest = [[np.zeros(len(element.a)) for element in elements]] * len(records)
     point = _point(elements, direct, rest, records, joint)
+    if point is None:
+        raise ValueError("the model to start from responds with numbers too large to compute with")
     here = _linearised(point, records, rule)
     damping, small, done, arrived = FIRST_DAMPING, 0, 0, False
     while done < iterations and damping <= MOST_DAMPING and not arrived:
@@ -176,7 +178,8 @@ def _point(
     states: Sequence[Sequence[np.ndarray]],
     records: Sequence[Record],
     joint: bool,
-) -> Point:
+) -> Point | None:
+    """Evaluate the criterion; None where the response is too large for a number."""
     taken = [decomposed(element.a, element.b, element.c, element.first) for element in elements]
     form = joined([form for form, _ in taken], direct)
     sections = [
@@ -184,6 +187,8 @@ def _point(
         for record in states
     ]
     covariance = residual_covariance(form, records, sections)
+    if not np.isfinite(covariance).all():
+        return None
     power = np.mean(np.concatenate([record.target for record in records]) ** 2, axis=0)
     safe = covariance + np.diag(LEAST_VARIANCE * power)
     root = np.linalg.cholesky(safe if joint else np.diag(np.diag(safe)))

@@ -176,7 +176,8 @@ def residual_covariance(form: ParallelForm, records: Sequence[Record], states: S
     states : sequence of arrays, shape (n,), 1
     """
     parts = [residual(form, record, state) for record, state in zip(records, states, strict=True)]
-    total: np.ndarray = np.sum([part.T @ part for part in parts], axis=0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        total: np.ndarray = np.sum([part.T @ part for part in parts], axis=0)
     return total / sum(len(part) for part in parts)
 
 

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from calibration.prediction_error.element import LARGEST_MODULUS, Element
+from calibration.prediction_error.element import LARGEST_MODULUS, Element, balanced
 from calibration.prediction_error.gauss_newton import Fit, fit
 from calibration.prediction_error.local_coordinates import free, gain_only
 from calibration.prediction_error.normal_equations import Record
@@ -87,7 +87,7 @@ def refine(
     if focus == "simulation":
         return _simulating(start, through, drives, responses, scale, iterations)
     inlet = np.hstack([start.B - start.K @ start.D, start.K])
-    predictor = Element(start.A - start.K @ start.C, inlet, start.C, 0, start.inputs)
+    predictor, _ = balanced(Element(start.A - start.K @ start.C, inlet, start.C, 0, start.inputs))
     records = [Record(np.hstack([u, y]), y) for u, y in zip(drives, responses, strict=True)]
     found = fit([predictor], through, records, free, joint=True, iterations=iterations)
     refined = _from_predictor(found, start)
@@ -104,7 +104,8 @@ def _simulating(
     iterations: int,
 ) -> Refined:
     records = [Record(u, y) for u, y in zip(drives, responses, strict=True)]
-    found = fit([Element(start.A, start.B, start.C)], through, records, free, joint=False, iterations=iterations)
+    element, _ = balanced(Element(start.A, start.B, start.C))
+    found = fit([element], through, records, free, joint=False, iterations=iterations)
     element, still = found.point.elements[0], np.zeros_like(start.K)
     direct = found.point.direct if through.size else start.D
     simulating = replace(start, A=element.a, B=element.b, C=element.c, D=direct, K=still)
