@@ -10,7 +10,7 @@ from calibration.subspace.modal import Modal, modal
 from calibration.subspace.modal_regression import regress, responses, sums
 from calibration.subspace.regression import Terms
 
-_STEPS = 10
+_STEPS = 15
 _HALVINGS = 5
 _SETTLED = 1e-5
 """Change of the log determinant of the innovations' covariance that ends it."""
@@ -21,7 +21,8 @@ _ENOUGH = 20_000
 def refine_gain(transition: np.ndarray, outlet: np.ndarray, gain: Gain, missed: Sequence[np.ndarray]) -> Gain:
     """Lower the determinant of the one-step-ahead errors' covariance by the choice of K.
 
-    The Riccati equation's gain knows no more of the noise than past horizons reach; this one knows all of the record.
+    The Riccati equation's gain knows no more of the noise than past horizons reach, and little where inputs excite few
+    frequencies; this one knows all of the record.  Where no gain at all predicts better than that one, both are starts.
     The predictor stays stable, and no step is taken that does not help.
 
     Parameters
@@ -41,20 +42,26 @@ def refine_gain(transition: np.ndarray, outlet: np.ndarray, gain: Gain, missed: 
     """
     samples = sum(len(each) for each in missed)
     stretch = [each[: max(len(outlet), len(each) * _ENOUGH // samples)] for each in missed]
-    matrix = gain.matrix
-    if samples > 2 * _ENOUGH:
-        matrix = _descend(transition, outlet, matrix, stretch, _STEPS)[0]
-        steps = 1
-    else:
-        steps = _STEPS
-    matrix, innovation = _descend(transition, outlet, matrix, missed, steps)
+    early = missed if samples <= 2 * _ENOUGH else stretch
+    nothing = np.zeros_like(gain.matrix)
+    doubtful = _loss(transition, outlet, nothing, early) < _loss(transition, outlet, gain.matrix, early)
+    starts = [gain.matrix, nothing] if doubtful else [gain.matrix]
+    ends = [_descend(transition, outlet, start, early, _STEPS) for start in starts]
+    matrix, innovation, _ = min(ends, key=lambda each: each[2])
+    if early is stretch:
+        matrix, innovation, _ = _descend(transition, outlet, matrix, missed, 1)
     return Gain(matrix, innovation, gain.by_riccati)
+
+
+def _loss(transition: np.ndarray, outlet: np.ndarray, gain: np.ndarray, missed: Sequence[np.ndarray]) -> float:
+    """Return the log determinant of the innovations' covariance."""
+    return _errors(modal(transition - gain @ outlet), outlet, gain, missed)[2]
 
 
 def _descend(
     transition: np.ndarray, outlet: np.ndarray, gain: np.ndarray, missed: Sequence[np.ndarray], steps: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Take Gauss-Newton steps, each shortened until it helps; return the gain and the innovations' covariance."""
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Take Gauss-Newton steps, each shortened until it helps; return gain, innovations' covariance and loss."""
     modes = modal(transition - gain @ outlet)
     errors, covariance, loss = _errors(modes, outlet, gain, missed)
     for _ in range(steps):
@@ -68,15 +75,15 @@ def _descend(
         for _ in range(_HALVINGS):
             trial = gain + step
             if is_stable(transition - trial @ outlet):
-                tried = modal(transition - trial @ outlet)
-                outcome = _errors(tried, outlet, trial, missed)
+                near = modal(transition - trial @ outlet)
+                outcome = _errors(near, outlet, trial, missed)
                 if outcome[2] < loss:
-                    gain, modes, (errors, covariance, loss) = trial, tried, outcome
+                    gain, modes, (errors, covariance, loss) = trial, near, outcome
                     break
             step = step / 2
         if not before - loss > _SETTLED:
             break
-    return gain, covariance
+    return gain, covariance, loss
 
 
 def _errors(

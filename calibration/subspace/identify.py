@@ -8,12 +8,11 @@ from calibration.subspace.estimate import Estimate, compress, estimate
 from calibration.subspace.gain_refinement import refine_gain
 from calibration.subspace.identified import Identified
 from calibration.subspace.kalman_gain import Gain
-from calibration.subspace.modal import modal
-from calibration.subspace.modal_regression import responses as modal_responses
 from calibration.subspace.order import candidates, proposed
 from calibration.subspace.realization import Method
 from calibration.subspace.regression import Terms
 from calibration.subspace.signals import Detrend, Signals, as_records, signals
+from calibration.subspace.weighting import left_by_free_run, weighted
 from calibration.subspace.windows import Layout, Windows
 from stagectl.models import InnovationModel
 
@@ -39,8 +38,9 @@ def identify(
     """Identify a state-space model with its Kalman gain from one or more records.
 
     A and C come from the shift of the observability matrix, B, D and first states by least squares on the free run, K
-    from the Riccati equation and then by Gauss-Newton steps on the error one step ahead.  The model is stable: poles
-    on or outside of the unit circle are moved inside before B and D are fitted.
+    from the Riccati equation and then by Gauss-Newton steps on the error one step ahead; with K known, B and D once
+    more, weighted by the noise's colour, unless that costs the free run more than noise explains.  The model is stable:
+    poles on or outside of the unit circle are moved inside before B and D are fitted.
 
     Parameters
     ----------
@@ -92,7 +92,9 @@ def identify(
     compressed = compress(windows, method)
     tried = candidates(compressed, data, terms) if order is None else ()
     found = estimate(compressed, proposed(tried) if order is None else order, data.drives, data.responses, terms)
-    gain = refine_gain(found.transition, found.outlet, found.gain, _left(found, data))
+    left = left_by_free_run(found, data.drives, data.responses)
+    gain = refine_gain(found.transition, found.outlet, found.gain, left)
+    found = weighted(found, gain, data.drives, data.responses, terms)
     return Identified(
         model=_in_units(found, gain, data, rate),
         singular_values=compressed.projection.singular_values,
@@ -129,18 +131,6 @@ def _layout(data: Signals, horizon: int | tuple[int, int] | None, order: int | N
     if order is not None and not 1 <= order <= layout.largest_order:
         raise ValueError(f"order is {order}, must be 1 to {layout.largest_order} with horizons of {past} and {future}")
     return layout
-
-
-def _left(found: Estimate, data: Signals) -> list[np.ndarray]:
-    """Return what the free run leaves of each record."""
-    modes = modal(found.transition)
-    return [
-        response
-        - found.constant
-        - drive @ found.direct.T
-        - modal_responses(modes, found.outlet, found.inlet, drive, state)
-        for drive, response, state in zip(data.drives, data.responses, found.states, strict=True)
-    ]
 
 
 def _in_units(found: Estimate, gain: Gain, data: Signals, rate: float) -> InnovationModel:

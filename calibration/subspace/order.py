@@ -90,8 +90,9 @@ def candidates(compressed: Compressed, data: Signals, terms: Terms) -> tuple[Can
     tried = []
     for order in orders:
         found = estimate(compressed, order, data.drives, data.responses, terms)
-        free, ahead = found.left / power, float(np.trace(found.gain.innovation)) / layout.outputs
-        tried.append(Candidate(order, 100 * (1 - np.sqrt(free)), 100 * (1 - np.sqrt(ahead))))
+        free = found.left / power
+        ahead = min(free, float(np.trace(found.gain.innovation)) / layout.outputs)
+        tried.append(Candidate(order, 100 * (1 - free**0.5), 100 * (1 - ahead**0.5)))
     return tuple(tried)
 
 

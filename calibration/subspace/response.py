@@ -8,9 +8,9 @@ from calibration.subspace.modal import modal
 from calibration.subspace.modal_regression import regress, sums
 from calibration.subspace.regression import Regression, Terms, regress_columns
 
-_CONDITION = 1e5
+CONDITION = 1e5
 """Of the modes' shapes: beyond it their sums of products have lost too many digits."""
-_EXACT = 1e-7
+EXACT = 1e-7
 """Part of the outputs' power: when less is left, sums of squares no longer tell how much."""
 
 
@@ -35,9 +35,9 @@ def fit_response(
         Whether D and an offset of the outputs are fitted; they are 0 otherwise.
     """
     modes = modal(transition)
-    if modes.condition < _CONDITION:
+    if modes.condition < CONDITION:
         records = [sums(modes, drive, response) for drive, response in zip(drives, responses, strict=True)]
         found = regress(modes, outlet, records, terms)
-        if found.left > _EXACT * sum(float(np.trace(record.power)) for record in records):
+        if found.left > EXACT * sum(float(np.trace(record.power)) for record in records):
             return found
     return regress_columns(transition, outlet, drives, responses, terms)
