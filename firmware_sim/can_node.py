@@ -1,5 +1,6 @@
 """The stage's processor behind a CAN FD adapter: the loop that serves both, and what can be made to go wrong."""
 
+import math
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -14,18 +15,42 @@ NOISE = bytes(range(1, 256)) + b"b101F00FF\rt0118zz\r\a"
 _LONGEST_WAIT = 0.01
 
 
+MISHAPS = ("unplug", "replug", "garbage", "stuck-sensor", "no-heartbeat", "heartbeat")
+
+
 @dataclass(frozen=True)
 class Mishap:
     """Something that goes wrong at a time.
 
     Parameters
     ----------
-    name : str, one of `CanNode.MISHAPS`
-    seconds : float, s after the node was started
+    name : str, one of `MISHAPS`
+    seconds : float, s after the node was started, >= 0
     """
 
     name: str
     seconds: float
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be."""
+        if self.name not in MISHAPS or not 0 <= self.seconds < math.inf:
+            raise ValueError(f"a mishap is {self.name}@{self.seconds:g}, must be {', '.join(MISHAPS)}, at >= 0 s")
+
+
+def mishap(text: str) -> Mishap:
+    """Read "NAME@SECONDS".
+
+    Examples
+    --------
+    >>> mishap("unplug@2.5")
+    Mishap(name='unplug', seconds=2.5)
+    """
+    name, _, seconds = text.partition("@")
+    try:
+        at = float(seconds)
+    except ValueError:
+        raise ValueError(f"a mishap is {text}, must be NAME@SECONDS, such as unplug@5") from None
+    return Mishap(name, at)
 
 
 class CanNode:
@@ -39,13 +64,7 @@ class CanNode:
         Freezes a sensor of the simulated stage.
     mishaps : sequence of Mishap
     now : callable() -> float, s, a monotonic clock; that of the processor
-
-    Raises
-    ------
-    ValueError : there is no such mishap.
     """
-
-    MISHAPS = ("unplug", "replug", "garbage", "stuck-sensor", "no-heartbeat", "heartbeat")
 
     def __init__(
         self,
@@ -57,11 +76,6 @@ class CanNode:
     ) -> None:
         self.adapter, self.processor = adapter, processor
         self._stick, self._now = stick, now
-        for mishap in mishaps:
-            if mishap.name not in self.MISHAPS or not mishap.seconds >= 0:
-                raise ValueError(
-                    f"--fault {mishap.name}@{mishap.seconds:g}: must be {', '.join(self.MISHAPS)}, at >= 0 s"
-                )
         self._asked: deque[str] = deque()
         self._to_come = sorted(mishaps, key=lambda mishap: mishap.seconds)
 

@@ -70,6 +70,8 @@ class Settings:
 _FD = (messages.POSITION, messages.EXTENSION, messages.VOLTAGE)
 _CLASSIC = (messages.SLOW_POSITION, messages.SLOW_EXTENSION, messages.SLOW_VOLTAGE)
 _CHUNKS = (messages.WRITE_CHUNK, messages.SLOW_WRITE_CHUNK)
+_AT_ONCE = 10
+"""Blocks it catches up with before it looks at the wire again."""
 _PATIENCE = 0.5
 """s of its own time the processor catches up with; more is an overrun."""
 
@@ -140,7 +142,8 @@ class StageProcessor:
                 self._due = now
                 if self.state is State.FOLLOWING:
                     self._fail(Fault.OVERRUN)
-            while self._due <= now:
+            last = self.block + _AT_ONCE
+            while self._due <= now and self.block < last:
                 self._run_block()
                 self._due += PERIOD
         self._beats(now)
@@ -255,7 +258,10 @@ class StageProcessor:
     def _acknowledge(self) -> Result:
         if self.state is not State.FAULT:
             return Result.WRONG_STATE if self.fault is not Fault.NONE else Result.DONE
-        self._loops.clear()
+        try:
+            self._loops.clear()
+        except ValueError:
+            return Result.WRONG_STATE
         self.state, self.fault = State.HOLDING, Fault.NONE
         return Result.DONE
 

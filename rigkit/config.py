@@ -81,7 +81,8 @@ def resolve(name: str) -> Any:
         raise ConfigError(f"{name}: module {module_name} cannot be imported: {fault}") from fault
     if not hasattr(module, attribute):
         near = get_close_matches(attribute, dir(module), n=1)
-        raise ConfigError(f"{name}: module {module_name} has no {attribute}{f'; did you mean {near[0]}?' * bool(near)}")
+        hint = f"; did you mean {near[0]}?" if near else ""
+        raise ConfigError(f"{name}: module {module_name} has no {attribute}{hint}")
     return getattr(module, attribute)
 
 

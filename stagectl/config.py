@@ -6,6 +6,7 @@ from typing import Any, Literal, Self
 from pydantic import Field, model_validator
 
 from rigkit.config import Section, setting
+from stagectl.link.config import Laser, Link
 
 Range = tuple[float, float]
 PerAxis = tuple[float, ...]
@@ -139,6 +140,8 @@ class StageConfig(Section):
     sensors: Sensors = Field(default_factory=Sensors)
     inner: Inner = Field(default_factory=Inner)
     outer: Outer = Field(default_factory=Outer)
+    link: Link = Field(default_factory=Link)
+    laser: Laser = Field(default_factory=Laser)
     simulator: Simulator = Field(default_factory=Simulator)
 
     @model_validator(mode="after")

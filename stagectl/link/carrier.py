@@ -8,6 +8,7 @@ from typing import Any
 from stagectl.link.bus import LinkDown, LinkError, message, open_bus
 from stagectl.link.config import Link
 from stagectl.link.conversation import Conversation
+from stagectl.link.priority import real_time
 from stagectl.wire.messages import PERIOD, HostState
 
 _LISTEN = 0.02
@@ -34,7 +35,8 @@ class Carrier:
         self._bus: Any = None
         self._garbled = 0
         self._over, self._wake = Event(), Event()
-        self._threads = [Thread(target=work, name=work.__name__, daemon=True) for work in (self._listen, self._speak)]
+        works = (self._listen, self._speak)
+        self._threads = [Thread(target=self._in_time, args=(work,), name=work.__name__, daemon=True) for work in works]
 
     @property
     def garbled(self) -> int:
@@ -63,6 +65,10 @@ class Carrier:
     def flush(self) -> None:
         """Have what waits sent now."""
         self._wake.set()
+
+    def _in_time(self, work: Callable[[], None]) -> None:
+        with real_time():
+            work()
 
     def _listen(self) -> None:
         while not self._over.is_set():

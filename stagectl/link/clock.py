@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from ctlblocks.graph import Graph
 from stagectl.link.bus import LinkError
+from stagectl.link.priority import real_time
 from stagectl.link.stage_link import StageLink
 
 
@@ -27,14 +28,15 @@ def run_linked(graph: Graph, link: StageLink, ticks: int, stopped: Callable[[], 
     """
     if graph.frames != link.frames:
         raise ValueError(f"the graph ticks by {graph.frames} frames, must be {link.frames} as on the wire")
-    samples = link.skip()
-    for done in range(ticks):
-        if stopped():
-            return done
-        samples += link.frames
-        if not link.wait(samples, link.link.patience):
-            link.refuse_when_latched()
-            raise LinkError(f"no block from the stage within {link.link.patience:g} s")
-        graph.tick()
-        link.flush()
+    with real_time():
+        samples = link.skip()
+        for done in range(ticks):
+            if stopped():
+                return done
+            samples += link.frames
+            if not link.wait(samples, link.link.patience):
+                link.refuse_when_latched()
+                raise LinkError(f"no block from the stage within {link.link.patience:g} s")
+            graph.tick()
+            link.flush()
     return ticks

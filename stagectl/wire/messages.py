@@ -143,7 +143,7 @@ POSITION = Layout(
 EXTENSION = Layout(
     "Extension", 0x102, "stage", LONG, _samples(0.005, "um", BLOCK), NEVER, "extension of the piezos, by strain gauge"
 )
-VOLTAGE = Layout("Voltage", 0x103, "stage", LONG, _samples(0.01, "V", BLOCK), NEVER, "voltage on the piezos")
+VOLTAGE = Layout("Voltage", 0x103, "stage", LONG, _samples(0.05, "V", BLOCK), NEVER, "voltage on the piezos")
 STATUS = Layout(
     "Status",
     0x110,
@@ -174,7 +174,7 @@ SLOW_EXTENSION = Layout(
     "SlowExtension", 0x122, "stage", SHORT, _samples(0.005, "um", 1), NEVER, "classic CAN: the block's last extension"
 )
 SLOW_VOLTAGE = Layout(
-    "SlowVoltage", 0x123, "stage", SHORT, _samples(0.01, "V", 1), NEVER, "classic CAN: the block's last voltage"
+    "SlowVoltage", 0x123, "stage", SHORT, _samples(0.05, "V", 1), NEVER, "classic CAN: the block's last voltage"
 )
 WRITE_CHUNK = Layout("WriteChunk", 0x200, "host", LONG, _chunk(LONG_DATA), NEVER, "a piece of a parameter set")
 READ_CHUNK = Layout("ReadChunk", 0x201, "stage", LONG, _chunk(LONG_DATA), NEVER, "the same piece, sent back")

@@ -9,9 +9,11 @@ from ctlblocks import Block, Port, recording, replay
 from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
 from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, VibratorImpulseResponse
 from firmware_sim.stage_blocks import Milling, PiezoStage
+from firmware_sim.stage_image import Held, StickingStage
 from stagectl import config as stage
 from stagectl.link.blocks import Newest, Receive, Send
-from stagectl.link.config import Link
+from stagectl.link.config import Laser, Link
+from stagectl.link.laser import Displacement, LaserLine
 from stagectl.link.stage_link import StageLink
 from stagectl.models import InnovationModel
 from stagectl.stage.controller import PiezoController, StageController
@@ -120,8 +122,14 @@ EXAMPLES: dict[type[Block], Example] = {
     VibratorImpulseResponse: Example(lambda: _measured(VibratorImpulseResponse)),
     PiezoStage: Example(PiezoStage),
     HysteresisCompensation: Example(lambda: HysteresisCompensation([_loops(), None, _loops()])),
+    StickingStage: Example(StickingStage),
+    Held: Example(lambda: Held("force", "N")),
     Milling: Example(lambda: Milling(start=0.0, seconds=5.0)),
     Receive: Example(lambda: Receive(StageLink(Link())), rate=10_000.0),
     Newest: Example(lambda: Newest(StageLink(Link()), "voltage"), rate=10_000.0),
+    Displacement: Example(
+        lambda: Displacement(LaserLine(Laser(), now=lambda: 0.0)),
+        start=lambda block: block.line.take(b"TG,1,+00.0100\r"),
+    ),
     Send: Example(lambda: Send(StageLink(Link())), rate=10_000.0),
 }

@@ -180,6 +180,7 @@ def test_a_name_is_resolved() -> None:
         ("nowhere.at_all:X", "nowhere.at_all:X: there is no module nowhere on the Python path"),
         ("rigkit.nowhere:X", "rigkit.nowhere:X: there is no module rigkit.nowhere on the Python path"),
         ("rigkit.config:Sction", "rigkit.config:Sction: module rigkit.config has no Sction; did you mean Section?"),
+        ("rigkit.config:Parallel", "rigkit.config:Parallel: module rigkit.config has no Parallel"),
     ],
 )
 def test_a_name_that_leads_nowhere_says_where_it_ends(name: str, message: str) -> None:

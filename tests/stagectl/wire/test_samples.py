@@ -47,7 +47,7 @@ def test_the_ranges_are_those_of_the_stage() -> None:
     assert samples.largest(messages.POSITION) == pytest.approx(327.67e-6)
     assert samples.resolution(messages.POSITION) == pytest.approx(0.01e-6)
     assert samples.largest(messages.EXTENSION) == pytest.approx(163.835e-6)
-    assert samples.largest(messages.VOLTAGE) == pytest.approx(327.67)
+    assert samples.largest(messages.VOLTAGE) == pytest.approx(1638.35)
     assert [samples.unit(layout) for layout in LONG] == ["m", "m", "m", "V"]
 
 

@@ -1,0 +1,73 @@
+"""The simulated stage on the bench: its processor behind a CAN adapter, the laser sensor behind a serial line."""
+
+import gc
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from threading import Event, Thread
+from time import monotonic
+
+import numpy as np
+
+from firmware_sim.can_node import CanNode, Mishap
+from firmware_sim.serial_node import SerialNode
+from firmware_sim.slcan_adapter import SlcanAdapter
+from firmware_sim.stage_image import StageImage
+from firmware_sim.stage_processor import Loops, Settings, StageProcessor
+from stagectl.link.config import Laser
+from stagectl.link.priority import real_time
+from stagectl.wire.messages import BLOCK
+
+
+class StageBench:
+    """Both devices, as symbolic links in a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        Gets `can` and `laser`.
+    image : StageImage
+    settings : Settings
+    laser : Laser
+        How the sensor's controller is set.
+    laser_axis : int, counted from 0, the axis it looks along
+    mishaps : sequence of Mishap
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        image: StageImage,
+        settings: Settings,
+        laser: Laser,
+        laser_axis: int,
+        mishaps: Sequence[Mishap] = (),
+    ) -> None:
+        self.can, self.laser = folder / "can", folder / "laser"
+        image.tick(np.zeros((BLOCK, 3)))  # compiles
+        processor = StageProcessor(Loops(image.tick, image.commit, image.clear), settings, monotonic())
+        self.node = CanNode(SlcanAdapter(self.can), processor, image.stick, mishaps)
+        seen = image.absolute
+        self._sensor = SerialNode(self.laser, lambda: float(seen[laser_axis]), laser.mode, unit=laser.scale)
+
+    def run(self, ready: Callable[[], None], stop: Event) -> None:
+        """Serve until `stop` is set, then take both devices away.
+
+        Parameters
+        ----------
+        ready : callable()
+            Called once both can be opened.
+        stop : Event
+        """
+        gc.collect()
+        gc.freeze()
+        gc.disable()
+        sensor = Thread(target=self._sensor.run, args=(stop,), name="laser", daemon=True)
+        sensor.start()
+        try:
+            with real_time():
+                ready()
+                self.node.run(stop)
+        finally:
+            stop.set()
+            sensor.join()
+            gc.enable()

@@ -1,0 +1,203 @@
+"""The image on the stage's processor and the mechanics it controls: the stage's own graph around the plant."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ctlblocks.block import Block, Port
+from ctlblocks.graph import Graph
+from firmware_sim.laboratory import plant_block
+from firmware_sim.stage_blocks import Milling, PiezoStage
+from stagectl.config import StageConfig
+from stagectl.models import InnovationModel
+from stagectl.stage import sensors_kernel
+from stagectl.stage.loop import Stage, stage_controller
+from stagectl.stage.loop_parameters import loops_from
+from stagectl.stage.servo import Servo
+from stagectl.stage.state_feedback import StateFeedback
+from stagectl.wire import messages, samples
+from stagectl.wire.messages import AXES, BLOCK, RATE, Fault
+
+RATIO = 5.0
+"""m of travel per m of extension [Sörnmo 2015, sec. 2.2: a gear ratio of about five]."""
+_CREEP = 0.2
+"""Hz at which the loops switched on with take creep and hysteresis back: far below any resonance."""
+_LARGEST = samples.largest(messages.POSITION)
+
+
+class Held(Block):
+    """Put out what was set last; zero at first.
+
+    Parameters
+    ----------
+    name, unit : str, of the output, three wide
+    """
+
+    def __init__(self, name: str, unit: str) -> None:
+        self.outputs = (Port(name, unit, len(AXES)),)
+        self.value = np.zeros(len(AXES))
+
+    def process(self, *signals: np.ndarray) -> None:
+        """Fill one frame."""
+        signals[0][:] = self.value
+
+
+class StickingStage(PiezoStage):
+    """The simulated piezo stage, whose capacitive sensor on y can stick."""
+
+    def prepare(self, rate: float, frames: int) -> None:
+        """Build it anew, at rest and in order."""
+        super().prepare(rate, frames)
+        self.stuck_at = math.nan
+
+    def process(
+        self,
+        voltage: np.ndarray,
+        force: np.ndarray,
+        base: np.ndarray,
+        extension: np.ndarray,
+        position: np.ndarray,
+        absolute: np.ndarray,
+    ) -> None:
+        """Run it over one frame."""
+        super().process(voltage, force, base, extension, position, absolute)
+        if not math.isnan(self.stuck_at):
+            position[:, 1] = self.stuck_at
+
+
+class StageImage:
+    """What runs on the processor, ten samples a call.
+
+    Switched on, it ramps to rest and closes its loops, with an outer loop that knows nothing of the flexure: the
+    reference over the gear ratio, and a slow integral.  Parameters from the host replace it by one that was designed.
+
+    Parameters
+    ----------
+    config : StageConfig
+        Three axes; `simulator.options` are the plant's.
+    milling : str
+        "x", "y" or "z" for a cut that begins a second after the start, "" for none.
+
+    Raises
+    ------
+    ValueError : the stage has other axes, or the plant refuses an option.
+    """
+
+    def __init__(self, config: StageConfig, milling: str = "") -> None:
+        if len(config.stage.axes) != len(AXES) or config.stage.rate != RATE:
+            raise ValueError(f"stage.axes has {len(config.stage.axes)} at {config.stage.rate:g} samples/s, "
+                             f"must be {len(AXES)} at {RATE}, as on the wire")  # fmt: skip
+        self._axes, self._middle = config.stage.axes, sum(config.limits.travel) / 2
+        self._graph = Graph(RATE, 1)
+        self._reference = Held("reference", "m")
+        plant = plant_block(f"{__name__}:{StickingStage.__name__}", config.simulator.options)
+        assert isinstance(plant, StickingStage)
+        self._plant = plant
+        self._controller = stage_controller(config, [_first_loop()] * len(AXES))
+        self._stage = Stage(self._graph, config, self._controller)
+        self._wire(milling)
+        self._signals = {name: np.zeros((BLOCK, len(AXES))) for name in ("position", "extension", "voltage")}
+        self._sources = {
+            name: self._graph.signal(source)
+            for name, source in (
+                ("position", "plant.position"),
+                ("extension", "plant.extension"),
+                ("voltage", "guard.voltage"),
+            )
+        }
+
+    @property
+    def absolute(self) -> np.ndarray:
+        """What a laser on each axis sees: plate and robot together, shape (3,), m; live."""
+        frame: np.ndarray = self._graph.signal("plant.absolute")[0]
+        return frame
+
+    def tick(self, reference: np.ndarray) -> dict[str, Any]:
+        """Run ten samples.
+
+        Parameters
+        ----------
+        reference : array, shape (10, 3), m from mid-travel
+
+        Returns
+        -------
+        dict
+            "position" (m from mid-travel), "extension" (m) and "voltage" (V) of shape (10, 3), and the "fault".
+        """
+        guard = self._stage.guard
+        if guard.at_rest and not guard.latched:
+            self._stage.start()
+        for n in range(len(reference)):
+            np.add(reference[n], self._middle, out=self._reference.value)
+            self._graph.tick()
+            for name, block in self._signals.items():
+                block[n] = self._sources[name][0]
+        position = self._signals["position"]
+        position -= self._middle
+        position[~(np.abs(position) <= _LARGEST)] = np.nan  # the sensor's range is wider than the wire's
+        return {**self._signals, "fault": self._fault()}
+
+    def commit(self, parameters: Mapping[str, np.ndarray]) -> None:
+        """Take other outer loops, one an axis, without a step; ValueError refuses them all.
+
+        Parameters
+        ----------
+        parameters : mapping of str to array, any shape, the units of `StateFeedback`
+        """
+        loops = loops_from(self._axes, parameters, RATE)
+        for loop in loops:
+            loop.servo.tracking(loop.servo_feedback, RATE)  # what the controller will ask of it
+        for axis, loop in enumerate(loops):
+            self._controller.change_outer(axis, loop)
+
+    def clear(self) -> None:
+        """Clear the latch, if there is one; ValueError while the way to rest is not over."""
+        if self._stage.fault is not None:
+            self._plant.stuck_at = math.nan
+            self._stage.clear("a person at the host")
+
+    def stick(self) -> None:
+        """Let the sensor on y stick until the fault is cleared."""
+        self._plant.stuck_at = float(self._graph.signal("plant.position")[0, 1])
+
+    def _fault(self) -> Fault:
+        if self._stage.fault is None:
+            return Fault.NONE
+        sensor = self._stage.sensors.fault
+        if sensor is None:
+            return Fault.CONTROLLER
+        return Fault.SENSOR_STUCK if sensor.kind == sensors_kernel.STUCK else Fault.SENSOR_INVALID
+
+    def _wire(self, milling: str) -> None:
+        graph = self._graph
+        graph.add("reference", self._reference)
+        graph.add("plant", self._plant)
+        graph.connect("guard.voltage", "plant.voltage")
+        if milling:
+            graph.add("milling", Milling(direction=milling))
+        for name, unit in (("force", "N"), ("base", "m")):
+            if not milling:
+                graph.add(name, Held(name, unit))
+            graph.connect(f"{'milling' if milling else name}.{name}", f"plant.{name}")
+        for name in ("position", "extension"):
+            graph.connect(f"plant.{name}", f"sensors.{name}", delayed=True)
+        graph.connect("reference.reference", "controller.reference")
+        graph.prepare()
+
+
+def _first_loop() -> StateFeedback:
+    """Return the outer loop that a stage is switched on with: l_r and a slow integral, no state feedback."""
+    slow = 2 * math.pi * _CREEP
+    model = InnovationModel(
+        A=np.full((1, 1), 0.5),
+        B=np.full((1, 1), 0.5 * RATIO),
+        C=np.ones((1, 1)),
+        D=np.zeros((1, 1)),
+        K=np.zeros((1, 1)),
+        rate=RATE,
+        innovation=np.ones((1, 1)) * 1e-16,
+    )
+    servo = Servo(np.ones((1, 1)), np.full((1, 1), 1.0 / RATE), np.array([slow**2]))
+    return StateFeedback(model, np.zeros((1, 1)), np.zeros((1, 1)), servo, np.full((1, 1), -slow / RATIO), 1.0 / RATIO)

@@ -1,0 +1,71 @@
+"""`firmware-sim stage --pty`: both devices in a process of their own, reached through python-can and pyserial."""
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from firmware_sim.__main__ import main
+from firmware_sim.can_node import mishap
+from stagectl.link.config import Laser, Link
+from stagectl.link.laser import LaserLine
+from stagectl.link.stage_link import StageLink
+from stagectl.link.upload import upload
+from stagectl.stage.loop_parameters import loop_parameters
+from stagectl.wire.messages import State
+from tests.contract.source_tree import ROOT
+from tests.firmware_sim.test_stage_image import AXES, gentle_loops
+
+COMMAND = [sys.executable, "-m", "firmware_sim", "stage"]
+
+
+def test_stage_and_laser_are_there_until_ctrl_c(tmp_path: Path) -> None:
+    command = [*COMMAND, "--pty", "--folder", str(tmp_path), "--laser-axis", "z", "--fault", "garbage@0.1"]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == f"CAN adapter: {tmp_path}/can\n"
+        assert process.stdout.readline() == f"laser sensor: {tmp_path}/laser\n"
+        try:
+            with StageLink(Link(channel=f"{tmp_path}/can", patience=20.0)) as link:
+                with LaserLine(Laser(device=f"{tmp_path}/laser")) as laser:
+                    assert link.state is State.HOLDING
+                    assert laser.wait(10, 10.0)
+                    assert link.wait(link.skip() + 5000, 10.0)
+                    upload(link, loop_parameters(AXES, gentle_loops()))
+                    assert np.isfinite(laser.displacement)
+                    assert link.counts.lost == 0
+        finally:
+            process.send_signal(signal.SIGINT)
+            assert process.wait(20) == 0
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        ([], "no wire is chosen, must be --pty"),
+        (["--pty", "--fault", "unplug"], "a mishap is unplug, must be NAME@SECONDS"),
+        (["--pty", "--fault", "quake@1"], "a mishap is quake@1, must be unplug, replug"),
+        (["--pty", "--milling", "w"], "--milling is 'w', must be x, y, z or nothing"),
+        (["--pty", "--set", "simulator.options.sed=1"], "unexpected keyword argument 'sed'"),
+    ],
+)
+def test_what_cannot_be_is_one_line_and_leaves_nothing(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    arguments: list[str],
+    text: str,
+) -> None:
+    monkeypatch.setattr("sys.argv", ["firmware-sim", "stage", *arguments, "--folder", str(tmp_path / "bench")])
+    assert main() == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert text in line
+    assert not (tmp_path / "bench").exists()
+
+
+def test_a_mishap_is_a_name_and_a_time() -> None:
+    assert mishap("unplug@2.5").seconds == 2.5
