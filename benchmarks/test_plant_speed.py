@@ -38,4 +38,4 @@ def test_the_stage_against_real_time(benchmark) -> None:  # type: ignore[no-unty
             rounds.append((perf_counter() - start) / (frames * calls))
         times.append(1e9 * median(rounds))
     print(f"\nstage: {times[0]:.0f} ns a sample in long frames, {times[1]:.0f} ns a call of one")
-    benchmark.pedantic(plant.run, signals, rounds=5)
+    benchmark.pedantic(plant.run, tuple(signals), rounds=5)
