@@ -173,15 +173,13 @@ class _Problem:
         columns = self._parts(outer)[:, late].T
         means = columns.mean(axis=0)
         steady = LEAST_SLOPE * columns[:, :3].sum(axis=1)
-        target = self._wanted[samples]
-        constant = target.mean()
-        target = target - constant - (steady - steady.mean())
+        target = self._wanted[samples] - self._wanted[samples].mean() - (steady - steady.mean())
         centred = columns - means
         centred[:, np.ptp(centred, axis=0) < STILL] = 0.0
         compressed = np.asarray(np.linalg.qr(np.column_stack([centred, target]) / np.sqrt(len(target)), mode="r"))
         bounded = np.vstack([compressed[:, :-1], np.sqrt(SMALL_WEIGHTS) * np.eye(centred.shape[1])])
         linear, left_over = nnls(bounded, np.concatenate([compressed[:, -1], np.zeros(centred.shape[1])]))
-        return linear, float(constant - means @ linear - steady.mean()), float(left_over)
+        return linear, float(-means @ linear - steady.mean()), float(left_over)
 
     def _parts(self, outer: np.ndarray) -> np.ndarray:
         """Return what the response is made of beside a constant, (parts, samples): three rising cubics, the plays."""

@@ -92,7 +92,7 @@ def test_the_inverse_makes_less_than_the_published_error_on_a_model_of_another_r
 
 
 def test_the_inverse_straightens_the_simulated_stack() -> None:
-    """Its loops of 21 % become less than 4; the plant is none of the models fitted here, and it creeps."""
+    """Departures of 20 % of the span become less than 2.5; the plant is no model fitted here, and it creeps."""
     rate, every = 10_000.0, 20
     time = np.arange(60_000) / rate
     voltage = np.repeat((500 - 450 * np.cos(2 * np.pi * time) * (1 - 0.6 * time / 6))[:, None], 3, axis=1)
@@ -111,7 +111,7 @@ def test_the_inverse_straightens_the_simulated_stack() -> None:
         return float(np.ptp(moved[20_000:, 0] - np.polyval(line, asked[20_000:])) / np.ptp(moved[20_000:, 0]))
 
     assert residual(plain) > 0.15
-    assert residual(answer) < 0.04
+    assert residual(answer) < 0.025
 
 
 @pytest.mark.parametrize(
