@@ -1,8 +1,11 @@
 """The tables `[link]` and `[laser]` of the stage's rig file."""
 
-from typing import Any, Literal
+from typing import Any, Literal, Self
+
+from pydantic import model_validator
 
 from rigkit.config import Section, setting
+from stagectl.wire.bus_load import least_load
 from stagectl.wire.messages import SILENCE
 
 CLASS = r"^[\w.]+:\w+$"
@@ -22,6 +25,16 @@ class Link(Section):
     origin: float = setting(0.0, "m", "position that is zero on the wire: mid-travel", ge=-1e-2, le=1e-2)
     silence: float = setting(SILENCE, "s", "without a sign of the stage that is a fault", ge=0.01, le=10)
     patience: float = setting(2.0, "s", "for the stage to be heard at first, and to answer", ge=0.05, le=60)
+
+    @model_validator(mode="after")
+    def _fits_on_the_bus(self) -> Self:
+        load = least_load(self.form, self.bitrate, self.data_bitrate)
+        if not load <= 1:
+            raise ValueError(
+                f"link.bitrate {self.bitrate} bit/s{f' with {self.data_bitrate}' if self.form == 'fd' else ''} is too "
+                f"slow for link.form {self.form}: the bus would be busy for {100 * load:.0f} % of the time"
+            )
+        return self
 
 
 class Laser(Section):

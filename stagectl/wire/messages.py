@@ -51,10 +51,9 @@ class Fault(IntEnum):
     REFERENCE_GARBLED = 4
     SENSOR_STUCK = 5
     SENSOR_INVALID = 6
-    TRAVEL = 7
-    CONTROLLER = 8
+    CONTROLLER = 7
     """The stage's own loops have latched, or failed."""
-    OVERRUN = 9
+    OVERRUN = 8
     """The processor cannot keep its own time."""
 
 

@@ -100,7 +100,7 @@ def test_the_first_reason_is_kept() -> None:
 
 def test_nothing_latches_while_the_stage_only_holds() -> None:
     talk = Talk()
-    talk.beat(State.FAULT, Fault.TRAVEL)
+    talk.beat(State.FAULT, Fault.CONTROLLER)
     talk.step(1.0)
     talk.conversation.lose("unplugged")
     assert (talk.conversation.reason, talk.events) == ("", [])
@@ -147,7 +147,7 @@ def test_garbled_frames_are_counted_and_change_nothing() -> None:
     talk = streaming()
     before = talk.conversation.inbox.heard
     talk.now += 0.01
-    frame = bytearray(messages.STAGE_HEARTBEAT.pack(0, State.FAULT, Fault.TRAVEL, 0))
+    frame = bytearray(messages.STAGE_HEARTBEAT.pack(0, State.FAULT, Fault.CONTROLLER, 0))
     frame[1] ^= 1
     talk.conversation.take(messages.STAGE_HEARTBEAT.identifier, bytes(frame), talk.now)
     talk.conversation.take(messages.POSITION.identifier, b"", talk.now)
