@@ -187,7 +187,7 @@ class _Problem:
         parts: np.ndarray = np.empty((3 + count, len(self._voltage)))
         parts[:3] = self._cubics
         shape = np.array([*self._range, 0, 1, 0, 0, *outer[:4]])
-        memory = np.empty(count)
+        memory = np.empty(count + 1)
         kernel.reset(self._voltage[0], shape, memory)
         kernel.play(self._voltage, shape, np.column_stack([self._thresholds, np.ones(count)]), memory, parts[3:])
         lag = self._lag(outer)

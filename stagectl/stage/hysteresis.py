@@ -185,7 +185,7 @@ def _pole(model: HysteresisModel) -> float:
 
 
 def _memory(model: HysteresisModel, start: float) -> np.ndarray:
-    memory = np.empty(len(model.thresholds))
+    memory = np.empty(len(model.thresholds) + 1)
     kernel.reset(start, model.shape, memory)
     return memory
 

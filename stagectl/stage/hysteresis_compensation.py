@@ -62,7 +62,7 @@ def _tables(models: Sequence[HysteresisModel | None]) -> tuple[np.ndarray, np.nd
     most = max([1, *(len(model.thresholds) for model in models if model is not None)])
     on = np.array([model is not None for model in models])
     shapes = np.zeros((len(models), kernel.SHAPE + 2))
-    plays, memory = np.zeros((len(models), most, 2)), np.zeros((len(models), most))
+    plays, memory = np.zeros((len(models), most, 2)), np.zeros((len(models), most + 1))
     for channel, model in enumerate(models):
         if model is not None:
             shapes[channel] = [*model.shape, *model.span]
