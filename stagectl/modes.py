@@ -42,12 +42,23 @@ def modes(poles: np.ndarray, rate: float) -> Modes:
     """
     upper = np.asarray(poles, complex)
     upper = upper[upper.imag >= 0]
-    alive = np.abs(upper) > np.finfo(float).tiny
-    continuous = rate * np.log(np.where(alive, upper, 1.0))
-    speed = np.abs(continuous)
-    damping = np.ones(len(upper))
-    np.divide(-continuous.real, speed, out=damping, where=alive & (speed > 0))
-    damping[alive & (speed == 0)] = 0.0  # an integrator neither decays nor grows
-    frequency = np.where(alive, speed / (2 * np.pi), np.inf)
+    frequency, damping = frequency_and_damping(upper, rate)
     order = np.argsort(frequency, kind="stable")
     return Modes(upper[order], frequency[order], damping[order])
+
+
+def frequency_and_damping(poles: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the natural frequency, Hz, and the damping ratio of each pole by itself: shapes (poles,).
+
+    Parameters
+    ----------
+    poles : complex array, shape (poles,), 1
+    rate : float, samples/s
+    """
+    alive = np.abs(poles) > np.finfo(float).tiny
+    continuous = rate * np.log(np.where(alive, poles, 1.0))
+    speed = np.abs(continuous)
+    damping = np.ones(len(poles))
+    np.divide(-continuous.real, speed, out=damping, where=alive & (speed > 0))
+    damping[alive & (speed == 0)] = 0.0  # an integrator neither decays nor grows
+    return np.where(alive, speed / (2 * np.pi), np.inf), damping

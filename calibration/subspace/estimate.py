@@ -33,10 +33,10 @@ class Compressed:
     projection: Projection
 
 
-def compress(windows: Windows, method: Method) -> Compressed:
-    """Compress windows and take their singular values."""
-    triangle = windows.triangle()
-    return Compressed(triangle, windows.layout, windows.count, project(triangle, windows.layout, windows.count, method))
+def compress(windows: Windows, method: Method, without: int | None = None) -> Compressed:
+    """Compress windows, with or without one segment, and take their singular values."""
+    triangle, count = windows.triangle(without), windows.count(without)
+    return Compressed(triangle, windows.layout, count, project(triangle, windows.layout, count, method))
 
 
 @dataclass(frozen=True)

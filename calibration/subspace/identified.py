@@ -8,7 +8,10 @@ import numpy as np
 
 from calibration.fit_measures import Fit, fit
 from calibration.subspace.order import Candidate
+from calibration.subspace.pole_errors import PoleErrors, pole_errors
+from calibration.subspace.realization import Method
 from calibration.subspace.signals import as_records
+from calibration.subspace.windows import Windows
 from stagectl.models import InnovationModel
 
 
@@ -31,6 +34,9 @@ class Identified:
         How many had to be moved into the unit circle; 0 for a stable estimate.
     by_riccati : bool
         Whether the Riccati equation had a stabilizing solution to start the gain from.
+    method : "n4sid" or "moesp"
+    windows : Windows
+        Of the records, scaled.
     drives, responses : tuples of arrays, shapes (N, m) and (N, p), the inputs' and the outputs' units
         The records, as given.
     """
@@ -43,6 +49,8 @@ class Identified:
     output_offset: np.ndarray
     moved_poles: int
     by_riccati: bool
+    method: Method
+    windows: Windows
     drives: tuple[np.ndarray, ...]
     responses: tuple[np.ndarray, ...]
 
@@ -51,6 +59,11 @@ class Identified:
         """How well it fits the records it was identified from; computed when first asked for."""
         coefficients = self.model.order * self.model.outputs
         return self._fit(self.drives, self.responses, coefficients)
+
+    @cached_property
+    def pole_errors(self) -> PoleErrors:
+        """Standard errors of natural frequencies and damping ratios; computed when first asked for."""
+        return pole_errors(self.windows, self.method, self.model.modes, self.model.order, self.model.rate)
 
     def assess(self, drive: np.ndarray | Sequence[np.ndarray], response: np.ndarray | Sequence[np.ndarray]) -> Fit:
         """Measure how well it fits other records, about the same operating point.

@@ -104,6 +104,8 @@ def identify(
         output_offset=data.output_offset + data.output_scale * found.constant,
         moved_poles=found.moved,
         by_riccati=found.gain.by_riccati,
+        method=method,
+        windows=windows,
         drives=tuple(as_records(drive, "input")),
         responses=tuple(as_records(response, "output")),
     )

@@ -96,10 +96,9 @@ class Windows:
         """How many there are."""
         return len(self._bounds)
 
-    @property
-    def count(self) -> int:
-        """Windows in all."""
-        return int(self._sizes.sum())
+    def count(self, without: int | None = None) -> int:
+        """Count the windows, all or without those of a segment."""
+        return int(self._sizes.sum() - (0 if without is None else self._sizes[without]))
 
     def triangle(self, without: int | None = None) -> np.ndarray:
         """Return the lower triangle L, shape (rows, rows), whose L L' is the mean of w w' over the windows w.
@@ -113,7 +112,7 @@ class Windows:
             A segment to leave out.
         """
         chosen = np.arange(self.segments) != (-1 if without is None else without)
-        count = int(self._sizes[chosen].sum())
+        count = self.count(without)
         if self._is_conditioned:
             try:
                 factor: np.ndarray = cholesky(self._sums(chosen) / count, lower=True, check_finite=False)
@@ -122,7 +121,8 @@ class Windows:
             else:
                 return factor
         stacked = _upper(np.concatenate([self._triangles[segment] for segment in np.flatnonzero(chosen)]))
-        lower: np.ndarray = stacked[1:, 1:].T / np.sqrt(count)
+        spare = int(self._constant)
+        lower: np.ndarray = stacked[spare:, spare:].T / np.sqrt(count)
         return lower
 
     def _sums(self, chosen: np.ndarray) -> np.ndarray:
@@ -170,14 +170,14 @@ class Windows:
         return [self._segment_triangle(*bounds) for bounds in self._bounds]
 
     def _segment_triangle(self, number: int, start: int, stop: int) -> np.ndarray:
-        """Return an upper triangle of one more row: the first is that of the constant, or of nothing."""
-        size, length = len(self.layout.order), self.layout.length
+        """Return an upper triangle, with a first row and column more where a constant is taken out."""
+        size, length, spare = len(self.layout.order), self.layout.length, int(self._constant)
         inside = np.lib.stride_tricks.sliding_window_view(self._records[number], length, axis=1)
-        triangle = np.zeros((0, size + 1))
+        triangle = np.zeros((0, spare + size))
         for first in range(start, stop, _CHUNK * size):
             part = inside[:, first : min(stop, first + _CHUNK * size)]
-            rows = np.full((part.shape[1], size + 1), float(self._constant))
-            rows[:, 1:] = part.transpose(1, 2, 0).reshape(part.shape[1], size)[:, self.layout.order]
+            rows = np.ones((part.shape[1], spare + size))
+            rows[:, spare:] = part.transpose(1, 2, 0).reshape(part.shape[1], size)[:, self.layout.order]
             triangle = _upper(np.concatenate([triangle, rows]))
         return triangle
 
