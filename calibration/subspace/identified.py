@@ -7,10 +7,10 @@ from functools import cached_property
 import numpy as np
 
 from calibration.fit_measures import Fit, fit
+from calibration.records import as_records
 from calibration.subspace.order import Candidate
 from calibration.subspace.pole_errors import PoleErrors, pole_errors
 from calibration.subspace.realization import Method
-from calibration.subspace.signals import as_records
 from calibration.subspace.windows import Windows
 from stagectl.models import InnovationModel
 
@@ -73,7 +73,7 @@ class Identified:
         drive : array, shape (N, m), or a sequence of such, the inputs' units
         response : array, shape (N, p), or a sequence of such, the outputs' units
         """
-        return self._fit(as_records(drive, "input"), as_records(response, "output"), 0)
+        return self._fit(*as_records(drive, response), 0)
 
     def _fit(self, drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], fitted: int) -> Fit:
         low = [drive - self.input_offset for drive in drives]

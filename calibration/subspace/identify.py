@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from calibration.records import as_records
 from calibration.subspace.estimate import Estimate, compress, estimate
 from calibration.subspace.gain_refinement import refine_gain
 from calibration.subspace.identified import Identified
@@ -11,7 +12,7 @@ from calibration.subspace.kalman_gain import Gain
 from calibration.subspace.order import candidates, proposed
 from calibration.subspace.realization import Method
 from calibration.subspace.regression import Terms
-from calibration.subspace.signals import Detrend, Signals, as_records, signals
+from calibration.subspace.signals import Detrend, Signals, signals
 from calibration.subspace.weighting import left_by_free_run, weighted
 from calibration.subspace.windows import Layout, Windows
 from stagectl.models import InnovationModel
@@ -85,7 +86,8 @@ def identify(
         raise ValueError(f"method is {method!r}, must be 'n4sid' or 'moesp'")
     if not (np.isfinite(rate) and rate > 0):
         raise ValueError(f"rate is {rate}, must be > 0 samples/s")
-    data = signals(drive, response, detrend)
+    drives, responses = as_records(drive, response)
+    data = signals(drives, responses, detrend)
     layout = _layout(data, horizon, order)
     terms = Terms(direct, constant=detrend == "mean")
     windows = Windows(data.joined, layout, _SEGMENTS, terms.constant)
@@ -106,8 +108,8 @@ def identify(
         by_riccati=found.gain.by_riccati,
         method=method,
         windows=windows,
-        drives=tuple(as_records(drive, "input")),
-        responses=tuple(as_records(response, "output")),
+        drives=tuple(drives),
+        responses=tuple(responses),
     )
 
 

@@ -1,4 +1,4 @@
-"""Records as identification takes them: checked, without their mean, scaled to like size."""
+"""Records as identification takes them: without their mean, scaled to like size."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -42,58 +42,22 @@ class Signals:
         return sum(len(drive) for drive in self.drives)
 
 
-def as_records(signal: np.ndarray | Sequence[np.ndarray], name: str) -> list[np.ndarray]:
-    """Return one or more records as a list of arrays, each of shape (N, width), all of one width.
+def signals(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], detrend: Detrend) -> Signals:
+    """Take away what records have in common, and scale them.
 
     Parameters
     ----------
-    signal : array, shape (N, width), or a sequence of such, any unit
-    name : str
-        For the errors.
-
-    Raises
-    ------
-    ValueError : another shape, or a value that is not finite.
-    """
-    records = [signal] if isinstance(signal, np.ndarray) and signal.ndim != 3 else list(signal)
-    if not records:
-        raise ValueError(f"there is no record of {name}")
-    arrays = [np.asarray(record, dtype=float) for record in records]
-    for number, array in enumerate(arrays):
-        if array.ndim != 2 or array.shape[1] != arrays[0].shape[-1] or not array.shape[1]:
-            raise ValueError(
-                f"{name} of record {number + 1} has shape {array.shape}, must be (N, width), all of one width"
-            )
-        if not np.isfinite(array).all():
-            sample, channel = np.argwhere(~np.isfinite(array))[0]
-            raise ValueError(f"{name} {channel + 1} of record {number + 1} is not finite at sample {sample}")
-    return arrays
-
-
-def signals(
-    drive: np.ndarray | Sequence[np.ndarray], response: np.ndarray | Sequence[np.ndarray], detrend: Detrend
-) -> Signals:
-    """Check records and scale them.
-
-    Parameters
-    ----------
-    drive : array, shape (N, m), or a sequence of such, the inputs' units
-    response : array, shape (N, p), or a sequence of such, the outputs' units
+    drives : sequence of arrays, each of shape (N, m), the inputs' units
+    responses : sequence of arrays, each of shape (N, p), the outputs' units
     detrend : "mean" or "none"
         Whether the mean over all records is the operating point, or zero is.
 
     Raises
     ------
-    ValueError : records that do not belong together, a value that is not finite, a signal that never changes.
+    ValueError : a signal that never changes.
     """
     if detrend not in ("mean", "none"):
         raise ValueError(f"detrend is {detrend!r}, must be 'mean' or 'none'")
-    drives, responses = as_records(drive, "input"), as_records(response, "output")
-    if [len(each) for each in drives] != [len(each) for each in responses]:
-        raise ValueError(
-            f"inputs have {[len(each) for each in drives]} samples and outputs {[len(each) for each in responses]}, "
-            "must be as many in each record"
-        )
     sides = []
     for name, records in (("input", drives), ("output", responses)):
         whole = np.concatenate(records)
