@@ -82,5 +82,5 @@ def read_far_field(path: Path, hydrophones: int | None = None) -> FarField | Non
     except ValueError as fault:
         raise ModelFileError(f"{path}: {fault}") from None
     if hydrophones is not None and found.hydrophones != hydrophones:
-        raise ModelFileError(f"{path}: {found.hydrophones} hydrophones, this rig has {hydrophones}")
+        raise ModelFileError(f"{path}: measured with {found.hydrophones} hydrophones, this rig has {hydrophones}")
     return found

@@ -48,7 +48,7 @@ def test_a_model_without_hydrophones_has_no_far_field(tmp_path: Path) -> None:
 def test_a_far_field_that_does_not_fit_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "m.h5"
     write_model(path, matrix(), far_field())
-    with pytest.raises(ModelFileError, match="2 hydrophones, this rig has 3"):
+    with pytest.raises(ModelFileError, match="measured with 2 hydrophones, this rig has 3"):
         read_far_field(path, 3)
     for name, value, said in (
         ("far_field_delay", np.array([0.1, np.nan]), "delays of 2 hydrophones"),
