@@ -192,8 +192,9 @@ class Algorithm:
         power = np.abs(self._distortion(shot)) ** 2 + np.abs(self._distortion(before)) ** 2
         share = self._disturbance.change(change, shot.response)
         moved = (self._parts.drift * np.abs(self.explained(shot.drive))) ** 2
+        spilt = (self._parts.spill * np.abs(self.explained(step))) ** 2
         noise = self._disturbance.power(shot.noise + before.noise, power, share)
-        self._filter.observe(step, change, noise + smoothed(moved, self._reach))
+        self._filter.observe(step, change, noise + smoothed(moved + spilt, self._reach))
         self._inverse = bounded_inverse(self.response, self.law.settings)
 
     def _distortion(self, shot: Shot) -> np.ndarray:

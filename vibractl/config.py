@@ -109,6 +109,7 @@ class Adaptation(Section):
     doubt: float = setting(0.2, "1", "uncertainty of G beyond the model's own, re its size", ge=0, le=2)
     neighbours: int = setting(4, "lines", "lines to each side that say something of a line's G", ge=0, le=50)
     drift: float = setting(0.005, "1", "part of G U that changes from shot to shot by itself", ge=0, le=1)
+    spill: float = setting(0.2, "1", "part of a step that comes out at other lines", ge=0, le=2)
     coupling: float = setting(4.0, "1", "how many times a change of the strong lines changes distortion", ge=0, le=20)
     cautious: bool = setting(True, "", "learn less where the error is mostly noise, or follows the strong lines")
     rollback: bool = setting(True, "", "go back to the best shot when the error has grown twice")

@@ -84,6 +84,19 @@ def test_following_g_it_converges_where_the_model_alone_diverges(outputs: int, i
     assert kept[-1] > 5 * kept[0]
 
 
+@pytest.mark.parametrize("cause", ["drift", "spill"])
+def test_what_a_step_is_known_to_be_disturbed_by_leaves_g_less_certain(cause: str) -> None:
+    true = modal(2, 2)
+    law = law_of(matrix_of(0.9 * true))
+    certificates = []
+    for part in (0.0, 0.3):
+        algorithm = algorithm_of(law, **{"drift": 0.0, "spill": 0.0, "coupling": 0.0, cause: part})
+        errors(algorithm, LinePlant(true, law), 2)
+        certificates.append(algorithm.certificate)
+    driven = (law.matrix.frequency >= 40) & (law.matrix.frequency <= 90)
+    assert np.median(certificates[1][driven]) > 1.02 * np.median(certificates[0][driven])
+
+
 def test_what_follows_the_strong_lines_is_not_taken_for_g() -> None:
     """A model 5 % off, and overtones that change by 15 % when the strong lines do by 5: G stays as sure as it says."""
     true = modal(2, 2)
