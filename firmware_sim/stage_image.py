@@ -76,7 +76,7 @@ class StageImage:
     Parameters
     ----------
     config : StageConfig
-        Three axes; `simulator.options` are the plant's.
+        Three axes; `link.origin` is mid-travel, `simulator.options` are the plant's.
     milling : str
         "x", "y" or "z" for a cut that begins a second after the start, "" for none.
 
@@ -89,7 +89,7 @@ class StageImage:
         if len(config.stage.axes) != len(AXES) or config.stage.rate != RATE:
             raise ValueError(f"stage.axes has {len(config.stage.axes)} at {config.stage.rate:g} samples/s, "
                              f"must be {len(AXES)} at {RATE}, as on the wire")  # fmt: skip
-        self._axes, self._middle = config.stage.axes, sum(config.limits.travel) / 2
+        self._axes, self._middle = config.stage.axes, config.link.origin
         self._graph = Graph(RATE, 1)
         self._reference = Held("reference", "m")
         plant = plant_block(f"{__name__}:{StickingStage.__name__}", config.simulator.options)

@@ -50,6 +50,8 @@ class Receive(Block):
 class Newest(Block):
     """Hold the newest sample of a signal that comes now and then: `extension` (m, 3) or `voltage` (V, 3) out.
 
+    NaN until the first has come.
+
     Parameters
     ----------
     link : StageLink
@@ -60,13 +62,13 @@ class Newest(Block):
     def __init__(self, link: StageLink, signal: str) -> None:
         self.outputs = (Port(signal, _UNITS.get(signal, "1"), len(AXES)),)
         self._link = link
-        _, self._newest = link.signal(signal)
+        _, self.sample = link.signal(signal)
 
     def process(self, *signals: np.ndarray) -> None:
         """Fill one frame."""
         if self._link.reason:
             self._link.refuse_when_latched()
-        signals[0][:] = self._newest
+        signals[0][:] = self.sample
 
 
 class Send(Block):

@@ -22,7 +22,7 @@ class Link(Section):
     bitrate: int = setting(1_000_000, "bit/s", "of a classic bus, and of the arbitration", ge=125_000, le=1_000_000)
     data_bitrate: int = setting(5_000_000, "bit/s", "of a CAN FD frame's data", ge=1_000_000, le=8_000_000)
     options: dict[str, Any] = setting({}, "", "more keywords the bus is built with, such as interface")
-    origin: float = setting(0.0, "m", "position that is zero on the wire: mid-travel", ge=-1e-2, le=1e-2)
+    origin: float = setting(225e-6, "m", "position that is zero on the wire: mid-travel", ge=-1e-2, le=1e-2)
     silence: float = setting(SILENCE, "s", "without a sign of the stage that is a fault", ge=0.01, le=10)
     patience: float = setting(2.0, "s", "for the stage to be heard at first, and to answer", ge=0.05, le=60)
 

@@ -78,7 +78,7 @@ class Inbox:
         self.replies: deque[tuple[int, int, int]] = deque(maxlen=16)
         self.chunks: dict[int, bytes] = {}
         self.rings = {name: Ring(len(AXES), _CAPACITY) for name in SIGNALS}
-        self.newest = {name: np.zeros(len(AXES)) for name in SIGNALS}
+        self.newest = {name: np.full(len(AXES), np.nan) for name in SIGNALS}
         self._names = {layouts[form].identifier: name for name, layouts in SIGNALS.items()}
         self._stream = SIGNALS["position"][form]
         self._sequence = Sequence(self._stream.modulus)
@@ -113,7 +113,7 @@ class Inbox:
             if missing:
                 self._fill(missing)
         self.rings[name].put(block)
-        self.newest[name] = block[-1]
+        self.newest[name][:] = block[-1]
 
     def _fill(self, missing: int) -> None:
         """Hold the last sample in the place of lost blocks, so that those after them keep their time."""

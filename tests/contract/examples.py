@@ -126,7 +126,7 @@ EXAMPLES: dict[type[Block], Example] = {
     Held: Example(lambda: Held("force", "N")),
     Milling: Example(lambda: Milling(start=0.0, seconds=5.0)),
     Receive: Example(lambda: Receive(StageLink(Link())), rate=10_000.0),
-    Newest: Example(lambda: Newest(StageLink(Link()), "voltage"), rate=10_000.0),
+    Newest: Example(lambda: Newest(StageLink(Link()), "voltage"), start=lambda block: block.sample.fill(7.0)),
     Displacement: Example(
         lambda: Displacement(LaserLine(Laser(), now=lambda: 0.0)),
         start=lambda block: block.line.take(b"TG,1,+00.0100\r"),

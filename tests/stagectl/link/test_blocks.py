@@ -7,6 +7,7 @@ from ctlblocks import Graph
 from stagectl.link.blocks import Newest, Receive, Send
 from stagectl.link.config import Link
 from stagectl.link.stage_link import LinkFault, StageLink
+from stagectl.wire import messages, samples
 
 
 def a_link(**others: object) -> StageLink:
@@ -63,8 +64,11 @@ def test_references_are_sent_from_mid_travel() -> None:
 def test_the_newest_voltage_is_held() -> None:
     link = a_link()
     newest = Newest(link, "voltage")
-    link.signal("voltage")[1][:] = 42.0
     voltage = np.zeros((5, 3))
+    newest.process(voltage)
+    assert np.isnan(voltage).all()
+    data = samples.encode(messages.VOLTAGE, 0, np.full((10, 3), 42.0))
+    link._conversation.take(messages.VOLTAGE.identifier, data, 0.0)  # noqa: SLF001 (what comes from the bus)
     newest.process(voltage)
     assert (voltage == 42.0).all()
     assert newest.outputs[0].unit == "V"

@@ -49,6 +49,14 @@ def test_parameters_that_the_loops_refuse_change_nothing(rig: Rig) -> None:
     assert set(stage.parameters) == set(SET)
 
 
+def test_python_cans_own_bus_reaches_the_stage_as_well(tmp_path: Path) -> None:
+    path = tmp_path / "adapter"
+    with running(path, Settings(others_every=0)):
+        with StageLink(link_to(path, bus="can:Bus", options={"interface": "slcan"})) as link:
+            assert link.wait(link.skip() + 200, 10.0)
+            assert link.counts.garbled == 0
+
+
 def test_a_stage_without_references_stops_by_itself_and_the_link_latches(tmp_path: Path) -> None:
     events: list[str] = []
     with running(tmp_path / "adapter", Settings()) as (_, stage):
