@@ -117,4 +117,4 @@ class CanNode:
             case "stuck-sensor":
                 self._stick()
             case "no-heartbeat" | "heartbeat":
-                self.processor.is_mute = name == "no-heartbeat"
+                self.processor.frames.is_mute = name == "no-heartbeat"

@@ -2,19 +2,19 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from firmware_sim.parameter_store import ParameterStore
 from firmware_sim.reference_queue import ReferenceQueue
 from firmware_sim.slcan_adapter import Frame
+from firmware_sim.stage_frames import Signals, StageFrames
 from stagectl.wire import messages, samples
-from stagectl.wire.layout import GarbledError, Layout, WireError
+from stagectl.wire.layout import GarbledError, WireError
 from stagectl.wire.messages import PERIOD, Command, Fault, HostState, Result, State
 from stagectl.wire.sequence import Sequence
 
-Signals = Mapping[str, Any]
 Tick = Callable[[np.ndarray], Signals]
 """From references, shape (10, 3), m from mid-travel, to "position" and "extension" (m) and "voltage" (V) of that shape
 and, where the loops have latched, the "fault"."""
@@ -67,11 +67,11 @@ class Settings:
     others_every: int = 10
 
 
-_FD = (messages.POSITION, messages.EXTENSION, messages.VOLTAGE)
-_CLASSIC = (messages.SLOW_POSITION, messages.SLOW_EXTENSION, messages.SLOW_VOLTAGE)
 _CHUNKS = (messages.WRITE_CHUNK, messages.SLOW_WRITE_CHUNK)
 _AT_ONCE = 10
 """Blocks it catches up with before it looks at the wire again."""
+_REMEMBERED = 1.0
+"""s for which a command that comes again is the same one, asked again."""
 _PATIENCE = 0.5
 """s of its own time the processor catches up with; more is an overrun."""
 
@@ -89,23 +89,23 @@ class StageProcessor:
     def __init__(self, loops: Loops, settings: Settings, now: float) -> None:
         self.state, self.fault = State.HOLDING, Fault.NONE
         self.block = self.garbled = 0
-        self.is_mute = False
-        self._loops, self._settings, self._on = loops, settings, now
+        self._loops, self._settings = loops, settings
         self._queue = ReferenceQueue(settings.ahead if settings.pace == "own" else 1)
         self._store = ParameterStore(loops.commit)
         self._expected = messages.REFERENCE if settings.form == "fd" else messages.SLOW_REFERENCE
         self._references = Sequence(self._expected.modulus)
-        self._due = self._beat = self._report = self._host = self._reference = now
+        self._due = self._host = self._reference = now
         self._garbled_since = self._reference_counter = 0
         self._has_reference = False
-        self._answered: tuple[tuple[int, ...], tuple[int, ...]] | None = None
-        self._counters: dict[int, int] = {}
-        self._out: list[Frame] = []
+        self._answered: tuple[int, ...] = ()
+        self._answer_given: tuple[int, ...] = ()
+        self._answered_at = now
+        self.frames = StageFrames(settings.form, settings.others_every, now)
 
     @property
     def due(self) -> float:
         """When `advance` has something to do by itself, s."""
-        return min(self._due, self._beat)
+        return min(self._due, self.frames.beat_due)
 
     def receive(self, frame: Frame, now: float) -> None:
         """Take a frame from the bus."""
@@ -146,9 +146,8 @@ class StageProcessor:
             while self._due <= now and self.block < last:
                 self._run_block()
                 self._due += PERIOD
-        self._beats(now)
-        out, self._out = self._out, []
-        return out
+        self.frames.beat(now, self.state, self.fault, self._account)
+        return self.frames.take()
 
     def _watch(self, now: float) -> None:
         if self.state is not State.FOLLOWING:
@@ -174,7 +173,7 @@ class StageProcessor:
             self.state = State.HOLDING if self.fault is Fault.NONE else State.FAULT
         try:
             signals = self._loops.tick(self._queue.take())
-            self._publish(signals)
+            self.frames.publish(self.block, signals)
             fault = Fault(signals.get("fault", Fault.NONE))
         except (WireError, ArithmeticError, ValueError):
             fault = Fault.CONTROLLER
@@ -182,25 +181,11 @@ class StageProcessor:
         if fault is not Fault.NONE:
             self._fail(fault)
 
-    def _publish(self, signals: Signals) -> None:
-        classic, every = self._settings.form == "classic", self._settings.others_every
-        layouts = _CLASSIC if classic else _FD
-        names = ("position", "extension", "voltage") if every and self.block % every == 0 else ("position",)
-        for name, layout in zip(names, layouts, strict=False):
-            block = signals[name][-1:] if classic else signals[name]
-            self._out.append(Frame(layout.identifier, samples.encode(layout, self.block, block), layout.is_fd))
-
-    def _beats(self, now: float) -> None:
-        uptime = now - self._on
-        if now >= self._beat and not self.is_mute:
-            self._send(messages.STAGE_HEARTBEAT, self.state, self.fault, round(1e3 * uptime) % 2**32)
-        if now >= self._beat:
-            self._beat = max(self._beat + messages.HEARTBEAT, now)
-        if now >= self._report and self._settings.form == "fd":
-            self._report = max(self._report + messages.STATUS.period, now)
-            counts = [self._queue.lost, self._queue.late, self.garbled, self._queue.underruns]
-            newest = (self._reference_counter, self.state, self.fault)
-            self._send(messages.STATUS, round(1e9 * uptime), self.block, self._store.in_use, *counts, *newest)
+    def _account(self) -> tuple[int, ...]:
+        """Return the fields of the status."""
+        queue = self._queue
+        counts = (queue.lost, queue.late, self.garbled, queue.underruns)
+        return self.block, self._store.in_use, *counts, self._reference_counter
 
     def _take_reference(self, data: bytes, now: float) -> None:
         counter, block = samples.decode(self._expected, data)
@@ -219,10 +204,10 @@ class StageProcessor:
 
     def _answer(self, values: tuple[int, ...], now: float) -> None:
         command, token, argument = values
-        if self._answered is None or self._answered[0] != values:  # the same again: its reply was lost
+        if values != self._answered or now - self._answered_at > _REMEMBERED:  # else its reply was lost
             result, about = self._obey(Command(command), argument, now)
-            self._answered = values, (token, result, about)
-        self._send(messages.REPLY, *self._answered[1])
+            self._answered, self._answered_at, self._answer_given = values, now, (token, result, about)
+        self.frames.send(messages.REPLY, *self._answer_given)
 
     def _obey(self, command: Command, argument: int, now: float) -> tuple[Result, int]:
         store, result, about = self._store, Result.DONE, 0
@@ -238,9 +223,7 @@ class StageProcessor:
         elif command is Command.CHECK:
             about = store.received
         elif command is Command.READ:
-            layout = messages.SLOW_READ_CHUNK if self._settings.form == "classic" else messages.READ_CHUNK
-            for number, data in store.read(argument):
-                self._send(layout, number, *data)
+            self.frames.send_back(store.read(argument))
         else:
             result = store.commit(argument)
         return result, about
@@ -264,8 +247,3 @@ class StageProcessor:
             return Result.WRONG_STATE
         self.state, self.fault = State.HOLDING, Fault.NONE
         return Result.DONE
-
-    def _send(self, layout: Layout, *values: int) -> None:
-        counter = self._counters.get(layout.identifier, 0)
-        self._counters[layout.identifier] = counter + 1
-        self._out.append(Frame(layout.identifier, layout.pack(counter, *values), layout.is_fd))

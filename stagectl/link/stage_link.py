@@ -1,6 +1,7 @@
 """The link to the stage: open it, start and stop the stage, ask it, and acknowledge what went wrong."""
 
 import itertools
+import random
 import time
 from collections.abc import Callable
 from typing import Self
@@ -53,7 +54,7 @@ class StageLink:
         self._tell, self._now = tell, now
         self._conversation = Conversation(link, tell, now())
         self._carrier = Carrier(link, self._conversation, now)
-        self._tokens = itertools.count(1)
+        self._tokens = itertools.count(random.randrange(256))  # no two programs' first commands are the same
 
     def __enter__(self) -> Self:
         """Open the bus and wait until the stage is heard."""

@@ -247,6 +247,16 @@ def test_a_command_asked_twice_is_carried_out_once() -> None:
     assert bench.ask(Command.START, token=8)[1] == Result.WRONG_STATE
 
 
+def test_the_same_command_a_second_later_is_another_one() -> None:
+    bench = following(ramp=0.01)
+    assert bench.ask(Command.START, token=7)[1] == Result.WRONG_STATE
+    bench.ask(Command.STOP, token=8)
+    assert bench.ask(Command.START, token=7)[1] == Result.WRONG_STATE
+    for _ in range(1100):
+        bench.step(1e-3)
+    assert bench.ask(Command.START, token=7)[1] == Result.DONE
+
+
 @pytest.mark.parametrize("form", ["fd", "classic"])
 def test_parameters_are_uploaded_read_back_and_committed(form: str) -> None:
     bench = Bench(form=form)

@@ -95,7 +95,9 @@ def test_the_first_reason_is_kept() -> None:
     talk = streaming()
     talk.conversation.lose("the adapter has gone")
     talk.step(1.0)
+    talk.conversation.latch("the stage is silent")
     assert talk.conversation.reason == "the adapter has gone"
+    assert len(talk.events) == 1
 
 
 def test_nothing_latches_while_the_stage_only_holds() -> None:

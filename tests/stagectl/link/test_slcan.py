@@ -3,6 +3,7 @@
 import os
 import select
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import can
@@ -64,6 +65,18 @@ def test_garbage_is_counted_and_the_next_frame_taken(ends: Ends, noise: bytes) -
     adapter.send(FRAMES[0])
     assert heard(bus, 1) == [FRAMES[0]]
     assert bus.garbled >= 1
+
+
+def test_an_adapter_that_has_stopped_to_read_cannot_be_opened_but_says_so(tmp_path: Path) -> None:
+    adapter = SlcanAdapter(tmp_path / "adapter")
+    host = os.open(adapter.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    with suppress(BlockingIOError):
+        while True:
+            os.write(host, bytes(1000))
+    with pytest.raises(can.CanInitializationError):
+        SlcanBus(channel=adapter.path, bitrate=1_000_000, sleep_after_open=0)
+    os.close(host)
+    adapter.unplug()
 
 
 def test_answers_of_the_adapter_are_no_frames(ends: Ends) -> None:

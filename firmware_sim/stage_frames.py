@@ -1,0 +1,68 @@
+"""The frames that the stage sends: blocks of samples, heartbeats, its status, and answers."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from firmware_sim.slcan_adapter import Frame
+from stagectl.wire import messages, samples
+from stagectl.wire.layout import Layout
+from stagectl.wire.messages import Fault, State
+
+Signals = Mapping[str, Any]
+
+_FD = (messages.POSITION, messages.EXTENSION, messages.VOLTAGE)
+_CLASSIC = (messages.SLOW_POSITION, messages.SLOW_EXTENSION, messages.SLOW_VOLTAGE)
+
+
+class StageFrames:
+    """Collects frames until they are taken.
+
+    Parameters
+    ----------
+    form : "fd" or "classic"
+    others_every : int, blocks from one extension and voltage to the next; 0 for none
+    now : float, s, when the stage is switched on
+    """
+
+    def __init__(self, form: str, others_every: int, now: float) -> None:
+        self.is_mute = False
+        self.beat_due = now
+        self._is_classic, self._every, self._on = form == "classic", others_every, now
+        self._report_due = now
+        self._counters: dict[int, int] = {}
+        self._out: list[Frame] = []
+
+    def take(self) -> list[Frame]:
+        """Return what has been collected."""
+        out, self._out = self._out, []
+        return out
+
+    def send(self, layout: Layout, *values: int) -> None:
+        """Add a frame with the next counter of its kind."""
+        counter = self._counters.get(layout.identifier, 0)
+        self._counters[layout.identifier] = counter + 1
+        self._out.append(Frame(layout.identifier, layout.pack(counter, *values), layout.is_fd))
+
+    def publish(self, number: int, signals: Signals) -> None:
+        """Add a block's samples, `number` being its counter; WireError where one is out of range."""
+        layouts = _CLASSIC if self._is_classic else _FD
+        names = ("position", "extension", "voltage") if self._every and number % self._every == 0 else ("position",)
+        for name, layout in zip(names, layouts, strict=False):
+            block = signals[name][-1:] if self._is_classic else signals[name]
+            self._out.append(Frame(layout.identifier, samples.encode(layout, number, block), layout.is_fd))
+
+    def send_back(self, pieces: list[tuple[int, bytes]]) -> None:
+        """Add pieces of a parameter set."""
+        for number, data in pieces:
+            self.send(messages.SLOW_READ_CHUNK if self._is_classic else messages.READ_CHUNK, number, *data)
+
+    def beat(self, now: float, state: State, fault: Fault, account: Callable[[], tuple[int, ...]]) -> None:
+        """Add the heartbeat and the status that are due; `account` gives the status' fields between time and state."""
+        uptime = now - self._on
+        if now >= self.beat_due:
+            self.beat_due = max(self.beat_due + messages.HEARTBEAT, now)
+            if not self.is_mute:
+                self.send(messages.STAGE_HEARTBEAT, state, fault, round(1e3 * uptime) % 2**32)
+        if now >= self._report_due and not self._is_classic:
+            self._report_due = max(self._report_due + messages.STATUS.period, now)
+            self.send(messages.STATUS, round(1e9 * uptime), *account(), state, fault)
