@@ -20,6 +20,9 @@ DOUBLINGS = 25
 LARGEST_MODULUS = 1 - 1e-6
 """Of a pole: its response falls by a factor e in a million samples."""
 
+ROUNDING = 1e-9
+"""By which a pole at that limit may seem to be beyond it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Element:
@@ -60,7 +63,8 @@ class Element:
     @property
     def is_stable(self) -> bool:
         """Whether it and the system that it predicts have no pole of modulus above `LARGEST_MODULUS`."""
-        return all(np.abs(np.linalg.eigvals(a)).max() <= LARGEST_MODULUS for a in (self.a, self.system()))
+        largest = LARGEST_MODULUS + ROUNDING
+        return all(np.abs(np.linalg.eigvals(a)).max() <= largest for a in (self.a, self.system()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +131,7 @@ def every_step(element: Element) -> Steps:
 
 
 def gain_steps(element: Element) -> Steps:
-    """Return the steps of a Kalman gain alone, of an element that has no input but the outputs: a = A - K c, b = K."""
+    """Return the steps of a Kalman gain alone, of a predictor driven by the outputs alone: a = A - K c, b = K."""
     turns = np.eye(element.b.size).reshape(-1, *element.b.shape)
     return Steps(-(turns @ element.c), turns, np.zeros((len(turns), *element.c.shape)))
 

@@ -106,6 +106,20 @@ def test_it_stays_stable_where_the_data_grow() -> None:
     found = refine(system.model, drive, response + drift, iterations=60).model
     assert found.is_stable
     assert np.abs(np.linalg.eigvals(found.A - found.K @ found.C)).max() < 1
+    assert np.abs(found.poles).max() > 0.999
+    again = refine(found, drive, response + drift, iterations=5, focus="simulation").model
+    assert again.is_stable
+    assert np.abs(again.K).max() > 0
+
+
+def test_states_of_wildly_unlike_sizes_make_no_difference() -> None:
+    system = order_7()
+    record = system.record(2000, seed=13)
+    sizes = np.diag(10.0 ** np.arange(-8, 6, 2))
+    a, b = np.linalg.solve(sizes, system.model.A @ sizes), np.linalg.solve(sizes, system.model.B)
+    uneven = replace(system.model, A=a, B=b, C=system.model.C @ sizes, K=np.linalg.solve(sizes, system.model.K))
+    plain, found = refine(system.model, *record), refine(uneven, *record)
+    np.testing.assert_allclose(found.errors.modes.damping, plain.errors.modes.damping, rtol=1e-5)
 
 
 def test_noiseless_records_are_met_to_rounding() -> None:
