@@ -123,22 +123,24 @@ class Algorithm:
         error = self.law.reference - shot.response
         if self._watch is not None and self._learned:
             trouble = self._watch.judged(shot.drive, error, self.error_bound / self._caution)  # as computed
-            if trouble is not None and self._intervened(trouble, shot, error):
+            if trouble is not None and self._intervened(self._watch, trouble, shot, error):
                 return
         self._learn(shot, error)
 
     def _learn(self, shot: Shot, error: np.ndarray) -> None:
         """Make the next drive from a shot."""
-        expected = float(np.linalg.norm(self.error_bound))
+        learned = self._open > 0
+        expected = float(np.linalg.norm(self.error_bound[learned]))
         self._choose_gain(shot, error)
         self.lines = update(shot.drive, self._inverse, error, self.gain)
-        if self._rollback is not None and (best := self._rollback.judged(self.number, shot.drive, error, expected)):
-            self.lines = best.lines
-            self.decisions.append(Decision("rollback", {"to_shot": best.shot, "error_db": tidy(best.growth_db)}))
+        back = self._rollback and self._rollback.judged(self.number, shot.drive, error[learned], expected)
+        if back:
+            self.lines = back.lines
+            self.decisions.append(Decision("rollback", {"to_shot": back.shot, "error_db": tidy(back.growth_db)}))
         self._before = shot
         self._learned += 1
 
-    def _intervened(self, trouble: Trouble, shot: Shot, error: np.ndarray) -> bool:
+    def _intervened(self, watch: Watch, trouble: Trouble, shot: Shot, error: np.ndarray) -> bool:
         """Begin to reidentify a band, or freeze it when that has been done often enough; say whether it has begun."""
         watching, frequency = self._watching, self.law.matrix.frequency
         near = np.abs(frequency - trouble.centre) <= watching.half_width
@@ -146,6 +148,9 @@ class Algorithm:
         self.decisions.append(Decision("divergence", {**fields, "test": trouble.test, **trouble.values}))
         if sum(abs(centre - trouble.centre) <= watching.half_width for centre in self._treated) >= watching.rounds:
             self._open = np.where(near, 0.0, self._open)
+            watch.dismiss(near)
+            if self._rollback is not None:
+                self._rollback.forget()
             self.decisions.append(Decision("frozen", {**fields, "rounds": watching.rounds}))
             return False
         size = np.abs(error).max(axis=1)

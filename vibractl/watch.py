@@ -94,6 +94,11 @@ class Watch:
         blocks = np.unique(self._block[near & self._looked_at])
         self._best[blocks], self._grown[blocks] = np.inf, 0
 
+    def dismiss(self, lines: np.ndarray) -> None:
+        """Look at some lines, bool (lines,), no more: they are frozen, and what is wrong elsewhere is to be seen."""
+        self._looked_at = self._looked_at & ~lines
+        self._block = np.where(lines, -1, self._block)
+
     def _by_growth(self, size: np.ndarray, bound: np.ndarray) -> Trouble | None:
         seen, block = self._looked_at, self._block[self._looked_at]
         blocks = len(self._best)
