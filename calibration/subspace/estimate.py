@@ -36,7 +36,7 @@ class Compressed:
 def compress(windows: Windows, method: Method, without: int | None = None) -> Compressed:
     """Compress windows, with or without one segment, and take their singular values."""
     triangle, count = windows.triangle(without), windows.count(without)
-    return Compressed(triangle, windows.layout, count, project(triangle, windows.layout, count, method))
+    return Compressed(triangle, windows.layout, count, project(triangle, windows.layout, method))
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def estimate(
     raw, outlet = transition(gamma, layout.outputs)
     matrix = stabilized(raw, max(len(drive) for drive in drives))
     fitted = fit_response(matrix, outlet, drives, responses, terms)
-    mapped = state_map(compressed.triangle, layout, compressed.windows, gamma)
+    mapped = state_map(compressed.triangle, layout, gamma)
     gain = kalman_gain(compressed.triangle, layout, mapped, (matrix, fitted.inlet, outlet, fitted.direct))
     moved = int(np.sum(np.abs(np.linalg.eigvals(raw)) >= 1))
     return Estimate(

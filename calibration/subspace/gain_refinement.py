@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from calibration.subspace.kalman_gain import Gain, is_stable
+from calibration.subspace.kalman_gain import Gain, is_stable, whitening
 from calibration.subspace.modal import Modal, modal
 from calibration.subspace.modal_regression import regress, responses, sums
 from calibration.subspace.regression import Terms
@@ -67,7 +67,7 @@ def _descend(
     for _ in range(steps):
         if not np.isfinite(loss):
             break
-        root = np.linalg.cholesky(covariance)
+        root = whitening(covariance)
         seen = solve_triangular(root, outlet, lower=True)
         records = [sums(modes, error, solve_triangular(root, error.T, lower=True).T) for error in errors]
         step = regress(modes, seen, records, Terms(direct=False, constant=False)).inlet

@@ -8,6 +8,7 @@ from scipy.linalg import LinAlgError, solve_discrete_are
 from calibration.subspace.windows import Layout
 
 _HALVINGS = 60
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,18 @@ def kalman_gain(
             break
         gain /= 2
     return Gain(gain, measurement, by_riccati=False)
+
+
+def whitening(innovation: np.ndarray) -> np.ndarray:
+    """Return a triangular root, shape (p, p), of a covariance, of outputs that repeat one another too.
+
+    Parameters
+    ----------
+    innovation : array, shape (p, p), products of the outputs' units
+    """
+    least = _ROUNDING * float(np.trace(innovation)) + np.finfo(float).tiny
+    root: np.ndarray = np.linalg.cholesky(innovation + least * np.eye(len(innovation)))
+    return root
 
 
 def is_stable(matrix: np.ndarray) -> bool:

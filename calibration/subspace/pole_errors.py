@@ -18,6 +18,7 @@ class PoleErrors:
     Parameters
     ----------
     frequency : array, shape (modes,), Hz
+        Infinite for a pole that is at zero in one of the estimates.
     damping : array, shape (modes,), 1
     """
 
@@ -59,5 +60,7 @@ def pole_errors(windows: Windows, method: Method, modes: Modes, order: int, rate
 def _spread(without: np.ndarray) -> np.ndarray:
     """Return the standard error from estimates without each segment, shape (segments, modes)."""
     count = len(without)
-    error: np.ndarray = np.sqrt((count - 1) / count * np.sum((without - without.mean(axis=0)) ** 2, axis=0))
-    return error
+    known = np.isfinite(without).all(axis=0)
+    away = np.where(known, without, 0.0)
+    error = np.sqrt((count - 1) / count * np.sum((away - away.mean(axis=0)) ** 2, axis=0))
+    return np.where(known, error, np.inf)

@@ -9,12 +9,8 @@ from scipy.linalg import lstsq, solve_triangular, svd
 from calibration.subspace.windows import Layout
 
 Method = Literal["n4sid", "moesp"]
-_WEAK = 300.0
-"""Directions of the past are used from so many times the standard error of a regression on a direction of size 1 ..."""
-_RANK = 1e-9
-"""... and from this size, where signals have size 1."""
-_SAFE = 10.0
-"""Over the weakest usable one, a triangle's least diagonal entry for which its singular values are not looked at."""
+_TIED = 5.0
+"""Directions of the past are used whose part tied to the future inputs is at most so many times their own part."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +33,7 @@ class Projection:
         return gamma
 
 
-def project(triangle: np.ndarray, layout: Layout, windows: int, method: Method) -> Projection:
+def project(triangle: np.ndarray, layout: Layout, method: Method) -> Projection:
     """Take the singular values of the future outputs' projection on the past.
 
     Parameters
@@ -45,8 +41,6 @@ def project(triangle: np.ndarray, layout: Layout, windows: int, method: Method) 
     triangle : array, shape (rows, rows), 1
         As `Windows.triangle` gives it.
     layout : Layout
-    windows : int
-        How many it was made of.
     method : "n4sid" or "moesp"
         The projection along the future inputs (oblique, unit weights), or the one on what of the past is orthogonal to
         the future inputs.
@@ -61,7 +55,7 @@ def project(triangle: np.ndarray, layout: Layout, windows: int, method: Method) 
     if method == "moesp":
         explained = triangle[future, past]
     else:
-        explained = _past_to_future(triangle, layout, windows) @ triangle[past, ahead.start : past.stop]
+        explained = _past_to_future(triangle, layout) @ triangle[past, ahead.start : past.stop]
     directions, values, _ = svd(explained, full_matrices=False, check_finite=False)
     return Projection(directions, values)
 
@@ -105,35 +99,31 @@ def stabilized(matrix: np.ndarray, samples: int) -> np.ndarray:
     return inside
 
 
-def state_map(triangle: np.ndarray, layout: Layout, windows: int, gamma: np.ndarray) -> np.ndarray:
+def state_map(triangle: np.ndarray, layout: Layout, gamma: np.ndarray) -> np.ndarray:
     """Return what makes the state of a window's past, shape (n, rows of the past).
 
     Parameters
     ----------
     triangle : array, shape (rows, rows), 1
     layout : Layout
-    windows : int
-        How many it was made of.
     gamma : array, shape (future p, n), 1
     """
-    mapped: np.ndarray = lstsq(gamma, _past_to_future(triangle, layout, windows), check_finite=False)[0]
+    mapped: np.ndarray = lstsq(gamma, _past_to_future(triangle, layout), check_finite=False)[0]
     return mapped
 
 
-def _past_to_future(triangle: np.ndarray, layout: Layout, windows: int) -> np.ndarray:
+def _past_to_future(triangle: np.ndarray, layout: Layout) -> np.ndarray:
     """Return the regression of the future outputs on the past beside the future inputs, shape (future p, past).
 
-    A past that the future inputs tell nearly (inputs of few frequencies) leaves directions too weak to regress on: they
-    are left out, which keeps the columns within the range of the observability matrix.
+    Directions of the past that the future inputs nearly tell (of a chirp, most) would carry the error of what little is
+    their own over to all that is tied: they are left out, which keeps the columns within the observability's range.
     """
-    _, past, future = layout.parts
-    own, shared = triangle[past, past], triangle[future, past]
-    noise = float(np.sqrt(np.mean(np.diag(triangle[future, future]) ** 2)))
-    weakest = max(_WEAK * noise / np.sqrt(windows), _RANK)
-    if np.diag(own).min() > _SAFE * weakest:
+    ahead, past, future = layout.parts
+    own, tied, shared = triangle[past, past], triangle[past, ahead], triangle[future, past]
+    if np.abs(np.diag(own)).min() * _TIED > np.linalg.norm(tied, axis=1).max():
         solved: np.ndarray = solve_triangular(own, shared.T, lower=True, trans="T", check_finite=False).T
         return solved
     left, sizes, right = svd(own, check_finite=False)
-    strong = sizes > weakest
-    kept: np.ndarray = (shared @ right[strong].T / sizes[strong]) @ left[:, strong].T
+    free = sizes * _TIED > np.linalg.norm(left.T @ tied, axis=1)
+    kept: np.ndarray = (shared @ right[free].T / sizes[free]) @ left[:, free].T
     return kept

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from calibration.subspace.estimate import Estimate
-from calibration.subspace.kalman_gain import Gain
+from calibration.subspace.kalman_gain import Gain, whitening
 from calibration.subspace.modal import modal
 from calibration.subspace.modal_regression import regress, responses, sums
 from calibration.subspace.regression import Terms
@@ -60,7 +60,7 @@ def weighted(
     power = sum(float(np.sum(response**2)) for response in measured)
     if predictor.condition > CONDITION or not estimate.left > EXACT * power:
         return estimate
-    root = np.linalg.cholesky(gain.innovation)
+    root = whitening(gain.innovation)
     rest = np.zeros(len(gain.matrix))
     records = []
     for drive, response in zip(drives, measured, strict=True):

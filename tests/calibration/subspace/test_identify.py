@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from calibration import subspace
 from calibration.fit_measures import fit
@@ -171,6 +172,55 @@ def test_the_predictor_is_stable_and_the_innovations_are_a_covariance() -> None:
         model = subspace.identify(*system.record(3000, seed=18), RATE, system.model.order, horizon=20).model
         assert np.all(np.abs(np.linalg.eigvals(model.A - model.K @ model.C)) < 1)
         assert np.all(np.linalg.eigvalsh(model.innovation) > 0)
+
+
+def odd_record(kind: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return 300 samples of two inputs and two outputs in which something is not as the theory has it."""
+    rng = np.random.default_rng(20)
+    drive = rng.standard_normal((300, 2))
+    match kind:
+        case "one sine a channel":
+            drive = np.sin(np.outer(np.arange(300), [0.3, 0.8]))
+        case "one step":
+            drive = np.repeat((np.arange(300) > 100)[:, None] * 1.0, 2, axis=1)
+        case "an input twice":
+            drive[:, 1] = drive[:, 0]
+    response = lfilter([0.0, 1.0], [1.0, -0.8], drive @ np.array([[1.0, 2.0], [0.5, -1.0]]), axis=0)
+    match kind:
+        case "an output twice":
+            response[:, 1] = response[:, 0]
+        case "an output that is the input":
+            response = drive.copy()
+        case "integrated":
+            response = np.cumsum(response, axis=0)
+        case "noise a hundred times as loud":
+            response += 100 * rng.standard_normal(response.shape)
+        case "rounded to whole numbers":
+            response = np.round(response).astype(int)
+    return drive, response
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "one sine a channel",
+        "one step",
+        "an input twice",
+        "an output twice",
+        "an output that is the input",
+        "integrated",
+        "noise a hundred times as loud",
+        "rounded to whole numbers",
+    ],
+)
+@pytest.mark.parametrize("method", ["n4sid", "moesp"])
+@pytest.mark.parametrize("order", [None, 3])
+def test_an_odd_record_gives_a_stable_model_all_the_same(kind: str, method: subspace.Method, order: int | None) -> None:
+    found = subspace.identify(*odd_record(kind), RATE, order, method)
+    assert found.model.is_stable
+    assert np.all(np.abs(np.linalg.eigvals(found.model.A - found.model.K @ found.model.C)) < 1)
+    assert np.all(np.isfinite(found.fit.one_step.nrmse))
+    assert not np.any(np.isnan(found.pole_errors.frequency))
 
 
 @pytest.mark.parametrize(
