@@ -147,13 +147,14 @@ class Windows:
     @cached_property
     def _products(self) -> np.ndarray:
         """Sums of products over each segment's windows, shape (segments, rows, rows)."""
-        size = len(self.layout.order)
-        products = np.zeros((self.segments, size, size))
-        for (number, start, stop), sums in zip(self._bounds, products, strict=True):
+        order = self.layout.order
+        products = np.empty((self.segments, len(order), len(order)))
+        for (number, start, stop), arranged in zip(self._bounds, products, strict=True):
+            sums = np.zeros_like(arranged)
             window_kernel.window_products(self._records[number], start, stop, self.layout.length, sums)
-            sums[:] = np.triu(sums) + np.triu(sums, 1).T
-        arranged: np.ndarray = products[:, self.layout.order[:, None], self.layout.order]
-        return arranged
+            sums = np.triu(sums) + np.triu(sums, 1).T
+            arranged[:] = sums[order[:, None], order]
+        return products
 
     @cached_property
     def _is_conditioned(self) -> bool:
