@@ -7,7 +7,7 @@ import pytest
 
 from firmware_sim.plants.vibrator_array import VibratorArrayPlant
 from tests.vibractl.far_field_plant import LINEAR, RATE, STEADY, far_config, far_model
-from vibractl.place import at_accelerometers
+from vibractl.place import Place, at_accelerometers
 from vibractl.quality import Judge
 from vibractl.setup import Setup, setup
 
@@ -71,6 +71,8 @@ def test_without_a_far_objective_an_old_model_does() -> None:
 
 
 def test_a_frame_begins_later_where_sound_comes_later() -> None:
-    place = at_accelerometers(np.zeros((3, 2)), (0, 1))
+    near = at_accelerometers(np.zeros((3, 2)), (0, 1))
     heard = np.arange(20.0).reshape(10, 2)
-    np.testing.assert_array_equal(place.frame(heard, 2), heard[2:5])
+    np.testing.assert_array_equal(near.frame(heard, 2), heard[2:5])
+    far = Place("far-field", (0, 1), np.zeros((3, 2)), (1, 4))
+    np.testing.assert_array_equal(far.frame(heard, 2), np.stack([heard[3:6, 0], heard[6:9, 1]], axis=1))
