@@ -38,8 +38,9 @@ soak: setup packages  ## the slow tests: minutes
 bench: setup packages ## benchmarks and the comparisons with peers
 	$(BIN)/pytest -q benchmarks --benchmark-only
 
-docs: setup      ## regenerate what is generated: docs/rig.toml, stagectl/stage.dbc
+docs: setup      ## regenerate what is generated: docs/rig.toml, docs/stage.toml, stagectl/stage.dbc
 	$(BIN)/vibractl example-config > docs/rig.toml
+	$(BIN)/stagectl example-config > docs/stage.toml
 	$(BIN)/python -c 'import sys; from stagectl.wire.dbc import dbc_text; sys.stdout.write(dbc_text())' > stagectl/stage.dbc
 
 clean:           ## remove .venv, caches and builds

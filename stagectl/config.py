@@ -6,7 +6,7 @@ from typing import Any, Literal, Self
 from pydantic import Field, model_validator
 
 from rigkit.config import Section, setting
-from stagectl.link.config import Laser, Link
+from stagectl.link.config import CLASS, Laser, Link
 
 Range = tuple[float, float]
 PerAxis = tuple[float, ...]
@@ -95,6 +95,9 @@ class Inner(Section):
     lead: float = setting(4.3e-5, "s", "Kd gain", ge=-1, le=1)
     smoothing: float = setting(2.5e-4, "s", "time constant of the derivative's low-pass", gt=0, le=1)
     tracking: float = setting(1e-3, "s", "time constant of the anti-windup", gt=0, le=10)
+    hysteresis: tuple[str, ...] = setting(
+        (), "", "model file of each axis' hysteresis to undo, from `calibrate hysteresis`; empty for none"
+    )
 
 
 class Outer(Section):
@@ -110,7 +113,7 @@ class Outer(Section):
         30.0, "Hz", "what moves so fast is to be followed, and pushes that change a tenth as fast", gt=0, le=2_000
     )
     reach: float = setting(200.0, "Hz", "the models hold up to here", gt=0, le=50_000)
-    beyond: float = setting(0.5, "1", "largest gain of the loop from there on", gt=0, le=10)
+    beyond: float = setting(1.0, "1", "largest gain of the controller from there on, re the plant at rest", gt=0, le=10)
     max_sensitivity: float = setting(2.2, "1", "Ms that is kept, with `delay` more than there is", ge=1.1, le=10)
     delay: int = setting(1, "samples", "extra delay that the bound on Ms holds for", ge=0, le=20)
     mistuning: float = setting(0.05, "1", "natural frequencies may be off by so much, either way", ge=0, le=0.5)
@@ -125,10 +128,39 @@ class Outer(Section):
     resonance_damping: float = setting(0.0, "1", "damping ratio of those states", ge=0, le=0.5)
 
 
-class Simulator(Section):
-    """The laboratory without the laboratory; read by firmware_sim alone."""
+class Reference(Section):
+    """Where the plate is to be; with `deflection.on`, where the tool is to be in the workpiece."""
 
-    options: dict[str, Any] = setting({}, "", "keywords the plant is built with")
+    signal: str = setting("hold", "", "hold, or a WAV or CSV file of positions in m, a channel an axis")
+    position: PerAxis = setting((225e-6,), "m", "where hold holds; one for all axes, or one an axis", min_length=1)
+
+
+class Deflection(Section):
+    """What the laser sees of the robot: it is taken off the reference, so that the tool stays in the workpiece."""
+
+    on: bool = setting(False, "", "compensate")
+    delay: int = setting(2, "samples", "by which the laser comes later than the position sensors", ge=0, le=1_000)
+    corner: float = setting(500.0, "Hz", "of a first-order low-pass for the laser's noise", gt=0, le=50_000)
+
+
+class Session(Section):
+    """How long a run is, and how it is kept."""
+
+    seconds: float = setting(20.0, "s", "length of the run", gt=0, le=3_600)
+    lead: float = setting(1.0, "s", "before it, to come to rest and to start", ge=0.05, le=60)
+    recording: Literal["csv", "wav"] = setting("csv", "", "format of the recording; a WAV is smaller and quicker")
+    compare: bool = setting(False, "", "run it without compensation of the deflection first")
+
+
+class Simulator(Section):
+    """The laboratory without the laboratory; a live run does not read it."""
+
+    plant: str = setting("firmware_sim.stage_blocks:PiezoStage", "", "module:Class of the stage's Block", pattern=CLASS)
+    options: dict[str, Any] = setting({}, "", "keywords it is built with")
+    surroundings: str = setting(
+        "stagectl.still:Still", "", "module:Class of the Block that pushes and moves it", pattern=CLASS
+    )
+    surroundings_options: dict[str, Any] = setting({}, "", "keywords that is built with")
 
 
 class StageConfig(Section):
@@ -140,6 +172,9 @@ class StageConfig(Section):
     sensors: Sensors = Field(default_factory=Sensors)
     inner: Inner = Field(default_factory=Inner)
     outer: Outer = Field(default_factory=Outer)
+    reference: Reference = Field(default_factory=Reference)
+    deflection: Deflection = Field(default_factory=Deflection)
+    session: Session = Field(default_factory=Session)
     link: Link = Field(default_factory=Link)
     laser: Laser = Field(default_factory=Laser)
     simulator: Simulator = Field(default_factory=Simulator)
@@ -147,8 +182,21 @@ class StageConfig(Section):
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         axes = len(self.stage.axes)
-        for table, key in (("inner", "gain"), ("inner", "bandwidth"), ("outer", "bandwidth"), ("outer", "drive")):
+        for table, key in (
+            ("inner", "gain"),
+            ("inner", "bandwidth"),
+            ("outer", "bandwidth"),
+            ("outer", "drive"),
+            ("reference", "position"),
+        ):
             values = getattr(getattr(self, table), key)
             if len(values) not in (1, axes) or not all(value > 0 for value in values):
                 raise ValueError(f"{table}.{key} is {values}, must be 1 or {axes} numbers > 0")
+        if len(self.inner.hysteresis) not in (0, axes):
+            raise ValueError(f"inner.hysteresis has {len(self.inner.hysteresis)} files, must have none or {axes}")
+        if not self.session.lead >= 2.5 * self.limits.ramp:
+            raise ValueError(
+                f"session.lead is {self.session.lead:g} s, must be >= {2.5 * self.limits.ramp:g} s: two of limits.ramp "
+                "and some rest"
+            )
         return self

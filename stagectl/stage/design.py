@@ -59,8 +59,8 @@ def design(model: InnovationModel, outer: Outer, axis: int) -> Design:
     """Design the outer loop of an axis from its weights.
 
     Of bandwidths and drives up to those asked for, and of filters and gains of more and less trust in the model, it
-    takes the combination that leaves the least error (`Design.left`) while these keep their bounds: the loop's gain
-    above `Outer.reach`; Ms, with the extra delay; Ms with natural frequencies off by `Outer.mistuning` either way, and
+    takes the combination that leaves the least error (`Design.left`) while these keep their bounds: the gain above
+    `Outer.reach`; Ms, with the extra delay; Ms with natural frequencies off by `Outer.mistuning` either way, and
     the largest answer to a reference, off or not.
 
     Parameters
@@ -82,7 +82,8 @@ def design(model: InnovationModel, outer: Outer, axis: int) -> Design:
             continue
         figures = [robustness(plant, each.loop.system(), model.rate, outer.delay) for plant in plants]
         worst = max(figure.max_sensitivity for figure in figures)
-        if figures[0].max_sensitivity <= outer.max_sensitivity and worst <= outer.mistuned_sensitivity:
+        answer = max(largest_answer(plant, each.loop) for plant in plants)
+        if figures[0].max_sensitivity <= outer.max_sensitivity and max(worst, answer) <= outer.mistuned_sensitivity:
             return replace(each, robustness=figures[0], worst_sensitivity=worst)
     raise ValueError(
         f"axis {axis + 1}: of {len(found)} outer loops with a gain <= {outer.beyond:g} above outer.reach "
@@ -102,6 +103,15 @@ def mistuned(plant: StateSpace, factor: float) -> StateSpace:
     return StateSpace(turned, (unit - turned) @ np.linalg.solve(unit - plant.A, plant.B), plant.C, plant.D)
 
 
+def largest_answer(plant: StateSpace, loop: StateFeedback) -> float:
+    """Return the largest gain from reference to position of a loop on a plant, m/m."""
+    rate = loop.model.rate
+    frequency = frequencies([plant, loop.system().then(plant).closed()], rate)
+    response = plant.response(frequency, rate)
+    closed = loop.reference_system().response(frequency, rate) * response
+    return float(np.abs(closed / (1.0 + loop.system().response(frequency, rate) * response)).max())
+
+
 class _Looks:
     """A quick look at many controllers of the same plants, on one set of frequencies."""
 
@@ -112,15 +122,17 @@ class _Looks:
         self._late = np.exp(-2j * np.pi * self._frequency * outer.delay / rate)
         self._beyond = np.geomspace(outer.reach, rate / 2, 30) if outer.reach < rate / 2 else np.zeros(0)
         self._few = np.append(self._beyond, [outer.disturbance, outer.disturbance / SLOWER])
+        self._at_rest = abs(plants[0].response(np.zeros(1), rate)[0])
         self._few_responses = plants[0].response(self._few, rate)
 
     def gain_beyond_and_left(self, loop: StateFeedback) -> tuple[float, float]:
-        """Return the largest gain above `Outer.reach`, and `Design.left`."""
-        gain = loop.system().response(self._few, self._rate) * self._few_responses
+        """Return the controller's gain above `Outer.reach`, times the plant's at rest, and `Design.left`."""
+        feedback = loop.system().response(self._few, self._rate)
+        gain = feedback[-2:] * self._few_responses[-2:]
         at = slice(len(self._few) - 2, len(self._few) - 1)
         followed = loop.reference_system().response(self._few[at], self._rate) * self._few_responses[at]
         left = np.hypot(abs(1.0 - followed[0] / (1.0 + gain[-2])), abs(1.0 / (1.0 + gain[-1])))
-        return float(np.abs(gain[:-2]).max(initial=0.0)), float(left)
+        return float(np.abs(feedback[:-2]).max(initial=0.0)) * self._at_rest, float(left)
 
     def keeps_bounds(self, loop: StateFeedback) -> bool:
         """Whether Ms and answers to a reference are within their bounds, and all is stable."""

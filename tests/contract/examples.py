@@ -11,6 +11,7 @@ from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, 
 from firmware_sim.stage_blocks import Milling, PiezoStage
 from firmware_sim.stage_image import Held, StickingStage
 from stagectl import config as stage
+from stagectl.deflection import DeflectionReference
 from stagectl.link.blocks import Newest, Receive, Send
 from stagectl.link.config import Laser, Link
 from stagectl.link.laser import Displacement, LaserLine
@@ -25,6 +26,7 @@ from stagectl.stage.loop import inner_loops
 from stagectl.stage.sensors import SensorCheck
 from stagectl.stage.servo import servo
 from stagectl.stage.state_feedback import StateFeedback, linear_quadratic
+from stagectl.still import Still
 from tests.contract.conformance import Example
 from vibractl.algorithm import Algorithm
 from vibractl.audio_engine import DeviceInput
@@ -112,6 +114,8 @@ EXAMPLES: dict[type[Block], Example] = {
     Trial: Example(lambda: Trial(NOISE, 2, margin=50)),
     Learner: Example(_learner),
     DeviceInput: Example(lambda: DeviceInput(2), start=lambda block: block.frame.fill(0.1)),
+    Still: Example(Still),
+    DeflectionReference: Example(lambda: DeflectionReference(stage.Deflection(), 3), rate=10_000.0),
     StageController: Example(_stage_controller, _start_stage, 10_000.0),
     PiezoController: Example(lambda: PiezoController(inner_loops(STAGE), STAGE.limits), _start_stage, 10_000.0),
     VoltageGuard: Example(lambda: VoltageGuard(stage.Limits(voltage=(-0.05, 0.02)), 3), _open_stage, 10_000.0),

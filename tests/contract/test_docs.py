@@ -18,6 +18,7 @@ from pathlib import Path
 import pytest
 
 from rigkit.config import example
+from stagectl.config import StageConfig
 from tests.contract.source_tree import FOLDERS, PACKAGES, ROOT, Definition, definitions, imports, sources, tree
 from vibractl.config import RigConfig
 
@@ -130,9 +131,10 @@ def test_every_name_in_the_list_of_symbols_is_in_its_file() -> None:
     assert missing == []
 
 
-def test_the_rig_file_in_the_docs_is_the_one_the_program_prints() -> None:
-    """`make docs` writes it."""
+def test_the_rig_files_in_the_docs_are_those_the_programs_print() -> None:
+    """`make docs` writes them."""
     assert (ROOT / "docs/rig.toml").read_text() == example(RigConfig)
+    assert (ROOT / "docs/stage.toml").read_text() == example(StageConfig)
 
 
 def _length(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:

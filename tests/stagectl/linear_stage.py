@@ -29,10 +29,14 @@ LAG = 1_000.0
 
 def mechanics(axis: str, factor: float = 1.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return A, B, C from extension (m) to position (m), sampled; natural frequencies times `factor`."""
-    modes = AXES[axis]
-    omega = [2 * np.pi * frequency * factor for frequency, _, _ in modes]
+    return sampled([(frequency * factor, damping, RATIO * share) for frequency, damping, share in AXES[axis]])
+
+
+def sampled(modes: list[tuple[float, float, float]]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return A, B, C of modes in parallel, of natural frequency (Hz), damping ratio and gain at rest each."""
+    omega = [2 * np.pi * frequency for frequency, _, _ in modes]
     A = block_diag(*[[[0, w], [-w, -2 * z * w]] for w, (_, z, _) in zip(omega, modes, strict=True)])
-    B = np.concatenate([[0.0, RATIO * share * w] for w, (_, _, share) in zip(omega, modes, strict=True)])[:, None]
+    B = np.concatenate([[0.0, gain * w] for w, (_, _, gain) in zip(omega, modes, strict=True)])[:, None]
     n = len(A)
     both = expm(np.block([[A, B], [np.zeros((1, n + 1))]]) / RATE)
     return both[:n, :n], both[:n, n:], np.array([[1.0, 0.0] * len(modes)])
@@ -40,8 +44,13 @@ def mechanics(axis: str, factor: float = 1.0) -> tuple[np.ndarray, np.ndarray, n
 
 def model(axis: str) -> InnovationModel:
     """Return what a perfect identification would give from the inner loop's reference: the mechanics and its lag."""
-    A, B, C = mechanics(axis)
-    pole = np.exp(-2 * np.pi * 250.0 / RATE)
+    return lagging(mechanics(axis), 250.0)
+
+
+def lagging(system: tuple[np.ndarray, np.ndarray, np.ndarray], corner: float) -> InnovationModel:
+    """Return a model of a system behind a first-order lag of so many Hz."""
+    A, B, C = system
+    pole = np.exp(-2 * np.pi * corner / RATE)
     A = np.block([[A, B], [np.zeros((1, len(A))), np.full((1, 1), pole)]])
     B = np.vstack([np.zeros_like(B), [[1 - pole]]])
     C = np.hstack([C, [[0.0]]])

@@ -1,0 +1,148 @@
+"""The command line `stagectl`."""
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from rigkit import config as rig_file
+from rigkit.command import ConfigOption, JsonOption, SetOption, application, print_table, run, words, write_json
+from rigkit.progress import progress
+from rigkit.run_folder import RunFolder
+from rigkit.stop import Stopped, stoppable
+from stagectl import session
+from stagectl.config import StageConfig
+from stagectl.live import run_live
+from stagectl.replay import replay
+from stagectl.report import run_report
+from stagectl.scenario import scenario_settings
+from stagectl.setup import Setup
+
+app = application("The piezo stage follows its reference, and takes back what pushes it away.")
+
+RunArgument = Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")]
+
+
+@app.command("example-config")
+def example_config() -> None:
+    """Print a complete rig file for the simulator: every key with its unit, range and default.
+
+    Example: `stagectl example-config > stage.toml`
+    """
+    sys.stdout.write(rig_file.example(StageConfig))
+
+
+@app.command("run")
+def run_command(
+    out: Annotated[Path, typer.Option(metavar="RUN/", help="Folder to make for the run.")],
+    model: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="FILE", help="Model file of an axis; give one for each, in the order of stage.axes."),
+    ] = None,
+    config: ConfigOption = None,
+    reference: Annotated[
+        str | None, typer.Option(help="hold, or a WAV or CSV file of positions in m, a channel an axis.")
+    ] = None,
+    seconds: Annotated[float | None, typer.Option(help="Length of the run.")] = None,
+    scenario: Annotated[str | None, typer.Option(help="milling-x, milling-y or milling-z.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Which simulated stage.")] = None,
+    live: Annotated[bool, typer.Option("--live", help="The stage behind its CAN adapter.")] = False,
+    settings: SetOption = None,
+    json: JsonOption = None,
+) -> None:
+    """Run the stage in closed loop, record it, and end with a report.
+
+    Example: `stagectl run --config stage.toml --model x.h5 --model y.h5 --model z.h5 --reference ref.csv --out RUN/`
+    """
+    flags = {"reference.signal": reference, "session.seconds": seconds, "simulator.options.seed": seed}
+    given = [f"{key}={value}" for key, value in flags.items() if value is not None]
+    laid_over = [*(settings or []), *given]
+    made = rig_file.load(config, StageConfig, laid_over)
+    if scenario is not None:
+        made = rig_file.load(config, StageConfig, [*scenario_settings(scenario, made.session), *laid_over])
+    if live:
+        if model or scenario:
+            raise ValueError("--live runs the stage's own controllers on what is there: no --model, no --scenario")
+        folder, put_together = session.create(out, made, None)
+    else:
+        folder, put_together = session.create(out, made, model or [])
+    with folder:
+        _end(_run(folder, put_together), out, json)
+
+
+def _run(folder: RunFolder, made: Setup) -> dict[str, Any]:
+    with stoppable() as stop, progress("running", made.timeline.total) as meter:
+        if made.designs:
+            figures = session.run(folder, made, lambda name, done: meter.show(done, name), lambda: stop.made)
+        else:
+            figures = run_live(folder, made, lambda: stop.made)
+    if stop.made:
+        raise Stopped(f"stopped; what is recorded is in {folder.path}")
+    run_report(folder.path)
+    return figures
+
+
+def _end(figures: dict[str, Any], path: Path, json: str | None) -> None:
+    rows = []
+    for what in ("position_error", "tool_error", "uncompensated_tool_error"):
+        for axis, each in figures.get(what, {}).items():
+            sizes = [f"{1e6 * each[key]:.2f}" for key in ("mae", "std", "peak")]
+            rows.append([f"{what.replace('_', ' ')}, {axis}", *sizes, f"{100 * each['within']:.1f}"])
+    head = ["error", "MAE, um", "std, um", "peak, um", "within 5 um, %"]
+    print_table(f"{path}: {figures['seconds']:g} s", head, rows, words(json))
+    for axis, factor in figures.get("improvement", {}).items():
+        print(f"{axis}: {factor:.1f} times better than uncompensated", file=words(json))
+    if (path / "report.html").exists():
+        print(f"report: {path / 'report.html'}", file=words(json))
+    write_json(json, figures)
+
+
+@app.command("replay")
+def replay_command(
+    path: RunArgument,
+    json: JsonOption = None,
+) -> None:
+    """Make every output of a run again from its recorded sensors; status 1 if one differs from the recorded one.
+
+    Example: `stagectl replay RUN/`
+    """
+    done = list(replay(path, session.setup_of(path)))
+    rows = [
+        [each.recording, each.channel, "yes" if each.identical else "no", f"{each.difference:.3g} {each.unit}"]
+        for each in done
+    ]
+    print_table(
+        f"{path}: outputs made again from the recorded sensors",
+        ["recording", "channel", "bit for bit", "largest difference"],
+        rows,
+        words(json),
+    )
+    differ = sum(not each.identical for each in done)
+    write_json(json, {"channels": len(done), "differing": differ})
+    if differ:
+        raise typer.Exit(1)
+
+
+@app.command("report")
+def report_command(
+    path: RunArgument,
+    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
+    json: JsonOption = None,
+) -> None:
+    """Draw the report of a run again.
+
+    Example: `stagectl report RUN/ --png figures/`
+    """
+    figures = run_report(path, png)
+    print(f"report: {path / 'report.html'}", file=words(json))
+    write_json(json, figures)
+
+
+def main() -> int:
+    """Run the command line and return its exit status."""
+    return run(app, "stagectl", "firmware_sim")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,136 @@
+"""The graph of a run: the stage's controllers, what they see, and a recorder of all that goes in and out."""
+
+from collections.abc import Callable
+
+from ctlblocks import Block, Graph, Port
+from ctlblocks.clock import run_offline
+from ctlblocks.recording import Recording
+from ctlblocks.replay import Record, Replay
+from rigkit.config import resolve
+from stagectl.config import StageConfig
+from stagectl.deflection import DeflectionReference
+from stagectl.setup import Setup
+from stagectl.stage.loop import Stage
+
+SEEN = ("position", "extension", "absolute")
+"""What sensors give, m."""
+MADE = ("reference", "extension_reference", "voltage")
+"""What the controllers make of it: m, m and V."""
+CHUNK = 1_000
+"""Samples between two looks at faults and at whether the run is to stop."""
+
+Seen = Callable[[Graph], dict[str, tuple[str, bool]]]
+"""Adds the stage itself to a graph; returns for each of `SEEN` its output, and whether it is read a tick late."""
+
+
+class Cell:
+    """A run in a graph of one sample a tick.
+
+    Parameters
+    ----------
+    made : Setup
+    wanted : Recording
+        Position of every axis, as long as the run.
+    seen : Seen
+        `simulated(config)` or `recorded(recording, config)`.
+    compensate : bool
+        Whether the robot's deflection is taken off the reference.
+    """
+
+    def __init__(self, made: Setup, wanted: Recording, seen: Seen, compensate: bool) -> None:
+        config, axes = made.config, len(made.config.stage.axes)
+        self._made = made
+        self.graph = graph = Graph(config.stage.rate)
+        self.stage = Stage(graph, config, made.controller(), made.compensation())
+        graph.add("wanted", Replay(wanted, {"position": wanted.names}))
+        outputs = {"wanted": ("wanted.position", False), **seen(graph)}
+        graph.connect(outputs["position"][0], "sensors.position", delayed=outputs["position"][1])
+        graph.connect(outputs["extension"][0], "sensors.extension", delayed=outputs["extension"][1])
+        outputs["reference"] = ("wanted.position", False)
+        if compensate:
+            graph.add("deflection", DeflectionReference(config.deflection, axes))
+            for name in ("wanted", "absolute", "position"):
+                graph.connect(outputs[name][0], f"deflection.{name}", delayed=outputs[name][1])
+            outputs["reference"] = ("deflection.reference", False)
+        graph.connect(outputs["reference"][0], "controller.reference")
+        outputs["extension_reference"] = ("controller.extension_reference", False)
+        outputs["voltage"] = ("guard.voltage", False)
+        ports = [Port(name, "V" if name == "voltage" else "m", axes) for name in ("wanted", *SEEN, *MADE)]
+        self._record = Record(ports, len(wanted.data))
+        graph.add("record", self._record)
+        for port in ports:
+            source, delayed = outputs[port.name]
+            graph.connect(source, f"record.{port.name}", delayed=delayed)
+        graph.prepare()
+
+    def run(self, tell: Callable[[int], None], stopped: Callable[[], bool]) -> str | None:
+        """Run from the first sample to the last, or to rest after a fault, or until `stopped`; return the fault.
+
+        Parameters
+        ----------
+        tell : callable(int)
+            Told of the samples done, now and then.
+        stopped : callable() -> bool
+        """
+        times = self._made.timeline
+        ends = sorted({times.start, times.end, times.total, *range(CHUNK, times.total, CHUNK)})
+        for done in ends:
+            run_offline(self.graph, done - self.graph.ticks)
+            tell(done)
+            if self.stage.fault is not None or stopped():
+                self._come_to_rest()
+                break
+            if done == times.start:
+                self.stage.start()
+            if done == times.end:
+                self.stage.stop()
+        return self.stage.fault
+
+    def _come_to_rest(self) -> None:
+        if self.stage.fault is None:
+            self.stage.stop()
+        left = self._made.timeline.total - self.graph.ticks
+        ramp = round(1.1 * self._made.config.limits.ramp * self.graph.rate)
+        run_offline(self.graph, min(left, ramp))
+
+    def recording(self, provenance: dict[str, str]) -> Recording:
+        """Return what was recorded, with the axes' names in those of the channels."""
+        kept, axes = self._record.recording(provenance), self._made.config.stage.axes
+        names = tuple(f"{port.name}_{axis}" for port in self._record.inputs for axis in axes)
+        return Recording(names, kept.units, kept.rate, kept.data, kept.provenance)
+
+
+def simulated(config: StageConfig) -> Seen:
+    """Return what adds the plant that the rig file names, and its surroundings."""
+
+    def seen(graph: Graph) -> dict[str, tuple[str, bool]]:
+        options = config.simulator
+        graph.add("plant", _block(options.plant, options.options))
+        graph.add("surroundings", _block(options.surroundings, options.surroundings_options))
+        for name in ("force", "base"):
+            graph.connect(f"surroundings.{name}", f"plant.{name}")
+        graph.connect("guard.voltage", "plant.voltage")
+        return {name: (f"plant.{name}", True) for name in SEEN}
+
+    return seen
+
+
+def recorded(record: Recording, config: StageConfig) -> Seen:
+    """Return what adds the sensors of a recording, in place of a stage."""
+
+    def seen(graph: Graph) -> dict[str, tuple[str, bool]]:
+        ports = {name: [f"{name}_{axis}" for axis in config.stage.axes] for name in SEEN}
+        graph.add("recorded", Replay(record, ports))
+        return {name: (f"recorded.{name}", False) for name in SEEN}
+
+    return seen
+
+
+def _block(name: str, options: dict[str, object]) -> Block:
+    try:
+        made = resolve(name)(**options)
+    except TypeError as fault:
+        raise ValueError(f"{name} does not take these options: {fault}") from None
+    if not isinstance(made, Block):
+        raise ValueError(f"{name} makes a {type(made).__name__}, must be a Block")
+    return made

@@ -1,0 +1,15 @@
+"""The compiled kernel that takes the robot's deflection off a reference, a sample at a time."""
+
+from numba import njit
+
+
+@njit(cache=True, nogil=True)
+def run(wanted, absolute, position, reference, line, robot, at, pole):  # type: ignore[no-untyped-def]
+    """Run one frame: shape (frames, axes) each, m; `line` holds the last positions, `at[0]` the oldest of them."""
+    for n in range(len(wanted)):
+        line[at[0]] = position[n]
+        at[0] = (at[0] + 1) % len(line)
+        for axis in range(wanted.shape[1]):
+            seen = absolute[n, axis] - line[at[0], axis]
+            robot[axis] = pole * robot[axis] + (1.0 - pole) * seen
+            reference[n, axis] = wanted[n, axis] - robot[axis]

@@ -1,0 +1,81 @@
+"""Replay: the recorded sensors go through the run's own graph again, and every output must come out as it was."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from stagectl.cell import MADE, Cell, recorded
+from stagectl.session import RECORDING, UNCOMPENSATED, read_recording
+from stagectl.setup import Setup
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """One output of one axis, recorded and made again.
+
+    Parameters
+    ----------
+    recording : str
+    channel, unit : str
+    identical : bool
+        Whether every sample is the same, bit for bit.
+    difference : float, in `unit`
+        Largest.
+    """
+
+    recording: str
+    channel: str
+    unit: str
+    identical: bool
+    difference: float
+
+
+def replay(path: Path, made: Setup) -> Iterator[Replayed]:
+    """Make the outputs of a run again from its recorded sensors and wanted positions.
+
+    Parameters
+    ----------
+    path : Path
+        Run folder.
+    made : Setup
+        `session.setup_of(path)` for what was done; of other settings or models for what would have been done to the
+        sensors as they were.
+
+    Raises
+    ------
+    ValueError : nothing is recorded.
+    """
+    if not made.designs:
+        raise ValueError(f"{path}: a live run's controllers ran in the stage, there is nothing to replay here")
+    found = [(name, read_recording(path, name)) for name in (UNCOMPENSATED, RECORDING)]
+    if all(record is None for _, record in found):
+        raise ValueError(f"{path}: nothing is recorded")
+    config = made.config
+    for name, record in found:
+        if record is None:
+            continue
+        wanted = record.select([f"wanted_{axis}" for axis in config.stage.axes])
+        cell = Cell(made, wanted, recorded(record, config), config.deflection.on and name == RECORDING)
+        rows = len(record.data)
+        cell.run(lambda _: None, lambda cell=cell, rows=rows: _ends_here(cell, made, rows))  # type: ignore[misc]
+        again = cell.recording({})
+        for output in MADE:
+            for axis in config.stage.axes:
+                channel = f"{output}_{axis}"
+                yield _compared(name, channel, record.select([channel]).data, again.select([channel]).data)
+
+
+def _ends_here(cell: Cell, made: Setup, rows: int) -> bool:
+    """Whether the recorded run was stopped at this sample: only the way to rest is left."""
+    return rows < made.timeline.total and cell.graph.ticks >= rows - round(
+        1.1 * made.config.limits.ramp * made.config.stage.rate
+    )
+
+
+def _compared(name: str, channel: str, before: np.ndarray, after: np.ndarray) -> Replayed:
+    same = before.shape == after.shape and before.tobytes() == after.tobytes()
+    rows = min(len(before), len(after))
+    unit = "V" if channel.startswith("voltage") else "m"
+    return Replayed(name, channel, unit, same, float(np.abs(before[:rows] - after[:rows]).max()))

@@ -1,0 +1,167 @@
+"""A run in its folder: the stage in closed loop with the plant in process, everything recorded, measured and kept."""
+
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ctlblocks import recording
+from ctlblocks.recording import Recording
+from rigkit import config as rig_file
+from rigkit.provenance import now, software
+from rigkit.run_folder import CONFIG, RunFolder
+from stagectl.cell import Cell, simulated
+from stagectl.config import StageConfig
+from stagectl.reference import wanted_position
+from stagectl.setup import Setup, setup
+from stagectl.tracking import tracking
+
+RECORDING, UNCOMPENSATED = "recording", "uncompensated"
+"""Names of a run's recordings, less the suffix."""
+
+Tell = Callable[[str, int], None]
+
+
+def create(path: Path, config: StageConfig, models: Sequence[Path] | None) -> tuple[RunFolder, Setup]:
+    """Make the folder of a new run, with copies of its models and of a reference from a file.
+
+    Parameters
+    ----------
+    path : Path
+    config : StageConfig
+    models : sequence of Path, or None
+        Model files, one an axis; None for a live run.
+
+    Raises
+    ------
+    ValueError : models, reference and settings do not fit together, or the folder is in use; nothing is written.
+    """
+    made = setup(config, models) if models is not None else Setup(config, (), ())
+    wanted_position(config, made.timeline)
+    made.compensation()
+    folder = RunFolder.create(path, rig_file.dump(config))
+    for axis, model in zip(config.stage.axes, models or (), strict=models is not None):
+        shutil.copyfile(model, folder.path / model_name(axis))
+    for axis, file in zip(config.stage.axes, config.inner.hysteresis, strict=bool(config.inner.hysteresis)):
+        shutil.copyfile(file, folder.path / f"hysteresis-{axis}.h5")
+    if config.reference.signal != "hold":
+        source = Path(config.reference.signal)
+        shutil.copyfile(source, folder.path / f"reference{source.suffix.lower()}")
+    return folder, made
+
+
+def setup_of(path: Path) -> Setup:
+    """Return the setup of a run from its folder; ValueError if that is no whole run's."""
+    if not (path / CONFIG).is_file():
+        raise ValueError(f"{path}/ is not the folder of a run: it has no {CONFIG}")
+    config = rig_file.load(path / CONFIG, StageConfig)
+    if not (path / model_name(config.stage.axes[0])).exists():
+        return Setup(config, (), ())
+    if config.inner.hysteresis:
+        kept = tuple(str(path / f"hysteresis-{axis}.h5") for axis in config.stage.axes)
+        config = config.model_copy(update={"inner": config.inner.model_copy(update={"hysteresis": kept})})
+    return setup(config, [path / model_name(axis) for axis in config.stage.axes])
+
+
+def model_name(axis: str) -> str:
+    """Return how the copy of an axis' model is called in a run's folder."""
+    return f"model-{axis}.h5"
+
+
+def run(folder: RunFolder, made: Setup, tell: Tell, stopped: Callable[[], bool]) -> dict[str, Any]:
+    """Run it, without compensation first where the rig file says so; return the figures, also in `summary.json`.
+
+    Parameters
+    ----------
+    folder : RunFolder
+    made : Setup
+    tell : callable(str, int)
+        Told which recording is being made, and of the samples done.
+    stopped : callable() -> bool
+    """
+    config = made.config
+    wanted = wanted_position(config, made.timeline)
+    folder.event("started", {"software": software(), **_designed(made)})
+    names = [UNCOMPENSATED] * config.session.compare + [RECORDING]
+    for name in names:
+        cell = Cell(made, wanted, simulated(config), config.deflection.on and name == RECORDING)
+        fault = cell.run(lambda done, name=name: tell(name, done), stopped)  # type: ignore[misc]
+        kept = cell.recording({"rig": config.rig.name, "date": now(), "software": software()})
+        recording.write(folder.path / f"{name}.{config.session.recording}", kept)
+        if fault is not None:
+            folder.event("fault", {"recording": name, "text": fault, "sample": len(kept.data)})
+        met = asdict(cell.stage.controller.met) | {"guard": cell.stage.guard.limited, "held": cell.stage.sensors.held}
+        folder.event("recorded", {"recording": name, "samples": len(kept.data), "limits_met": met})
+        if fault is not None or stopped():
+            break
+    figures = summary(folder.path, made)
+    folder.summarise(figures)
+    return figures
+
+
+def summary(path: Path, made: Setup) -> dict[str, Any]:
+    """Return the figures of a run that other programs read.
+
+    Parameters
+    ----------
+    path : Path
+        Its folder.
+    made : Setup
+
+    Returns
+    -------
+    dict
+        `seconds` of the run proper that are recorded; `position_error` (reference less position) and `tool_error`
+        (wanted less laser), each for each axis: mae, std, peak (m) and within (1); where it was also run
+        uncompensated, `uncompensated_tool_error` and `improvement`, the ratio of the mean absolute errors, by axis.
+    """
+    record = read_recording(path, RECORDING)
+    figures: dict[str, Any] = {"seconds": 0.0}
+    if record is not None and len(record.data) > made.timeline.begin:
+        figures["seconds"] = len(record.data[made.timeline.proper]) / record.rate
+        figures["position_error"] = _measures(record, made, "reference", "position")
+        if made.designs:
+            figures["tool_error"] = _measures(record, made, "wanted", "absolute")
+    before = read_recording(path, UNCOMPENSATED)
+    if before is not None and len(before.data) > made.timeline.begin:
+        figures["uncompensated_tool_error"] = _measures(before, made, "wanted", "absolute")
+        if "tool_error" in figures:
+            pairs = figures["uncompensated_tool_error"], figures["tool_error"]
+            figures["improvement"] = {axis: pairs[0][axis]["mae"] / pairs[1][axis]["mae"] for axis in pairs[1]}
+    return figures
+
+
+def read_recording(path: Path, name: str) -> Recording | None:
+    """Read a recording of a run, or return None if there is none of this name."""
+    files = [path / f"{name}.{suffix}" for suffix in ("csv", "wav") if (path / f"{name}.{suffix}").exists()]
+    return recording.read(files[0]) if files else None
+
+
+def error_of(record: Recording, made: Setup, wanted: str, measured: str) -> np.ndarray:
+    """Return the error over the run proper, shape (samples, axes), m: the channels `wanted` less those `measured`.
+
+    Parameters
+    ----------
+    record : Recording
+    made : Setup
+    wanted, measured : str
+    """
+    axes = made.config.stage.axes
+    parts = [record.select([f"{name}_{axis}" for axis in axes]).data for name in (wanted, measured)]
+    error: np.ndarray = (parts[0] - parts[1])[made.timeline.proper]
+    return error
+
+
+def _measures(record: Recording, made: Setup, wanted: str, measured: str) -> dict[str, dict[str, float]]:
+    error = error_of(record, made, wanted, measured)
+    return {axis: asdict(tracking(column)) for axis, column in zip(made.config.stage.axes, error.T, strict=True)}
+
+
+def _designed(made: Setup) -> Mapping[str, Any]:
+    return {
+        axis: {"robustness": str(each.robustness), "worst_sensitivity": each.worst_sensitivity, "left": each.left}
+        for axis, each in zip(made.config.stage.axes, made.designs, strict=True)
+    }

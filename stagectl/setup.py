@@ -1,0 +1,74 @@
+"""What a rig file and its models make together: everything a run, its replay and its report start from."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ctlblocks import Block
+from stagectl.config import StageConfig
+from stagectl.model_file import read_model
+from stagectl.models import InnovationModel
+from stagectl.stage.controller import StageController
+from stagectl.stage.design import Design, design
+from stagectl.stage.hysteresis_compensation import HysteresisCompensation
+from stagectl.stage.hysteresis_file import read_hysteresis
+from stagectl.stage.loop import stage_controller
+from stagectl.timeline import Timeline, timeline
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A run before its first sample.
+
+    Parameters
+    ----------
+    config : StageConfig
+    models : tuple of InnovationModel
+    designs : tuple of Design
+        One of each an axis; none of a live run, where the stage controls itself.
+    """
+
+    config: StageConfig
+    models: tuple[InnovationModel, ...]
+    designs: tuple[Design, ...]
+
+    @property
+    def timeline(self) -> Timeline:
+        """When what happens; a live run has no lead and no end of its own."""
+        if self.designs:
+            return timeline(self.config)
+        samples = round(self.config.session.seconds * self.config.stage.rate)
+        return Timeline(self.config.stage.rate, 0, 0, samples, samples)
+
+    def controller(self) -> StageController:
+        """Return the controllers, at their beginning."""
+        return stage_controller(self.config, [each.loop for each in self.designs])
+
+    def compensation(self) -> Block | None:
+        """Return what undoes the hysteresis, or None."""
+        files = self.config.inner.hysteresis
+        return HysteresisCompensation([read_hysteresis(Path(file)) for file in files]) if files else None
+
+
+def setup(config: StageConfig, files: Sequence[Path]) -> Setup:
+    """Read the models and design the outer loops.
+
+    Parameters
+    ----------
+    config : StageConfig
+    files : sequence of Path
+        Model files, one an axis, in the order of `stage.axes`.
+
+    Raises
+    ------
+    ValueError : there are not as many as axes, a file is no model of one input and one output at the stage's rate, or
+        no design keeps its bounds.
+    """
+    axes = config.stage.axes
+    if len(files) != len(axes):
+        raise ValueError(
+            f"there are {len(files)} model files, must be one for each of the axes {', '.join(axes)}, in this order: "
+            "--model FILE for each, as `calibrate stage` writes them"
+        )
+    models = tuple(read_model(file, rate=config.stage.rate) for file in files)
+    return Setup(config, models, tuple(design(model, config.outer, axis) for axis, model in enumerate(models)))

@@ -1,0 +1,171 @@
+"""A run on the simulated stage: it follows, is recorded, replays bit for bit, reports, and keeps faults."""
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ctlblocks import recording
+from ctlblocks.recording import Recording
+from rigkit import config as rig_file
+from rigkit.run_folder import read_events
+from stagectl import session
+from stagectl.cell import MADE, SEEN
+from stagectl.config import StageConfig
+from stagectl.replay import replay
+from stagectl.report import run_report
+from stagectl.scenario import scenario_settings
+from tests.stagectl.simulated_models import write_models
+
+QUICK = ["session.recording=wav", "session.lead=0.6", "outer.mistuning=0.0"]
+
+
+def never() -> bool:
+    return False
+
+
+def nobody(*_: object) -> None:
+    """Tell nobody."""
+
+
+def finished(folder: Path, *settings: str) -> Path:
+    """Run with these settings; return the run's folder."""
+    config = rig_file.load(None, StageConfig, [*QUICK, *settings])
+    run, made = session.create(folder / "run", config, write_models(folder))
+    with run:
+        session.run(run, made, nobody, never)
+    return folder / "run"
+
+
+@cache
+def held(folder: Path) -> Path:
+    return finished(folder, "session.seconds=0.4")
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return held(tmp_path_factory.mktemp("held"))
+
+
+def test_the_stage_holds_its_position_against_creep_and_noise(run: Path) -> None:
+    figures = json.loads((run / "summary.json").read_text())
+    assert figures["seconds"] == 0.4
+    for axis in "xyz":
+        assert figures["position_error"][axis]["mae"] < 0.2e-6
+        assert figures["position_error"][axis]["within"] == 1.0
+
+
+def test_everything_that_goes_in_and_out_is_recorded_with_names_and_units(run: Path) -> None:
+    record = session.read_recording(run, session.RECORDING)
+    assert record is not None
+    assert record.names == tuple(f"{name}_{axis}" for name in ("wanted", *SEEN, *MADE) for axis in "xyz")
+    assert record.units == ("m",) * 18 + ("V",) * 3
+    assert len(record.data) == round(10_000 * (0.6 + 0.4 + 0.22))
+
+
+def test_a_replay_makes_every_output_again_bit_for_bit(run: Path) -> None:
+    done = list(replay(run, session.setup_of(run)))
+    assert [each.channel for each in done] == [f"{name}_{axis}" for name in MADE for axis in "xyz"]
+    assert all(each.identical and each.difference == 0.0 for each in done)
+
+
+def test_a_replay_of_a_recording_that_was_touched_says_so(run: Path, tmp_path: Path) -> None:
+    """One position, changed by its last bit."""
+    for file in run.iterdir():
+        if file.is_file():
+            (tmp_path / file.name).write_bytes(file.read_bytes())
+    record = recording.read(run / "recording.wav")
+    data = record.data.copy()
+    at = record.names.index("position_y")
+    data[8_000, at] = np.nextafter(data[8_000, at], 1.0)
+    recording.write(tmp_path / "recording.wav", Recording(record.names, record.units, record.rate, data))
+    differing = {each.channel for each in replay(tmp_path, session.setup_of(tmp_path)) if not each.identical}
+    assert differing == {"extension_reference_y", "voltage_y"}
+
+
+def test_the_report_shows_tracking_errors_spectra_drives_and_loops(run: Path, tmp_path: Path) -> None:
+    run_report(run, tmp_path)
+    page = (run / "report.html").read_text()
+    for words in ("MAE of x", "Within ±5 µm, z", "Ms, mistuned", "Drives"):
+        assert words in page
+    drawn = sorted(file.name for file in tmp_path.iterdir())
+    assert drawn == ["drives.png", "error.png", "loops.png", "spectra.png", "tracking-1.png", "tracking-2.png"]
+
+
+def test_a_reference_from_a_file_is_followed(tmp_path: Path) -> None:
+    time = np.arange(400) / 1_000.0
+    data = 225e-6 + 20e-6 * np.column_stack([np.sin(2 * np.pi * 3 * time)] * 3)
+    file = tmp_path / "reference.csv"
+    recording.write(file, Recording(("x", "y", "z"), ("m",) * 3, 1_000.0, data))
+    path = finished(tmp_path, "session.seconds=0.4", f"reference.signal={file}")
+    record = session.read_recording(path, session.RECORDING)
+    assert record is not None
+    part = slice(6_000, 10_000)
+    wanted = record.select(["wanted_y"]).data[part, 0]
+    np.testing.assert_allclose(wanted[::10], data[:, 1], atol=1e-12)
+    assert np.abs(wanted - record.select(["position_y"]).data[part, 0]).max() < 2e-6
+    assert (path / "reference.csv").exists()
+
+
+def test_a_reference_outside_the_travel_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    file = tmp_path / "reference.csv"
+    recording.write(file, Recording(("x", "y", "z"), ("m",) * 3, 1_000.0, np.full((10, 3), 5e-4)))
+    with pytest.raises(ValueError, match=r"0.0005 to 0.0005 m, must be within limits.travel 2e-05 to 0.00043 m"):
+        finished(tmp_path, f"reference.signal={file}")
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_sensor_that_cannot_be_ends_the_run_at_rest_with_the_reason_kept(tmp_path: Path) -> None:
+    """The range of the check is set so that the stage leaves it."""
+    path = finished(tmp_path, "session.seconds=0.4", "sensors.position=[-1e-5, 2.2e-4]")
+    fault = next(event for event in read_events(path) if event["event"] == "fault")
+    assert "is out of its range" in fault["text"]
+    record = session.read_recording(path, session.RECORDING)
+    assert record is not None
+    voltage = record.select([f"voltage_{axis}" for axis in "xyz"]).data
+    np.testing.assert_array_equal(voltage[-1], 500.0)
+    assert all(each.identical for each in replay(path, session.setup_of(path)))
+
+
+def test_a_milling_run_compares_with_the_uncompensated_one(tmp_path: Path) -> None:
+    """Short, as its beginning: what the cut does to the robot is taken off the tool by the stage."""
+    base = rig_file.load(None, StageConfig, ["session.seconds=5"])
+    settings = scenario_settings("milling-z", base.session)
+    settings = [text.replace("seconds = 5.0", "seconds = 5.0, line_amplitude = 0.0") for text in settings]
+    path = finished(tmp_path, *settings, "session.seconds=2.0")
+    figures = json.loads((path / "summary.json").read_text())
+    assert figures["improvement"]["z"] > 20
+    assert figures["tool_error"]["z"]["peak"] < 5e-6
+    assert all(each.identical for each in replay(path, session.setup_of(path)))
+
+
+def test_a_scenario_that_is_unknown_or_too_short_is_refused() -> None:
+    short = rig_file.load(None, StageConfig, ["session.seconds=2"]).session
+    with pytest.raises(ValueError, match="must be one of milling-x, milling-y, milling-z"):
+        scenario_settings("milling-w", short)
+    with pytest.raises(ValueError, match="session.seconds is 2 s, must be 5 to 120 s"):
+        scenario_settings("milling-x", short)
+
+
+def test_models_that_are_missing_or_of_another_rate_are_refused(tmp_path: Path) -> None:
+    files = write_models(tmp_path)
+    config = StageConfig()
+    with pytest.raises(ValueError, match="there are 2 model files, must be one for each of the axes x, y, z"):
+        session.create(tmp_path / "run", config, files[:2])
+    other = config.model_copy(update={"stage": config.stage.model_copy(update={"rate": 5_000.0})})
+    with pytest.raises(ValueError, match="10000 samples/s, must be 5000"):
+        session.create(tmp_path / "run", other, files)
+
+
+def test_a_run_that_is_stopped_comes_to_rest_and_replays(tmp_path: Path) -> None:
+    config = rig_file.load(None, StageConfig, [*QUICK, "session.seconds=5"])
+    folder, made = session.create(tmp_path / "run", config, write_models(tmp_path))
+    with folder:
+        session.run(folder, made, nobody, lambda: True)
+    record = session.read_recording(folder.path, session.RECORDING)
+    assert record is not None
+    assert len(record.data) < 5_000
+    np.testing.assert_array_equal(record.select(["voltage_x"]).data[-1], 500.0)
+    assert all(each.identical for each in replay(folder.path, session.setup_of(folder.path)))
