@@ -24,6 +24,7 @@ from vibractl.audio_stream import AudioError
 from vibractl.config import RigConfig
 from vibractl.doctor.command import doctor_command
 from vibractl.export.command import export_command
+from vibractl.library.command import LibraryOption, TagOption, chosen_entry, library_app
 from vibractl.predict.command import predict_command
 from vibractl.presets import PRESETS
 from vibractl.quality import Marks
@@ -36,6 +37,7 @@ app = application("The marine vibrator learns, shot by shot, to emit the referen
 app.command("export")(export_command)
 app.command("doctor")(doctor_command)
 app.command("predict")(predict_command)
+app.add_typer(library_app, name="library")
 
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")]
 
@@ -66,6 +68,11 @@ def run_command(
     watch: Annotated[bool, typer.Option("--watch", help="Reidentify bands that diverge, while it goes on.")] = False,
     law: Annotated[str | None, typer.Option(help="kalman, or thesis for the text's own law.")] = None,
     seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
+    warm: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Start from this entry of the library, or from the nearest.")
+    ] = None,
+    tag: TagOption = None,
+    library: LibraryOption = None,
     resume: Annotated[Path | None, typer.Option(metavar="RUN/", help="Go on with a run that stopped.")] = None,
     settings: SetOption = None,
     json: JsonOption = None,
@@ -75,28 +82,31 @@ def run_command(
     Example: `vibractl run --config rig.toml --model model.h5 --reference chirp:40:90:5 --shots 30 --out RUN/`
     """
     flags = {"reference.signal": reference, "learning.side": side, "learning.law": law, "simulator.options.seed": seed}
+    flags |= {"watch.on": "true" if watch else None, "session.shots": shots}
     laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
-    if watch:
-        laid_over.append("watch.on=true")
-    if shots is not None:
-        laid_over.append(f"session.shots={shots}")
     if resume is not None:
-        given = [name for name, value in {"--out": out, "--model": model, "--config": config}.items() if value]
+        paths = {"--out": out, "--model": model, "--config": config, "--library": library}
+        given = [name for name, value in {**paths, "--warm": warm, "--tag": tag}.items() if value]
         if given or [text for text in laid_over if not text.startswith("session.shots=")]:
             raise ValueError(f"--resume {resume} goes on with the run's own settings; only --shots may go with it")
         _go_on(resume, shots, json)
         return
     if out is None or model is None:
         raise ValueError("a new run needs --model FILE and --out RUN/")
-    folder, made = create(out, rig_file.load(config, RigConfig, laid_over), model)
+    settled = rig_file.load(config, RigConfig, laid_over)
+    folder, made = create(out, settled, model, chosen_entry(warm, settled, tag, library))
     with folder:
-        session = Session(folder, made)
-        try:
-            _learn(session, made.config.session.shots, json)
-        except (AudioError, ValueError):
-            if session.untouched:
-                folder.withdraw()
-            raise
+        _begin(Session(folder, made), json)
+
+
+def _begin(session: Session, json: str | None) -> None:
+    """Learn from the first shot on; a run that comes to nothing leaves no folder."""
+    try:
+        _learn(session, session.config.session.shots, json)
+    except (AudioError, ValueError):
+        if session.untouched:
+            session.folder.withdraw()
+        raise
 
 
 def _go_on(path: Path, shots: int | None, json: str | None) -> None:

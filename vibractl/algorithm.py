@@ -15,6 +15,7 @@ from vibractl.reidentify import LEAST, Reidentification, probe
 from vibractl.rollback import Rollback
 from vibractl.shot import Shot
 from vibractl.transfer_matrix import contraction, norm
+from vibractl.warm_start import Check, KnownDrive
 from vibractl.watch import Trouble, Watch
 
 DEVIATIONS = 2.0
@@ -43,10 +44,10 @@ def tidy(value: float) -> float:
 class Algorithm:
     """Learns from shot to shot.  With every part of [adaptation] and [watch] off it is the law of the thesis.
 
-    `lines` is the next drive, made to "learn" or to "reidentify": `purpose`; `response` is what is believed of G;
-    `gain`, `certificate` and `error_bound` (lines,) belong to the update last made: Q2, at most `nominal`; the bound on
-    the norm of its error map, with G's uncertainty (1); and how large the next error may then be, with noise and the
-    distortion that follows the strong lines (m/s^2 s).  `decisions` are those of the last step.
+    `lines` is the next drive, made to "learn", to "reidentify" or to "check": `purpose`; `response` is what is believed
+    of G; `gain`, `certificate` and `error_bound` (lines,) belong to the update last made: Q2, at most `nominal`; the
+    bound on the norm of its error map, with G's uncertainty (1); and how large the next error may then be, with noise
+    and the distortion that follows the strong lines (m/s^2 s).  `decisions` are those of the last step.
 
     Parameters
     ----------
@@ -55,14 +56,23 @@ class Algorithm:
     watch : config.Watch
     objective : float, dB
         Limit on errors, re the reference's level.
+    known : KnownDrive, optional
+        To be checked, and if it fits, to be started from.
 
     Source
     ------
     Sörnmo 2015, Algorithm 1.
     """
 
-    def __init__(self, law: Law, adaptation: Adaptation, watch: config.Watch, objective: float) -> None:
-        self.law = law
+    def __init__(
+        self,
+        law: Law,
+        adaptation: Adaptation,
+        watch: config.Watch,
+        objective: float,
+        known: KnownDrive | None = None,
+    ) -> None:
+        self.law, self._known = law, known
         self._parts = adaptation if law.settings.law == "kalman" else _NOTHING
         self._watching = watch
         self._limit = float(reference_level(law.reference).min()) * 10 ** (objective / 20)
@@ -83,6 +93,9 @@ class Algorithm:
         self._rollback = Rollback() if parts.rollback else None
         self._watch = Watch(law, self._watching, self._limit) if self._watching.on else None
         self._running: Reidentification | None = None
+        self._checking = Check(self._known, law.reference, self._limit) if self._known else None
+        if self._checking is not None:
+            self.lines = self._checking.drive
         self._treated: list[float] = []
         self._open = law.active.copy()
         self._before: Shot | None = None
@@ -97,6 +110,11 @@ class Algorithm:
         """G, (lines, outputs, inputs), m/s^2 per V."""
         return self._filter.response
 
+    @property
+    def variance(self) -> np.ndarray:
+        """E |G_hat - G|^2, (lines, outputs, inputs), (m/s^2 per V)^2."""
+        return self._filter.variance
+
     def explained(self, drive: np.ndarray) -> np.ndarray:
         """Return G U (lines, outputs), m/s^2 s, of lines U (lines, inputs), V s."""
         product: np.ndarray = (self.response @ drive[..., None])[..., 0]
@@ -105,16 +123,40 @@ class Algorithm:
     @property
     def purpose(self) -> str:
         """What the next shot is for."""
+        if self._checking is not None:
+            return "check"
         return "learn" if self._running is None else "reidentify"
+
+    @property
+    def level(self) -> float:
+        """The level of the next drive, 1: below 1 while a known drive is checked at reduced level."""
+        return 1.0 if self._checking is None else self._checking.level
 
     def step(self, shot: Shot) -> None:
         """Take a shot that was made with `lines`."""
         self.decisions = []
-        if self._running is None:
+        if self._checking is not None:
+            self._checked(shot, self._checking)
+        elif self._running is None:
             self._consider(shot)
         else:
             self._probed(shot, self._running)
         self.number += 1
+
+    def _checked(self, shot: Shot, check: Check) -> None:
+        """Take a shot of the check of a known drive; go on with it, learn from it, or start as without it."""
+        found = check.take(shot.response)
+        fields = {"entry": check.known.name, **{key: tidy(value) for key, value in vars(found).items()}}
+        if not found.accepted:
+            self._checking, self.lines = None, self.law.start.copy()
+            self.decisions.append(Decision("library_refused", fields))
+        elif check.over:
+            self._checking = None
+            self._learned = sum(self.law.gains.stages) if found.worst_db <= 0 else 0  # no haste where it is met
+            self.decisions.append(Decision("library_accepted", fields))
+            self._learn(shot, self.law.reference - shot.response)
+        else:
+            self.lines = check.drive
 
     def _consider(self, shot: Shot) -> None:
         """Learn from a shot, unless a band diverges."""

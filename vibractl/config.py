@@ -1,5 +1,6 @@
 """The marine vibrator's rig file: one model a table, every key with unit, range and default."""
 
+from itertools import pairwise
 from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
@@ -85,8 +86,11 @@ class Learning(Section):
     constant_epsilon: float = setting(
         0.01, "(m/s^2/V)^2", "the thesis' eps, for regularisation = constant", ge=0, le=1e6
     )
-    start: Literal["by-law", "reference", "inverse"] = setting(
-        "by-law", "", "first drive: scaled reference (thesis), or G^+ R (kalman)"
+    start: Literal["by-law", "reference", "inverse", "library"] = setting(
+        "by-law", "", "first drive: scaled reference (thesis), or G^+ R (kalman); library is set by run --warm"
+    )
+    check_levels: tuple[float, ...] = setting(
+        (-12.0, -6.0, 0.0), "dB", "levels at which a drive of the library is checked, rising to 0", min_length=1
     )
     structure: Literal["mimo", "decentralised", "common"] = setting(
         "mimo", "", "both sides together, each for itself (fails), or one drive for both (poor)"
@@ -225,4 +229,9 @@ class RigConfig(Section):
         ):
             if not 0 < low < high < nyquist:
                 raise ValueError(f"{table}.{key} is {low:g} to {high:g} Hz, must rise within 0 to {nyquist:g} Hz")
+        levels = (-80.0, *self.learning.check_levels)
+        if levels[-1] != 0.0 or not all(low < high for low, high in pairwise(levels)):
+            raise ValueError(
+                f"learning.check_levels is {list(levels[1:])}, must rise from above -80 dB and end at 0 dB"
+            )
         return self

@@ -105,7 +105,8 @@ def first_drive(settings: Learning, matrix: TransferMatrix, inverse: np.ndarray,
     -------
     complex array, shape (lines, inputs), V s
     """
-    if settings.start == "inverse" or (settings.start == "by-law" and settings.law == "kalman"):
+    by_law = settings.start in ("by-law", "library")  # what the library has is checked first, and may be refused
+    if settings.start == "inverse" or (by_law and settings.law == "kalman"):
         solved: np.ndarray = (inverse @ wanted[..., None])[..., 0]
         return solved
     return _scaled_reference(matrix, wanted)

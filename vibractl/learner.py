@@ -109,11 +109,16 @@ class Learner(Trial):
         self.algorithm.step(Shot(self.lines, self.heard, noise))
         self._play()
 
+    def rendered(self, lines: np.ndarray) -> np.ndarray:
+        """Return the drive that has these lines (lines, inputs), V s, while the reference lasts: (frames, coils), V."""
+        self._synthesis.time(lines, self._signal)
+        self._signal *= self._edge
+        drive: np.ndarray = (self._signal @ self.algorithm.law.spread.T).astype(np.float32)
+        return drive
+
     def _play(self) -> None:
         """Put the drive of the present lines into the trial."""
-        self._synthesis.time(self.lines, self._signal)
-        self._signal *= self._edge
-        drive = (self._signal @ self.algorithm.law.spread.T).astype(np.float32)
+        drive = self.rendered(self.lines)
         self.drive.fill(0.0)
         self.drive[self.shot.window] = drive
         self.rewind()

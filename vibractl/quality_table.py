@@ -13,6 +13,8 @@ from vibractl.shot_file import EVIDENCE
 
 UNDRIVEN = 200.0
 """dB of head-room, from which a coil is silent."""
+CHECK = "check"
+"""Verdict on a shot at reduced level."""
 
 
 def summary(rows: list[dict[str, str]], made: Setup | None = None) -> dict[str, Any]:
@@ -30,18 +32,19 @@ def summary(rows: list[dict[str, str]], made: Setup | None = None) -> dict[str, 
     dict
         `shots`; `objective_met_shot`, the first from which the objective holds to the end, or None; `worst_line_db`
         of the last shot over the limit, dB; both where it is `judged`, and at all `places` where there are hydrophones;
-        `iae_ratio` per side, first over last shot; `reidentifications`, of bands;
+        `iae_ratio` per side, first shot of the whole reference over last; `reidentifications`, of bands;
         `identification_seconds`, s of signal emitted for the model and for them, None where the model does not say.
     """
     judged, prefix = rows[0].get("judged", "") if rows else "", prefix_of(rows)
     sides = [key for key in rows[0] if key.startswith(f"{prefix}iae_")] if rows else []
     worst = [_worst(row, prefix) for row in rows]
+    whole = [row for row in rows if not is_reduced(row)] or rows
     probes = [row.get("purpose") == "reidentify" for row in rows]
     figures: dict[str, Any] = {
         "shots": len(rows),
         "objective_met_shot": holds_from([row["verdict"] == "pass" for row in rows]),
         "worst_line_db": worst[-1] if worst else None,
-        "iae_ratio": [float(rows[0][side]) / float(rows[-1][side]) for side in sides],
+        "iae_ratio": [float(whole[0][side]) / float(whole[-1][side]) for side in sides],
         "reidentifications": sum(now and not before for before, now in pairwise([False, *probes])),
         "identification_seconds": _identification_seconds(made, sum(probes)),
     }
@@ -58,8 +61,8 @@ def prefix_of(rows: list[dict[str, str]]) -> str:
 
 def _reached(rows: list[dict[str, str]], prefix: str) -> dict[str, Any]:
     """Return how the objective stands at one place, whether or not it must hold there."""
-    worst = [_worst(row, prefix) for row in rows]
-    return {"objective_met_shot": holds_from([each <= 0 for each in worst]), "worst_line_db": worst[-1]}
+    met = [_worst(row, prefix) <= 0 and not is_reduced(row) for row in rows]
+    return {"objective_met_shot": holds_from(met), "worst_line_db": _worst(rows[-1], prefix)}
 
 
 def _worst(row: dict[str, str], prefix: str) -> float:
@@ -69,6 +72,23 @@ def _worst(row: dict[str, str], prefix: str) -> float:
 def _identification_seconds(made: Setup | None, probes: int) -> float | None:
     seconds = made and made.law.matrix.provenance.get("seconds")
     return float(seconds) + probes * made.shot.total / made.shot.rate if made and seconds else None
+
+
+def is_reduced(row: Mapping[str, str]) -> bool:
+    """Say whether a shot was emitted at reduced level, to check a drive of the library."""
+    return row["verdict"] == CHECK
+
+
+def reduced(level: float) -> dict[str, str]:
+    """Return the cells that are others where not the whole reference was emitted: whatever such a shot met, counts not.
+
+    Parameters
+    ----------
+    level : float, 1
+    """
+    if level == 1.0:
+        return {}
+    return {"verdict": CHECK, "reason": f"at {20 * np.log10(level):.3g} dB, to check a drive of the library"}
 
 
 def row_of(

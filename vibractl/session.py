@@ -17,18 +17,19 @@ from vibractl.audio import Line
 from vibractl.capture import Discarded
 from vibractl.config import RigConfig
 from vibractl.learner import Learner
+from vibractl.library.entry import Entry, read_entry, write_entry
 from vibractl.model_file import read_far_field, read_model
 from vibractl.quality import FAINT, Judge, Marks, decibels
-from vibractl.quality_table import row_of, summary
+from vibractl.quality_table import reduced, row_of, summary
 from vibractl.reference import is_file
-from vibractl.setup import Setup, setup
+from vibractl.setup import Setup, setup, warm_setup
 from vibractl.shot_file import DISCARDED, far_field_of, keep_discarded, recording_of, split
 from vibractl.spectrum import load_wisdom, save_wisdom
 
-MODEL, WISDOM, REFERENCE = "model.h5", "fftw.wisdom", "reference"
+MODEL, WISDOM, REFERENCE, START = "model.h5", "fftw.wisdom", "reference", "start.h5"
 
 
-def create(path: Path, config: RigConfig, model: Path) -> tuple[RunFolder, Setup]:
+def create(path: Path, config: RigConfig, model: Path, entry: Entry | None = None) -> tuple[RunFolder, Setup]:
     """Check everything a run needs, and then make its folder.
 
     Parameters
@@ -38,6 +39,8 @@ def create(path: Path, config: RigConfig, model: Path) -> tuple[RunFolder, Setup
     config : RigConfig
     model : Path
         Model file of this rig.
+    entry : Entry, optional
+        Of the library, to be checked and started from; refused at once where its drive breaks a limit of the guard.
 
     Raises
     ------
@@ -45,7 +48,12 @@ def create(path: Path, config: RigConfig, model: Path) -> tuple[RunFolder, Setup
     """
     sides = len(config.audio.response_channels), len(config.audio.drive_channels)
     far = read_far_field(model, len(config.audio.far_field_channels))
-    made = setup(config, read_model(model, config.rig.name, sides), far=far)
+    matrix = read_model(model, config.rig.name, sides)
+    if entry is None:
+        made, broken = setup(config, matrix, far=far), None
+    else:
+        made, broken = warm_setup(config, matrix, far, entry)
+    config = made.config
     source = Path(config.reference.signal) if is_file(config.reference.signal) else None
     kept = config
     if source is not None:
@@ -58,6 +66,11 @@ def create(path: Path, config: RigConfig, model: Path) -> tuple[RunFolder, Setup
         with folder.replacing(kept.reference.signal) as copy:
             shutil.copyfile(source, copy)
     save_wisdom(folder.path / WISDOM)
+    if entry is not None:
+        write_entry(folder.path / START, entry)
+        folder.event("library", {"entry": entry.name, "tags": dict(entry.tags), "run": entry.about["run"]})
+        if broken is not None:
+            folder.event("library_refused", {"entry": entry.name, "limit": str(broken)})
     return folder, made
 
 
@@ -81,7 +94,8 @@ def setup_of(path: Path, overrides: tuple[str, ...] = (), model: Path | None = N
     load_wisdom(path / WISDOM)
     matrix = read_model(model or path / MODEL, config.rig.name)
     far = read_far_field(model or path / MODEL, len(config.audio.far_field_channels))
-    return setup(config, matrix, fresh_plans=False, far=far)
+    entry = read_entry(path / START) if config.learning.start == "library" else None
+    return setup(config, matrix, fresh_plans=False, far=far, entry=entry)
 
 
 def shot_files(path: Path) -> list[Path]:
@@ -163,7 +177,8 @@ class Session:
 
     def _learn(self, record: Recording, write: bool = True) -> Marks:
         """Take a recording into the learner, and write what it was worth."""
-        number, lines, purpose = self.done, self.learner.lines, self.learner.algorithm.purpose
+        number, lines, algorithm = self.done, self.learner.lines, self.learner.algorithm
+        purpose, level = algorithm.purpose, algorithm.level
         drive, response = split(record, self.config)
         heard = response, far_field_of(record, self.config)
         self.learner.response[: len(response)] = response
@@ -175,10 +190,11 @@ class Session:
         repeatability = self._repeatability(lines)
         if write:
             self._write_lines(number)
-            gain = self.learner.algorithm.nominal
             told = dict(zip(self._made.places, every, strict=True))
-            self.folder.quality(row_of(number, purpose, gain, marks, told, record.provenance, repeatability))
-            for decision in self.learner.algorithm.decisions:
+            gain = algorithm.nominal
+            row = row_of(number, purpose, gain, marks, told, record.provenance, repeatability)
+            self.folder.quality(row | reduced(level))
+            for decision in algorithm.decisions:
                 self.folder.event(decision.event, {"shot": number, **decision.fields})
         return marks
 

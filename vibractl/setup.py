@@ -8,12 +8,16 @@ from vibractl.algorithm import Algorithm
 from vibractl.config import RigConfig
 from vibractl.far_field import FarField
 from vibractl.far_field_law import far_field_law, shared_text
+from vibractl.guard import Violation, violation
 from vibractl.law import Law, learning_law
 from vibractl.learner import Learner, Timeline, timeline
+from vibractl.library.entry import Entry
+from vibractl.library.fit import misfit
 from vibractl.place import Place, Where, at_accelerometers, in_far_field
 from vibractl.reference import Reference, reference_from
 from vibractl.spectrum import Decimator, load_wisdom, save_wisdom, user_wisdom
 from vibractl.transfer_matrix import TransferMatrix
+from vibractl.warm_start import KnownDrive
 
 LEAST_WITHIN = 0.99
 """Part of a reference's energy that the learned lines must hold."""
@@ -31,6 +35,8 @@ class Setup:
     shot : Timeline
     places : tuple of Place
         Where shots are judged: at the accelerometers, and in the far field where that is known.
+    known : KnownDrive or None
+        What is checked first, and started from if it fits.
     """
 
     config: RigConfig
@@ -38,6 +44,7 @@ class Setup:
     law: Law
     shot: Timeline
     places: tuple[Place, ...]
+    known: KnownDrive | None = None
 
     @property
     def judged(self) -> Place:
@@ -57,7 +64,7 @@ class Setup:
     def algorithm(self) -> Algorithm:
         """Return the learning at its first drive."""
         config = self.config
-        return Algorithm(self.law, config.adaptation, config.watch, config.quality.objective)
+        return Algorithm(self.law, config.adaptation, config.watch, config.quality.objective, self.known)
 
     def learner(self) -> Learner:
         """Return a learner at its first drive."""
@@ -72,7 +79,35 @@ class Setup:
         return next(place for place in self.places if place.name == where)
 
 
-def setup(config: RigConfig, matrix: TransferMatrix, fresh_plans: bool = True, far: FarField | None = None) -> Setup:
+def reference_of(config: RigConfig) -> Reference:
+    """Make the reference that the settings ask for, as wide as the accelerometers controlled."""
+    controlled = 1 if config.learning.side else len(config.audio.response_channels)
+    return reference_from(
+        config.reference.signal,
+        config.audio.rate,
+        config.reference.amplitude,
+        config.reference.taper,
+        controlled,
+        config.learning.decimation,
+    )
+
+
+def judged_lines(law: Law, reference: Reference, config: RigConfig) -> np.ndarray:
+    """Return which learned lines the objective holds for, bool (lines,): those above the root, for a sine."""
+    quality, frequency = config.quality, law.matrix.frequency
+    judged: np.ndarray = (law.active > 0) & (frequency <= quality.judged_to)
+    if reference.root is not None:
+        return judged & (frequency > 1.5 * reference.root)
+    return judged & (frequency >= quality.above)
+
+
+def setup(
+    config: RigConfig,
+    matrix: TransferMatrix,
+    fresh_plans: bool = True,
+    far: FarField | None = None,
+    entry: Entry | None = None,
+) -> Setup:
     """Put a run together.
 
     Parameters
@@ -83,6 +118,8 @@ def setup(config: RigConfig, matrix: TransferMatrix, fresh_plans: bool = True, f
         Take this user's FFT plans and keep new ones for the next time; False leaves those that are loaded.
     far : FarField, optional
         Of the rig's hydrophones.
+    entry : Entry, optional
+        Of the library, to be started from; for `learning.start = "library"`.
 
     Raises
     ------
@@ -90,15 +127,7 @@ def setup(config: RigConfig, matrix: TransferMatrix, fresh_plans: bool = True, f
     """
     if fresh_plans:
         load_wisdom(user_wisdom())
-    controlled = 1 if config.learning.side else len(config.audio.response_channels)
-    reference = reference_from(
-        config.reference.signal,
-        config.audio.rate,
-        config.reference.amplitude,
-        config.reference.taper,
-        controlled,
-        config.learning.decimation,
-    )
+    reference = reference_of(config)
     if reference.root is not None and 2 * reference.root > min(config.learning.band[1], config.quality.judged_to):
         raise ValueError(
             f"reference {reference.text}: no overtone of {reference.root:g} Hz lies within learning.band and "
@@ -109,11 +138,65 @@ def setup(config: RigConfig, matrix: TransferMatrix, fresh_plans: bool = True, f
     places = _places(config, reference, law, far)
     if config.learning.sensors == "far-field" and far is not None:
         law = far_field_law(law, matrix, far, places[1], config.audio.rate / config.learning.decimation)
-    made = Setup(config, reference, law, timeline(config, len(reference.signal)), places)
+    known = _known_drive(entry, law, reference, config)
+    made = Setup(config, reference, law, timeline(config, len(reference.signal)), places, known)
     made.learner()  # plans its transforms, so that they can be kept
     if fresh_plans:
         save_wisdom(user_wisdom())
     return made
+
+
+def warm_setup(
+    config: RigConfig, matrix: TransferMatrix, far: FarField | None, entry: Entry
+) -> tuple[Setup, Violation | None]:
+    """Put a run together that starts from an entry of the library.
+
+    Parameters
+    ----------
+    config : RigConfig
+    matrix : TransferMatrix, of the rig
+    far : FarField, optional
+    entry : Entry
+
+    Returns
+    -------
+    Setup
+        As without the entry where its drive breaks a limit of the guard.
+    Violation or None
+        That limit.
+
+    Raises
+    ------
+    ValueError : as for `setup`, or the entry does not fit.
+    """
+    made = setup(_starting(config, "library"), matrix, far=far, entry=entry)
+    broken = violation(made.learner().rendered(entry.drive), config.limits, config.audio.rate)
+    if broken is None:
+        return made, None
+    start = config.learning.start
+    return setup(_starting(config, "by-law" if start == "library" else start), matrix, far=far), broken
+
+
+def _starting(config: RigConfig, start: str) -> RigConfig:
+    return config.model_copy(update={"learning": config.learning.model_copy(update={"start": start})})
+
+
+def _known_drive(entry: Entry | None, law: Law, reference: Reference, config: RigConfig) -> KnownDrive | None:
+    if (entry is not None) != (config.learning.start == "library"):
+        raise ValueError(
+            f"learning.start is {config.learning.start!r}, and {'no' if entry is None else 'an'} entry of the library "
+            "is given: a run starts from one with `vibractl run --warm nearest` or `--warm NAME`"
+        )
+    if entry is None:
+        return None
+    lines = law.matrix.frequency
+    reason = misfit(entry, config, reference)
+    if not reason and (entry.model.shape != law.matrix.response.shape or not np.allclose(entry.frequency, lines)):
+        reason = f"of a model of shape {entry.model.shape}, this one's is {law.matrix.response.shape}"
+    if reason:
+        raise ValueError(f"library entry {entry.name} is {reason}")
+    judged = judged_lines(law, reference, config)
+    return KnownDrive(entry.name, entry.drive, entry.response, entry.model, judged, config.learning.check_levels)
 
 
 def _places(config: RigConfig, reference: Reference, law: Law, far: FarField | None) -> tuple[Place, ...]:

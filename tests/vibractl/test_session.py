@@ -164,3 +164,13 @@ def test_the_objective_is_met_from_the_first_shot_after_the_last_miss() -> None:
     rows = [{"verdict": verdict, "iae_1": "8", "worst_line_db_1": "-1"} for verdict in ("pass", "fail", "pass", "pass")]
     assert summary(rows)["objective_met_shot"] == 2
     assert summary(rows[:2])["objective_met_shot"] is None
+
+
+def test_a_shot_at_reduced_level_meets_no_objective_and_is_no_first_shot() -> None:
+    rows = [
+        {"verdict": verdict, "iae_1": iae, "worst_line_db_1": "-1"}
+        for verdict, iae in (("check", "90"), ("check", "80"), ("pass", "8"), ("pass", "2"))
+    ]
+    assert summary(rows)["objective_met_shot"] == 2
+    assert summary(rows)["iae_ratio"] == [4.0]
+    assert summary(rows[:2])["objective_met_shot"] is None

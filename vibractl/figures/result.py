@@ -10,6 +10,7 @@ from ctlblocks import recording
 from rigkit.run_folder import read_quality
 from vibractl.model_file import read_model
 from vibractl.quality import Judge
+from vibractl.quality_table import is_reduced
 from vibractl.session import MODEL, setup_of, shot_files
 from vibractl.setup import Setup
 from vibractl.shot_file import far_field_of, split
@@ -49,7 +50,7 @@ class Result:
     model : TransferMatrix, as measured, of the whole rig
     rows : tuple of rows of `qc.csv`, one a shot
     ends : tuple of Shot
-        The first and the last shot; one alone in a run of one shot.
+        The first shot of the whole reference and the last shot; one alone where that is the same.
     elsewhere : Result or None
         The same run as the sensors hear it that do not count, where there are hydrophones.
     """
@@ -124,9 +125,10 @@ def read_result(path: Path) -> Result:
     if not shots:
         raise ValueError(f"{path}: {len(files)} shots are recorded and {len(rows)} judged, must be at least 1 of each")
     model, found = read_model(path / MODEL), None
+    first = next((number for number, row in enumerate(rows[:shots]) if not is_reduced(row)), 0)
     for place in sorted(made.places, key=lambda place: place is made.judged):  # the one that counts comes last
         judge = Judge(made, place)
-        ends = tuple(_shot(number, files[number], made, judge) for number in sorted({0, shots - 1}))
+        ends = tuple(_shot(number, files[number], made, judge) for number in sorted({first, shots - 1}))
         found = Result(made, judge, model, tuple(rows[:shots]), ends, found)
     assert found is not None  # there are accelerometers
     return found

@@ -8,7 +8,7 @@ import numpy as np
 from vibractl.law import reference_level
 from vibractl.predict.plant import DrawnPlant
 from vibractl.quality import decibels, holds_from
-from vibractl.setup import Setup
+from vibractl.setup import Setup, judged_lines
 from vibractl.shot import Shot
 from vibractl.spectrum import LineSpectrum
 
@@ -72,18 +72,9 @@ def forecast(made: Setup, runs: int, tell: Callable[[int], None]) -> Forecast:
     return Forecast(met, worst, place, drives)
 
 
-def judged_lines(made: Setup) -> np.ndarray:
-    """Return which learned lines the objective holds for, bool (lines,): those above the root, for a sine."""
-    quality, frequency = made.config.quality, made.law.matrix.frequency
-    judged: np.ndarray = (made.law.active > 0) & (frequency <= quality.judged_to)
-    if made.reference.root is not None:
-        return judged & (frequency > 1.5 * made.reference.root)
-    return judged & (frequency >= quality.above)
-
-
 def _learned(made: Setup, plant: DrawnPlant) -> tuple[np.ndarray, float, np.ndarray]:
     """Return the worst line of each shot, where it is in the last, and the last drive."""
-    law, judged, algorithm = made.law, judged_lines(made), made.algorithm()
+    law, judged, algorithm = made.law, judged_lines(made.law, made.reference, made.config), made.algorithm()
     limit = reference_level(_heard(made, law.reference)) * 10 ** (made.config.quality.objective / 20)
     worst = np.full(made.config.session.shots, np.nan)
     held, place = 0, 0.0

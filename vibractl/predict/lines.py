@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibractl.algorithm import DEVIATIONS
-from vibractl.predict.learning import judged_lines
-from vibractl.setup import Setup
+from vibractl.setup import Setup, judged_lines
 from vibractl.transfer_matrix import contraction
 
 REASONS = ("outside the model", "too few coils", "regularisation", "near singular", "variance", "doubt")
@@ -101,7 +100,7 @@ def _beyond(made: Setup) -> np.ndarray:
     quality, frequency = made.config.quality, made.law.matrix.frequency
     if made.reference.root is not None:
         overtones = made.reference.root * np.arange(2, made.config.learning.overtones + 2)
-        learned = frequency[judged_lines(made)]
+        learned = frequency[judged_lines(made.law, made.reference, made.config)]
         apart = overtones[overtones <= quality.judged_to]
         return apart[[not np.any(np.abs(learned - line) < 1e-3) for line in apart]]
     spacing = frequency[1] - frequency[0]

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from tests.vibractl.linear_rig import linear_config, linear_matrix
-from vibractl.predict.learning import HELD, Forecast, forecast, judged_lines
-from vibractl.setup import Setup, setup
+from vibractl.predict.learning import HELD, Forecast, forecast
+from vibractl.setup import Setup, judged_lines, setup
 
 RUNS = 4
 
@@ -49,7 +49,9 @@ def test_the_law_is_the_one_configured() -> None:
 
 def test_a_sine_is_judged_at_its_overtones_alone() -> None:
     made = made_with("reference.signal=sine:50:1")
-    np.testing.assert_allclose(made.law.matrix.frequency[judged_lines(made)], [100, 150, 200, 250])
+    np.testing.assert_allclose(
+        made.law.matrix.frequency[judged_lines(made.law, made.reference, made.config)], [100, 150, 200, 250]
+    )
 
 
 def test_a_sine_whose_edges_are_not_looked_at_is_learned_like_a_chirp() -> None:

@@ -1,0 +1,1 @@
+"""Learned drives kept for later runs: what a warm start begins with."""
