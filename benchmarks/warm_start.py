@@ -1,0 +1,158 @@
+"""What a warm start saves: shots to the objective, cold and from a drive of the library, on ten simulated vibrators.
+
+`python -m benchmarks.warm_start [LAW [SEED ...]]`, a minute or two a seed; prints a line a run and then the table of
+`docs/library.md`.  Each machine is calibrated by multisine and learns `LEARNED` shots; the last drive is what is kept.
+Then it starts again as `CASES` say, without audio, once cold and once from that drive.
+"""
+
+import sys
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from benchmarks.direct import shots
+from benchmarks.learning_seeds import Emitter, identified
+from rigkit import config as rig_file
+from vibractl.config import RigConfig
+from vibractl.quality import holds_from
+from vibractl.setup import Setup, judged_lines, setup
+from vibractl.warm_start import KnownDrive
+
+SEEDS = range(1, 11)
+LEARNED = {"kalman": 12, "thesis": 30}
+SHOTS = {"kalman": 12, "thesis": 30}
+JUMP = ("simulator.options.trend_seconds=1",)
+SETTLED = 2.0
+"""s of silence, in which a trend of one second has come to its end."""
+IN_AIR, IN_WATER = ("reference.signal=chirp:40:75:5",), ("simulator.options.medium=water",)
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is the same when the drive is learned and when it is tried, what only then, and whether seeds differ."""
+
+    name: str
+    both: tuple[str, ...] = ()
+    then: tuple[str, ...] = ()
+    measured_again: bool = False
+    other: int = 0
+
+
+CASES = (
+    Case("unchanged"),
+    Case("0.5 % drift", then=("simulator.options.trend=0.005", *JUMP)),
+    Case("2 % drift", then=("simulator.options.trend=0.02", *JUMP)),
+    Case("10 % more nonlinear", then=("simulator.options.nonlinearity=1.1",)),
+    Case("air to water", both=IN_AIR, then=IN_WATER, measured_again=True),
+    Case("another machine", measured_again=True, other=1),
+)
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run.
+
+    `met`, shot from which the objective holds, infinite if never; `over`, worst line of each shot, dB over the limit;
+    `levels`, of each shot, 1 or below; `events`, the library's decisions and at which level in dB.
+    """
+
+    met: float
+    over: list[float]
+    levels: list[float]
+    events: list[tuple[str, float]]
+
+
+def learned(made: Setup, count: int) -> tuple[Run, KnownDrive]:
+    """Let a machine learn; return the run, and its last drive for the next."""
+    plant = Emitter(made.config)
+    plant.emit(np.zeros((round(SETTLED * made.shot.rate), len(made.config.audio.drive_channels))))
+    over, levels, events = [], [], []
+    level, lines = made.algorithm().level, made.law.start
+    for learner, marks in shots(made, count, _Kept(plant)):
+        over.append(float(marks.worst_line_db.max()))
+        levels.append(level)
+        events += [
+            (each.event, each.fields["level_db"]) for each in learner.algorithm.decisions if "entry" in each.fields
+        ]
+        last, level, lines = lines, learner.algorithm.level, learner.lines.copy()
+    first = holds_from([worst <= 0 and level == 1.0 for worst, level in zip(over, levels, strict=True)])
+    judged, checked = judged_lines(made.law, made.reference, made.config), made.config.learning.check_levels
+    known = KnownDrive("kept", last, learner.heard.copy(), learner.algorithm.response, judged, checked)
+    return Run(np.inf if first is None else first, over, levels, events), known
+
+
+class _Kept:
+    """A plant that is prepared already: its time goes on."""
+
+    def __init__(self, plant: Emitter) -> None:
+        self.process = plant.process
+
+    def prepare(self, rate: float, frames: int) -> None:
+        """Leave it as it is."""
+
+
+def made_for(seed: int, model_of: tuple[str, ...], settings: tuple[str, ...]) -> Setup:
+    """Put a run together on a machine, with a model that was measured under settings of its own."""
+    own = f"simulator.options.seed={seed}"
+    return setup(rig_file.load(None, RigConfig, (own, *settings)), identified((own, *model_of)).matrix, False)
+
+
+@cache
+def kept(seed: int, settings: tuple[str, ...], count: int) -> KnownDrive:
+    """Return the last drive of a run on a machine."""
+    return learned(made_for(seed, (), settings), count)[1]
+
+
+def tried(case: Case, law: str, seed: int) -> tuple[Run, Run]:
+    """Return the cold and the warm run of a case."""
+    settings = (f"learning.law={law}", *case.both)
+    known = kept(seed, settings, LEARNED[law])
+    place = (seed - 1 + case.other) % len(SEEDS) + 1
+    made = made_for(place, case.then if case.measured_again else (), (*settings, *case.then))
+    cold, _ = learned(made, SHOTS[law])
+    warm, _ = learned(replace(made, known=known), SHOTS[law])
+    return cold, warm
+
+
+def row(case: Case, law: str, runs: list[tuple[Run, Run]]) -> str:
+    """Return a row of the table: medians, and the worst seed in brackets."""
+    cold, warm = zip(*runs, strict=True)
+    refused = [each.events[0][1] for each in warm if each.events and each.events[0][0] == "library_refused"]
+    where = ", ".join(f"{refused.count(level)} at {level:g}" for level in sorted(set(refused)))
+    loud = [max(worst for worst, level in zip(each.over, each.levels, strict=True) if level < 1.0) for each in warm]
+    full = [next(worst for worst, level in zip(each.over, each.levels, strict=True) if level == 1.0) for each in warm]
+    first = [each.over[0] for each in cold]
+    cells = [case.name, law, _spread([each.met for each in cold]), _spread([each.met for each in warm])]
+    cells += [f"{len(refused)} of {len(runs)}" + (f" ({where} dB)" if where else "")]
+    cells += [_spread(levels, ".0f") for levels in (loud, full, first)]
+    return " | ".join(["", *cells, ""]).strip()
+
+
+def _spread(values: list[float], form: str = "g") -> str:
+    middle, worst = float(np.median(values)), max(values)
+    return f"{_told(middle, form)} ({_told(worst, form)})"
+
+
+def _told(value: float, form: str) -> str:
+    return "never" if np.isinf(value) else format(value, form)
+
+
+def main(law: str, seeds: list[int]) -> None:
+    rows = []
+    for case in CASES:
+        runs = []
+        for seed in seeds:
+            runs.append(tried(case, law, seed))
+            cold, warm = runs[-1]
+            print(case.name, law, seed, f"cold {cold.met:g}, warm {warm.met:g},", warm.events, flush=True)
+        rows.append(row(case, law, runs))
+        print(rows[-1], flush=True)
+    head = ["case", "law", "shot, cold", "warm", "refused"]
+    head += ["over the limit, dB: check below 0 dB", "first whole shot, warm", "... cold"]
+    print("\n" + " | ".join(["", *head, ""]).strip())
+    print("|---" * len(head) + "|", *rows, sep="\n")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1] if len(sys.argv) > 1 else "kalman", [int(text) for text in sys.argv[2:]] or list(SEEDS))
