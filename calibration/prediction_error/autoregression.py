@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 from scipy.linalg import qr, solve_triangular
 
+from calibration.one_thread import on_one_thread
 from calibration.prediction_error.signals import as_records
 from stagectl.models import InnovationModel
 
@@ -56,6 +57,7 @@ class Arx:
         return InnovationModel(transition, inlet, outlet, b[0], gain, self.rate, self.covariance)
 
 
+@on_one_thread
 def arx(
     drive: np.ndarray | Sequence[np.ndarray],
     response: np.ndarray | Sequence[np.ndarray],

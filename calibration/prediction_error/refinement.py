@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from calibration.one_thread import on_one_thread
 from calibration.prediction_error.element import LARGEST_MODULUS, ROUNDING, Element, balanced
 from calibration.prediction_error.gauss_newton import Fit, fit
 from calibration.prediction_error.local_coordinates import free, gain_only
@@ -39,6 +40,7 @@ class Refined:
     arrived: bool
 
 
+@on_one_thread
 def refine(
     model: InnovationModel,
     drive: np.ndarray | Sequence[np.ndarray],

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag
 
+from calibration.one_thread import on_one_thread
 from calibration.prediction_error.pole_errors import ModeErrors, mode_errors, white_covariance
 from calibration.prediction_error.signals import as_records, scale_of
 from calibration.prediction_error.transfer_row import MOST_LAGS, Row, fit_row, plain_model
@@ -36,6 +37,7 @@ class TransferMatrix:
     arrived: tuple[bool, ...]
 
 
+@on_one_thread
 def identify_transfer_matrix(
     drive: np.ndarray | Sequence[np.ndarray],
     response: np.ndarray | Sequence[np.ndarray],
