@@ -1,7 +1,7 @@
 """The command `calibrate identify`."""
 
 from pathlib import Path
-from typing import Annotated, Any, cast
+from typing import Annotated, cast
 
 import typer
 
@@ -17,7 +17,7 @@ from calibration.identification.report import (
     mode_rows,
     verdicts,
 )
-from calibration.identification.workflow import Identification, identify_recording
+from calibration.identification.workflow import Identification, Method, identify_recording
 from ctlblocks.recording import Recording
 from rigkit.command import JsonOption, print_table, words, write_json
 from stagectl.model_file import write_model
@@ -28,7 +28,7 @@ def identify_command(
     inputs: Annotated[str, typer.Option(metavar="u1,u2", help="Channels of the drive: names, numbers, datasets.")],
     outputs: Annotated[str, typer.Option(metavar="y1,y2", help="Channels of the response.")],
     order: Annotated[str, typer.Option(metavar="auto|N", help="States of the model.")] = "auto",
-    method: Annotated[str, typer.Option(metavar="n4sid|moesp|pem", help="pem: n4sid, then refined.")] = "n4sid",
+    method: Annotated[str, typer.Option(metavar="moesp|n4sid|pem", help="pem: moesp, then refined.")] = "moesp",
     rate: Annotated[float | None, typer.Option(help="Samples a second, where the file does not say.")] = None,
     horizon: Annotated[int | None, typer.Option(help="Samples that the singular values look back and ahead.")] = None,
     hold_back: Annotated[float, typer.Option("--hold-back", help="Share kept, at the end, to judge by.")] = 0.3,
@@ -53,7 +53,7 @@ def identify_command(
         measured,
         len(drives),
         order=states,
-        method=cast(Any, method),
+        method=cast(Method, method),
         horizon=horizon,
         hold_back=hold_back,
     )

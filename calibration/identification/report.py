@@ -132,8 +132,8 @@ def identification_report(found: Identification, source: str) -> Report:
             ),
             Section(
                 "Modes",
-                "Poles of the model; +- is one standard error, from the Gauss-Newton Hessian of the prediction error: "
-                "the least that any unbiased estimate can have, which a model refined by pem reaches.",
+                "Poles of the model; +- is one standard error: by pem from the Hessian of the prediction error, else "
+                "from the spread of the estimates without each sixteenth of the record in turn.",
                 (),
                 (Table(MODE_HEAD, tuple(mode_rows(found))),),
             ),

@@ -7,6 +7,7 @@ import numpy as np
 
 from calibration import subspace
 from calibration.fit_measures import Fit, fit
+from calibration.one_thread import on_one_thread
 from calibration.prediction_error import ModeErrors, refine
 from ctlblocks.recording import Recording
 from rigkit.provenance import now, software
@@ -31,7 +32,7 @@ class Identification:
         The subspace estimate that it is, or that it was refined from.
     method : str
     errors : ModeErrors
-        Its modes, with standard errors from the Gauss-Newton Hessian of the prediction error.
+        Its modes, with standard errors: by pem from the Hessian of the prediction error, else from a jackknife.
     own, fresh : Fit
         On the part it was identified from, and on the part held back.
     drive, response : arrays, shapes (N, m) and (N, p), the inputs' and the outputs' units
@@ -51,12 +52,13 @@ class Identification:
     free_run: np.ndarray
 
 
+@on_one_thread
 def identify_recording(
     measured: Recording,
     inputs: int,
     *,
     order: int | None = None,
-    method: Method = "n4sid",
+    method: Method = "moesp",
     horizon: int | None = None,
     hold_back: float = 0.3,
 ) -> Identification:
@@ -69,7 +71,7 @@ def identify_recording(
     order : int, optional
         As many as the singular values and the held back part of the training data propose, where not given.
     method : "n4sid", "moesp" or "pem"
-        "pem" refines the result of "n4sid" by the prediction error method.
+        "pem" refines the result of "moesp" by the prediction error method.
     horizon : int, samples, optional
     hold_back : float, share of the samples, at the end
     """
@@ -80,18 +82,18 @@ def identify_recording(
     data = np.asarray(measured.data, float)
     _check_moving(measured, data)
     cut = round(len(data) * (1 - hold_back))
-    start: Literal["n4sid", "moesp"] = "moesp" if method == "moesp" else "n4sid"
+    start: Literal["n4sid", "moesp"] = "n4sid" if method == "n4sid" else "moesp"
     drive, response = data[:, :inputs], data[:, inputs:]
     found = subspace.identify(drive[:cut], response[:cut], measured.rate, order, start, horizon)
     drive, response = drive - found.input_offset, response - found.output_offset
-    refined = refine(found.model, drive[:cut], response[:cut], iterations=REFINING if method == "pem" else 0)
-    model = _labelled(refined.model if method == "pem" else found.model, measured, inputs, method, cut)
+    model, errors = _refined(found, drive[:cut], response[:cut]) if method == "pem" else _plain(found)
+    model = _labelled(model, measured, inputs, method, cut)
     late = model.initial_state(drive[cut:], response[cut:])
     return Identification(
         model,
         found,
         method,
-        refined.errors,
+        errors,
         fit(model, [drive[:cut]], [response[:cut]], fitted=model.order * model.outputs),
         fit(model, [drive[cut:]], [response[cut:]]),
         drive[cut:],
@@ -100,8 +102,14 @@ def identify_recording(
     )
 
 
-REFINING = 100
-"""Iterations at most."""
+def _refined(found: subspace.Identified, drive: np.ndarray, response: np.ndarray) -> tuple[InnovationModel, ModeErrors]:
+    refined = refine(found.model, drive, response)
+    return refined.model, refined.errors
+
+
+def _plain(found: subspace.Identified) -> tuple[InnovationModel, ModeErrors]:
+    errors = found.pole_errors
+    return found.model, ModeErrors(found.model.modes, errors.frequency, errors.damping)
 
 
 def _check_moving(measured: Recording, data: np.ndarray) -> None:

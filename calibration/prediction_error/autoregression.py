@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import qr, solve_triangular
 
 from calibration.one_thread import on_one_thread
-from calibration.prediction_error.signals import as_records
+from calibration.records import as_records
 from stagectl.models import InnovationModel
 
 CHUNK_ROWS = 4096

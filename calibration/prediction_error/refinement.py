@@ -12,7 +12,8 @@ from calibration.prediction_error.gauss_newton import Fit, fit
 from calibration.prediction_error.local_coordinates import free, gain_only
 from calibration.prediction_error.normal_equations import Record
 from calibration.prediction_error.pole_errors import ModeErrors, coloured_covariance, mode_errors, white_covariance
-from calibration.prediction_error.signals import Scale, as_records, scale_of
+from calibration.prediction_error.scale import Scale, scale_of
+from calibration.records import as_records
 from stagectl.models import InnovationModel
 
 ITERATIONS = 200
@@ -85,7 +86,7 @@ def refine(
     scale = scale_of(drives, responses)
     start = scale.applied(model)
     through = start.D if direct else start.D[:, :0]
-    drives, responses = [u / scale.drive for u in drives], [y / scale.response for y in responses]
+    drives, responses = scale.of_drives(drives), scale.of_responses(responses)
     if focus == "simulation":
         return _simulating(start, through, drives, responses, scale, iterations)
     inlet = np.hstack([start.B - start.K @ start.D, start.K])

@@ -8,8 +8,9 @@ from scipy.linalg import block_diag
 
 from calibration.one_thread import on_one_thread
 from calibration.prediction_error.pole_errors import ModeErrors, mode_errors, white_covariance
-from calibration.prediction_error.signals import as_records, scale_of
+from calibration.prediction_error.scale import scale_of
 from calibration.prediction_error.transfer_row import MOST_LAGS, Row, fit_row, plain_model
+from calibration.records import as_records
 from stagectl.models import InnovationModel
 
 
@@ -72,7 +73,7 @@ def identify_transfer_matrix(
     drives, responses = as_records(drive, response)
     table = _orders(orders, responses[0].shape[1], drives[0].shape[1])
     scale = scale_of(drives, responses)
-    drives, responses = [u / scale.drive for u in drives], [y / scale.response for y in responses]
+    drives, responses = scale.of_drives(drives), scale.of_responses(responses)
     rows = [fit_row(drives, [y[:, [number]] for y in responses], wanted, direct) for number, wanted in enumerate(table)]
     model = scale.removed(_realised(rows, rate, drives[0].shape[1]))
     parts = [_polynomials(row, model.D[number], scale.drive, scale.response[number]) for number, row in enumerate(rows)]

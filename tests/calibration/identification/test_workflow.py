@@ -33,7 +33,7 @@ def test_the_model_says_where_it_comes_from() -> None:
     model = identify_recording(recorded(2000), 1, order=9, hold_back=0.5).model
     assert (model.input_names, model.output_units) == (("u",), ("m", "m", "m"))
     assert model.provenance["rig"] == "bench"
-    assert (model.provenance["method"], model.provenance["samples"]) == ("n4sid", "1000")
+    assert (model.provenance["method"], model.provenance["samples"]) == ("moesp", "1000")
 
 
 def test_what_is_held_back_plays_no_part() -> None:
@@ -48,7 +48,7 @@ def test_what_is_held_back_plays_no_part() -> None:
 def test_pem_predicts_no_worse_than_what_it_starts_from() -> None:
     drive, response = order_7().record(4000, seed=4)
     measured = Recording(("u", "y"), ("1", "1"), 1000.0, np.concatenate([drive, response], axis=1))
-    fits = [identify_recording(measured, 1, order=7, horizon=15, method=each).own for each in ("n4sid", "pem")]  # type: ignore[arg-type]
+    fits = [identify_recording(measured, 1, order=7, horizon=15, method=each).own for each in ("moesp", "pem")]  # type: ignore[arg-type]
     assert fits[1].one_step.nrmse[0] >= fits[0].one_step.nrmse[0]
 
 

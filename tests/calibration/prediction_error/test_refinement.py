@@ -7,7 +7,7 @@ import pytest
 
 from calibration.fit_measures import fit
 from calibration.prediction_error import refine
-from calibration.prediction_error.signals import scale_of
+from calibration.prediction_error.scale import scale_of
 from stagectl.models import InnovationModel
 from tests.calibration.resonant_systems import ResonantSystem, order_7, order_9, order_18
 
