@@ -116,6 +116,10 @@ class Learner(Trial):
         drive: np.ndarray = (self._signal @ self.algorithm.law.spread.T).astype(np.float32)
         return drive
 
+    def lines_of(self, drive: np.ndarray) -> np.ndarray:
+        """Return the lines (lines, inputs), V s, of a drive while the reference lasts, (frames, coils), V."""
+        return self._synthesis.lines(drive / self._edge @ np.linalg.pinv(self.algorithm.law.spread).T)
+
     def _play(self) -> None:
         """Put the drive of the present lines into the trial."""
         drive = self.rendered(self.lines)

@@ -1,6 +1,8 @@
 """A run, kept, and another one that starts from it: resumed, replayed, refused, from the command line as well."""
 
 import json
+import re
+import shutil
 from pathlib import Path
 
 import h5py
@@ -54,6 +56,21 @@ def test_the_drive_kept_is_the_one_recorded(cold: Path) -> None:
     assert entry.about["software"].startswith("vibrostage")
     assert entry.tags == {"depth": "10"}
     assert entry.variance.min() > 0
+
+
+def test_a_run_that_other_software_would_have_learned_otherwise_is_kept_as_it_was_played(
+    cold: Path, tmp_path: Path
+) -> None:
+    copy = Path(shutil.copytree(cold, tmp_path / "copy"))
+    settings = (copy / "config.toml").read_text()
+    (copy / "config.toml").write_text(re.sub(r"gains( *)= \[0.5\]", r"gains\1= [0.2]", settings))
+    entry, made = entry_of(copy, 4, {}), setup_of(copy)
+    assert made.config.learning.gains == (0.2,)
+    recorded, _ = split(recording.read(shot_files(copy)[4]), made.config)
+    played = recorded[made.shot.window]
+    assert np.linalg.norm(made.learner().rendered(entry.drive) - played) < 1e-3 * np.linalg.norm(played)
+    with h5py.File(copy / "shots" / "0004.h5") as file:
+        np.testing.assert_array_equal(entry.error, file["error"][...])
 
 
 def test_without_a_number_the_last_shot_that_met_the_objective_is_kept_or_else_the_best(
