@@ -120,6 +120,8 @@ class LaserLine:
             self._port = self._opened()
         except LinkError:
             self._over.wait(_RETRY)
+        else:
+            self._lines.forget()
 
     def _close(self) -> None:
         port, self._port = self._port, None

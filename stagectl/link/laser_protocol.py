@@ -100,6 +100,10 @@ class Lines:
         self.complete = 0
         self._rest = b""
 
+    def forget(self) -> None:
+        """Drop the line that is not complete: what follows has another beginning."""
+        self._rest = b""
+
     def take(self, data: bytes) -> list[bytes]:
         """Return the lines that are complete now; empty ones, and LF behind CR, are left out."""
         *lines, self._rest = (self._rest + data).replace(b"\n", b"").split(END)

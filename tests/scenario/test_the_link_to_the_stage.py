@@ -114,7 +114,7 @@ def test_a_mishap_latches_and_nothing_starts_again_by_itself(
     rig.node.suffer({"unplug": "replug", "no-heartbeat": "heartbeat", "stuck-sensor": "heartbeat"}[mishap])
     rig.becomes(State.FAULT)
     assert rig.link.reason == why
-    np.testing.assert_allclose(rig.stage.position, 0.0, atol=1e-6)
+    np.testing.assert_allclose(rig.stage.position, 0.0, atol=4e-6)
     assert rig.link.acknowledge("A. Person") == why
     assert log[1:] == [("link_acknowledged", {"by": "A. Person", "reason": why})]
     rig.at = {}
@@ -134,7 +134,7 @@ def test_a_host_that_hangs_leaves_the_stage_at_mid_travel(rig: Rig) -> None:
     rig.at = {300: lambda: rig.becomes(State.FAULT)}
     with pytest.raises(LinkFault, match="the stage reports REFERENCE_SILENT"):
         rig.sweep(5000)
-    np.testing.assert_allclose(rig.stage.position, 0.0, atol=1e-6)
+    np.testing.assert_allclose(rig.stage.position, 0.0, atol=4e-6)
 
 
 def test_a_host_that_is_killed_leaves_the_stage_at_mid_travel(rig: Rig) -> None:
@@ -157,7 +157,7 @@ def test_a_host_that_is_killed_leaves_the_stage_at_mid_travel(rig: Rig) -> None:
     object.__setattr__(processor._loops, "tick", watched)  # noqa: SLF001
     assert reached.wait(10.0)
     assert processor.fault in (Fault.HOST_SILENT, Fault.REFERENCE_SILENT)
-    np.testing.assert_allclose(rig.stage.position, 0.0, atol=1e-6)
+    np.testing.assert_allclose(rig.stage.position, 0.0, atol=4e-6)
 
 
 def test_an_adapter_that_has_stopped_to_read_holds_nothing_up(rig: Rig) -> None:

@@ -70,5 +70,12 @@ def test_bytes_without_an_end_are_dropped() -> None:
     assert lines.take(b"M1,+00.0000\r\n") == [b"M1,+00.0000"]
 
 
+def test_a_line_that_is_not_complete_can_be_forgotten() -> None:
+    lines = Lines()
+    lines.take(b"TG,1,+0")
+    lines.forget()
+    assert lines.take(b"M1,+00.0000\r") == [b"M1,+00.0000"]
+
+
 def test_a_request_is_a_command_and_its_end() -> None:
     assert request(2) == b"M2\r"
