@@ -64,11 +64,25 @@ def kalman_gain(
         if is_stable(transition - gain @ outlet) and np.all(np.linalg.eigvalsh(innovation) > 0):
             return Gain(gain, (innovation + innovation.T) / 2, by_riccati=True)
     gain = mixed @ np.linalg.pinv(measurement, hermitian=True)
+    return Gain(halved_until_stable(transition, outlet, gain), measurement, by_riccati=False)
+
+
+def halved_until_stable(transition: np.ndarray, outlet: np.ndarray, gain: np.ndarray) -> np.ndarray:
+    """Return a gain, shape (n, p), or the first half of a half of it with which the predictor is stable.
+
+    Parameters
+    ----------
+    transition : array, shape (n, n), 1
+        A, stable.
+    outlet : array, shape (p, n), any unit
+        C.
+    gain : array, shape (n, p), 1 per the outputs' units
+    """
     for _ in range(_HALVINGS):
         if is_stable(transition - gain @ outlet):
-            break
-        gain /= 2
-    return Gain(gain, measurement, by_riccati=False)
+            return gain
+        gain = gain / 2
+    return np.zeros_like(gain)
 
 
 def whitening(innovation: np.ndarray) -> np.ndarray:

@@ -83,6 +83,14 @@ def test_the_initial_state_is_the_least_squares_one_in_units_of_the_innovations(
     np.testing.assert_allclose(model.initial_state(drive, response), wanted, rtol=1e-7)
 
 
+def test_the_initial_state_of_a_slow_system_rests_on_the_whole_record() -> None:
+    model = InnovationModel([[0.9999]], [[1.0]], [[1.0]], [[0.0]], [[0.0]], RATE, [[1.0]])
+    response = np.random.default_rng(7).standard_normal((12_000, 1))
+    free = 0.9999 ** np.arange(12_000)
+    wanted = free @ response / (free @ free)
+    np.testing.assert_allclose(model.initial_state(np.zeros((12_000, 1)), response), wanted, rtol=1e-9)
+
+
 def test_a_state_that_no_output_sees_is_left_at_zero() -> None:
     model = InnovationModel(np.diag([0.9, 0.5]), np.ones((2, 1)), [[1.0, 0.0]], [[0.0]], [[0.0], [0.0]], RATE, [[1.0]])
     response = model.simulate(np.zeros((40, 1)), np.array([2.0, 3.0]))

@@ -68,6 +68,17 @@ def test_the_order_is_found_with_a_chirp(samples: int, horizon: int) -> None:
         assert subspace.identify(*record, RATE, horizon=horizon).model.order == system.model.order
 
 
+@pytest.mark.parametrize("method", ["n4sid", "moesp"])
+def test_an_input_that_its_own_future_tells_does_not_spoil_the_model(method: subspace.Method) -> None:
+    """Of a chirp's past little is its own; what N4SID took for it would be noise."""
+    system = order_7()
+    record = system.record(10_000, seed=5, drive=sweep(10_000, 5.0, 150.0))
+    found = subspace.identify(*record, RATE, 7, method, horizon=40)
+    truth = fit(system.model, [record[0]], [record[1]])
+    assert found.fit.free_run.nrmse > truth.free_run.nrmse - 0.5
+    assert np.all(damping_errors(found.model, system.model) < 0.08)
+
+
 def test_residuals_of_the_right_order_are_white_and_of_too_small_a_one_are_not() -> None:
     system = order_7()
     record, fresh = system.record(10_000, seed=6), system.record(10_000, seed=7)

@@ -7,7 +7,7 @@ from scipy.linalg import LinAlgError
 from calibration.subspace import kalman_gain as module
 from calibration.subspace.estimate import compress, estimate
 from calibration.subspace.gain_refinement import refine_gain
-from calibration.subspace.kalman_gain import Gain, is_stable
+from calibration.subspace.kalman_gain import Gain, halved_until_stable, is_stable
 from calibration.subspace.regression import Terms
 from calibration.subspace.signals import signals
 from calibration.subspace.weighting import left_by_free_run, weighted
@@ -71,9 +71,17 @@ def test_without_a_riccati_solution_the_predictor_is_stable_all_the_same(monkeyp
     assert is_stable(found.transition - found.gain.matrix @ found.outlet)
 
 
+def test_a_gain_too_large_is_halved_until_the_predictor_is_stable() -> None:
+    transition, outlet = np.array([[0.9]]), np.array([[1.0]])
+    assert halved_until_stable(transition, outlet, np.array([[1.5]])) == 1.5
+    assert halved_until_stable(transition, outlet, np.array([[6.0]])) == 1.5
+    assert halved_until_stable(transition, outlet, np.array([[np.inf]])) == 0.0
+
+
 def test_weighting_keeps_to_a_free_run_that_a_simple_model_needs() -> None:
     """Of order 4 the model lacks modes; what it predicts best would be a worse free run."""
-    data = signals(*([each] for each in order_7().record(10_000, seed=2)), "mean")
+    drive, response = order_7().record(10_000, seed=2)
+    data = signals([drive], [response + drive], "mean")
     windows = Windows(data.joined, Layout(20, 20, 1, 1), 1, constant=True)
     for order, changed in ((4, False), (7, True)):
         found = estimate(compress(windows, "moesp"), order, data.drives, data.responses, TERMS)

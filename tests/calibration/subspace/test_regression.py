@@ -6,6 +6,7 @@ import pytest
 from calibration.subspace.modal import modal
 from calibration.subspace.modal_regression import regress, responses, sums
 from calibration.subspace.regression import Regression, Terms, regress_columns
+from calibration.subspace.response import fit_response
 from stagectl.models import InnovationModel
 from tests.stagectl.test_models import RATE, resonant
 
@@ -73,6 +74,15 @@ def test_a_response_by_modes_is_the_free_run() -> None:
     model = InnovationModel(matrix, inlet, outlet, np.zeros((3, 2)), np.zeros((5, 3)), RATE, np.eye(3))
     found = responses(modal(matrix), outlet, inlet, DRIVES[0], state)
     np.testing.assert_allclose(found, model.simulate(DRIVES[0], state), rtol=1e-8, atol=1e-9)
+
+
+def test_the_free_run_is_fitted_right_where_poles_coincide() -> None:
+    matrix, outlet, terms = np.array([[0.5, 1.0], [0.0, 0.5]]), np.array([[1.0, 0.3]]), Terms(True, True)
+    targets = [target[:, :1] for target in TARGETS]
+    found = fit_response(matrix, outlet, DRIVES, targets, terms)
+    expected = regress_columns(matrix, outlet, DRIVES, targets, terms)
+    np.testing.assert_allclose(found.inlet, expected.inlet, rtol=1e-9)
+    assert found.left == pytest.approx(expected.left, rel=1e-9)
 
 
 def test_poles_that_coincide_make_a_badly_conditioned_basis() -> None:
