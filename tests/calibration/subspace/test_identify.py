@@ -185,6 +185,19 @@ def test_the_predictor_is_stable_and_the_innovations_are_a_covariance() -> None:
         assert np.all(np.linalg.eigvalsh(model.innovation) > 0)
 
 
+@pytest.mark.parametrize(("samples", "order", "horizon"), [(4000, None, 40), (4000, 30, 60), (150, 4, 10), (40, 2, 5)])
+def test_horizons_suit_order_and_length_where_none_are_given(samples: int, order: int | None, horizon: int) -> None:
+    found = subspace.identify(*order_7().record(samples, seed=21), RATE, order)
+    assert found.horizon == (horizon, horizon)
+
+
+def test_past_and_future_can_be_chosen_apart() -> None:
+    found = subspace.identify(*order_7().record(4000, seed=22), RATE, 7, horizon=(15, 45))
+    assert found.horizon == (15, 45)
+    assert len(found.singular_values) == 30
+    assert np.all(damping_errors(found.model, order_7().model) < 0.1)
+
+
 def odd_record(kind: str) -> tuple[np.ndarray, np.ndarray]:
     """Return 300 samples of two inputs and two outputs in which something is not as the theory has it."""
     rng = np.random.default_rng(20)
