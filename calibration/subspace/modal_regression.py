@@ -49,7 +49,7 @@ def sums(modes: Modal, drive: np.ndarray, target: np.ndarray) -> Sums:
     filtered = 2 * len(modes.poles) * (drives + 1)
     width = drives + 1 + target.shape[1]
     products = np.zeros((filtered + width, filtered + width))
-    for start, block in _blocks(modes, drive, width):
+    for start, block in _blocks(modes, drive, 1, width):
         block[:, filtered : filtered + drives] = drive[start : start + len(block)]
         block[:, filtered + drives] = 1.0
         block[:, filtered + drives + 1 :] = target[start : start + len(block)]
@@ -69,23 +69,24 @@ def responses(modes: Modal, outlet: np.ndarray, inlet: np.ndarray, drive: np.nda
     drive : array, shape (N, drives), any unit
     state : array, shape (n,), 1
     """
-    drives = drive.shape[1]
-    coefficients = np.linalg.solve(modes.basis, np.concatenate([inlet, state[:, None]], axis=1)).T.ravel()
-    maps = [_modal_map(modes, seen, drives + 1) @ coefficients for seen in outlet @ modes.basis]
+    decays = int(np.any(state))
+    entering = np.concatenate([inlet, state[:, None]], axis=1) if decays else inlet
+    coefficients = np.linalg.solve(modes.basis, entering).T.ravel()
+    maps = [_modal_map(modes, seen, entering.shape[1]) @ coefficients for seen in outlet @ modes.basis]
     weights = np.stack(maps, axis=1)
     result = np.empty((len(drive), len(outlet)))
-    for start, block in _blocks(modes, drive, 0):
+    for start, block in _blocks(modes, drive, decays, 0):
         np.matmul(block, weights, out=result[start : start + len(block)])
     return result
 
 
-def _blocks(modes: Modal, drive: np.ndarray, spare: int) -> Iterator[tuple[int, np.ndarray]]:
-    """Give stretches of the filters' parts, with spare columns behind; each overwrites the one before."""
+def _blocks(modes: Modal, drive: np.ndarray, decays: int, spare: int) -> Iterator[tuple[int, np.ndarray]]:
+    """Give stretches of the filters' parts, with 0 or 1 free decays and spare columns; each overwrites the last one."""
     count, drives = len(modes.poles), drive.shape[1]
-    state = np.zeros((2, (drives + 1) * count))
+    state = np.zeros((2, (drives + decays) * count))
     state[0, drives * count :] = 1.0
-    block = np.empty((_CHUNK, 2 * count * (drives + 1) + spare))
-    pushed = np.zeros((_CHUNK, drives + 1))
+    block = np.empty((_CHUNK, 2 * count * (drives + decays) + spare))
+    pushed = np.zeros((_CHUNK, drives + decays))
     real, imaginary = modes.poles.real.copy(), modes.poles.imag.copy()
     for start in range(0, len(drive), _CHUNK):
         rows = min(_CHUNK, len(drive) - start)
