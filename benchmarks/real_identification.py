@@ -14,7 +14,7 @@ import numpy as np
 from benchmarks.measured_systems import Case, Pair, cases
 from calibration import subspace
 from calibration.fit_measures import nrmse, vaf
-from calibration.prediction_error import Focus, refine
+from calibration.prediction_error import Focus, arx, reduced, refine
 from calibration.subspace.realization import Method
 from stagectl.models import InnovationModel
 from tests.shared_data import DATA
@@ -40,14 +40,17 @@ def ways(case: Case) -> dict[str, Callable[[], InnovationModel]]:
         found[method] = subspace.identify(*case.own, 1.0, case.order, method, case.horizon).model
         return found[method]
 
+    def cut() -> InnovationModel:
+        found["arx"] = reduced(arx(*case.own, 1.0, case.horizon, delays=0).model(), case.order)
+        return found["arx"]
+
     def refined(before: str, focus: Focus) -> InnovationModel:
         name = f"{before}, {focus}"
         found[name] = refine(found[before], *case.own, focus=focus).model
         return found[name]
 
-    made: dict[str, Callable[[], InnovationModel]] = {}
-    for method in ("n4sid", "moesp"):
-        made[method] = partial(start, method)
+    made = {"n4sid": partial(start, "n4sid"), "moesp": partial(start, "moesp"), "arx": cut}
+    for method in tuple(made):
         for before, focus in ((method, "prediction"), (method, "simulation"), (f"{method}, prediction", "simulation")):
             made[f"{before}, {focus}"] = partial(refined, before, focus)
     return made

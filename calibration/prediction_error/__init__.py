@@ -2,7 +2,18 @@
 
 from calibration.prediction_error.autoregression import Arx, arx
 from calibration.prediction_error.pole_errors import ModeErrors
+from calibration.prediction_error.reduction import reduced
 from calibration.prediction_error.refinement import Focus, Refined, refine
 from calibration.prediction_error.transfer_matrix import TransferMatrix, identify_transfer_matrix
 
-__all__ = ["Arx", "Focus", "ModeErrors", "Refined", "TransferMatrix", "arx", "identify_transfer_matrix", "refine"]
+__all__ = [
+    "Arx",
+    "Focus",
+    "ModeErrors",
+    "Refined",
+    "TransferMatrix",
+    "arx",
+    "identify_transfer_matrix",
+    "reduced",
+    "refine",
+]
