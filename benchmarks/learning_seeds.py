@@ -1,6 +1,6 @@
 """How fast each learning law gets there, on ten seeds of every kind of simulated vibrator.
 
-`python -m benchmarks.learning_seeds [SEED ...]`, a minute or two a seed; prints a line a run and then the
+`python -m benchmarks.learning_seeds [LAW] [SEED ...]`, a minute or two a seed; prints a line a run and then the
 table of `docs/learning.md`.  Every machine is measured by the product's own calibration, then it learns `SHOTS` shots
 of the default reference, without audio; a run whose next drive would break the guard's limits ends there.
 """
@@ -174,12 +174,12 @@ def row(plant: str, law: str, runs: list[Outcome]) -> str:
     return " | ".join(["", *cells, ""]).strip()
 
 
-def main(seeds: list[int]) -> None:
+def main(wanted: list[str], seeds: list[int]) -> None:
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         for name, kind in plants(Path(folder)).items():
-            laws = {law: (settings, ()) for law, settings in LAWS.items()}
-            if name == "default":
+            laws = {law: (LAWS[law], ()) for law in wanted}
+            if name == "default" and "thesis" in wanted:
                 laws[THE_THESIS] = (LAWS["thesis"], ("characterisation.method=stepped",))
             for law, (settings, method) in laws.items():
                 runs = []
@@ -202,4 +202,5 @@ def _shot(number: float) -> str:
 
 
 if __name__ == "__main__":
-    main([int(text) for text in sys.argv[1:]] or list(SEEDS))
+    numbers = [int(text) for text in sys.argv[1:] if text not in LAWS]
+    main([text for text in sys.argv[1:] if text in LAWS] or list(LAWS), numbers or list(SEEDS))
