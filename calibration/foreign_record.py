@@ -144,13 +144,17 @@ def _from_hdf5(path: Path, channels: Sequence[str], rate: float | None) -> Recor
         raise RecordingError(f"{path}: the datasets have different lengths, {said_lengths}")
     if said is None and rate is None:
         raise RecordingError(f"{path}: does not say its rate; give it with --rate")
+    try:
+        found = float(np.asarray(rate if said is None else said).item())
+    except (ValueError, TypeError):
+        raise RecordingError(f"{path}: its rate is {said!r}, must be a number of samples/s") from None
     data = np.array([values for _, values, *_ in columns]).T
     if not (finite := np.isfinite(data).all(axis=1)).all():
         raise RecordingError(f"{path}: sample {int(finite.argmin())} is not finite")
     names, units = zip(*((name, unit) for name, _, unit, _ in columns), strict=True)
     try:
-        return Recording(names, units, float(np.asarray(rate if said is None else said).item()), data)
-    except (RecordingError, ValueError, TypeError) as fault:
+        return Recording(names, units, found, data)
+    except RecordingError as fault:
         raise RecordingError(f"{path}: {fault}") from None
 
 
@@ -164,7 +168,8 @@ def _dataset(path: Path, file: Any, channel: str) -> tuple[str, np.ndarray, str,
         raise RecordingError(
             f"{path}: no dataset {place!r} of numbers in one or two dimensions; there are {', '.join(there)}"
         )
-    table = dataset[()].astype(float).reshape(len(dataset), -1)
+    table = dataset[()].astype(float)
+    table = table[:, None] if table.ndim == 1 else table
     if not column and table.shape[1] == 1:
         column = "1"
     if not (column.isdecimal() and 1 <= int(column) <= table.shape[1]):

@@ -58,6 +58,7 @@ def test_datasets_are_read_by_path_and_column(tmp_path: Path) -> None:
         file["run/y"].attrs["unit"] = "m"
         file.attrs["rate"] = 50.0
         file["short"] = DATA[:3, 0]
+        file["none"] = DATA[:0]
     found = read_channels(path, ["run/u", "run/y:2"], None)
     assert (found.names, found.units, found.rate) == (("run/u", "run/y:2"), ("1", "m"), 50.0)
     np.testing.assert_array_equal(found.data, DATA)
@@ -65,9 +66,19 @@ def test_datasets_are_read_by_path_and_column(tmp_path: Path) -> None:
         (["run/y"], "must name one of 2 columns"),
         (["run/z"], "no dataset 'run/z'.*run/u"),
         (["run/u", "short"], "different lengths"),
+        (["none:1", "none:2"], "frames >= 1"),
     ):
         with pytest.raises(RecordingError, match=complaint):
             read_channels(path, channels, None)
+
+
+def test_a_rate_that_is_no_number_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "data.h5"
+    with h5py.File(path, "w") as file:
+        file["u"] = DATA[:, 0]
+        file.attrs["rate"] = "fast"
+    with pytest.raises(RecordingError, match="its rate is 'fast'"):
+        read_channels(path, ["u"], None)
 
 
 @pytest.mark.parametrize(
