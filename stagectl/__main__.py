@@ -57,26 +57,24 @@ def run_command(
     """
     flags = {"reference.signal": reference, "session.seconds": seconds, "simulator.options.seed": seed}
     given = [f"{key}={value}" for key, value in flags.items() if value is not None]
+    given += ["session.live=true"] * live
     laid_over = [*(settings or []), *given]
     made = rig_file.load(config, StageConfig, laid_over)
     if scenario is not None:
         made = rig_file.load(config, StageConfig, [*scenario_settings(scenario, made.session), *laid_over])
-    if live:
-        if model or scenario:
-            raise ValueError("--live runs the stage's own controllers on what is there: no --model, no --scenario")
-        folder, put_together = session.create(out, made, None)
-    else:
-        folder, put_together = session.create(out, made, model or [])
+    if made.session.live and scenario is not None:
+        raise ValueError("--live runs the stage on what is there: --scenario is for the simulator")
+    folder, put_together = session.create(out, made, model or [])
     with folder:
         _end(_run(folder, put_together), out, json)
 
 
 def _run(folder: RunFolder, made: Setup) -> dict[str, Any]:
     with stoppable() as stop, progress("running", made.timeline.total) as meter:
-        if made.designs:
-            figures = session.run(folder, made, lambda name, done: meter.show(done, name), lambda: stop.made)
-        else:
+        if made.config.session.live:
             figures = run_live(folder, made, lambda: stop.made)
+        else:
+            figures = session.run(folder, made, lambda name, done: meter.show(done, name), lambda: stop.made)
     if stop.made:
         raise Stopped(f"stopped; what is recorded is in {folder.path}")
     run_report(folder.path)

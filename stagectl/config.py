@@ -113,7 +113,9 @@ class Outer(Section):
         30.0, "Hz", "what moves so fast is to be followed, and pushes that change a tenth as fast", gt=0, le=2_000
     )
     reach: float = setting(200.0, "Hz", "the models hold up to here", gt=0, le=50_000)
-    beyond: float = setting(1.0, "1", "largest gain of the controller from there on, re the plant at rest", gt=0, le=10)
+    beyond: PerAxis = setting(
+        (1.5,), "1", "largest gain of the controller from there on, re the plant at rest", min_length=1
+    )
     max_sensitivity: float = setting(2.2, "1", "Ms that is kept, with `delay` more than there is", ge=1.1, le=10)
     delay: int = setting(1, "samples", "extra delay that the bound on Ms holds for", ge=0, le=20)
     mistuning: float = setting(0.05, "1", "natural frequencies may be off by so much, either way", ge=0, le=0.5)
@@ -144,8 +146,9 @@ class Deflection(Section):
 
 
 class Session(Section):
-    """How long a run is, and how it is kept."""
+    """How long a run is, where, and how it is kept."""
 
+    live: bool = setting(False, "", "the stage behind [link], which controls itself; else the one of [simulator]")
     seconds: float = setting(20.0, "s", "length of the run", gt=0, le=3_600)
     lead: float = setting(1.0, "s", "before it, to come to rest and to start", ge=0.05, le=60)
     recording: Literal["csv", "wav"] = setting("csv", "", "format of the recording; a WAV is smaller and quicker")
@@ -187,6 +190,7 @@ class StageConfig(Section):
             ("inner", "bandwidth"),
             ("outer", "bandwidth"),
             ("outer", "drive"),
+            ("outer", "beyond"),
             ("reference", "position"),
         ):
             values = getattr(getattr(self, table), key)

@@ -11,9 +11,11 @@ from rigkit.run_folder import RunFolder
 from stagectl.link.blocks import Newest, Receive, Send
 from stagectl.link.clock import run_linked
 from stagectl.link.stage_link import StageLink
+from stagectl.link.upload import upload
 from stagectl.reference import wanted_position
 from stagectl.session import RECORDING, summary
 from stagectl.setup import Setup
+from stagectl.stage.loop_parameters import loop_parameters
 
 
 def run_live(folder: RunFolder, made: Setup, stopped: Callable[[], bool]) -> dict[str, Any]:
@@ -25,7 +27,7 @@ def run_live(folder: RunFolder, made: Setup, stopped: Callable[[], bool]) -> dic
     ----------
     folder : RunFolder
     made : Setup
-        Without designs.
+        With designs, their loops go to the stage first; without, it uses those it has.
     stopped : callable() -> bool
 
     Raises
@@ -36,6 +38,9 @@ def run_live(folder: RunFolder, made: Setup, stopped: Callable[[], bool]) -> dic
         graph, record = _graph(link, made)
         folder.event("started", {"software": software(), "channel": made.config.link.channel})
         graph.prepare()
+        if made.designs:
+            parameters = loop_parameters(made.config.stage.axes, [each.loop for each in made.designs])
+            folder.event("uploaded", {"crc": f"{upload(link, parameters):08x}"})
         link.start()
         try:
             run_linked(graph, link, made.timeline.total // link.frames, stopped)

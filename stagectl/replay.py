@@ -47,7 +47,7 @@ def replay(path: Path, made: Setup) -> Iterator[Replayed]:
     ------
     ValueError : nothing is recorded.
     """
-    if not made.designs:
+    if made.config.session.live:
         raise ValueError(f"{path}: a live run's controllers ran in the stage, there is nothing to replay here")
     found = [(name, read_recording(path, name)) for name in (UNCOMPENSATED, RECORDING)]
     if all(record is None for _, record in found):

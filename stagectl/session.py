@@ -25,25 +25,25 @@ RECORDING, UNCOMPENSATED = "recording", "uncompensated"
 Tell = Callable[[str, int], None]
 
 
-def create(path: Path, config: StageConfig, models: Sequence[Path] | None) -> tuple[RunFolder, Setup]:
+def create(path: Path, config: StageConfig, models: Sequence[Path]) -> tuple[RunFolder, Setup]:
     """Make the folder of a new run, with copies of its models and of a reference from a file.
 
     Parameters
     ----------
     path : Path
     config : StageConfig
-    models : sequence of Path, or None
-        Model files, one an axis; None for a live run.
+    models : sequence of Path
+        Model files, one an axis; of a live run, none as well.
 
     Raises
     ------
     ValueError : models, reference and settings do not fit together, or the folder is in use; nothing is written.
     """
-    made = setup(config, models) if models is not None else Setup(config, (), ())
+    made = setup(config, models)
     wanted_position(config, made.timeline)
     made.compensation()
     folder = RunFolder.create(path, rig_file.dump(config))
-    for axis, model in zip(config.stage.axes, models or (), strict=models is not None):
+    for axis, model in zip(config.stage.axes, models, strict=bool(models)):
         shutil.copyfile(model, folder.path / model_name(axis))
     for axis, file in zip(config.stage.axes, config.inner.hysteresis, strict=bool(config.inner.hysteresis)):
         shutil.copyfile(file, folder.path / f"hysteresis-{axis}.h5")
@@ -58,12 +58,11 @@ def setup_of(path: Path) -> Setup:
     if not (path / CONFIG).is_file():
         raise ValueError(f"{path}/ is not the folder of a run: it has no {CONFIG}")
     config = rig_file.load(path / CONFIG, StageConfig)
-    if not (path / model_name(config.stage.axes[0])).exists():
-        return Setup(config, (), ())
     if config.inner.hysteresis:
         kept = tuple(str(path / f"hysteresis-{axis}.h5") for axis in config.stage.axes)
         config = config.model_copy(update={"inner": config.inner.model_copy(update={"hysteresis": kept})})
-    return setup(config, [path / model_name(axis) for axis in config.stage.axes])
+    files = [path / model_name(axis) for axis in config.stage.axes]
+    return setup(config, [] if config.session.live and not files[0].exists() else files)
 
 
 def model_name(axis: str) -> str:
@@ -123,7 +122,7 @@ def summary(path: Path, made: Setup) -> dict[str, Any]:
     if record is not None and len(record.data) > made.timeline.begin:
         figures["seconds"] = len(record.data[made.timeline.proper]) / record.rate
         figures["position_error"] = _measures(record, made, "reference", "position")
-        if made.designs:
+        if not made.config.session.live:
             figures["tool_error"] = _measures(record, made, "wanted", "absolute")
     before = read_recording(path, UNCOMPENSATED)
     if before is not None and len(before.data) > made.timeline.begin:

@@ -25,7 +25,7 @@ class Setup:
     config : StageConfig
     models : tuple of InnovationModel
     designs : tuple of Design
-        One of each an axis; none of a live run, where the stage controls itself.
+        One of each an axis; none of a live run on the loops that the stage has already.
     """
 
     config: StageConfig
@@ -34,11 +34,13 @@ class Setup:
 
     @property
     def timeline(self) -> Timeline:
-        """When what happens; a live run has no lead and no end of its own."""
-        if self.designs:
-            return timeline(self.config)
-        samples = round(self.config.session.seconds * self.config.stage.rate)
-        return Timeline(self.config.stage.rate, 0, 0, samples, samples)
+        """When what happens; a live run has only to wait until the stage has come to the reference."""
+        whole = timeline(self.config)
+        if not self.config.session.live:
+            return whole
+        begin = round(2.5 * self.config.limits.ramp * whole.rate)
+        end = begin + whole.end - whole.begin
+        return Timeline(whole.rate, 0, begin, end, end)
 
     def controller(self) -> StageController:
         """Return the controllers, at their beginning."""
@@ -57,7 +59,7 @@ def setup(config: StageConfig, files: Sequence[Path]) -> Setup:
     ----------
     config : StageConfig
     files : sequence of Path
-        Model files, one an axis, in the order of `stage.axes`.
+        Model files, one an axis, in the order of `stage.axes`; of a live run, none as well.
 
     Raises
     ------
@@ -65,7 +67,7 @@ def setup(config: StageConfig, files: Sequence[Path]) -> Setup:
         no design keeps its bounds.
     """
     axes = config.stage.axes
-    if len(files) != len(axes):
+    if len(files) != len(axes) and (files or not config.session.live):
         raise ValueError(
             f"there are {len(files)} model files, must be one for each of the axes {', '.join(axes)}, in this order: "
             "--model FILE for each, as `calibrate stage` writes them"

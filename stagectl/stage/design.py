@@ -86,7 +86,7 @@ def design(model: InnovationModel, outer: Outer, axis: int) -> Design:
         if figures[0].max_sensitivity <= outer.max_sensitivity and max(worst, answer) <= outer.mistuned_sensitivity:
             return replace(each, robustness=figures[0], worst_sensitivity=worst)
     raise ValueError(
-        f"axis {axis + 1}: of {len(found)} outer loops with a gain <= {outer.beyond:g} above outer.reach "
+        f"axis {axis + 1}: of {len(found)} outer loops with a gain <= {_of(outer.beyond, axis):g} above outer.reach "
         f"{outer.reach:g} Hz none keeps outer.max_sensitivity {outer.max_sensitivity:g} and "
         f"outer.mistuned_sensitivity {outer.mistuned_sensitivity:g}; raise these, or lower outer.mistuning"
     )
@@ -101,6 +101,11 @@ def mistuned(plant: StateSpace, factor: float) -> StateSpace:
     turned = np.linalg.solve(shapes.T, (shapes * moved).T).T.real
     unit = np.eye(len(plant.A))
     return StateSpace(turned, (unit - turned) @ np.linalg.solve(unit - plant.A, plant.B), plant.C, plant.D)
+
+
+def _of(values: tuple[float, ...], axis: int) -> float:
+    """Return the setting of an axis: there is one for all, or one an axis."""
+    return values[axis % len(values)]
 
 
 def largest_answer(plant: StateSpace, loop: StateFeedback) -> float:
@@ -153,7 +158,7 @@ class _Looks:
 
 def _candidates(model: InnovationModel, outer: Outer, axis: int, looks: _Looks) -> Iterator[Design]:
     """Make the loops whose gain is low enough where the model does not reach."""
-    wanted, most = outer.bandwidth[axis % len(outer.bandwidth)], outer.drive[axis % len(outer.drive)]
+    wanted, most = _of(outer.bandwidth, axis), _of(outer.drive, axis)
     unknown = Robustness(False, np.inf, 0.0, (0.0, 0.0), 0.0, 0.0, 0.0)
     for caution in CAUTIONS:
         gains = [(doubt, kalman_gain(model, doubt, caution)) for doubt in DOUBTS]
@@ -165,5 +170,5 @@ def _candidates(model: InnovationModel, outer: Outer, axis: int, looks: _Looks) 
             for (doubt, gain), part in product(gains, FORWARDS):
                 loop = replace(plain, gain=gain, forward=part * forward)
                 beyond, left = looks.gain_beyond_and_left(loop)
-                if beyond <= outer.beyond:
+                if beyond <= _of(outer.beyond, axis):
                     yield Design(loop, unknown, np.inf, left, float(bandwidth), float(drive), doubt, caution)

@@ -28,7 +28,7 @@ def test_the_example_is_a_rig_file_of_all_defaults(
     assert rig_file.load(file, StageConfig) == StageConfig()
 
 
-def test_run_replay_and_report_follow_each_other(
+def test_a_run_ends_with_a_table_figures_and_a_report_and_can_be_replayed(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     models = [word for file in write_models(tmp_path) for word in ("--model", str(file))]
@@ -38,8 +38,7 @@ def test_run_replay_and_report_follow_each_other(
     assert "within 5 um" in capsys.readouterr().out
     assert stagectl(monkeypatch, "replay", run) == 0
     assert "yes" in capsys.readouterr().out
-    assert stagectl(monkeypatch, "report", run, "--png", str(tmp_path / "png")) == 0
-    assert (tmp_path / "png" / "error.png").exists()
+    assert (tmp_path / "run" / "report.html").exists()
 
 
 @pytest.mark.parametrize(
@@ -51,7 +50,7 @@ def test_run_replay_and_report_follow_each_other(
         (["--set", "outer.drive=[1, 2]"], "outer.drive is (1.0, 2.0), must be 1 or 3 numbers > 0"),
         (["--set", "outer.bandwith=3"], "bandwidth"),
         (["--scenario", "turning"], "scenario is 'turning', must be one of milling-x, milling-y, milling-z"),
-        (["--live", "--scenario", "milling-x"], "no --model, no --scenario"),
+        (["--live", "--scenario", "milling-x"], "--scenario is for the simulator"),
     ],
 )
 def test_a_mistake_is_one_line_and_status_2_and_leaves_no_folder(

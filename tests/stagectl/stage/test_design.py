@@ -31,7 +31,7 @@ def test_no_reference_is_answered_more_than_allowed_with_frequencies_off_either_
 
 
 def test_the_controllers_gain_is_small_where_the_model_does_not_reach() -> None:
-    made = design(model("z"), Outer(reach=150.0, beyond=0.7), 2)
+    made = design(model("z"), Outer(reach=150.0, beyond=(0.7,)), 2)
     gain = made.loop.system().response(np.linspace(150.0, 4_999.0, 2_000), RATE)
     at_rest = plant_of(made.loop.model).response(np.zeros(1), RATE)
     assert 0.3 < np.abs(gain).max() * abs(at_rest[0]) <= 0.705
