@@ -31,8 +31,8 @@ EDGES = re.compile(r"firmware_sim/.*|vibractl/audio\.py|stagectl/link/(bus|slcan
 
 _ENTRY = re.compile(r"^(\w+(?:, \w+)*) : (.+(?:\n +.+)*)", re.MULTILINE)
 _SHAPE = re.compile(
-    r"\(\w[^()]*,[^()]*\)|\(\)|(?:same|any) shape|broadcast|as long as|(?:shape|length) of"
-)  # (frames, width)
+    r"\((?:\w|\.{3})[^()]*,[^()]*\)|\(\)|(?:same|any) shape|broadcast|as long as|(?:shape|length) of"
+)  # (frames, width), (..., joints)
 _UNIT = re.compile(rf"(?:{_SHAPE.pattern})[^,]*,\s+\S|any unit")
 _NEEDS_NO_UNIT = re.compile(r"\b(?:int|bool|integer|indices)\b")
 

@@ -1,0 +1,1 @@
+"""The robot beside the stage: kinematics, and what moves it."""
