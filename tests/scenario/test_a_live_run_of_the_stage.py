@@ -1,0 +1,52 @@
+"""The program reaches the stage over its wire only: loops are uploaded, references streamed, positions recorded.
+
+Guards against a live run that works in process alone, and one whose folder cannot be reported afterwards.
+"""
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rigkit import config as rig_file
+from rigkit.run_folder import read_events
+from stagectl import session
+from stagectl.config import StageConfig
+from stagectl.live import run_live
+from stagectl.replay import replay
+from stagectl.report import run_report
+from tests.contract.source_tree import ROOT
+from tests.stagectl.simulated_models import write_models
+
+PATIENT = "link.silence=2"
+"""s: a test's machine may be busy for longer than the 20 ms of a rig."""
+COMMAND = [sys.executable, "-m", "firmware_sim", "stage", "--pty", "--set", PATIENT, "--folder"]
+
+
+def test_a_live_run_uploads_its_loops_follows_and_can_be_reported_but_not_replayed(tmp_path: Path) -> None:
+    wire, models = tmp_path / "wire", write_models(tmp_path)
+    settings = ["session.live=true", "session.seconds=0.5", "session.recording=wav", "outer.mistuning=0.0", PATIENT]
+    config = rig_file.load(None, StageConfig, [*settings, f"link.channel={wire}/can", "link.patience=20"])
+    with subprocess.Popen([*COMMAND, str(wire)], cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == f"CAN adapter: {wire}/can\n"
+        try:
+            folder, made = session.create(tmp_path / "run", config, models)
+            with folder:
+                figures = run_live(folder, made, lambda: False)
+        finally:
+            process.send_signal(signal.SIGINT)
+            assert process.wait(20) == 0
+    assert figures["seconds"] == 0.5
+    assert "tool_error" not in figures
+    assert {"started", "uploaded", "recorded"} <= {event["event"] for event in read_events(folder.path)}
+    record = session.read_recording(folder.path, session.RECORDING)
+    assert record is not None
+    position = record.select([f"position_{axis}" for axis in "xyz"]).data[made.timeline.proper]
+    np.testing.assert_allclose(position[-1_000:].mean(axis=0), 225e-6, atol=0.5e-6)
+    run_report(folder.path)
+    with pytest.raises(ValueError, match="nothing to replay here"):
+        list(replay(folder.path, session.setup_of(folder.path)))
