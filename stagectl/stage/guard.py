@@ -34,16 +34,16 @@ class VoltageGuard(Block):
         self._limits = limits
         self._reason = ""
         self._bounds = np.zeros(4)
-        self._memory = np.zeros((3, axes))
-        self._state = np.zeros(7, np.int64)
+        self._memory = np.zeros((4, axes))
+        self._state = np.zeros(8, np.int64)
 
     def prepare(self, rate: float, frames: int) -> None:
         """Begin the ramp from the lowest voltage to rest, and count samples from zero.  A latch survives."""
         limits, latched = self._limits, self.latched
         self._bounds[:] = *limits.voltage, limits.voltage_slew / rate, limits.rest_voltage
         self._memory.fill(limits.voltage[0])
-        self._memory[kernel.LIMITED] = 0.0
-        self._state[[kernel.POSITION, kernel.COUNT]] = 0
+        self._memory[[kernel.LIMITED, kernel.APART]] = 0.0
+        self._state[[kernel.POSITION, kernel.COUNT, kernel.EASING]] = 0
         self._state[kernel.RAMP] = max(1, round(limits.ramp * rate))
         self._state[kernel.PHASE] = kernel.FADING if latched else kernel.RAMPING
 
@@ -56,7 +56,12 @@ class VoltageGuard(Block):
         if self._state[kernel.PHASE] != kernel.SHUT:
             state = "latched" if self.latched else "open" if self.is_open else "on its way to rest"
             raise ValueError(f"the guard is {state}, must be shut and at rest to be opened")
-        self._state[kernel.PHASE] = kernel.OPEN
+        self._state[[kernel.PHASE, kernel.EASING]] = kernel.OPEN, 0
+
+    def ease_open(self) -> None:
+        """As `open`, but let what the first request is off the voltage go along a raised cosine of `limits.ramp`."""
+        self.open()
+        self._state[kernel.EASING] = 1
 
     def close(self) -> None:
         """Ramp to rest and stay there (between ticks)."""

@@ -42,7 +42,7 @@ class Stage:
         graph.add("sensors", self.sensors)
         graph.add("controller", controller)
         graph.add("guard", self.guard)
-        request = "controller.request"
+        request, self._compensated = "controller.request", compensation is not None
         if compensation is not None:
             graph.add("compensation", compensation)
             graph.connect(request, f"compensation.{compensation.inputs[0].name}")
@@ -55,7 +55,10 @@ class Stage:
 
     def start(self) -> None:
         """Begin to control, without a step; ValueError unless the voltages are at rest and nothing is latched."""
-        self.guard.open()
+        if self._compensated:
+            self.guard.ease_open()
+        else:
+            self.guard.open()
         self.controller.start(self.guard.voltage)
 
     def stop(self) -> None:

@@ -104,11 +104,17 @@ class Given(Block):
 class Bench:
     """A closed loop on the linear stage, ticked a sample at a time."""
 
-    def __init__(self, config: StageConfig, controller: StageController, plant: LinearStage) -> None:
+    def __init__(
+        self,
+        config: StageConfig,
+        controller: StageController,
+        plant: LinearStage,
+        compensation: Block | None = None,
+    ) -> None:
         axes = len(config.stage.axes)
         self.graph = Graph(RATE)
         self.plant, self.reference, self.push = plant, Given(axes), Given(axes)
-        self.stage = Stage(self.graph, config, controller)
+        self.stage = Stage(self.graph, config, controller, compensation)
         for name, block in (("plant", plant), ("reference", self.reference), ("push", self.push)):
             self.graph.add(name, block)
         self.graph.connect("plant.position", "sensors.position", delayed=True)

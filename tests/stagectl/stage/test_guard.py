@@ -43,6 +43,19 @@ def test_within_limits_it_is_transparent_bit_for_bit() -> None:
     assert guard.limited == (0, 0)
 
 
+def test_a_request_that_begins_elsewhere_can_be_let_out_without_a_step() -> None:
+    guard = VoltageGuard(LIMITS, 2)
+    guard.prepare(RATE, 1)
+    while not guard.at_rest:
+        sample(guard, 0.0)
+    guard.ease_open()
+    way = np.array([sample(guard, 80.0 + n / 100) for n in range(150)])
+    assert way[0, 0] == 50.0
+    assert np.abs(np.diff(way[:, 0])).max() < 0.55
+    np.testing.assert_array_equal(way[100:, 0], 80.0 + np.arange(100, 150) / 100)
+    np.testing.assert_array_equal(way[:, 1], 50.0)
+
+
 def test_range_and_rate_of_change_are_kept_and_counted() -> None:
     guard = opened()
     way = np.array([sample(guard, 300.0)[0] for _ in range(5)])

@@ -8,6 +8,8 @@ import pytest
 
 from stagectl.config import Outer, StageConfig
 from stagectl.stage.design import design
+from stagectl.stage.hysteresis import HysteresisModel
+from stagectl.stage.hysteresis_compensation import HysteresisCompensation
 from stagectl.stage.loop import Stage, inner_loops, stage_controller
 from stagectl.stage.state_feedback import StateFeedback
 from tests.stagectl.linear_stage import INNER, LIMITS, Bench, LinearStage, model
@@ -153,6 +155,34 @@ def test_stop_takes_the_voltages_to_rest_and_it_starts_again() -> None:
     made.stage.start()
     made.run(0.3)
     assert made.stage.guard.is_open
+
+
+def test_with_hysteresis_undone_in_series_it_still_starts_without_a_step_and_follows() -> None:
+    """On a linear plant the compensation itself is the disturbance: wrong by some volts wherever it stands."""
+    model = HysteresisModel(
+        0.0,
+        100.0,
+        np.array([45e-6, 35e-6, 0.0, 0.0]),
+        np.zeros(2),
+        np.zeros(2),
+        np.array([0.1, 0.3]),
+        np.array([6e-6, 4e-6]),
+        10_000.0,
+        0.0,
+        0,
+    )
+    made = Bench(CONFIG, stage_controller(CONFIG, loops()), LinearStage(), HysteresisCompensation([model, None, model]))
+    made.run(0.4)
+    made.reference.value[:] = made.graph.signal("plant.position")[0]
+    before = made.run(0.001)["voltage"]
+    made.stage.start()
+    after = made.run(0.5)
+    assert largest_step(np.vstack([before[-1:], after["voltage"][:200]])) < 0.1
+    assert np.abs(made.graph.signal("guard.voltage") - made.graph.signal("controller.request"))[0, 0] > 0.5
+    np.testing.assert_allclose(after["position"][-1_000:].mean(axis=0), made.reference.value, atol=0.1e-6)
+    made.reference.value += 30e-6
+    position = made.run(0.4)["position"]
+    np.testing.assert_allclose(position[-1_000:].mean(axis=0), made.reference.value, atol=0.1e-6)
 
 
 def test_it_does_not_start_before_it_is_at_rest() -> None:
