@@ -10,7 +10,7 @@ STAMP := .venv/installed
 PACKAGES := ctlblocks rigkit vibractl stagectl calibration firmware_sim
 KEY = $(shell cat pyproject.toml | sha256sum | cut -c1-16) $(CURDIR)
 
-.PHONY: run test check soak bench setup packages docs clean help
+.PHONY: run test check soak bench peers setup packages docs clean help
 
 help:            ## this list
 	@grep -hE '^[a-z]+: .*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 10
@@ -37,6 +37,10 @@ soak: setup packages  ## the slow tests: minutes
 
 bench: setup packages ## benchmarks and the comparisons with peers
 	$(BIN)/pytest -q benchmarks --benchmark-only
+
+peers: setup     ## identification against other packages, which it installs: a quarter of an hour
+	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[peers]'
+	$(BIN)/python -m benchmarks.identification_peers
 
 docs: setup      ## regenerate what is generated: docs/rig.toml, docs/stage.toml, stagectl/stage.dbc
 	$(BIN)/vibractl example-config > docs/rig.toml
