@@ -1,0 +1,292 @@
+"""The simulated robot against what mechanics says of it; its geometry here is written once more."""
+
+import numpy as np
+import pytest
+
+from firmware_sim.plants.robot import STIFF_CLAMP, RobotPlant
+from firmware_sim.plants.robot_arms import ARMS
+from firmware_sim.plants.robot_geometry_kernel import GRAVITY, centres, masses, place, weights, whirls
+from firmware_sim.plants.robot_joint_kernel import (
+    ACROSS_X,
+    ACROSS_Y,
+    BACKLASH,
+    STIFF_MINUS,
+    STIFF_PLUS,
+    friction,
+    spring,
+)
+
+
+def run(plant: RobotPlant, reference: np.ndarray, wrench: np.ndarray | None = None) -> tuple[np.ndarray, ...]:
+    """Return motor angle, torque, link angle and pose."""
+    outputs = *(np.full((len(reference), 6), np.nan) for _ in range(3)), np.full((len(reference), 7), np.nan)
+    plant.run(reference, np.zeros((len(reference), 6)) if wrench is None else wrench, *outputs)
+    return outputs
+
+
+def held(plant: RobotPlant, wrench: np.ndarray, seconds: float = 3.0) -> tuple[np.ndarray, ...]:
+    """Return what a constant wrench makes of an arm that stands still."""
+    frames = round(seconds * plant.rate)
+    return run(plant, np.tile(plant.home, (frames, 1)), np.tile(wrench, (frames, 1)))
+
+
+def tool_point(angle: np.ndarray, tilt: np.ndarray, tool: float, arm: str) -> np.ndarray:
+    """Return the tool's position by homogeneous matrices, each tilt a rotation about x and y before the joint's."""
+    pose = np.eye(4)
+    for (offset, d, a, alpha), q, (about_x, about_y) in zip(ARMS[arm].chain, angle, tilt, strict=True):
+        turned = turn(0, about_x) @ turn(1, about_y) @ turn(2, np.deg2rad(offset) + q)
+        pose = pose @ turned @ moved(a, 0, d) @ turn(0, np.deg2rad(alpha))
+    return np.asarray((pose @ moved(0, 0, tool))[:3, 3])
+
+
+def turn(axis: int, angle: float) -> np.ndarray:
+    matrix, (i, j) = np.eye(4), ((1, 2), (2, 0), (0, 1))[axis]
+    matrix[i, i] = matrix[j, j] = np.cos(angle)
+    matrix[j, i] = np.sin(angle)
+    matrix[i, j] = -np.sin(angle)
+    return matrix
+
+
+def moved(x: float, y: float, z: float) -> np.ndarray:
+    matrix = np.eye(4)
+    matrix[:3, 3] = x, y, z
+    return matrix
+
+
+def point_jacobian(angle: np.ndarray, tool: float, arm: str) -> np.ndarray:
+    """Return by differences the tool's velocity over x, y and z rotation at each joint, shape (3, 6, 3)."""
+    found, small = np.empty((3, 6, 3)), 1e-6
+    for joint in range(6):
+        for column in range(3):
+            ends = []
+            for sign in (1, -1):
+                q, tilt = angle.copy(), np.zeros((6, 2))
+                if column == 2:
+                    q[joint] += sign * small
+                else:
+                    tilt[joint, column] += sign * small
+                ends.append(tool_point(q, tilt, tool, arm))
+            found[:, joint, column] = (ends[0] - ends[1]) / (2 * small)
+    return found
+
+
+def test_the_irb140_stands_where_its_makers_say() -> None:
+    plant = RobotPlant(spread=0.0, tool=0.0, payload=0.0, compliance=0.1, orthogonal=0.0, backlash=0.0)
+    plant.place(np.zeros(6))
+    np.testing.assert_allclose(plant.frames[7, :, 3], [0.515, 0.0, 0.712], atol=2e-4)
+    np.testing.assert_allclose(plant.frames[7, :, 2], [1.0, 0.0, 0.0], atol=1e-3)
+
+
+@pytest.mark.parametrize("arm", sorted(ARMS))
+@pytest.mark.parametrize("direction", range(3))
+def test_a_force_moves_the_tool_by_compliance_times_force(arm: str, direction: int) -> None:
+    """Within 1 %: the joints' springs and what is soft across them, by a Jacobian of this file's own."""
+    plant = RobotPlant(arm=arm, seed=4, backlash=0.0, noise=0.0)
+    plant.brake(True)
+    size = 20.0 if arm == "irb140" else 400.0
+    before = held(plant, np.zeros(6))
+    force = size * np.eye(6)[direction]
+    after = held(plant, force)
+    levers = point_jacobian(before[2][-1], plant.tool, arm)
+    sideways = 1 / plant.joints[STIFF_PLUS], 1 / plant.joints[STIFF_MINUS]
+    wind_up = (before[0] - before[2] + after[0] - after[2])[-1]
+    soft = np.stack([*plant.joints[[ACROSS_X, ACROSS_Y]], np.where(wind_up > 0, *sideways)], axis=1)
+    expected = np.einsum("rjc,jc,sjc,s->r", levers, soft, levers, force[:3])
+    np.testing.assert_allclose((after[3] - before[3])[-1, :3], expected, atol=0.01 * np.linalg.norm(expected))
+    reported = plant.tool_compliance()[:3] @ force
+    np.testing.assert_allclose(reported, expected, atol=0.01 * np.linalg.norm(expected))
+
+
+def test_a_link_is_loose_by_its_backlash_where_nothing_loads_it() -> None:
+    plant = RobotPlant(seed=2, noise=0.0)
+    plant.brake(True)
+    width = plant.joints[BACKLASH, 0]
+    angles = []
+    for sign in (1.0, -1.0):
+        link = held(plant, sign * np.array([0, 0.01, 0, 0, 0, 0]), 20.0)[2][-1, 0]
+        lever = plant.frames[7, 0, 3]
+        angles.append(link - sign * 0.01 * lever / plant.joints[STIFF_PLUS, 0])
+    assert angles[0] - angles[1] == pytest.approx(width, rel=0.01)
+
+
+@pytest.mark.parametrize("arm", sorted(ARMS))
+def test_the_lowest_mode_is_between_10_and_30_hertz(arm: str) -> None:
+    """Over arms and over postures: motors held, gears engaged."""
+    rng = np.random.default_rng(1)
+    for seed in range(20):
+        plant = RobotPlant(arm=arm, seed=seed, backlash=0.0)
+        plant.place(plant.home + rng.uniform(-0.35, 0.35, 6))
+        plant.brake(True)
+        held(plant, np.array([0.0, 10.0, 0.0, 1.0, 1.0, 1.0]), 0.02)
+        assert 10.0 < plant.natural_frequencies()[0] < 30.0
+
+
+def test_a_blow_rings_at_a_natural_frequency() -> None:
+    plant = RobotPlant(spread=0.0, backlash=0.0, noise=0.0, rate=1_000.0)
+    plant.brake(True)
+    wrench = np.zeros((4_000, 6))
+    wrench[10:12, 1] = 500.0
+    link = run(plant, np.tile(plant.home, (4_000, 1)), wrench)[2][20:, 0]
+    lines = np.abs(np.fft.rfft((link - link.mean()) * np.hanning(len(link)), 2**16))
+    rung = np.argmax(lines) * 1_000.0 / 2**16
+    assert np.abs(plant.natural_frequencies() / rung - 1).min() < 0.02
+
+
+def test_an_arm_that_is_left_alone_loses_energy() -> None:
+    """Motion, gears and height together, motors held, in a swing of centimetres: never more, in the end much less."""
+    plant = RobotPlant(seed=5, noise=0.0, compliance=3.0)
+    plant.brake(True)
+    wrench = np.zeros((1, 6))
+    wrench[0, :3] = 30.0, 200.0, -100.0
+    for _ in range(20):
+        run(plant, plant.home[None], wrench)
+    totals = []
+    for _ in range(500):
+        run(plant, plant.home[None])
+        totals.append(total_energy(plant))
+    rises = np.diff(totals) / (totals[0] - totals[-1])
+    assert rises.max() < 2e-3
+    assert totals[0] - totals[-1] > 0.5
+
+
+def total_energy(plant: RobotPlant) -> float:
+    frames, centre, links = np.zeros((8, 3, 4)), np.zeros((7, 3)), plant.links
+    link, motor = plant.state[2], plant.state[0]
+    place(link, np.zeros((6, 2)), links, plant.tool, frames)
+    centres(frames, links, centre)
+    height = GRAVITY * links[:, 7] @ centre[:, 2]
+    stored = 0.0
+    for joint in range(6):
+        wound = np.linspace(0, motor[joint] - link[joint], 2_001)
+        stored += np.trapezoid([spring(joint, angle, plant.joints)[0] for angle in wound], wound)
+    return float(plant.energy() + height + stored)
+
+
+def test_friction_takes_energy_over_any_cycle() -> None:
+    plant = RobotPlant(seed=1)
+    joints, state, step = plant.joints, np.zeros((9, 6)), 1e-4
+    time = np.arange(20_000) * step
+    for frequency, size in ((1.0, 1e-5), (1.0, 1e-2), (7.0, 1e-3)):
+        speed = size * 2 * np.pi * frequency * np.cos(2 * np.pi * frequency * time)
+        work = 0.0
+        for value in speed:
+            state[1, 0] = value
+            work += friction(0, step, joints, state)[0] * value * step
+        assert work > 0.0
+
+
+def geometry(plant: RobotPlant, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    frames, centre = np.zeros((8, 3, 4)), np.zeros((7, 3))
+    place(angle, np.zeros((6, 2)), plant.links, plant.tool, frames)
+    centres(frames, plant.links, centre)
+    return frames, centre
+
+
+def test_gravity_is_the_slope_of_height_and_coriolis_follows_from_the_mass_matrix() -> None:
+    plant, rng, small = RobotPlant(seed=7), np.random.default_rng(2), 1e-5
+    angle, speed = plant.home + rng.uniform(-0.5, 0.5, 6), rng.uniform(-1, 1, 6)
+
+    def mass_at(q: np.ndarray) -> np.ndarray:
+        mass = np.zeros((6, 6))
+        masses(*geometry(plant, q), plant.links, mass)
+        return mass
+
+    def height_at(q: np.ndarray) -> float:
+        return float(GRAVITY * plant.links[:, 7] @ geometry(plant, q)[1][:, 2])
+
+    steps = small * np.eye(6)
+    slopes = np.array([(mass_at(angle + s) - mass_at(angle - s)) / (2 * small) for s in steps])
+    weight, whirl = np.zeros((6, 3)), np.zeros(6)
+    weights(*geometry(plant, angle), plant.links, weight)
+    whirls(*geometry(plant, angle), plant.links, speed, whirl)
+    falls = [-(height_at(angle + s) - height_at(angle - s)) / (2 * small) for s in steps]
+    np.testing.assert_allclose(weight[:, 2], falls, atol=1e-5)
+    turning = np.einsum("kij,k,j->i", slopes, speed, speed) - 0.5 * np.einsum("kij,i,j->k", slopes, speed, speed)
+    np.testing.assert_allclose(whirl, turning, atol=1e-6)
+    assert np.linalg.eigvalsh(mass_at(angle)).min() > 0
+
+
+def test_it_follows_a_slow_reference_and_comes_to_rest() -> None:
+    plant = RobotPlant(seed=1)
+    time = np.arange(750) / 250.0
+    reference = plant.home + 0.05 * (1 - np.cos(np.pi * np.minimum(time, 2.0) / 2))[:, None]
+    angle, torque, *_ = run(plant, reference)
+    assert np.abs(angle - reference).max() < 4e-3
+    assert np.abs(angle[-50:] - reference[-50:]).max() < 2e-4
+    assert np.ptp(torque[-50:], axis=0).max() < 5.0
+
+
+def test_soft_servo_yields_to_a_push_and_comes_back_stiff() -> None:
+    plant = RobotPlant(seed=1, friction=0.2)
+    push = np.array([0.0, 60.0, 0.0, 0.0, 0.0, 0.0])
+    stiff = held(plant, push, 2.0)[0][-1, 0] - plant.home[0]
+    plant.soften(np.array([0.95, 0, 0, 0, 0, 0]))
+    soft = held(plant, push, 3.0)[0][-1, 0] - plant.home[0]
+    plant.soften(np.zeros(6))
+    again = held(plant, push, 3.0)[0][-1, 0] - plant.home[0]
+    assert max(abs(stiff), abs(again)) < 2e-4
+    assert soft > 5e-3
+
+
+def test_supervision_puts_the_brakes_on_and_names_the_joint() -> None:
+    plant = RobotPlant(seed=1)
+    plant.clamp()
+    reference = np.tile(plant.home, (500, 1))
+    reference[:, 2] += np.linspace(0.0, 0.2, 500)
+    angle, torque, *_ = run(plant, reference)
+    assert plant.tripped == 3
+    assert np.ptp(angle[-50:, 2]) < 1e-4
+    assert np.abs(torque[-1, 2]) < 2.0
+    plant.brake(False)
+    assert plant.tripped == 0
+
+
+@pytest.mark.parametrize("orthogonal", [0.0, 1.0])
+def test_a_clamped_joint_shows_its_spring_in_series_with_what_holds_the_tool(orthogonal: float) -> None:
+    """A motor pushes against its gear: alone where nothing else yields; softer where the joints tilt and the clamp."""
+    plant = RobotPlant(seed=6, orthogonal=orthogonal, backlash=0.0, friction=0.0, noise=0.0)
+    plant.clamp(STIFF_CLAMP if orthogonal else 1e-3 * STIFF_CLAMP)
+    reference = np.tile(plant.home, (500, 1))
+    seen = []
+    for offset in (0.001, 0.002):
+        reference[:, 0] = plant.home[0] + offset
+        motor, torque, link, _ = run(plant, reference)
+        seen.append((motor[-1, 0], torque[-1, 0], link[-1, 0]))
+    motor_step, torque_step, link_step = np.diff(seen, axis=0)[0]
+    across = abs(torque_step) / (motor_step - link_step)
+    assert across == pytest.approx(plant.joints[STIFF_PLUS, 0], rel=1e-3)
+    shown = torque_step / motor_step / plant.joints[STIFF_PLUS, 0]
+    assert (shown == pytest.approx(1.0, rel=2e-3)) if orthogonal == 0.0 else 0.5 < shown < 0.98
+
+
+def test_a_clamp_slips_beyond_its_force() -> None:
+    plant = RobotPlant(seed=6)
+    plant.clamp(slip_force=50.0)
+    reference = np.tile(plant.home, (500, 1))
+    reference[:, 0] += np.linspace(0.0, 0.05, 500)
+    run(plant, reference)
+    assert 0.01 < plant.slipped < 0.04
+    plant.release()
+    assert np.abs(run(plant, reference[-1:].repeat(500, 0))[0][-1] - reference[-1]).max() < 1e-3
+
+
+def test_frames_do_not_matter_and_seeds_do() -> None:
+    reference = RobotPlant().home + 0.01 * np.random.default_rng(1).standard_normal((64, 6)).cumsum(0) / 8
+    whole = run(RobotPlant(seed=3), reference)
+    plant = RobotPlant(seed=3)
+    parts = [run(plant, reference[start : start + 16]) for start in range(0, 64, 16)]
+    for one, pieces in zip(whole, zip(*parts, strict=True), strict=True):
+        assert one.tobytes() == np.concatenate(pieces).tobytes()
+    assert run(RobotPlant(seed=4), reference)[0].tobytes() != whole[0].tobytes()
+
+
+def test_what_cannot_be_is_refused_by_name() -> None:
+    with pytest.raises(ValueError, match=r"simulator.options.arm is 'puma', must be 'irb140' or 'kuka'"):
+        RobotPlant(arm="puma")
+    with pytest.raises(ValueError, match=r"rate is 300.0 samples/s, must be 50 to 8000"):
+        RobotPlant(rate=300.0)
+    plant = RobotPlant()
+    with pytest.raises(ValueError, match="softness"):
+        plant.soften(np.full(6, np.nan))
+    with pytest.raises(ValueError, match="compliance"):
+        plant.clamp(-STIFF_CLAMP)
