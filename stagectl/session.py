@@ -161,6 +161,12 @@ def _measures(record: Recording, made: Setup, wanted: str, measured: str) -> dic
 
 def _designed(made: Setup) -> Mapping[str, Any]:
     return {
-        axis: {"robustness": str(each.robustness), "worst_sensitivity": each.worst_sensitivity, "left": each.left}
+        axis: {
+            "robustness": str(each.robustness),
+            **{
+                name: getattr(each, name)
+                for name in ("worst_sensitivity", "left", "bandwidth", "drive", "doubt", "caution")
+            },
+        }
         for axis, each in zip(made.config.stage.axes, made.designs, strict=True)
     }
