@@ -7,6 +7,7 @@ import numpy as np
 
 from ctlblocks import Block, Port, recording, replay
 from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
+from firmware_sim.macro_micro_blocks import MacroMicro
 from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, VibratorImpulseResponse
 from firmware_sim.stage_blocks import Milling, PiezoStage
 from firmware_sim.stage_image import Held, StickingStage
@@ -17,6 +18,10 @@ from stagectl.link.config import Laser, Link
 from stagectl.link.laser import Displacement, LaserLine
 from stagectl.link.stage_link import StageLink
 from stagectl.models import InnovationModel
+from stagectl.robot.midranging.internal_model import Estimation, InternalModel, InternalModelAxis
+from stagectl.robot.midranging.reference_governor import Governor
+from stagectl.robot.midranging.tuning import LoopModel, lambda_tuned
+from stagectl.robot.midranging.valve_position import ValvePosition, ValvePositionAxis
 from stagectl.stage.controller import PiezoController, StageController
 from stagectl.stage.guard import VoltageGuard
 from stagectl.stage.hysteresis import HysteresisModel
@@ -102,6 +107,13 @@ def _loops() -> HysteresisModel:
     return HysteresisModel(-0.1, 0.1, *parts, np.array([0.2, 0.6]), np.array([3e-7, 2e-7]), 44_100.0)
 
 
+def _internal_model() -> Block:
+    fast, slow = (LoopModel.first_order(time, 250.0).of_order(3) for time in (0.1, 1.0))
+    governor = Governor((5.0, -4.0), (1.0, -0.9), limit=0.1, travel=0.03)
+    axis = InternalModelAxis(fast, slow, fast, slow, governor, middle=0.01, estimation=Estimation(0.5, accuracy=100.0))
+    return InternalModel([axis, axis])
+
+
 EXAMPLES: dict[type[Block], Example] = {
     Sum: Example(lambda: Sum("+-", width=2)),
     Gain: Example(lambda: Gain(-2.5, width=2)),
@@ -131,6 +143,12 @@ EXAMPLES: dict[type[Block], Example] = {
     Milling: Example(lambda: Milling(start=0.0, seconds=5.0)),
     Receive: Example(lambda: Receive(StageLink(Link())), rate=10_000.0),
     Newest: Example(lambda: Newest(StageLink(Link()), "voltage"), start=lambda block: block.sample.fill(7.0)),
+    ValvePosition: Example(
+        lambda: ValvePosition([ValvePositionAxis(lambda_tuned(0.1, 0.1), lambda_tuned(1.0, 1.0), 0.01, 0.1, 0.05)] * 2),
+        rate=250.0,
+    ),
+    InternalModel: Example(_internal_model, rate=250.0),
+    MacroMicro: Example(lambda: MacroMicro(noise=1e-3, gains=((0.5, 1.5),), disturbance=0.1), rate=250.0),
     Displacement: Example(
         lambda: Displacement(LaserLine(Laser(), now=lambda: 0.0)),
         start=lambda block: block.line.take(b"TG,1,+00.0100\r"),
