@@ -16,6 +16,7 @@ from stagectl.config import StageConfig
 from stagectl.live import run_live
 from stagectl.replay import replay
 from stagectl.report import run_report
+from stagectl.robot.midranging.command import midrange
 from stagectl.scenario import scenario_settings
 from stagectl.setup import Setup
 
@@ -135,6 +136,9 @@ def report_command(
     figures = run_report(path, png)
     print(f"report: {path / 'report.html'}", file=words(json))
     write_json(json, figures)
+
+
+app.command("midrange")(midrange)
 
 
 def main() -> int:

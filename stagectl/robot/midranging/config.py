@@ -1,0 +1,91 @@
+"""The mid-ranging rig file: the pair of manipulators, its controllers, and the simulated pair."""
+
+import math
+from typing import Any
+
+from pydantic import Field
+
+from rigkit.config import Section, setting
+from stagectl.link.config import CLASS
+
+Terms = tuple[float, ...]
+
+
+class Pair(Section):
+    """The macro and the micro manipulator as they were identified: y_k = sum a_i y_{k-i} + sum b_i w_{k-i}."""
+
+    rate: float = setting(250.0, "samples/s", "sample rate of mid-ranging", ge=10, le=10_000)
+    fast_outputs: Terms = setting((0.96,), "", "a_i of the micro manipulator's closed loop", min_length=1, max_length=3)
+    fast_inputs: Terms = setting((0.04,), "", "its b_i", min_length=1, max_length=3)
+    slow_outputs: Terms = setting(
+        (math.exp(-0.004),), "", "a_i of the macro manipulator's closed loop", min_length=1, max_length=3
+    )
+    slow_inputs: Terms = setting((1.0 - math.exp(-0.004),), "", "its b_i", min_length=1, max_length=3)
+    order: int = setting(1, "", "order of the models that are estimated, at least that of these", ge=1, le=3)
+    middle: float = setting(0.0, "m", "middle of the micro manipulator's travel")
+    travel: float = setting(25e-3, "m", "from there to either end of it", gt=0, le=10)
+
+
+class Inner(Section):
+    """The controller inside the micro manipulator's loop, in powers of z^-1."""
+
+    numerator: Terms = setting((5.0,), "1/s", "its numerator, with a direct term", min_length=1, max_length=4)
+    denominator: Terms = setting((1.0,), "", "its denominator", min_length=1, max_length=4)
+    limit: float = setting(10e-3, "m/s", "where its control signal saturates", gt=0, le=1e3)
+
+
+class Learning(Section):
+    """Recursive least squares on both loops."""
+
+    forgetting: float = setting(0.999, "", "for each sample that is listened to", gt=0, le=1)
+    noise: float = setting(1e-6, "m", "standard deviation of the positions' sensors", gt=0, le=1)
+    deviation: float = setting(0.3, "", "of each parameter before anything is seen, and at most", gt=0, le=100)
+    gate: float = setting(3.0, "", "listen while a loop's smoothed input is so many times the noise off its mean", ge=0)
+    alarm: bool = setting(True, "", "start anew when the residuals are too large for the noise")
+
+
+class Estimating(Section):
+    """The phase before control: square waves on both loops."""
+
+    seconds: float = setting(4.0, "s", "at least so long; 0: none", ge=0, le=600)
+    accuracy: float = setting(0.05, "", "until the models' outputs are off by this share, noise apart", gt=0, le=1)
+    fast_amplitude: float = setting(0.5e-3, "m", "of the micro manipulator's wave", gt=0, le=1)
+    slow_amplitude: float = setting(0.5e-3, "m", "of the macro manipulator's wave", gt=0, le=1)
+    fast_half_period: float = setting(0.5, "s", "of the micro manipulator's wave", gt=0, le=100)
+    slow_half_period: float = setting(1.0, "s", "of the macro manipulator's wave", gt=0, le=100)
+
+
+class Valve(Section):
+    """Valve position control, tuned by lambda from the pair's models reduced to first order."""
+
+    fast_factor: float = setting(1.0, "", "time constant wanted of the fast loop over its own", gt=0, le=100)
+    slow_factor: float = setting(1.0, "", "time constant wanted of the slow loop over its own", gt=0, le=100)
+    tracking_factor: float = setting(1.0, "", "anti-windup time over the fast loop's time constant", gt=0, le=100)
+    feed: float = setting(0.0, "", "share of the slow loop's effect taken off the fast reference", ge=0, le=1)
+
+
+class Session(Section):
+    """The run."""
+
+    lead: float = setting(14.0, "s", "before the reference begins: the estimation phase, and rest", ge=0, le=600)
+
+
+class Simulator(Section):
+    """The pair without the robots."""
+
+    plant: str = setting(
+        "firmware_sim.macro_micro_blocks:MacroMicro", "", "module:Class of the pair's Block", pattern=CLASS
+    )
+    options: dict[str, Any] = setting({}, "", "keywords it is built with")
+
+
+class MidrangeConfig(Section):
+    """A whole rig file of mid-ranging."""
+
+    pair: Pair = Field(default_factory=Pair)
+    inner: Inner = Field(default_factory=Inner)
+    learning: Learning = Field(default_factory=Learning)
+    estimating: Estimating = Field(default_factory=Estimating)
+    valve: Valve = Field(default_factory=Valve)
+    session: Session = Field(default_factory=Session)
+    simulator: Simulator = Field(default_factory=Simulator)

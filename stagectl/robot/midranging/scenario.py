@@ -1,0 +1,78 @@
+"""References for mid-ranging, and what happens to the pair meanwhile."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ctlblocks.recording import read
+
+PERIOD, AMPLITUDE = 4.0, 2e-3
+"""s and m of the square wave of both simulations: its steps saturate the inner control signal."""
+SINE_PERIOD, SINE_AMPLITUDE, SLOPE = 20.0, 1e-3, 0.5e-3
+"""s and m of the slow sine, m/s of the ramp."""
+DISTURBANCE, DISTURBED_AT = 5e-3, 18.0
+"""m and s [Sörnmo 2015, section 3.3]."""
+GAINS = ((8.0, 1.5), (16.0, 0.6))
+"""s and multiple of the first gain: half more, then 60 % less [Sörnmo 2015, section 3.3]."""
+SECONDS = {"thesis-1": 28.0, "thesis-2": 24.0}
+HALF_STEP, STEPS = 4.5, 6
+"""s of each step of Table 3.1, and how many there are, up and down in turn."""
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """What the relative position is to be, and what happens meanwhile.
+
+    Parameters
+    ----------
+    name : str
+    reference : array, shape (samples,), m
+    options : mapping
+        Keywords of the simulated pair; times count from the first sample of the reference.
+    period : float, s
+        Of the reference; 0 where it has none.
+    """
+
+    name: str
+    reference: np.ndarray
+    options: dict[str, Any] = field(default_factory=dict)
+    period: float = 0.0
+
+    @property
+    def gains(self) -> tuple[tuple[float, float], ...]:
+        """From when on, s, the micro manipulator's process gain is which multiple of the first one."""
+        return tuple(self.options.get("gains", ()))
+
+
+def scenario(name: str, rate: float) -> Scenario:
+    """Return simulation 1 or 2 of the thesis, or the reference in a file.
+
+    Parameters
+    ----------
+    name : str
+        "thesis-1", "thesis-2", or the path of a CSV or WAV file with one channel, m.
+    rate : float, samples/s
+
+    Raises
+    ------
+    ValueError : there is no such scenario; the file has another rate or more than one channel.
+    """
+    if name in SECONDS:
+        time = np.arange(round(SECONDS[name] * rate)) / rate
+        wave = AMPLITUDE * np.where(time % PERIOD < PERIOD / 2, 1.0, -1.0)
+        wave += SINE_AMPLITUDE * np.sin(2.0 * np.pi * time / SINE_PERIOD)
+        if name == "thesis-1":
+            options = {"disturbance": DISTURBANCE, "disturbed_at": DISTURBED_AT}
+            return Scenario(name, wave + SLOPE * time, options, PERIOD)
+        return Scenario(name, wave, {"gains": GAINS}, PERIOD)
+    if Path(name).suffix.lower() not in (".csv", ".wav"):
+        raise ValueError(f"scenario is {name!r}, must be table-3.1, {', '.join(SECONDS)}, or a CSV or WAV file")
+    return Scenario(Path(name).stem, read(name, rate=rate, channels=1).data[:, 0].astype(np.float64))
+
+
+def steps(size: float, rate: float) -> np.ndarray:
+    """Return steps from 0 to `size` (m) and back, as Table 3.1 has them, shape (samples,), m."""
+    half = round(HALF_STEP * rate)
+    return np.concatenate([np.full(half, size * (1 - number % 2)) for number in range(STEPS)])

@@ -1,0 +1,90 @@
+"""The command, its scenarios, recording and report."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ctlblocks.recording import Recording, read, write
+from rigkit import config as rig_file
+from stagectl.__main__ import app
+from stagectl.robot.midranging.config import MidrangeConfig
+from stagectl.robot.midranging.controllers import controller
+from stagectl.robot.midranging.measures import iae
+from stagectl.robot.midranging.scenario import Scenario, scenario
+from stagectl.robot.midranging.simulation import simulate
+
+
+def _run(*arguments: str) -> None:
+    app(["midrange", *arguments], standalone_mode=False)
+
+
+def test_a_run_is_recorded_and_reported(tmp_path: Path) -> None:
+    _run("--scenario", "thesis-2", "--out", str(tmp_path / "run"), "--json", str(tmp_path / "found.json"),
+         "--png", str(tmp_path / "png"))  # fmt: skip
+    found = json.loads((tmp_path / "found.json").read_text())
+    assert {"iae", "control_over_limit", "fast_model", "slow_model", "changes"} <= set(found)
+    kept = read(tmp_path / "run/recording.csv", rate=250.0)
+    assert {"reference", "relative", "fast", "slow", "control", "share", "fast_model_1", "slow_model_2"} <= set(
+        kept.names
+    )
+    assert kept.provenance["controller"] == "aimc"
+    assert iae(kept) == pytest.approx(found["iae"], rel=1e-12)
+    assert "IAE" in (tmp_path / "run/report.html").read_text()
+    assert {file.name for file in (tmp_path / "png").iterdir()} == {
+        "positions.png", "error.png", "control-signal.png", "models.png"}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["mvpc", "mvpc-aw", "vpc"])
+def test_a_reference_from_a_file_under_every_other_controller(tmp_path: Path, name: str) -> None:
+    wave = 1e-3 * np.sin(2.0 * np.pi * np.arange(1000) / 500.0)[:, None]
+    write(tmp_path / "wave.csv", Recording(("position",), ("m",), 250.0, wave))
+    _run("--scenario", str(tmp_path / "wave.csv"), "--controller", name, "--out", str(tmp_path / "run"),
+         "--json", str(tmp_path / "found.json"))  # fmt: skip
+    found = json.loads((tmp_path / "found.json").read_text())
+    assert found["seconds"] == 4.0
+    assert 0.0 < found["iae"] < 1e-3 * 4.0
+    assert "share" not in read(tmp_path / "run/recording.csv", rate=250.0).names
+
+
+def test_the_table_is_a_list_of_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("stagectl.robot.midranging.table.ROWS", (("sim, r = 1.5", 1.5e-3, 0.0),))
+    _run("--scenario", "table-3.1", "--json", str(tmp_path / "rows.json"))
+    (row,) = json.loads((tmp_path / "rows.json").read_text())
+    assert row["setup"] == "sim, r = 1.5"
+    assert {"mvpc_aw", "mvpc", "aimc_iae"} <= set(row)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--scenario", "thesis-3"], "scenario is 'thesis-3', must be table-3.1, thesis-1, thesis-2, or"),
+        (
+            ["--scenario", "thesis-1", "--controller", "pid"],
+            "controller is 'pid', must be one of aimc",
+        ),
+        (["--scenario", "thesis-1", "--png", "x"], "--png goes with --out"),
+        (["--scenario", "table-3.1", "--out", "x"], "takes no --out"),
+        (["--scenario", "thesis-1", "--set", "estimating.seconds=20"], "not accurate after session.lead of 14 s"),
+        (["--scenario", "thesis-1", "--set", "simulator.options.mass=1"], "does not take these options"),
+        (["--scenario", "thesis-1", "--set", "simulator.plant=numpy:array"], "numpy:array does not take these options"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_in_a_line(arguments: list[str], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        _run(*arguments)
+
+
+def test_feeding_the_slow_loop_forward_takes_it_out_of_the_error() -> None:
+    config = rig_file.load(None, MidrangeConfig, ["valve.feed=1.0"])
+    chosen = Scenario("step", np.full(1125, 1.5e-3))
+    assert iae(simulate(controller("mvpc", config), chosen, config)) == pytest.approx(0.15e-3, rel=0.05)
+
+
+def test_the_scenarios_are_those_of_section_3_3() -> None:
+    first, second = scenario("thesis-1", 250.0), scenario("thesis-2", 250.0)
+    assert (first.options["disturbance"], first.options["disturbed_at"]) == (5e-3, 18.0)
+    assert second.gains == ((8.0, 1.5), (16.0, 0.6))
+    np.testing.assert_allclose((first.reference[: len(second.reference)] - second.reference) * 250.0 / 0.5e-3,
+                               np.arange(len(second.reference)), atol=1e-9)  # fmt: skip
