@@ -17,7 +17,7 @@ Matrices = dict[str, np.ndarray]
 """A, B, C, D and, where there is one, K; `input_offset` and `output_offset` where an operating point is taken out."""
 
 Method = Callable[[np.ndarray, np.ndarray, int, int], Matrices]
-"""Of a drive (N, m), a response (N, p), an order and a horizon; of ours 0 means that it is left to the program."""
+"""Of a drive (N, m), a response (N, p), an order and a horizon; ours takes 0 for what is left to it."""
 
 Proposal = Callable[[np.ndarray, np.ndarray, int], int]
 """The order found in a drive and a response with a horizon."""
@@ -42,6 +42,11 @@ def ours(method: str, refined: bool) -> Method:
         return {**{name: getattr(model, name) for name in "ABCDK"}, **offsets}
 
     return identify
+
+
+def own_horizon() -> Method:
+    identify = ours("moesp", refined=False)
+    return lambda drive, response, order, _: identify(drive, response, order, 0)
 
 
 def our_order() -> Proposal:
@@ -165,6 +170,7 @@ def pysid_armax() -> Method:
 METHODS: dict[str, Callable[[], Method]] = {
     "ours": partial(ours, "moesp", refined=False),
     "ours, n4sid": partial(ours, "n4sid", refined=False),
+    "ours, horizon left to it": own_horizon,
     "ours, refined": partial(ours, "moesp", refined=True),
     "SLICOT N4SID": partial(slicot, "N"),
     "SLICOT N4SID, by QR": partial(slicot, "N", compression="Q"),

@@ -5,11 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from calibration.records import as_records
-from calibration.subspace.estimate import Estimate, compress, estimate
+from calibration.subspace.estimate import Compressed, Estimate, compress, estimate
 from calibration.subspace.gain_refinement import refine_gain
+from calibration.subspace.horizons import given, longer, usual
 from calibration.subspace.identified import Identified
 from calibration.subspace.kalman_gain import Gain
-from calibration.subspace.order import candidates, proposed
+from calibration.subspace.order import Candidate, candidates, proposed
 from calibration.subspace.realization import Method
 from calibration.subspace.regression import Terms
 from calibration.subspace.signals import Detrend, Signals, signals
@@ -17,11 +18,6 @@ from calibration.subspace.weighting import left_by_free_run, weighted
 from calibration.subspace.windows import Layout, Windows
 from stagectl.models import InnovationModel
 
-_HORIZON = 40
-"""Samples, past and future, where records are long enough."""
-_SHORTEST = 5
-_WINDOWS = 3
-"""So many windows a row of the triangle are wanted of default horizons."""
 _SEGMENTS = 16
 """That can be left out, for the uncertainty of poles."""
 
@@ -56,8 +52,8 @@ def identify(
         Which projection's singular values are taken.  On inputs that excite all frequencies both give nearly the same;
         on chirps and other inputs that their own future tells, the oblique projection of N4SID is the weaker one.
     horizon : int or (past, future), samples, optional
-        The future should reach over a good part of the slowest oscillation's period.  Where not given 40 and 40, less
-        if records are short, more if the order wants it.
+        Both should reach over two periods of the slowest oscillation.  Where not given 40 and 40, less if records
+        are short, more if the order wants it; and once more with longer ones if an oscillation found is that slow.
     direct : bool, optional
         Whether D is fitted; it is 0 otherwise.
     detrend : "mean" or "none", optional
@@ -88,12 +84,12 @@ def identify(
         raise ValueError(f"rate is {rate}, must be > 0 samples/s")
     drives, responses = as_records(drive, response)
     data = signals(drives, responses, detrend)
-    layout = _layout(data, horizon, order)
     terms = Terms(direct, constant=detrend == "mean")
-    windows = Windows(data.joined, layout, _SEGMENTS, terms.constant)
-    compressed = compress(windows, method)
-    tried = candidates(compressed, data, terms) if order is None else ()
-    found = estimate(compressed, proposed(tried) if order is None else order, data.drives, data.responses, terms)
+    layout = usual(data, order) if horizon is None else given(data, horizon, order)
+    windows, compressed, tried, found = _attempt(data, layout, order, method, terms)
+    while horizon is None and (further := longer(layout, data, found.transition)) is not None:
+        layout = further
+        windows, compressed, tried, found = _attempt(data, layout, order, method, terms)
     left = left_by_free_run(found, data.drives, data.responses)
     gain = refine_gain(found.transition, found.outlet, found.gain, left)
     found = weighted(found, gain, data.drives, data.responses, terms)
@@ -113,28 +109,15 @@ def identify(
     )
 
 
-def _layout(data: Signals, horizon: int | tuple[int, int] | None, order: int | None) -> Layout:
-    """Choose horizons, or check those given against the records and the order."""
-    inputs, outputs = len(data.input_scale), len(data.output_scale)
-    shortest = min(len(drive) for drive in data.drives)
-    if horizon is None:
-        affordable = (data.samples + 2) // (2 * _WINDOWS * (inputs + outputs) + 2 * len(data.drives))
-        wanted = _HORIZON if order is None else max(_HORIZON, 2 * -(-order // outputs))
-        horizon = max(_SHORTEST, min(wanted, affordable, shortest // 4))
-    past, future = (horizon, horizon) if isinstance(horizon, int) else horizon
-    if not (past >= 1 and future >= 2):
-        raise ValueError(f"horizon is {past} past and {future} future samples, must be at least 1 and 2")
-    layout = Layout(past, future, inputs, outputs)
-    windows = sum(len(drive) - layout.length + 1 for drive in data.drives)
-    if shortest < layout.length or windows < len(layout.order):
-        raise ValueError(
-            f"records have {[len(drive) for drive in data.drives]} samples, too few for horizons of {past} and "
-            f"{future}: each must have {layout.length}, all together "
-            f"{len(layout.order) + len(data.drives) * (layout.length - 1)}"
-        )
-    if order is not None and not 1 <= order <= layout.largest_order:
-        raise ValueError(f"order is {order}, must be 1 to {layout.largest_order} with horizons of {past} and {future}")
-    return layout
+def _attempt(
+    data: Signals, layout: Layout, order: int | None, method: Method, terms: Terms
+) -> tuple[Windows, Compressed, tuple[Candidate, ...], Estimate]:
+    """Estimate with these horizons, before the gain is refined."""
+    windows = Windows(data.joined, layout, _SEGMENTS, terms.constant)
+    compressed = compress(windows, method)
+    tried = candidates(compressed, data, terms) if order is None else ()
+    found = estimate(compressed, proposed(tried) if order is None else order, data.drives, data.responses, terms)
+    return windows, compressed, tried, found
 
 
 def _in_units(found: Estimate, gain: Gain, data: Signals, rate: float) -> InnovationModel:

@@ -1,7 +1,7 @@
 """Resonant systems of known order, modes and noise, as a stage has them: what identification is tried on.
 
-1 kHz.  Noise is 20 dB below the response: half of its power has passed through the resonances (as many white
-forces as there are inputs, each at a place of its own), half is white on the outputs.
+1 kHz where nothing else is said.  Noise is 20 dB below the response: half of its power has passed through the
+resonances (as many white forces as there are inputs, each at a place of its own), half is white on the outputs.
 """
 
 from dataclasses import dataclass
@@ -48,16 +48,16 @@ class ResonantSystem:
             self.model.C,
             np.concatenate([self.model.D, np.zeros((self.model.outputs, forces))], axis=1),
             self.model.K,
-            RATE,
+            self.model.rate,
             self.model.innovation,
         )
         response = sources.simulate(np.concatenate([drive, rng.standard_normal((samples, forces))], axis=1))
         return drive, response + noise * self.measurement * rng.standard_normal(response.shape)
 
 
-def order_7() -> ResonantSystem:
+def order_7(rate: float = RATE) -> ResonantSystem:
     """Return one input, one output: 62, 95 and 128 Hz and a pole at 12 Hz."""
-    return _system([62.0, 95.0, 128.0], [0.01, 0.015, 0.01], inputs=1, outputs=1, seed=17, pole=12.0)
+    return _system([62.0, 95.0, 128.0], [0.01, 0.015, 0.01], inputs=1, outputs=1, seed=17, pole=12.0, rate=rate)
 
 
 def order_9() -> ResonantSystem:
@@ -79,14 +79,20 @@ def sweep(samples: int, low: float, high: float) -> np.ndarray:
 
 
 def _system(
-    frequency: list[float], damping: list[float], inputs: int, outputs: int, seed: int, pole: float | None = None
+    frequency: list[float],
+    damping: list[float],
+    inputs: int,
+    outputs: int,
+    seed: int,
+    pole: float | None = None,
+    rate: float = RATE,
 ) -> ResonantSystem:
     """Add modes of like power in the response to white noise, each with a shape of its own."""
     rng = np.random.default_rng(seed)
     continuous = 2 * np.pi * np.array(frequency) * (-np.array(damping) + 1j * np.sqrt(1 - np.array(damping) ** 2))
-    blocks = [np.array([[z.real, z.imag], [-z.imag, z.real]]) for z in np.exp(continuous / RATE)]
+    blocks = [np.array([[z.real, z.imag], [-z.imag, z.real]]) for z in np.exp(continuous / rate)]
     if pole is not None:
-        blocks.append(np.array([[np.exp(-2 * np.pi * pole / RATE)]]))
+        blocks.append(np.array([[np.exp(-2 * np.pi * pole / rate)]]))
     transition = block_diag(*blocks)
     order = len(transition)
     inlet, outlet = rng.standard_normal((order, inputs)), rng.standard_normal((outputs, order))
@@ -105,7 +111,7 @@ def _system(
     gain = np.linalg.solve(innovation, outlet @ covariance @ transition.T).T
     direct = np.zeros((outputs, inputs))
     return ResonantSystem(
-        InnovationModel(transition, inlet, outlet, direct, gain, RATE, innovation), process, measurement
+        InnovationModel(transition, inlet, outlet, direct, gain, rate, innovation), process, measurement
     )
 
 
