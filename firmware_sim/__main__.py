@@ -8,18 +8,24 @@ from threading import Event
 from types import FrameType
 from typing import Annotated
 
+import numpy as np
 import typer
 
 from firmware_sim.can_node import MISHAPS, mishap
 from firmware_sim.jack_client import JackClient
 from firmware_sim.laboratory import Laboratory, Wiring, plant_block
 from firmware_sim.plants.milling_disturbance import DEFLECTIONS
+from firmware_sim.plants.robot import RobotPlant
+from firmware_sim.robot_bench import MISHAPS as ROBOT_MISHAPS
+from firmware_sim.robot_bench import Addresses, RobotBench, robot_mishap
+from firmware_sim.robot_controller import RobotController
 from firmware_sim.stage_bench import StageBench
 from firmware_sim.stage_image import StageImage
 from firmware_sim.stage_processor import Settings
 from rigkit.command import ConfigOption, SetOption, application, run
 from rigkit.config import load
 from stagectl.config import StageConfig
+from stagectl.robot.config import CellConfig
 from vibractl.config import RigConfig
 
 app = application("Simulated machines behind real wires.")
@@ -106,6 +112,44 @@ def stage(
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
     bench.run(lambda: _say(f"CAN adapter: {bench.can}\nlaser sensor: {bench.laser}"), stop)
+
+
+@app.command()
+def robot(
+    config: ConfigOption = None,
+    settings: SetOption = None,
+    log: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the motor torques to this CSV file.")] = None,
+    fault: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME@SECONDS", help=f"One of {', '.join(ROBOT_MISHAPS)}; may be given many times."),
+    ] = None,
+) -> None:
+    """Put a robot's controller behind UDP and TCP, and the optical tracker beside it, until Ctrl-C.
+
+    The file is the cell's, cell.toml: [robot] and [tracker] have the ports, [simulator] has the robot's options.
+    Example:
+
+        firmware-sim robot --set simulator.options.seed=3 --fault blind@5 --fault see@6 &
+    """
+    cell = load(config, CellConfig, settings or [])
+    plant = RobotPlant(**{"tool": cell.robot.tool, **cell.simulator.options})
+    clamp = np.diag([cell.simulator.clamp] * 3 + [cell.simulator.clamp_turn] * 3)
+    addresses = Addresses(
+        cell.robot.listen, cell.robot.port, cell.robot.commands, cell.robot.signals, cell.tracker.port
+    )
+    mishaps = [robot_mishap(text) for text in fault or []]
+    controller = RobotController(plant, clamp=clamp, slip_force=cell.simulator.slip)
+    bench = RobotBench(controller, addresses, cell.tracker.rate, mishaps=mishaps, log=log)
+    stop = Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: stop.set())
+    lines = {
+        "reports to": (addresses.host, addresses.motion),
+        "program": bench.program.address,
+        "torque signals": bench.signals.address,
+        "tracker": bench.tracker.address,
+    }
+    bench.run(lambda: _say("\n".join(f"{name}: {host}:{port}" for name, (host, port) in lines.items())), stop)
 
 
 def main() -> int:

@@ -216,6 +216,10 @@ class RobotPlant(RobotOptions):
             parts.state[WANTED] = self._drives[0] = parts.state[MOTOR]
             parts.state[SOFT] = parts.soft[1]
 
+    def trip(self, joint: int) -> None:
+        """Let torque supervision put the brakes on for a joint, 1 to 6."""
+        self._parts.switches[TRIPPED] = joint
+
     def energy(self) -> float:
         """Return the kinetic energy of links and motors, J."""
         state, mass = self._parts.state, self._parts.frozen[:, :6]

@@ -33,8 +33,8 @@ STICTION_RATIO, STRIBECK_SPEED, PRESLIDING = 1.25, 0.02, 4e-5
 """Breakaway over Coulomb friction; rad/s; rad over which a gear yields before it slides."""
 JOINT_LOSS = 5e-4
 """s, damping over stiffness of a gear: damping ratio 0.03 at 20 Hz; friction and servo add theirs."""
-SERVO_GAIN, SERVO_RESET = 15.0, 10.0
-SERVO_SPEED = np.array([60.0, 60.0, 60.0, 150.0, 150.0, 150.0])
+SERVO_GAIN, SERVO_RESET = 20.0, 15.0
+SERVO_SPEED = np.array([200.0, 200.0, 200.0, 300.0, 300.0, 300.0])
 """1/s: position gain, integral over proportional part, bandwidth of the speed loops with half the arm's inertia."""
 
 

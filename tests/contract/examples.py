@@ -2,6 +2,7 @@
 
 import tempfile
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from ctlblocks import Block, Port, recording, replay
 from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
 from firmware_sim.macro_micro_blocks import MacroMicro
 from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, VibratorImpulseResponse
+from firmware_sim.robot_blocks import RobotArm
 from firmware_sim.stage_blocks import Milling, PiezoStage
 from firmware_sim.stage_image import Held, StickingStage
 from stagectl import config as stage
@@ -18,10 +20,16 @@ from stagectl.link.config import Laser, Link
 from stagectl.link.laser import Displacement, LaserLine
 from stagectl.link.stage_link import StageLink
 from stagectl.models import InnovationModel
+from stagectl.robot.config import CellConfig, Robot
+from stagectl.robot.config import Tracker as TrackerConfig
 from stagectl.robot.midranging.internal_model import Estimation, InternalModel, InternalModelAxis
 from stagectl.robot.midranging.reference_governor import Governor
 from stagectl.robot.midranging.tuning import LoopModel, lambda_tuned
 from stagectl.robot.midranging.valve_position import ValvePosition, ValvePositionAxis
+from stagectl.robot.port import RobotPort
+from stagectl.robot.port_blocks import JointCommand, JointReport, PoseCommand, PoseReport
+from stagectl.robot.program import MotorTorque, TorqueSignals
+from stagectl.robot.tracker import TrackedPose, TrackerLine
 from stagectl.stage.controller import PiezoController, StageController
 from stagectl.stage.guard import VoltageGuard
 from stagectl.stage.hysteresis import HysteresisModel
@@ -32,6 +40,7 @@ from stagectl.stage.sensors import SensorCheck
 from stagectl.stage.servo import servo
 from stagectl.stage.state_feedback import StateFeedback, linear_quadratic
 from stagectl.still import Still
+from stagectl.wire.egm import Report, pack_report
 from tests.contract.conformance import Example
 from vibractl.algorithm import Algorithm
 from vibractl.audio_engine import DeviceInput
@@ -114,6 +123,21 @@ def _internal_model() -> Block:
     return InternalModel([axis, axis])
 
 
+def _robot(mode: Literal["joints", "pose"] = "joints") -> RobotPort:
+    return RobotPort(CellConfig(robot=Robot(mode=mode)))
+
+
+def _report(block: JointReport | PoseReport) -> None:
+    pose = np.array([0.5, 0.0, 0.7, 1.0, 0.0, 0.0, 0.0])
+    report = pack_report(Report(1, 0.0, np.full(6, 0.1), np.full(6, 0.2), pose))
+    block.port.conversation.take(report, ("127.0.0.1", 1), 0.0)
+
+
+def _sight(block: TrackedPose) -> None:
+    block.line.inbox.pose = np.full(7, 0.5)
+    block.line.inbox.seen = 0.0
+
+
 EXAMPLES: dict[type[Block], Example] = {
     Sum: Example(lambda: Sum("+-", width=2)),
     Gain: Example(lambda: Gain(-2.5, width=2)),
@@ -154,4 +178,14 @@ EXAMPLES: dict[type[Block], Example] = {
         start=lambda block: block.line.take(b"TG,1,+00.0100\r"),
     ),
     Send: Example(lambda: Send(StageLink(Link())), rate=10_000.0),
+    RobotArm: Example(RobotArm, rate=8_000.0),
+    JointReport: Example(lambda: JointReport(_robot()), _report, 250.0),
+    PoseReport: Example(lambda: PoseReport(_robot()), _report, 250.0),
+    JointCommand: Example(lambda: JointCommand(_robot()), rate=250.0),
+    PoseCommand: Example(lambda: PoseCommand(_robot("pose")), rate=250.0),
+    TrackedPose: Example(lambda: TrackedPose(TrackerLine(TrackerConfig(), print, now=lambda: 1.0)), _sight, 250.0),
+    MotorTorque: Example(
+        lambda: MotorTorque(TorqueSignals(Robot(), "127.0.0.1", lambda: 0.0)),
+        start=lambda block: block.signals.newest.fill(7.0),
+    ),
 }

@@ -157,8 +157,8 @@ def total_energy(plant: RobotPlant) -> float:
     height = GRAVITY * links[:, 7] @ centre[:, 2]
     stored = 0.0
     for joint in range(6):
-        wound = np.linspace(0, motor[joint] - link[joint], 2_001)
-        stored += np.trapezoid([spring(joint, angle, plant.joints)[0] for angle in wound], wound)
+        torque, slope = spring(joint, motor[joint] - link[joint], plant.joints)
+        stored += torque**2 / (2 * slope) if slope else 0.0
     return float(plant.energy() + height + stored)
 
 

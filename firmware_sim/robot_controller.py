@@ -1,0 +1,214 @@
+"""The robot's controller: guided motion 250 times a second around the simulated arm, and the program beside it."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from firmware_sim.plants.robot import RobotPlant
+from firmware_sim.robot_inverse import rigid_pose, toward
+from stagectl.wire.egm import MODULUS, RATE, Command, Motion, Report, pack_report, unpack_command
+from stagectl.wire.layout import GarbledError
+from stagectl.wire.sequence import Sequence
+
+
+@dataclass(frozen=True)
+class GuidedMotion:
+    """How guided motion is set up in the robot's program.
+
+    Parameters
+    ----------
+    filter : float, Hz, of the first-order low-pass for what is asked for
+    delay : int, cycles from a command to the servo; with the filter's, a lag of 10 to 20 ms
+    speed : float, rad/s, fastest that a joint follows a command
+    patience : float, s without a command after which guided motion stops
+    farthest : float, rad, a command further away than this is an error
+    """
+
+    filter: float = 20.0
+    delay: int = 2
+    speed: float = 1.0
+    patience: float = 1.0
+    farthest: float = 0.35
+
+
+@dataclass
+class CommandCounts:
+    """What became of the commands: taken, late or twice, garbled, and cycles that had none."""
+
+    taken: int = 0
+    late: int = 0
+    garbled: int = 0
+    cycles_without: int = 0
+
+
+class RobotController:
+    """The controller without sockets: cycle by cycle, commands in, reports out.
+
+    Modelled of guided motion: position guidance by joints or pose with filter, delay and speed limit, its time-out, its
+    states, its counters.  Not modelled: path correction, external axes, convergence, ramps at its start and end.
+
+    Parameters
+    ----------
+    plant : RobotPlant, of 250 samples/s
+    setup : GuidedMotion
+    clamp : array, shape (6, 6), m and rad per N and N m, compliance of what the clamp is fastened to
+    slip_force : float, N, beyond which the clamp slips
+    """
+
+    def __init__(
+        self,
+        plant: RobotPlant,
+        setup: GuidedMotion | None = None,
+        clamp: np.ndarray | None = None,
+        slip_force: float = np.inf,
+    ) -> None:
+        if plant.rate != RATE:
+            raise ValueError(f"the plant runs at {plant.rate:g} samples/s, must be {RATE:g} for guided motion")
+        self.plant, self.setup, self.counts = plant, setup or GuidedMotion(), CommandCounts()
+        self.wrench = np.zeros((1, 6))
+        self.torque, self.motor_angle = np.zeros((1, 6)), plant.home[None].copy()
+        self.link_angle, self.pose = plant.home[None].copy(), np.zeros((1, 7))
+        self.motion, self.cycle = Motion.RUNNING, 0
+        self.is_mute = False
+        self._clamp, self._slip_force = clamp, slip_force
+        self._sequence, self._idle, self._has_command = Sequence(MODULUS), 0, False
+        self._line = np.tile(plant.home, (self.setup.delay + 1, 1))
+        self._reference = plant.home.copy()
+        self._move()
+
+    @property
+    def time(self) -> float:
+        """The controller's clock, s."""
+        return self.cycle / RATE
+
+    def receive(self, data: bytes) -> None:
+        """Take a datagram from the host."""
+        try:
+            command = unpack_command(data)
+        except GarbledError:
+            self.counts.garbled += 1
+            return
+        if self._sequence.accept(command.counter) < 0:
+            self.counts.late += 1
+            return
+        self.counts.taken += 1
+        self._idle, self._has_command = 0, True
+        if self.motion is Motion.RUNNING:
+            self._take(command)
+
+    def advance(self) -> bytes | None:
+        """Run one cycle and return the report; None while mute."""
+        self.cycle += 1
+        self.counts.cycles_without += self._idle > 0
+        self._idle += 1
+        if self.motion is Motion.RUNNING and self._has_command and self._idle > self.setup.patience * RATE:
+            self._stop(Motion.STOPPED)
+        if self.plant.tripped:
+            self._stop(Motion.STOPPED)
+        self._line[1:] = self._line[:-1].copy()
+        pole = np.exp(-2 * np.pi * self.setup.filter / RATE)
+        step = (1 - pole) * (self._line[-1] - self._reference)
+        self._reference += np.clip(step, -self.setup.speed / RATE, self.setup.speed / RATE)
+        self._move()
+        return None if self.is_mute else pack_report(self.report())
+
+    def report(self) -> Report:
+        """Return what is said in this cycle."""
+        on, runs = not self.plant.tripped, self.motion is Motion.RUNNING
+        angle = self.motor_angle[0].copy()
+        pose = rigid_pose(self.plant, angle)
+        return Report(self.cycle, self.time, angle, self._reference.copy(), pose, on, runs, self.motion)
+
+    def signal(self) -> str:
+        """Return a line of the signal log: time (s), motor angles (deg), motor torques (N m)."""
+        values = (self.time, *np.degrees(self.motor_angle[0]), *self.torque[0])
+        return ",".join(f"{value:.9g}" for value in values)
+
+    def do(self, line: str) -> str:
+        """Do what a line of the program's own wire asks for, and return the answer: OK, or ERROR and why.
+
+        SOFT and six numbers; CLAMP 1 or 0; RESET.
+        """
+        match line.split():
+            case ["SOFT", *numbers]:
+                return self._soften(numbers)
+            case ["CLAMP", "1"]:
+                if self._clamp is None:
+                    self.plant.clamp(slip_force=self._slip_force)
+                else:
+                    self.plant.clamp(self._clamp, self._slip_force)
+            case ["CLAMP", "0"]:
+                self.plant.release()
+            case ["RESET"]:
+                self._reset()
+            case _:
+                return f"ERROR {line!r} is none of SOFT, CLAMP, RESET"
+        return "OK"
+
+    def _soften(self, numbers: list[str]) -> str:
+        try:
+            self.plant.soften(np.array([float(each) for each in numbers]))
+        except ValueError as fault:
+            return f"ERROR {fault}"
+        return "OK"
+
+    def _take(self, command: Command) -> None:
+        if command.joint_angle is not None:
+            wanted = command.joint_angle
+        else:
+            assert command.pose is not None  # a command has one of the two
+            wanted = toward(self.plant, self._line[0], command.pose)
+        if np.abs(wanted - self._reference).max() > self.setup.farthest:
+            self._stop(Motion.ERROR)
+        else:
+            self._line[0] = wanted
+
+    def _stop(self, motion: Motion) -> None:
+        if self.motion is Motion.RUNNING:
+            self.motion = motion
+            self._line[:] = self._reference
+
+    def _reset(self) -> None:
+        self.plant.brake(False)
+        self.motion, self._has_command = Motion.RUNNING, False
+        self._reference = self.motor_angle[0].copy()
+        self._line[:] = self._reference
+        self._sequence.reset()
+
+    def _move(self) -> None:
+        outputs = self.motor_angle, self.torque, self.link_angle, self.pose
+        self.plant.run(self._reference[None], self.wrench, *outputs)
+
+
+@dataclass
+class Mangled:
+    """A line of datagrams that loses, delays, swaps and doubles them as a network does, by a seed.
+
+    Parameters
+    ----------
+    seed : int
+    lost, doubled, late : float, 0 to 1, part of them
+        A late one comes after the next.
+    """
+
+    seed: int = 0
+    lost: float = 0.0
+    doubled: float = 0.0
+    late: float = 0.0
+    _waiting: list[bytes] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Begin to draw."""
+        self._rng = np.random.default_rng(self.seed)
+
+    def take(self, data: bytes) -> list[bytes]:
+        """Return what comes out as `data` goes in."""
+        draw = self._rng.random()
+        waiting, self._waiting = self._waiting, []
+        if draw < self.lost:
+            return waiting
+        if draw < self.lost + self.late:
+            self._waiting = [data]
+            return waiting
+        copies = 2 if draw < self.lost + self.late + self.doubled else 1
+        return [data] * copies + waiting

@@ -1,0 +1,84 @@
+"""The robot cell's file, `cell.toml`: robot, limits, tracker."""
+
+from typing import Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from rigkit.config import Section, setting
+
+Box = tuple[float, float, float]
+
+
+class Robot(Section):
+    """The robot's controller, which streams over UDP; it knows this computer's address and begins."""
+
+    arm: str = setting("irb140", "", "irb140, or a TOML file with an arm's geometry and limits", min_length=1)
+    tool: float = setting(0.1, "m", "from the flange along its axis to the tool point", ge=0, le=1)
+    listen: str = setting("127.0.0.1", "", "this computer's address towards the robot", min_length=1)
+    port: int = setting(6510, "", "UDP port the robot sends to; 0 for any that is free", ge=0, le=65_535)
+    address: str = setting("", "", "the robot's own address; others are not listened to; empty for the first heard")
+    mode: Literal["joints", "pose"] = setting("joints", "", "what is sent: joint angles, or the tool's pose")
+    silence: int = setting(
+        3, "cycles", "without a report from the robot, or without a reference, is a fault", ge=1, le=250
+    )
+    lag: float = setting(0.05, "s", "a report that comes by so much later than the quickest is a fault", gt=0, le=10)
+    patience: float = setting(2.0, "s", "for the robot to be heard at first", ge=0.05, le=60)
+    commands: int = setting(
+        6511, "", "TCP port of the robot's own program: soft servo, clamp; 0 for none", ge=0, le=65_535
+    )
+    signals: int = setting(6512, "", "TCP port where motor torques come from; 0 for none", ge=0, le=65_535)
+
+
+class RobotLimits(Section):
+    """What the robot may be asked for, whatever has asked; beyond it the port holds the robot and says why."""
+
+    margin: float = setting(0.035, "rad", "distance kept from the arm's own joint limits", ge=0, le=1)
+    speed: float = setting(0.1, "1", "part of the arm's own joint speeds", gt=0, le=1)
+    correction: float = setting(1e-3, "m", "distance by which corrections may move the tool", gt=0, le=5e-3)
+    rotation: float = setting(5e-3, "rad", "angle by which corrections may turn the tool", gt=0, le=0.05)
+    lowest: Box = setting((-1.0, -1.0, 0.0), "m", "corner of the box that the tool stays in, in the base")
+    highest: Box = setting((1.0, 1.0, 1.5), "m", "the corner across")
+    tool_speed: float = setting(0.25, "m/s", "of the tool", gt=0, le=5)
+    turn_speed: float = setting(0.5, "rad/s", "of the tool's direction, where poses are sent", gt=0, le=10)
+    stop: float = setting(0.1, "s", "in which a hold brings the references to rest", ge=0.004, le=2)
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if not all(low < high for low, high in zip(self.lowest, self.highest, strict=True)):
+            raise ValueError(f"limits.lowest is {self.lowest} m, must be below limits.highest {self.highest} m")
+        return self
+
+
+class Tracker(Section):
+    """The optical tracker's gateway, TCP."""
+
+    host: str = setting("127.0.0.1", "", "its address", min_length=1)
+    port: int = setting(6513, "", "its TCP port", ge=1, le=65_535)
+    rate: float = setting(440.0, "samples/s", "it sends", gt=0, le=10_000)
+    frame: int = setting(7, "", "number of the frame that is followed: the tool's", ge=0, le=255)
+    blind: float = setting(0.05, "s", "without a sight of that frame is a fault", gt=0, le=10)
+    leds: int = setting(3, "", "fewer LEDs seen do not make a pose", ge=3, le=255)
+    residual: float = setting(5e-4, "m", "a pose whose LEDs fit worse, rms, is left out", gt=0, le=0.01)
+    jump: float = setting(
+        5e-4, "m", "noise and more; a pose further off than that and `speed` allow is left out", gt=0, le=0.1
+    )
+    speed: float = setting(0.05, "m/s", "fastest that the frame moves while it is followed", gt=0, le=10)
+    lag: float = setting(0.05, "s", "a sample that comes by so much later than the quickest is left out", gt=0, le=10)
+
+
+class Simulator(Section):
+    """The robot without the robot; a live run does not read it."""
+
+    options: dict[str, Any] = setting({}, "", "keywords the simulated robot is built with")
+    clamp: float = setting(2e-8, "m/N", "compliance of what its clamp is fastened to, along each axis", ge=0, le=1e-4)
+    clamp_turn: float = setting(2e-7, "rad/(N m)", "and about each axis", ge=0, le=1e-2)
+    slip: float = setting(5e3, "N", "force beyond which the clamp slips", gt=0, le=1e9)
+
+
+class CellConfig(Section):
+    """A whole file of the robot cell."""
+
+    robot: Robot = Field(default_factory=Robot)
+    limits: RobotLimits = Field(default_factory=RobotLimits)
+    tracker: Tracker = Field(default_factory=Tracker)
+    simulator: Simulator = Field(default_factory=Simulator)

@@ -1,0 +1,139 @@
+"""The program on the robot's controller beside guided motion: soft servo, clamp, brakes; and its torque signal.
+
+Guided motion carries no torques before RobotWare 7, so they come on a line of their own, as from a signal logger.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Self
+
+import numpy as np
+
+from ctlblocks.block import Block, Port
+from stagectl.link.bus import LinkError
+from stagectl.link.ring import Ring
+from stagectl.link.robot_stream import Requests, Stream
+from stagectl.robot.config import Robot
+from stagectl.wire.egm import RATE
+
+_KEPT = 8 * round(RATE)
+"""Samples of torque kept for a reader that stands still: 8 s."""
+_LONGEST_LINE = 1_000
+
+
+class RobotProgram:
+    """Asks the program on the robot's controller, line by line; each answer is OK, or ERROR and why.
+
+    Parameters
+    ----------
+    robot : Robot
+    host : str, the controller's address
+    """
+
+    def __init__(self, robot: Robot, host: str) -> None:
+        self._requests = Requests(host, robot.commands, robot.patience)
+
+    def __enter__(self) -> Self:
+        """Be open already."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Hang up."""
+        self._requests.close()
+
+    def soften(self, softness: Sequence[float]) -> None:
+        """Turn joints soft: the part of the P gain that is taken away, a number a joint, 0 to 0.99; 0 for stiff."""
+        self._do("SOFT " + " ".join(f"{each:.6g}" for each in softness))
+
+    def clamp(self, is_clamped: bool) -> None:
+        """Close the clamp that holds the tool, or open it."""
+        self._do(f"CLAMP {int(is_clamped)}")
+
+    def reset(self) -> None:
+        """Switch the motors on again, and begin guided motion anew where the robot is."""
+        self._do("RESET")
+
+    def _do(self, line: str) -> None:
+        answer = self._requests.ask(line)
+        if answer != "OK":
+            raise LinkError(f"the robot's program refuses {line!r}: {answer}")
+
+
+class TorqueSignals:
+    """Reads lines "time, 6 angles (deg), 6 torques (N m)" from the controller's signal line.
+
+    Angles and torques are those of the motors, seen from the arm's side of the gears.
+
+    Parameters
+    ----------
+    robot : Robot
+    host : str, the controller's address
+    now : callable() -> float, s, a monotonic clock
+    """
+
+    def __init__(self, robot: Robot, host: str, now: Callable[[], float]) -> None:
+        self.garbled = 0
+        self.samples = Ring(13, _KEPT)
+        self.newest = np.full(13, np.nan)
+        self._rest = b""
+        self._stream = Stream(host, robot.signals, self, now)
+
+    def __enter__(self) -> Self:
+        """Begin to read."""
+        self._stream.open()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Hang up."""
+        self._stream.close()
+
+    def wait(self, samples: int, seconds: float) -> bool:
+        """Return whether so many samples have come in all, as soon as they have or after `seconds`."""
+        with self._stream.arrived:
+            return self._stream.arrived.wait_for(lambda: self.samples.offered >= samples, seconds)
+
+    def take(self, data: bytes, now: float) -> None:  # noqa: ARG002 (a Reader's own)
+        """Take bytes from the line."""
+        *lines, self._rest = (self._rest + data).split(b"\n")
+        self._rest = self._rest[-_LONGEST_LINE:]
+        for line in lines:
+            self._read(line)
+
+    def watch(self, now: float) -> None:
+        """Nothing hangs on its being there in time."""
+
+    def lose(self) -> None:
+        """Begin a new line when it is back."""
+        self._rest, self.newest = b"", np.full(13, np.nan)
+
+    def _read(self, line: bytes) -> None:
+        try:
+            values = [float(each) for each in line.split(b",")]
+        except ValueError:
+            values = []
+        if len(values) != 13 or not all(map(math.isfinite, values)):
+            self.garbled += 1
+            return
+        sample = np.array(values)
+        sample[1:7] = np.radians(sample[1:7])
+        self.samples.put(sample[None])
+        self.newest = sample
+
+
+class MotorTorque(Block):
+    """Hold the newest torque signal: `torque` (N m, 6) and `angle` (rad, 6) of the motors out; NaN until one has come.
+
+    Parameters
+    ----------
+    signals : TorqueSignals
+    """
+
+    outputs = (Port("torque", "N m", 6), Port("angle", "rad", 6))
+
+    def __init__(self, signals: TorqueSignals) -> None:
+        self.signals = signals
+
+    def process(self, torque: np.ndarray, angle: np.ndarray) -> None:
+        """Fill one frame."""
+        newest = self.signals.newest
+        torque[:], angle[:] = newest[7:], newest[1:7]
