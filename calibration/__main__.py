@@ -12,6 +12,7 @@ from calibration.far_field_report import HEAD as FAR_FIELD_HEAD
 from calibration.far_field_report import far_field_rows
 from calibration.hysteresis_command import hysteresis_command
 from calibration.identification.command import identify_command
+from calibration.joint_clamping.command import joints_command
 from calibration.model_comparison import (
     COMPARED_HEAD,
     DIFFERING_HEAD,
@@ -33,6 +34,7 @@ from vibractl.model_file import read_far_field, read_model, write_model
 app = application("Experiments that end in a model file.")
 app.command("identify")(identify_command)
 app.command("hysteresis")(hysteresis_command)
+app.command("joints")(joints_command)
 
 
 @app.command("vibrator")

@@ -42,8 +42,8 @@ WORTH = 0.03
 MOST_BACKLASH, NO_BACKLASH = 0.9, 1e-9
 """Bounds of the backlash, either sign, over the span."""
 
-FLATTEST, WIDEST = 1e-4, 1.0
-"""Bounds of the presliding distance over the span."""
+FLATTEST, WIDEST = 1e-4, 0.15
+"""Bounds of the presliding distance over the span; friction that turns round later looks like a spring."""
 
 
 @dataclass(frozen=True)
@@ -195,7 +195,7 @@ def _covariance(fit: _Fit, data: _Data) -> np.ndarray:
     observation, and from the residual's variance over as many samples as are independent of each other.
     """
     jacobian, residual = fit.jacobian, fit.residual
-    size = np.linalg.norm(jacobian, axis=0)
+    size = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-9)  # nothing depends on a presliding at its bound
     inverse = np.linalg.pinv((jacobian / size).T @ (jacobian / size), rcond=1e-12, hermitian=True) / np.outer(
         size, size
     )
@@ -204,7 +204,7 @@ def _covariance(fit: _Fit, data: _Data) -> np.ndarray:
     sums = np.array([scores[number == each].sum(axis=0) for each in np.unique(number)])
     between = len(sums) / (len(sums) - 1) * inverse @ sums.T @ sums @ inverse
     along = float(np.mean(residual**2)) * correlation_length(residual[:-1]) * inverse
-    scale = np.sqrt(np.maximum(np.diag(between) / np.diag(along), 1.0))
+    scale = np.sqrt(np.maximum(np.diag(between) / np.maximum(np.diag(along), 1e-300), 1.0))
     found: np.ndarray = along * np.outer(scale, scale)
     return found
 

@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -52,6 +52,10 @@ class Arm:
     def reach(self) -> float:
         """An upper bound of the distance from base to flange, m."""
         return float(np.hypot(self.d, self.a).sum())
+
+    def with_tool(self, length: float) -> "Arm":
+        """Return the arm with its flange moved on by `length` (m) along the last axis, to a tool's point."""
+        return replace(self, d=self.d + length * np.eye(self.joints)[-1])
 
     def refuse_outside(self, joint_angle: np.ndarray) -> None:
         """Refuse angles outside the limits by ValueError with joint, value and range.

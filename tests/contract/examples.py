@@ -6,8 +6,10 @@ from typing import Literal
 
 import numpy as np
 
+from calibration.joint_clamping.config import JointsConfig, procedure
 from ctlblocks import Block, Port, recording, replay
 from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
+from firmware_sim.clamped_robot import ClampedRobot
 from firmware_sim.macro_micro_blocks import MacroMicro
 from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, VibratorImpulseResponse
 from firmware_sim.robot_blocks import RobotArm
@@ -20,6 +22,7 @@ from stagectl.link.config import Laser, Link
 from stagectl.link.laser import Displacement, LaserLine
 from stagectl.link.stage_link import StageLink
 from stagectl.models import InnovationModel
+from stagectl.robot.clamp_search import ClampSearch
 from stagectl.robot.config import CellConfig, Robot
 from stagectl.robot.config import Tracker as TrackerConfig
 from stagectl.robot.midranging.internal_model import Estimation, InternalModel, InternalModelAxis
@@ -161,6 +164,8 @@ EXAMPLES: dict[type[Block], Example] = {
     ImpulseResponse: Example(lambda: _measured(ImpulseResponse)),
     VibratorImpulseResponse: Example(lambda: _measured(VibratorImpulseResponse)),
     PiezoStage: Example(PiezoStage),
+    ClampedRobot: Example(ClampedRobot, rate=250.0),
+    ClampSearch: Example(lambda: ClampSearch(procedure(JointsConfig(), (0, 2))), rate=250.0),
     HysteresisCompensation: Example(lambda: HysteresisCompensation([_loops(), None, _loops()])),
     StickingStage: Example(StickingStage),
     Held: Example(lambda: Held("force", "N")),

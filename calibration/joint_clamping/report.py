@@ -1,0 +1,97 @@
+"""What clamping found: rows of a table, the figures of `--json`, and a report with the torque-position maps."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from calibration.joint_clamping.joint_model import Estimate, JointModel
+from calibration.joint_clamping.results import WAYS, JointResult
+from rigkit.figure_style import COLOURS, styled
+from rigkit.report import Fact, Plot, Report, Section, Table
+
+HEAD = ("joint", "arm's side", "spring", "backlash", "k+, N m/rad", "k-, N m/rad", "loop width, N m")
+
+
+def rows(results: Sequence[JointResult]) -> list[tuple[str, ...]]:
+    """Return a row for every joint and way."""
+    found = []
+    for result in results:
+        for way, model in _models(result):
+            values = [_said(each) for each in (model.k_plus, model.k_minus)]
+            width = f"{model.loop_width:.3g} ± {2 * model.friction.reach * model.friction.error:.2g}"
+            found.append((str(result.joint + 1), way, model.spring, model.backlash_said, *values, width))
+    return found
+
+
+def figures(results: Sequence[JointResult]) -> dict[str, Any]:
+    """Return what `--json` writes: estimate and interval of every figure, SI."""
+    return {f"joint_{result.joint + 1}": {way: _figures(model) for way, model in _models(result)} for result in results}
+
+
+def joints_report(results: Sequence[JointResult], source: str) -> Report:
+    """Put the report together: a map a joint."""
+    facts = tuple(Fact(f"joint {result.joint + 1}: backlash", result.best[1].backlash_said) for result in results)
+    with styled():
+        sections = tuple(
+            Section(
+                f"Joint {result.joint + 1}",
+                _words(result),
+                (Plot(_map(result), "Torque over the motor's angle, from the backlash's middle; dashed: the spring."),),
+                (Table(HEAD, tuple(rows([result]))),),
+            )
+            for result in results
+        )
+    return Report("Joints of a clamped arm", source, facts, sections)
+
+
+def _models(result: JointResult) -> list[tuple[str, JointModel]]:
+    return [(way, result.models[way]) for way in WAYS if way in result.models]
+
+
+def _said(each: Estimate) -> str:
+    return f"{each.value:.5g} ± {each.reach * each.error:.2g}"
+
+
+def _figures(model: JointModel) -> dict[str, Any]:
+    names = ("backlash", "k_plus", "k_minus", "cubic_plus", "cubic_minus", "friction", "friction_load")
+    found: dict[str, Any] = {"spring": model.spring, "has_backlash": model.has_backlash}
+    for name in names:
+        each: Estimate = getattr(model, name)
+        found |= {name: each.value, f"{name}_interval": [each.low, each.high]}
+    return found | {
+        "backlash_bound": model.backlash_bound,
+        "loop_width": model.loop_width,
+        "residual": model.residual,
+        "torque_range": list(model.torque_range),
+        "cycles": model.cycles,
+    }
+
+
+def _words(result: JointResult) -> str:
+    way, model = result.best
+    low, high = model.torque_range
+    text = f"Over {model.cycles:g} cycles between {low:.3g} and {high:.3g} N m, {model.residual:.2g} N m are left."
+    first = result.models[WAYS[0]]
+    if way != WAYS[0]:
+        share = 100 * (1 - first.k_plus.value / model.k_plus.value)
+        text += f"\n\nWithout allowing for the arm's side, k+ would have come out {share:.1f} % less."
+    return text
+
+
+def _map(result: JointResult) -> Figure:
+    figure = Figure(figsize=(8.0, 5.0))
+    axes = figure.subplots()
+    thin = result.map.thinned()
+    first = result.models[WAYS[0]]
+    axes.plot(1e3 * (thin.angle - first.centre), thin.torque, color="0.6", linewidth=0.8, label="measured")
+    for number, (way, model) in enumerate(_models(result)):
+        low, high = model.torque_range
+        angle = np.linspace(-1, 1, 401) * np.ptp(thin.angle)
+        torque = model.spring_torque(model.centre + angle)
+        shown = (torque >= low) & (torque <= high)
+        axes.plot(1e3 * angle[shown], torque[shown], "--", color=COLOURS[number], label=f"spring, {way}")
+    axes.set(xlabel="angle (mrad)", ylabel="torque (N m)")
+    axes.legend()
+    return figure
