@@ -137,7 +137,8 @@ class InternalModel(Block):
     -------
     The governor takes the position of the same sample for its prediction, so that the limit holds while the process
     changes; and it keeps the position within the travel as well.  An estimate without stable poles or with a gain far
-    from one is not used; the last one that was goes on.
+    from one is not used; the last one that was goes on.  Where an input is no number, the models stand for the
+    positions, and the last reference and the last disturbance go on.
     """
 
     def __init__(self, axes: Sequence[InternalModelAxis]) -> None:
@@ -195,6 +196,11 @@ class InternalModel(Block):
             self.order, self._settings, self._learning, self._limits,
             self._models, self._wanted, self._memory, self._inner, self._phase,
         )  # fmt: skip
+
+    @property
+    def blind(self) -> tuple[int, ...]:
+        """In how many samples an input was no number since `prepare`, a number an axis."""
+        return tuple(int(count) for count in self._phase[:, kernel.BLIND])
 
 
 def _packed(axis: InternalModelAxis, rate: float) -> np.ndarray:

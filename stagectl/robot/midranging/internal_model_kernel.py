@@ -1,4 +1,9 @@
-"""The compiled kernel of adaptive internal model control: every axis, a sample at a time."""
+"""The compiled kernel of adaptive internal model control: every axis, a sample at a time.
+
+Numba's cache looks at the date of this file alone: touch it after a change of the kernels that it is made of.
+"""
+
+import math
 
 from numba import njit
 
@@ -8,8 +13,8 @@ from stagectl.robot.midranging import reference_governor_kernel as governor
 
 FAST, SLOW = 0, 1
 ESTIMATING, ACTIVE = 0.0, 1.0
-PHASE, COUNT, CELLS = range(3)
-"""Of `phase`, a row an axis."""
+PHASE, COUNT, REFERENCE, DISTURBANCE, BLIND, CELLS = range(6)
+"""Of `phase`, a row an axis: last reference and last d that were numbers, m; samples in which something was none."""
 MIDDLE, LEAST_SAMPLES, ACCURACY, NOISE, FORGET, AMPLITUDE, HALF_PERIOD = 0, 1, 2, 3, 5, 6, 8
 SETTINGS = 10
 """Of `settings`: m; samples; 1, squared; m^2 of either loop; 1; m and samples of either loop."""
@@ -47,6 +52,19 @@ def _learn(model, memory, settings, order, measured):  # type: ignore[no-untyped
 
 
 @njit(cache=True, nogil=True)
+def _fill(seen, state, models, order):  # type: ignore[no-untyped-def]
+    """Return the positions, the models' where they are no numbers, and keep the reference if that is one."""
+    reference, relative, fast, slow = seen
+    if not math.isfinite(reference + relative + fast + slow):
+        state[BLIND] += 1.0
+    if math.isfinite(reference):
+        state[REFERENCE] = reference
+    fast = fast if math.isfinite(fast) else loop.output(models[FAST], order)
+    slow = slow if math.isfinite(slow) else loop.output(models[SLOW], order)
+    return fast, slow
+
+
+@njit(cache=True, nogil=True)
 def _control(models, wanted, order, error):  # type: ignore[no-untyped-def]
     """Return the references of the fast loop, not yet governed, and the slow one: C_f e and C_s e, m."""
     both = loop.desired(wanted[FAST], error, order)
@@ -68,15 +86,18 @@ def _step(seen, order, settings, learning, limits, models, wanted, memory, inner
 
     `seen`: reference, relative, fast (about the middle) and slow position, m.
     """
-    reference, relative, fast, slow = seen
+    fast, slow = _fill(seen, state, models, order)
     modelled_fast = _learn(models[FAST], memory[FAST], learning[FAST], order, fast)
     modelled_slow = _learn(models[SLOW], memory[SLOW], learning[SLOW], order, slow)
+    disturbance = seen[1] - modelled_fast - modelled_slow
+    if math.isfinite(disturbance):
+        state[DISTURBANCE] = disturbance
     if state[PHASE] == ESTIMATING:
         _watch(models[FAST], settings, fast, modelled_fast)
         _watch(models[SLOW], settings, slow, modelled_slow)
         _advance_phase(state, models, settings)
     if state[PHASE] == ACTIVE:
-        error = reference - (relative - modelled_fast - modelled_slow)
+        error = state[REFERENCE] - state[DISTURBANCE]
         fast_wanted, slow_given = _control(models, wanted, order, error)
     else:
         fast_wanted = _excitation(settings, FAST, state[COUNT])

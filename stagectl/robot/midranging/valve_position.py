@@ -61,7 +61,8 @@ class ValvePosition(Block):
     """VPC, MVPC, and MVPC with tracking anti-windup: r_f = C_f (r - y_r) + r^m, r_s = C_s (r_f - r^m), for every axis.
 
     Ports, one wide an axis: `reference`, `relative` (m, y_r = y_f + y_s + d) and `control` (m/s, the inner control
-    signal of the sample before, ahead of its saturation) in; `fast_reference`, `slow_reference` (m) out.
+    signal of the sample before, ahead of its saturation) in; `fast_reference`, `slow_reference` (m) out.  While an
+    input is no number, both references and both integrals stay.
 
     Parameters
     ----------
@@ -99,6 +100,11 @@ class ValvePosition(Block):
     ) -> None:
         """Control one frame."""
         kernel.run(reference, relative, control, fast_reference, slow_reference, self._settings, self._memory)
+
+    @property
+    def blind(self) -> tuple[int, ...]:
+        """In how many samples an input was no number since `prepare`, a number an axis."""
+        return tuple(int(count) for count in self._memory[:, kernel.BLIND])
 
 
 def _packed(axis: ValvePositionAxis, rate: float) -> np.ndarray:

@@ -26,7 +26,11 @@ def _axis(fast: LoopModel, guess: LoopModel | None = None, **more: object) -> In
 
 
 def _run(
-    axis: InternalModelAxis, fast: LoopModel, reference: np.ndarray, disturbance: float = 0.0
+    axis: InternalModelAxis,
+    fast: LoopModel,
+    reference: np.ndarray,
+    disturbance: float = 0.0,
+    dark: tuple[str, ...] = (),
 ) -> dict[str, np.ndarray]:
     """Run one axis against a pair that is exactly what `fast` and `SLOW` say, from the middle of its travel."""
     block, past_w, past_y = InternalModel([axis]), np.zeros(4), np.zeros(4)
@@ -38,7 +42,9 @@ def _run(
         position = past_y[: fast.order] @ fast.outputs + past_w[: fast.order] @ fast.inputs
         slow = SLOW.outputs[0] * slow + SLOW.inputs[0] * given
         relative = position + slow + disturbance * (n >= len(reference) // 2)
-        seen = [np.array([[each]]) for each in (value, relative, position + axis.middle, slow)]
+        shown = {"reference": value, "relative": relative, "fast": position + axis.middle, "slow": slow}
+        shown |= dict.fromkeys(dark, np.nan) if 400 <= n < 700 else {}
+        seen = [np.array([[each]]) for each in shown.values()]
         block.process(*seen, *outputs.values())
         wanted, given = outputs["fast_reference"][0, 0] - axis.middle, outputs["slow_reference"][0, 0]
         past_w, past_y = np.array([wanted, *past_w[:-1]]), np.array([position, *past_y[:-1]])
@@ -46,7 +52,7 @@ def _run(
             kept[name].append(number)
         for name, signal in outputs.items():
             kept[name].append(signal[0].copy())
-    return {name: np.array(values) for name, values in kept.items()}
+    return {name: np.array(values) for name, values in kept.items()} | {"blind": np.array(block.blind)}
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
@@ -103,6 +109,15 @@ def test_an_estimate_that_is_no_position_loop_is_not_used() -> None:
     assert (models[:, 1] > 0.0).all()
     assert (abs(models[:, 0]) < 1.0).all()
     assert np.isfinite(np.hstack(outputs)).all()
+
+
+@pytest.mark.parametrize("blinded", ["relative", "fast", "slow"])
+def test_while_a_sensor_is_blind_the_models_fly_on(blinded: str) -> None:
+    """With exact models and no disturbance nothing is lost; afterwards the sensor is heard again."""
+    reference = np.where(np.arange(1500) // 250 % 2, -1e-3, 1e-3)
+    seeing, blind = (_run(_axis(FAST[2]), FAST[2], reference, dark=dark) for dark in ((), (blinded,)))
+    assert blind["blind"] == 300
+    np.testing.assert_allclose(blind["relative"], seeing["relative"], atol=1e-9)
 
 
 def test_axes_do_not_touch_each_other() -> None:

@@ -91,3 +91,14 @@ def test_a_wrong_setting_is_refused_by_name(wrong: dict[str, float], message: st
 def test_no_axis_is_refused() -> None:
     with pytest.raises(ValueError, match="there are 0 axes"):
         ValvePosition([])
+
+
+@pytest.mark.parametrize("port", [0, 1, 2])
+def test_while_an_input_is_no_number_everything_stays(port: int) -> None:
+    signals = _noise(1)
+    axis = ValvePositionAxis(Pi(1.0, 10.0), Pi(1.0, 1.0), tracking=0.1, limit=1e-4)
+    without = _run([axis], *(np.delete(signal, slice(50, 60), axis=0) for signal in signals))
+    signals[port][50:60] = np.nan
+    for one, other in zip(_run([axis], *signals), without, strict=True):
+        np.testing.assert_array_equal(one[50:60], np.repeat(one[49:50], 10, axis=0))
+        np.testing.assert_array_equal(np.delete(one, slice(50, 60), axis=0), other)
