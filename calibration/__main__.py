@@ -22,6 +22,8 @@ from calibration.model_comparison import (
     differing_rows,
 )
 from calibration.multisine_report import level_table
+from calibration.raw_folder import raw_folder
+from calibration.stage_axes.command import stage_command
 from calibration.sweep_report import sweep_report
 from calibration.sweep_summary import BAND_HEAD, WORST_HEAD, band_rows, sweep_figures, worst_rows
 from calibration.vibrator import Calibration, LiveLine, calibrate, refuse_unfit
@@ -35,6 +37,7 @@ app = application("Experiments that end in a model file.")
 app.command("identify")(identify_command)
 app.command("hysteresis")(hysteresis_command)
 app.command("joints")(joints_command)
+app.command("stage")(stage_command)
 
 
 @app.command("vibrator")
@@ -67,7 +70,7 @@ def vibrator_command(
         laid_over += ["characterisation.preload=0.0", "characterisation.operating=0.0"]
     rig = rig_file.load(config, RigConfig, laid_over)
     refuse_unfit(rig)
-    with RawFolder(_raw_folder(out)) as raw:
+    with RawFolder(raw_folder(out)) as raw:
         found = _calibrated(rig, raw)
         write_model(out, found.matrix.described(seconds=f"{found.seconds:.1f}"), found.far)
     report = sweep_report(found, rig)
@@ -108,18 +111,6 @@ def compare_command(
     write_json(json, comparison_figures(found, far))
 
 
-def _raw_folder(out: Path) -> Path:
-    """Return where the recordings go, unless the model would take the place of something else."""
-    folder = out.with_suffix(".raw")
-    if not out.parent.is_dir():
-        raise ValueError(f"--out {out}: there is no folder {out.parent}")
-    if out.suffix != ".h5":
-        raise ValueError(f"--out {out}: the suffix is {out.suffix!r}, must be '.h5'")
-    if out.exists() and not (out.is_file() and folder.is_dir()):
-        raise ValueError(f"--out {out}: is there already, without its recordings in {folder}/; choose another name")
-    return folder
-
-
 def _calibrated(rig: RigConfig, raw: RawFolder) -> Calibration:
     with stoppable() as stop, LiveLine(rig, raw, stop) as line:
         try:
@@ -156,7 +147,7 @@ def _duration(seconds: float) -> str:
 
 def main() -> int:
     """Run the command line and return its exit status."""
-    return run(app, "calibration", "vibractl", "stagectl")
+    return run(app, "calibration", "vibractl", "stagectl", "firmware_sim")
 
 
 if __name__ == "__main__":

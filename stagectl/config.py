@@ -6,6 +6,7 @@ from typing import Any, Literal, Self
 from pydantic import Field, model_validator
 
 from rigkit.config import Section, setting
+from stagectl.characterisation import Characterisation
 from stagectl.link.config import CLASS, Laser, Link
 
 Range = tuple[float, float]
@@ -178,6 +179,7 @@ class StageConfig(Section):
     reference: Reference = Field(default_factory=Reference)
     deflection: Deflection = Field(default_factory=Deflection)
     session: Session = Field(default_factory=Session)
+    characterisation: Characterisation = Field(default_factory=Characterisation)
     link: Link = Field(default_factory=Link)
     laser: Laser = Field(default_factory=Laser)
     simulator: Simulator = Field(default_factory=Simulator)

@@ -1,0 +1,135 @@
+"""One axis of the stage excited in a graph: its stack by a voltage, or its inner loop by a reference, guarded."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ctlblocks import Graph, Port
+from ctlblocks.clock import run_offline
+from ctlblocks.recording import Recording
+from ctlblocks.replay import Record, Replay
+from rigkit.stop import Stopped
+from stagectl.cell import CHUNK, simulated
+from stagectl.config import StageConfig
+from stagectl.stage.controller import PiezoController
+from stagectl.stage.guard import VoltageGuard
+from stagectl.stage.loop import Stage
+from stagectl.stage.piezo_pid import Pid
+from stagectl.stage.sensors import SensorCheck
+
+HEARD = ("extension", "position")
+"""What is recorded of every axis, m."""
+
+
+class ExcitationError(ValueError):
+    """The guard shut the stage, or the plate left its travel."""
+
+
+@dataclass(frozen=True)
+class Bench:
+    """The stage that the rig file names, with one axis excited and the others at their rest voltage.
+
+    Parameters
+    ----------
+    config : StageConfig
+    axis : int, counted from 0
+    loop : Pid or None
+        The axis' inner loop, whose reference is excited; None: its voltage is.
+    stopped : callable() -> bool
+        Asked now and then whether to give up.
+    """
+
+    config: StageConfig
+    axis: int
+    loop: Pid | None
+    stopped: Callable[[], bool]
+
+    @property
+    def centre(self) -> float:
+        """What the drive deviates from: the rest voltage, V, or the middle of the extension's references, m."""
+        limits = self.config.limits
+        return limits.rest_voltage if self.loop is None else sum(limits.extension) / 2
+
+    def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Excite the axis about its rest: `experiment.Emit`.
+
+        Parameters
+        ----------
+        drive : array, shape (samples, 1), V or m
+            Deviation from rest.
+
+        Returns
+        -------
+        emitted : array, shape (samples, 1), V or m
+            What the guard let out, or the reference.
+        heard : array, shape (samples, 2 axes), m
+            Extension and position of every axis, as the controllers read them.
+
+        Raises
+        ------
+        Stopped : it was asked for.
+        ExcitationError : the stage was shut by its guard.
+        """
+        axes, lead = len(self.config.stage.axes), self._lead
+        whole = np.full((lead + len(drive), axes), self.centre)
+        whole[lead:, self.axis] += drive[:, 0]
+        graph, guard, start, record = self._wired(whole)
+        self._run(graph, guard, lead)
+        start()
+        self._run(graph, guard, len(drive))
+        kept = record.recording().data[lead:]
+        return kept[:, self.axis : self.axis + 1], kept[:, axes:]
+
+    @property
+    def _lead(self) -> int:
+        return round(2 * self.config.limits.ramp * self.config.stage.rate)
+
+    def _wired(self, whole: np.ndarray) -> tuple[Graph, VoltageGuard, Callable[[], None], Record]:
+        config, axes = self.config, len(self.config.stage.axes)
+        graph = Graph(config.stage.rate)
+        guard, start = self._stage(graph)
+        unit, drive, let_out = (
+            ("V", "guard.request", "guard.voltage")
+            if self.loop is None
+            else ("m", "controller.extension_reference", "wanted.drive")
+        )
+        wanted = Recording(config.stage.axes, (unit,) * axes, graph.rate, whole)
+        graph.add("wanted", Replay(wanted, {"drive": config.stage.axes}))
+        graph.connect("wanted.drive", drive)
+        record = Record([Port("drive", unit, axes), *(Port(name, "m", axes) for name in HEARD)], len(whole))
+        graph.add("record", record)
+        graph.connect(let_out, "record.drive")
+        outputs = simulated(config)(graph)
+        for name in HEARD:
+            source, delayed = outputs[name]
+            graph.connect(source, f"sensors.{name}", delayed=delayed)
+            graph.connect(source, f"record.{name}", delayed=delayed)
+        graph.prepare()
+        return graph, guard, start, record
+
+    def _stage(self, graph: Graph) -> tuple[VoltageGuard, Callable[[], None]]:
+        """Add what checks and guards, and closed loops; return the guard, and what starts it all."""
+        config = self.config
+        if self.loop is not None:
+            still = Pid(0.0, 0.0, 0.0, self.loop.smoothing, self.loop.tracking)
+            loops = [self.loop if axis == self.axis else still for axis in range(len(config.stage.axes))]
+            stage = Stage(graph, config, PiezoController(loops, config.limits))
+            return stage.guard, stage.start
+        guard = VoltageGuard(config.limits, len(config.stage.axes))
+        graph.add("sensors", SensorCheck(config.sensors, len(config.stage.axes)))
+        graph.add("guard", guard)
+        graph.connect("sensors.fault", "guard.fault")
+        return guard, guard.open
+
+    def _run(self, graph: Graph, guard: VoltageGuard, samples: int) -> None:
+        end = graph.ticks + samples
+        while graph.ticks < end:
+            run_offline(graph, min(CHUNK, end - graph.ticks))
+            if guard.latched:
+                raise ExcitationError(
+                    f"axis {self.config.stage.axes[self.axis]}: the guard shut the stage: {guard.cause}; "
+                    "lower characterisation.excursion or characterisation.scout"
+                )
+            if self.stopped():
+                raise Stopped("stopped")

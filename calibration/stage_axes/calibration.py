@@ -1,0 +1,200 @@
+"""One axis from its first chirp to its models: open loop, the PID that this makes, and again with that loop closed."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibration.experiment import RawFolder
+from calibration.identification.workflow import Identification
+from calibration.stage_axes.bench import Bench
+from calibration.stage_axes.experiment import Experiment, record
+from calibration.stage_axes.faster import at_rate, stack_at_rate
+from calibration.stage_axes.identification import Wanted, identified, simo, siso, stretched
+from calibration.subspace.realization import Method
+from rigkit import config as rig_file
+from rigkit.provenance import now, software
+from stagectl.config import Inner, StageConfig
+from stagectl.stage.piezo_pid import Pid, robust_pid
+from stagectl.stage.sensitivity import Robustness
+
+FASTEST = 0.1
+"""Of the highest frequency that is excited: the bandwidth up to which a PID is designed on such a model."""
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """An axis with open inner loop, and the PID that this makes.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    stack : Identification
+        From voltage to extension.
+    one, every : Identification
+        From voltage to the axis' position, and to those of all axes.
+    loop : Pid
+    inner : Inner
+        What a rig file says to get this PID on this axis.
+    robustness : Robustness
+        Of the PID on the stack, with one sample of delay more.
+    """
+
+    experiment: Experiment
+    stack: Identification
+    one: Identification
+    every: Identification
+    loop: Pid
+    inner: Inner
+    robustness: Robustness
+
+
+@dataclass(frozen=True, eq=False)
+class Closed:
+    """An axis with closed inner loop.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    one, every : Identification
+        From the inner loop's reference to the axis' position, and to those of all axes.
+    """
+
+    experiment: Experiment
+    one: Identification
+    every: Identification
+
+
+@dataclass(frozen=True)
+class AxisCalibration:
+    """What was found of an axis, in both ways.
+
+    Parameters
+    ----------
+    axis : str
+    top : float, Hz
+        Highest frequency that was excited.
+    opened : Opened
+    closed : Closed
+    """
+
+    axis: str
+    top: float
+    opened: Opened
+    closed: Closed
+
+
+def calibrate_axes(
+    config: StageConfig,
+    axes: Sequence[int],
+    raw: RawFolder,
+    order: int | None,
+    method: Method,
+    stopped: Callable[[], bool],
+) -> list[AxisCalibration]:
+    """Identify axes, each with open inner loop and with the loop closed by the PID that this gives.
+
+    Parameters
+    ----------
+    config : StageConfig
+    axes : sequence of int, counted from 0
+    raw : RawFolder
+        Open; what it holds already is not measured again.
+    order : int or None
+        Of the models of one output; None: as proposed.
+    method : "n4sid" or "moesp"
+    stopped : callable() -> bool
+
+    Source
+    ------
+    Sörnmo 2015, section 2.3: models by subspace identification, again with the inner loop closed.
+    """
+    found = []
+    for axis in axes:
+        opened = _opened(Bench(config, axis, None, stopped), raw, order, method)
+        closed = _closed(Bench(config, axis, opened.loop, stopped), raw, order, method)
+        found.append(AxisCalibration(config.stage.axes[axis], config.characterisation.band[1], opened, closed))
+    return found
+
+
+def _opened(bench: Bench, raw: RawFolder, order: int | None, method: Method) -> Opened:
+    config, axis = bench.config, bench.axis
+    name, settings = config.stage.axes[axis], config.characterisation
+    experiment = record(bench, raw)
+    about = _about(bench, raw, experiment)
+    drive = (f"voltage_{name}", "V")
+    stack, one, every = (
+        identified(experiment, wanted, config.stage.rate, settings.band[1], about)
+        for wanted in (_stack(name, axis, method), *_positions(config, axis, drive, order, method))
+    )
+    wished = slow(config.inner, axis, FASTEST * settings.band[1])
+    loop, robustness = robust_pid(stack.model, wished, 0, settings.max_sensitivity)
+    inner = wished.model_copy(update={"gain": (2 * np.pi * wished.bandwidth[0] / loop.integral,)})
+    return Opened(experiment, stack, one, every, loop, inner, robustness)
+
+
+def _closed(bench: Bench, raw: RawFolder, order: int | None, method: Method) -> Closed:
+    config, axis = bench.config, bench.axis
+    experiment = record(bench, raw)
+    about = _about(bench, raw, experiment) | {"inner": repr(bench.loop)}
+    drive = (f"extension_reference_{config.stage.axes[axis]}", "m")
+    one, every = (
+        identified(experiment, wanted, config.stage.rate, config.characterisation.band[1], about)
+        for wanted in _positions(config, axis, drive, order, method)
+    )
+    return Closed(experiment, one, every)
+
+
+def _positions(
+    config: StageConfig, axis: int, drive: tuple[str, str], order: int | None, method: Method
+) -> tuple[Wanted, Wanted]:
+    """Return what is wanted of the axis' own position, and of all."""
+    names = tuple(f"position_{each}" for each in config.stage.axes)
+    return (
+        Wanted(siso(axis), drive, names[axis : axis + 1], order, method, at_rate),
+        Wanted(simo(), drive, names, None, method, at_rate),
+    )
+
+
+def _stack(name: str, axis: int, method: Method) -> Wanted:
+    return Wanted(stretched(axis), (f"voltage_{name}", "V"), (f"extension_{name}",), None, method, stack_at_rate)
+
+
+def slow(inner: Inner, axis: int, most: float) -> Inner:
+    """Return the settings of one axis, of no more bandwidth than `most`, Hz: the model knows nothing beyond."""
+    bandwidth = min(inner.bandwidth[axis % len(inner.bandwidth)], most)
+    gain = inner.gain[axis % len(inner.gain)]
+    return inner.model_copy(update={"bandwidth": (bandwidth,), "gain": (gain,)})
+
+
+def calibrated_rig(config: StageConfig, found: Sequence[AxisCalibration]) -> StageConfig:
+    """Return the rig file with the PIDs that were designed, for `stagectl run`.
+
+    Parameters
+    ----------
+    config : StageConfig
+    found : sequence of AxisCalibration
+    """
+    made = {each.axis: each.opened.inner for each in found}
+    whole = {
+        name: [
+            getattr(config.inner, name)[at % len(getattr(config.inner, name))] for at in range(len(config.stage.axes))
+        ]
+        for name in ("gain", "bandwidth")
+    }
+    for at, axis in enumerate(config.stage.axes):
+        for name in whole:
+            if axis in made:
+                whole[name][at] = getattr(made[axis], name)[0]
+    inner = config.inner.model_copy(update={name: tuple(values) for name, values in whole.items()})
+    return config.model_copy(update={"inner": inner})
+
+
+def _about(bench: Bench, raw: RawFolder, experiment: Experiment) -> dict[str, str]:
+    return {
+        "rig": bench.config.rig.name,
+        "config": rig_file.dump(bench.config),
+        "recording": f"{raw.path.name}/, fingerprints {', '.join(experiment.fingerprints)}",
+        "software": software(),
+        "made": now(),
+    }

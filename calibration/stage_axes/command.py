@@ -1,0 +1,104 @@
+"""The command `calibrate stage`."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, cast
+
+import typer
+
+from calibration.experiment import RawFolder
+from calibration.raw_folder import raw_folder
+from calibration.stage_axes.calibration import AxisCalibration, calibrate_axes, calibrated_rig
+from calibration.stage_axes.order import MOST
+from calibration.stage_axes.report import (
+    INNER_HEAD,
+    MODEL_HEAD,
+    axis_report,
+    calibration_figures,
+    inner_row,
+    model_rows,
+)
+from calibration.subspace.realization import Method
+from rigkit import atomic
+from rigkit import config as rig_file
+from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.stop import Stopped, stoppable
+from stagectl.config import StageConfig
+from stagectl.model_file import write_model
+
+ALL = "all"
+
+
+def stage_command(
+    out: Annotated[Path, typer.Option(metavar="FILE", help="Model file; of all axes, stage.h5 makes stage-x.h5 ...")],
+    axis: Annotated[str, typer.Option(metavar="x|y|z|all", help="Which axis.")] = ALL,
+    config: ConfigOption = None,
+    seed: Annotated[int | None, typer.Option(help="Which simulated stage.")] = None,
+    order: Annotated[int | None, typer.Option(help="States of the models of one position; else as proposed.")] = None,
+    method: Annotated[str, typer.Option(metavar="moesp|n4sid", help="Subspace method.")] = "moesp",
+    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
+    settings: SetOption = None,
+    json: JsonOption = None,
+) -> None:
+    """Identify axes of the stage by chirps: inner loop open, then closed by the PID that this gives.
+
+    Beside each model file: `-simo.h5` to all positions, `-open.h5` from the voltage, a report; and a rig file with the
+    PIDs.  Raw recordings are kept in a folder beside; stopped or killed, the same command goes on from there.
+
+    Example: `calibrate stage --config stage.toml --axis x --out stage-x.h5`
+    """
+    laid_over = [*(settings or []), *([f"simulator.options.seed={seed}"] if seed is not None else [])]
+    rig = rig_file.load(config, StageConfig, laid_over)
+    axes = _axes(rig, axis)
+    if order is not None and not 1 <= order <= MOST:
+        raise ValueError(f"--order is {order}, must be 1 to {MOST}")
+    if method not in ("moesp", "n4sid"):
+        raise ValueError(f"--method is {method!r}, must be moesp or n4sid")
+    with RawFolder(raw_folder(out)) as raw:
+        found = _calibrated(rig, axes, raw, order, cast(Method, method))
+        for each in found:
+            _write(each, _file(out, each.axis, axis), rig, png)
+        atomic.write(out.with_suffix(".toml"), rig_file.dump(calibrated_rig(rig, found)))
+    _print(found, out, json)
+
+
+def _axes(rig: StageConfig, axis: str) -> list[int]:
+    names = rig.stage.axes
+    if axis == ALL:
+        return list(range(len(names)))
+    if axis not in names:
+        raise ValueError(f"--axis is {axis!r}, must be {', '.join(names)} or {ALL}")
+    return [names.index(axis)]
+
+
+def _calibrated(
+    rig: StageConfig, axes: Sequence[int], raw: RawFolder, order: int | None, method: Method
+) -> list[AxisCalibration]:
+    with stoppable() as stop:
+        try:
+            return calibrate_axes(rig, axes, raw, order, method, lambda: stop.made)
+        except Stopped:
+            raise Stopped(f"stopped; what is recorded is in {raw.path}/, the same command goes on from there") from None
+
+
+def _file(out: Path, name: str, axis: str) -> Path:
+    return out if axis != ALL else out.with_stem(f"{out.stem}-{name}")
+
+
+def _write(found: AxisCalibration, path: Path, rig: StageConfig, png: Path | None) -> None:
+    write_model(path.with_stem(f"{path.stem}-open"), found.opened.one.model)
+    write_model(path.with_stem(f"{path.stem}-simo"), found.closed.every.model)
+    write_model(path, found.closed.one.model)
+    report = axis_report(found, rig.rig.name)
+    report.write(path.with_suffix(".html"))
+    if png is not None:
+        report.png(png / found.axis)
+
+
+def _print(found: Sequence[AxisCalibration], out: Path, json: str | None) -> None:
+    stream = words(json)
+    seconds = sum(each.opened.experiment.seconds + each.closed.experiment.seconds for each in found)
+    rows = [row for each in found for row in model_rows(each)]
+    print_table(f"{out}: {seconds:.0f} s of signal", MODEL_HEAD, rows, stream)
+    print_table(f"inner loops, in {out.with_suffix('.toml')}", INNER_HEAD, map(inner_row, found), stream)
+    write_json(json, calibration_figures(found))

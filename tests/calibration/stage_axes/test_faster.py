@@ -1,0 +1,79 @@
+"""Models of thinned records made models at the stage's rate, against the systems that the records came from."""
+
+import numpy as np
+import pytest
+from scipy.linalg import block_diag
+from scipy.signal import chirp
+
+from calibration.stage_axes.faster import at_rate, stack_at_rate
+from stagectl.models import InnovationModel
+from tests.stagectl.linear_stage import RATE, model
+
+THIN = 1000.0
+
+
+def excited(system: InnovationModel) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    time = np.arange(round(8 * RATE)) / RATE
+    drive = chirp(time, 1.0, time[-1], 200.0)[:, np.newaxis]
+    noise = 1e-4 * np.random.default_rng(2).standard_normal((len(drive), system.outputs))
+    return [drive], [system.simulate(drive) + noise]
+
+
+def thinned(system: InnovationModel) -> InnovationModel:
+    """Return a model with the same poles and shapes at a tenth of the rate, its inlet not yet right."""
+    return InnovationModel(
+        np.linalg.matrix_power(system.A, 10), system.B, system.C, system.D, system.K, THIN, system.innovation
+    )
+
+
+def test_response_and_modes_are_those_of_the_fast_system() -> None:
+    true = model("x")
+    fast = at_rate(thinned(true), *excited(true), RATE)
+    frequency = np.linspace(1.0, 200.0, 400)
+    expected = true.frequency_response(frequency)[:, 0, 0]
+    found = fast.frequency_response(frequency)[:, 0, 0]
+    assert fast.rate == RATE
+    assert not fast.D.any()
+    assert np.abs(found - expected).max() < 2e-3 * np.abs(expected).max()
+    np.testing.assert_allclose(fast.modes.frequency[:3], true.modes.frequency[:3], rtol=1e-6)
+
+
+def test_its_gain_tells_white_noise_on_the_output_from_noise_through_the_modes() -> None:
+    true = model("y")
+    fast = at_rate(thinned(true), *excited(true), RATE)
+    assert fast.innovation[0, 0] == pytest.approx(1e-8, rel=0.05)
+
+
+def test_a_pole_that_no_continuous_system_has_becomes_one_that_decays_as_fast() -> None:
+    true = model("z")
+    slow = thinned(true)
+    odd = InnovationModel(
+        block_diag(slow.A, [[-0.5]]),
+        np.vstack([slow.B, [[0.0]]]),
+        np.hstack([slow.C, [[1.0]]]),
+        slow.D,
+        np.vstack([slow.K, [[0.0]]]),
+        THIN,
+        slow.innovation,
+    )
+    fast = at_rate(odd, *excited(true), RATE)
+    assert np.abs(fast.poles - 0.5**0.1).min() < 1e-6
+
+
+def test_a_stack_keeps_what_follows_its_voltage_at_once_and_loses_what_creeps() -> None:
+    """A gauge that shows a direct part, a resonance and, over seconds, creep."""
+    resonance = model("z")
+    creep = np.exp(-2 * np.pi * 0.1 / RATE)
+    true = InnovationModel(
+        A=block_diag(resonance.A, [[creep]], [[0.0]]),
+        B=np.vstack([resonance.B, [[0.2 * (1 - creep)]], [[1.0]]]),
+        C=np.hstack([0.05 * resonance.C, [[1.0, 1.0]]]),
+        D=np.zeros((1, 1)),
+        K=np.zeros((resonance.order + 2, 1)),
+        rate=RATE,
+        innovation=np.ones((1, 1)),
+    )
+    fast = stack_at_rate(thinned(true), *excited(true), RATE)
+    assert fast.modes.frequency.min() > 60.0
+    rest = fast.frequency_response(np.zeros(1))[0, 0, 0].real
+    assert rest == pytest.approx(1.0 + 0.05 * 5.0, rel=0.02)
