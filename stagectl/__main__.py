@@ -16,6 +16,7 @@ from stagectl.config import StageConfig
 from stagectl.live import run_live
 from stagectl.replay import replay
 from stagectl.report import run_report
+from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging.command import midrange
 from stagectl.scenario import scenario_settings
 from stagectl.setup import Setup
@@ -32,6 +33,15 @@ def example_config() -> None:
     Example: `stagectl example-config > stage.toml`
     """
     sys.stdout.write(rig_file.example(StageConfig))
+
+
+@app.command("example-cell")
+def example_cell() -> None:
+    """Print a complete file of the robot cell: every key with its unit, range and default.
+
+    Example: `stagectl example-cell > cell.toml`
+    """
+    sys.stdout.write(rig_file.example(CellConfig))
 
 
 @app.command("run")

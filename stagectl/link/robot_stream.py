@@ -7,6 +7,7 @@ from threading import Condition, Event, Thread
 from typing import Protocol
 
 from stagectl.link.bus import LinkError
+from stagectl.link.priority import real_time
 
 _RETRY = 0.2
 """s between attempts to connect."""
@@ -58,6 +59,10 @@ class Stream:
             self._thread.join(_LONGEST_END)
 
     def _run(self) -> None:
+        with real_time():  # one that waits for the interpreter's lock would make the robot's thread wait as well
+            self._serve()
+
+    def _serve(self) -> None:
         while not self._over.is_set():
             try:
                 with socket.create_connection(self._address, _RETRY) as line:

@@ -12,7 +12,7 @@ Box = tuple[float, float, float]
 class Robot(Section):
     """The robot's controller, which streams over UDP; it knows this computer's address and begins."""
 
-    arm: str = setting("irb140", "", "irb140, or a TOML file with an arm's geometry and limits", min_length=1)
+    arm: str = setting("irb140", "", "irb140, kuka, or a TOML file with an arm's geometry and limits", min_length=1)
     tool: float = setting(0.1, "m", "from the flange along its axis to the tool point", ge=0, le=1)
     listen: str = setting("127.0.0.1", "", "this computer's address towards the robot", min_length=1)
     port: int = setting(6510, "", "UDP port the robot sends to; 0 for any that is free", ge=0, le=65_535)

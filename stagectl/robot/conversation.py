@@ -94,7 +94,7 @@ class RobotConversation:
         self.wanted = Wanted(guard.width)
         self._tell, self._sequence, self._lag = tell, Sequence(MODULUS), Lag()
         self._is_due, self._answered, self._taken, self._late_references = False, 0, 0, 0
-        self._counter = 0
+        self._counter, self._has_followed = 0, False
 
     report: Report | None
     peer: tuple[str, int] | None
@@ -107,11 +107,11 @@ class RobotConversation:
         return self.report.planned_angle if self.guard.mode == "joints" else self.report.pose
 
     def begin(self) -> None:
-        """Let references go out, from where the robot is."""
+        """Let references go out, from where the robot is; it is held there until the first has come."""
         self.guard.place(self.where)
         self.guard.release()
         self.counts.longest_gap = 0
-        self._taken, self._late_references = self.wanted.number, 0
+        self._taken, self._late_references, self._has_followed = self.wanted.number, 0, False
         self.state = PortState.FOLLOWING
 
     def end(self) -> None:
@@ -151,10 +151,12 @@ class RobotConversation:
         """Return the answer to the last report, once there is one: a new reference, or the hold."""
         if not self._is_due:
             return None
-        if self.state is PortState.FOLLOWING:
-            if self.wanted.number == self._taken:
-                return None
+        if self.state is PortState.FOLLOWING and self.wanted.number != self._taken:
             self._follow()
+        elif self.state is not PortState.FOLLOWING or not self._has_followed:
+            self.guard.rest()
+        else:
+            return None
         return self._answer()
 
     def watch(self, now: float) -> None:
@@ -200,7 +202,7 @@ class RobotConversation:
             self.latch(f"no reference for {self._late_references} cycles, must be < {self.robot.silence}")
 
     def _follow(self) -> None:
-        self._taken, self._late_references = self.wanted.number, 0
+        self._taken, self._late_references, self._has_followed = self.wanted.number, 0, True
         half = self._taken % 2
         reason = self.guard.take(self.wanted.nominal[half], self.wanted.corrected[half])
         if reason:
@@ -208,8 +210,6 @@ class RobotConversation:
             self.guard.rest()
 
     def _answer(self) -> bytes:
-        if self.state is not PortState.FOLLOWING:
-            self.guard.rest()
         assert self.report is not None  # an answer is due
         self._is_due = False
         self._counter += 1

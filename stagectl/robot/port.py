@@ -2,6 +2,8 @@
 
 import time
 from collections.abc import Callable
+from importlib.resources import files
+from pathlib import Path
 from typing import Self
 
 import numpy as np
@@ -25,7 +27,10 @@ def _nobody(*_: object) -> None:
 
 def arm_of(config: CellConfig) -> Arm:
     """Return the arm that the cell's file names; ArmError where there is none."""
-    return irb140() if config.robot.arm == "irb140" else read_arm(config.robot.arm)
+    name = config.robot.arm
+    if name == "irb140":
+        return irb140()
+    return read_arm(Path(str(files("stagectl.robot").joinpath("kuka.toml"))) if name == "kuka" else name)
 
 
 class RobotPort:

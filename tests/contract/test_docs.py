@@ -19,6 +19,7 @@ import pytest
 
 from rigkit.config import example
 from stagectl.config import StageConfig
+from stagectl.robot.config import CellConfig
 from tests.contract.source_tree import FOLDERS, PACKAGES, ROOT, Definition, definitions, imports, sources, tree
 from vibractl.config import RigConfig
 
@@ -135,6 +136,7 @@ def test_the_rig_files_in_the_docs_are_those_the_programs_print() -> None:
     """`make docs` writes them."""
     assert (ROOT / "docs/rig.toml").read_text() == example(RigConfig)
     assert (ROOT / "docs/stage.toml").read_text() == example(StageConfig)
+    assert (ROOT / "docs/cell.toml").read_text() == example(CellConfig)
 
 
 def _length(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:

@@ -8,8 +8,9 @@ import pytest
 from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.robot_controller import GuidedMotion, RobotController
 from firmware_sim.robot_inverse import rigid_pose, toward
-from stagectl.robot.arm import irb140
+from stagectl.robot.config import CellConfig, Robot
 from stagectl.robot.kinematics import forward
+from stagectl.robot.port import arm_of
 from stagectl.wire.egm import RATE, Command, Motion, pack_command, unpack_report
 
 
@@ -21,9 +22,11 @@ def ask(robot: RobotController, counter: int, angle: np.ndarray) -> None:
     robot.receive(pack_command(Command(counter, 0.0, joint_angle=angle)))
 
 
-def test_its_geometry_is_that_of_the_program() -> None:
+@pytest.mark.parametrize("name", ["irb140", "kuka"])
+def test_its_geometry_is_that_of_the_program(name: str) -> None:
     """Written twice, apart from each other."""
-    plant, arm, rng = RobotPlant(tool=0.0), irb140(), np.random.default_rng(3)
+    plant, rng = RobotPlant(arm=name, tool=0.0), np.random.default_rng(3)
+    arm = arm_of(CellConfig(robot=Robot(arm=name)))
     for angle in rng.uniform(-1, 1, (10, 6)):
         np.testing.assert_allclose(rigid_pose(plant, angle)[:3], forward(arm, angle)[:3, 3], atol=1e-14)
 

@@ -167,7 +167,14 @@ def test_a_report_that_was_long_on_its_way_is_a_fault(line: Line) -> None:
     assert "a report from the robot comes 0.0" in line.talk.reason
 
 
+def test_until_the_first_reference_the_robot_is_held_without_a_fault(line: Line) -> None:
+    for _ in range(10):
+        np.testing.assert_allclose(line.cycle(None), HOME, atol=1e-14)
+    assert line.talk.reason == ""
+
+
 def test_three_cycles_without_a_reference_are_a_fault(line: Line) -> None:
+    line.cycle()
     for _ in range(3):
         assert line.cycle(None) is None
         assert line.talk.reason == ""
