@@ -22,6 +22,8 @@ from stagectl.link.config import Laser, Link
 from stagectl.link.laser import Displacement, LaserLine
 from stagectl.link.stage_link import StageLink
 from stagectl.models import InnovationModel
+from stagectl.robot.arm import irb140
+from stagectl.robot.cartesian_correction import CartesianCorrection
 from stagectl.robot.clamp_search import ClampSearch
 from stagectl.robot.config import CellConfig, Robot
 from stagectl.robot.config import Tracker as TrackerConfig
@@ -183,6 +185,7 @@ EXAMPLES: dict[type[Block], Example] = {
         start=lambda block: block.line.take(b"TG,1,+00.0100\r"),
     ),
     Send: Example(lambda: Send(StageLink(Link())), rate=10_000.0),
+    CartesianCorrection: Example(lambda: CartesianCorrection(irb140(), 0.1), rate=250.0),
     RobotArm: Example(RobotArm, rate=8_000.0),
     JointReport: Example(lambda: JointReport(_robot()), _report, 250.0),
     PoseReport: Example(lambda: PoseReport(_robot()), _report, 250.0),

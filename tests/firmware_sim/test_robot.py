@@ -259,6 +259,16 @@ def test_a_clamped_joint_shows_its_spring_in_series_with_what_holds_the_tool(ort
     assert (shown == pytest.approx(1.0, rel=2e-3)) if orthogonal == 0.0 else 0.5 < shown < 0.98
 
 
+def test_a_clamp_that_closes_pulls_at_nothing() -> None:
+    """Gravity has tilted the joints before: the tool is held as it is, not where a rigid arm would have it."""
+    plant = RobotPlant(seed=6, noise=0.0, orthogonal=5.0)
+    before = held(plant, np.zeros(6))
+    plant.clamp()
+    after = held(plant, np.zeros(6))
+    assert np.abs(after[1] - before[1][-1]).max() < 0.5
+    assert np.abs(after[3][:, :3] - before[3][-1, :3]).max() < 2e-6
+
+
 def test_a_clamp_slips_beyond_its_force() -> None:
     plant = RobotPlant(seed=6)
     plant.clamp(slip_force=50.0)

@@ -196,6 +196,7 @@ def test_a_limit_holds_with_its_reason_whatever_comes_after(line: Line) -> None:
 def test_the_first_reason_stays(line: Line) -> None:
     line.talk.latch("the tracker is blind")
     line.cycle(data=report(line.counter + 1, motors_on=False))
+    line.talk.latch("and something else")
     assert line.talk.reason == "the tracker is blind"
 
 
