@@ -121,7 +121,7 @@ def sippy_armax() -> Method:
         denominator = np.ravel(through.den[0][0])
         tops = (np.ravel(side.num[0][0]) for side in (through, shaping))
         from_drive, from_noise = (np.pad(top, (len(denominator) - len(top), 0)) for top in tops)
-        return _companion(denominator, from_drive, from_noise)
+        return companion(denominator, from_drive, from_noise)
 
     return identify
 
@@ -162,7 +162,7 @@ def pysid_armax() -> Method:
 
     def identify(drive: np.ndarray, response: np.ndarray, order: int, _horizon: int) -> Matrices:
         found = armax(order, order - 1, order, 1, drive, response)
-        return _companion(*(np.ravel(part[0, 0]) for part in (found.A, found.B, found.C)))
+        return companion(*(np.ravel(part[0, 0]) for part in (found.A, found.B, found.C)))
 
     return identify
 
@@ -223,7 +223,7 @@ def _with_gain(
     return dict(zip("ABCDK", (*system, gain), strict=True))
 
 
-def _companion(denominator: np.ndarray, drive: np.ndarray, noise: np.ndarray) -> Matrices:
+def companion(denominator: np.ndarray, drive: np.ndarray, noise: np.ndarray) -> Matrices:
     """Return a(q) y = b(q) u + c(q) e as a state space; coefficients by rising delay, a and c monic."""
     order = max(len(denominator), len(drive), len(noise)) - 1
     a, b, c = (np.pad(each, (0, order + 1 - len(each))) for each in (denominator, drive, noise))

@@ -158,7 +158,8 @@ def main() -> None:
     print(f"numpy {np.__version__}; {', '.join(_version(name) for name in PACKAGES)}.")
     print(f"\nLoad average at the start {os.getloadavg()[0]:.1f}: the clock shows what others left of the machine, the")
     print("processor what was done. Both: the least of several runs on one record, on one thread, without imports.")
-    print("Short: points of NRMSE by which the truth fits a fresh record better, mean (worst) over records.\n")
+    print("Short: points of NRMSE by which the truth fits a fresh record better, mean (worst) over records;")
+    print("none in the free run: not stable; one step: no gain, or a predictor that is not stable.\n")
     print("Kalman gains of SLICOT and nfoursid: from their covariances, by scipy's Riccati solver.")
     made = [row for case in CASES for row in table(*case)]
     targets(made, proposals())

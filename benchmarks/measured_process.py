@@ -26,6 +26,7 @@ REPEATS, ENOUGH = 9, 3.0
 """The first record is done so many times, or until s have gone by; the least time counts."""
 BUDGET = 8.0
 """Seconds after which no further record is begun."""
+_ROOT = Path(__file__).parents[1]
 _THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
@@ -83,7 +84,9 @@ def measured(job: Job) -> Outcome:
         environment = os.environ | dict.fromkeys(_THREADS, "1") | {"MPLBACKEND": "agg"}
         command = [sys.executable, "-W", "ignore", "-m", "benchmarks.measured_process", str(asked), str(answered)]
         try:
-            ended = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=PATIENCE)
+            ended = subprocess.run(
+                command, env=environment, cwd=_ROOT, capture_output=True, text=True, timeout=PATIENCE
+            )
         except subprocess.TimeoutExpired:
             return Outcome([], [], failure=f"not done after {PATIENCE:.0f} s")
         if ended.returncode:
