@@ -17,7 +17,7 @@ _ENOUGH = 1.25
 """Horizons that are too short by less than this factor are left as they are."""
 _OSCILLATES = 0.3
 """Damping ratio, below."""
-_ROWS = 800
+_ROWS = 640
 """Of the triangle, at most, where horizons are made longer: beyond, work and memory grow faster than what is gained."""
 
 

@@ -89,6 +89,7 @@ def identify(
     windows, compressed, tried, found = _attempt(data, layout, order, method, terms)
     while horizon is None and (further := longer(layout, data, found.transition)) is not None:
         layout = further
+        del windows, compressed  # large
         windows, compressed, tried, found = _attempt(data, layout, order, method, terms)
     left = left_by_free_run(found, data.drives, data.responses)
     gain = refine_gain(found.transition, found.outlet, found.gain, left)

@@ -127,7 +127,7 @@ class Windows:
 
     def _sums(self, chosen: np.ndarray) -> np.ndarray:
         """Add products over segments, about the mean if a constant is taken out: shape (rows, rows)."""
-        sums: np.ndarray = self._products[chosen].sum(axis=0)
+        sums: np.ndarray = np.tensordot(chosen.astype(float), self._products, axes=1)  # indexing would copy them
         if self._constant:
             total = self._totals[chosen].sum(axis=0)
             sums -= np.outer(total, total) / self._sizes[chosen].sum()

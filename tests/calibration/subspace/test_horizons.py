@@ -31,13 +31,13 @@ def test_a_stage_sampled_at_its_own_rate_needs_no_thought_about_horizons() -> No
     assert found.model.order == 7
     assert worst_damping(found.model, system.model) < 0.1
     assert found.assess(*system.record(20_000, seed=24)).free_run.nrmse[0] > 89
-    assert found.horizon == (200, 200)
+    assert found.horizon == (160, 160)
 
 
 def test_nine_modes_have_the_damping_that_least_errors_allow() -> None:
     system = order_18()
     found = subspace.identify(*system.record(10_000, seed=6), 1000.0, 18)
-    assert found.horizon == (65, 65)
+    assert found.horizon == (53, 53)
     assert worst_damping(found.model, system.model) < 0.03
 
 
@@ -56,8 +56,8 @@ def test_two_periods_are_reached_over_where_there_is_room() -> None:
 def test_there_is_no_longer_horizon_than_records_and_memory_allow() -> None:
     slow = 0.9999 * TURN
     for data, horizon in (
-        (noise(100_000), 200),
-        (noise(100_000, 3, 3), 66),
+        (noise(100_000), 160),
+        (noise(100_000, 3, 3), 53),
         (noise(1000), 71),
         (noise(300, records=4), 60),
         (noise(300, records=40), 75),
