@@ -118,6 +118,17 @@ def test_a_change_rings_the_alarm_once_and_is_learnt_within_a_step() -> None:
     assert abs(unheard[2250, 1] / 0.06 - 1.0) > 0.1
 
 
+@pytest.mark.parametrize(("outliers", "rings"), [(1, False), (4, True)])
+def test_an_outlier_does_not_ring_and_several_do(outliers: int, rings: bool) -> None:
+    """Smoothed with the loop's own pole, an outlier of the sensor spoils one residual."""
+    inputs = 1e-3 * np.sin(0.1 * np.arange(1000))
+    settings = LeastSquares(noise=1e-6, smoothing=-0.004 / math.log(0.96), alarm=True)
+    outputs = _loop(inputs, 1, noise=1e-6)
+    outputs[900 : 900 + outliers] += 0.1e-3
+    got = _estimate(settings, inputs, outputs, [0.96, 0.04])[-1]
+    assert (got[kernel.RESETS] > 0) == rings
+
+
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [

@@ -108,3 +108,29 @@ def test_the_process_is_recovered_from_the_closed_loop() -> None:
 def test_a_wrong_setting_is_refused_by_name(wrong: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         Governor(**wrong)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_the_reference_is_the_farthest_that_held_from_now_on_stays_within_the_travel(order: int) -> None:
+    """Against trying: a thousandth further, the position passes the end somewhere ahead."""
+    outputs, inputs = np.array([0.5, 0.1, -0.05])[:order], np.array([1.5, -1.1, 0.05])[:order]
+    model = LoopModel(tuple(outputs), tuple(inputs * (1.0 - outputs.sum()) / inputs.sum()))
+    governor, random = Governor((5.0,), travel=1e-3, lookahead=0.2), np.random.default_rng(order)
+    for _ in range(50):
+        past_w, past_y = random.uniform(-0.2e-3, 0.2e-3, (2, 4))
+        memory, modelled = np.zeros(kernel.CELLS), np.zeros(loop.CELLS)
+        modelled[: 2 * order] = model.parameters
+        modelled[loop.INPUTS : loop.INPUTS + 3] = past_w[:3]
+        memory[kernel.POSITIONS : kernel.POSITIONS + 3] = past_y[1:]
+        given = kernel.govern(memory, governor.packed(RATE), modelled, order, 5e-3, past_y[0])
+
+        def ahead(held: float, inputs: np.ndarray = past_w, outputs: np.ndarray = past_y) -> float:
+            w, y, most = list(inputs), list(outputs), 0.0
+            for _ in range(50):
+                w = [held, *w]
+                y = [float(np.dot(y[:order], model.outputs) + np.dot(w[:order], model.inputs)), *y]
+                most = max(most, abs(y[0]))
+            return most
+
+        assert ahead(given) <= 1e-3 * (1.0 + 1e-9)
+        assert given >= 1e-3 * (1.0 - 1e-9) or ahead(given + 1e-6) > 1e-3
