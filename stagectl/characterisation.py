@@ -1,6 +1,6 @@
 """The table `[characterisation]` of the stage's rig file: how `calibrate stage` excites an axis."""
 
-from typing import Self
+from typing import Literal, Self
 
 from pydantic import model_validator
 
@@ -15,8 +15,11 @@ class Characterisation(Section):
     settle: float = setting(5.0, "s", "rest before each chirp, for the creep of coming there", ge=0.5, le=600)
     excursion: float = setting(120e-6, "m", "largest excursion of the plate from rest", gt=0, le=1e-2)
     scout: float = setting(4.0, "V", "amplitude of the first, weak chirp that tells how loud the others may be", gt=0)
+    inner: Literal["designed", "rig"] = setting(
+        "designed", "", "the PID that the loop is closed with: designed on the identified stack, or that of [inner]"
+    )
     max_sensitivity: float = setting(
-        2.2, "1", "Ms that the PID keeps on the identified stack, one sample of delay more", ge=1.1, le=10
+        2.2, "1", "Ms that a designed PID keeps on the identified stack, one sample of delay more", ge=1.1, le=10
     )
 
     @model_validator(mode="after")

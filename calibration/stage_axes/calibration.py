@@ -15,8 +15,10 @@ from calibration.subspace.realization import Method
 from rigkit import config as rig_file
 from rigkit.provenance import now, software
 from stagectl.config import Inner, StageConfig
-from stagectl.stage.piezo_pid import Pid, robust_pid
-from stagectl.stage.sensitivity import Robustness
+from stagectl.models import InnovationModel
+from stagectl.stage.piezo_pid import Pid, pid, robust_pid
+from stagectl.stage.sensitivity import Robustness, robustness
+from stagectl.stage.state_space import plant_of
 
 FASTEST = 0.1
 """Of the highest frequency that is excited: the bandwidth up to which a PID is designed on such a model."""
@@ -127,10 +129,27 @@ def _opened(bench: Bench, raw: RawFolder, order: int | None, method: Method) -> 
         identified(experiment, wanted, config.stage.rate, settings.band[1], about)
         for wanted in (_stack(name, axis, method), *_positions(config, axis, drive, order, method))
     )
+    return Opened(experiment, stack, one, every, *inner_loop(config, axis, stack.model))
+
+
+def inner_loop(config: StageConfig, axis: int, stack: InnovationModel) -> tuple[Pid, Inner, Robustness]:
+    """Return the PID to close the loop with, what a rig file says to get it, and how robust it is on the stack.
+
+    Parameters
+    ----------
+    config : StageConfig
+    axis : int, counted from 0
+    stack : InnovationModel
+        From voltage (V) to extension (m).
+    """
+    settings = config.characterisation
+    if settings.inner == "rig":
+        given = pid(config.inner, axis)
+        figures = robustness(plant_of(stack), given.system(stack.rate), stack.rate, delay=1)
+        return given, slow(config.inner, axis, np.inf), figures
     wished = slow(config.inner, axis, FASTEST * settings.band[1])
-    loop, robustness = robust_pid(stack.model, wished, 0, settings.max_sensitivity)
-    inner = wished.model_copy(update={"gain": (2 * np.pi * wished.bandwidth[0] / loop.integral,)})
-    return Opened(experiment, stack, one, every, loop, inner, robustness)
+    loop, figures = robust_pid(stack, wished, 0, settings.max_sensitivity)
+    return loop, wished.model_copy(update={"gain": (2 * np.pi * wished.bandwidth[0] / loop.integral,)}), figures
 
 
 def _closed(bench: Bench, raw: RawFolder, order: int | None, method: Method) -> Closed:

@@ -9,13 +9,15 @@ import pytest
 
 from calibration.__main__ import main
 from calibration.experiment import RawFolder, RawFolderError
-from calibration.stage_axes import order
+from calibration.stage_axes import calibration, order
 from calibration.stage_axes.bench import Bench
 from calibration.stage_axes.experiment import record
 from firmware_sim.plants.piezo_stage import PiezoStagePlant
 from rigkit import config as rig_file
 from stagectl.config import StageConfig
 from stagectl.model_file import read_model
+from stagectl.stage.piezo_pid import pid
+from tests.stagectl.linear_stage import model as stage_model
 
 QUICK = ("stage.rate=5000", *(f"characterisation.{text}" for text in ("band=[2, 150]", "seconds=3", "settle=0.6")))
 
@@ -71,6 +73,14 @@ def test_the_rig_file_has_the_pid_that_the_loop_was_closed_with(calibrated: Path
     assert rig.inner.bandwidth[2] == figures["bandwidth_hz"]
     assert rig.inner.gain[0] == StageConfig().inner.gain[0]
     assert figures["max_sensitivity"] <= 2.2
+
+
+def test_the_rig_files_own_pid_is_judged_and_kept_where_it_is_asked_for() -> None:
+    rig = rig_file.load(None, StageConfig, ["characterisation.inner=rig"])
+    loop, inner, figures = calibration.inner_loop(rig, 1, stage_model("y"))
+    assert loop == pid(rig.inner, 1)
+    assert (inner.gain[0], inner.bandwidth[0]) == (rig.inner.gain[0], rig.inner.bandwidth[0])
+    assert not figures.stable  # a plate's resonances in place of a stack's
 
 
 def test_what_is_recorded_is_not_recorded_again(calibrated: Path) -> None:
