@@ -8,17 +8,14 @@ from threading import Event
 from types import FrameType
 from typing import Annotated
 
-import numpy as np
 import typer
 
 from firmware_sim.can_node import MISHAPS, mishap
 from firmware_sim.jack_client import JackClient
 from firmware_sim.laboratory import Laboratory, Wiring, plant_block
 from firmware_sim.plants.milling_disturbance import DEFLECTIONS
-from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.robot_bench import MISHAPS as ROBOT_MISHAPS
-from firmware_sim.robot_bench import Addresses, RobotBench, robot_mishap
-from firmware_sim.robot_controller import RobotController
+from firmware_sim.robot_bench import Addresses, RobotBench, cell_controller, robot_mishap
 from firmware_sim.stage_bench import StageBench
 from firmware_sim.stage_image import StageImage
 from firmware_sim.stage_processor import Settings
@@ -132,14 +129,11 @@ def robot(
         firmware-sim robot --set simulator.options.seed=3 --fault blind@5 --fault see@6 &
     """
     cell = load(config, CellConfig, settings or [])
-    plant = RobotPlant(**{"tool": cell.robot.tool, **cell.simulator.options})
-    clamp = np.diag([cell.simulator.clamp] * 3 + [cell.simulator.clamp_turn] * 3)
     addresses = Addresses(
         cell.robot.listen, cell.robot.port, cell.robot.commands, cell.robot.signals, cell.tracker.port
     )
     mishaps = [robot_mishap(text) for text in fault or []]
-    controller = RobotController(plant, clamp=clamp, slip_force=cell.simulator.slip)
-    bench = RobotBench(controller, addresses, cell.tracker.rate, mishaps=mishaps, log=log)
+    bench = RobotBench(cell_controller(cell), addresses, cell.tracker.rate, mishaps=mishaps, log=log)
     stop = Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())

@@ -13,11 +13,13 @@ from threading import Event
 
 import numpy as np
 
+from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.plants.robot_run_kernel import write_pose
 from firmware_sim.robot_controller import RobotController
 from firmware_sim.tcp_server import TcpServer
 from firmware_sim.tracker import TrackerCamera, TrackerFaults
 from stagectl.link.priority import real_time
+from stagectl.robot.config import CellConfig
 from stagectl.wire.egm import RATE
 
 MISHAPS = ("mute", "speak", "trip", "blind", "see", "hang-up", "led-jump", "slip")
@@ -60,6 +62,18 @@ class Addresses:
     program: int = 0
     signals: int = 0
     tracker: int = 0
+
+
+def cell_controller(cell: CellConfig) -> RobotController:
+    """Return the controller of the robot that a cell's file describes; ValueError where it has no such option."""
+    simulator = cell.simulator
+    given = {"arm": cell.robot.arm, "tool": cell.robot.tool, **simulator.options}
+    try:
+        plant = RobotPlant(**given)
+    except TypeError as fault:
+        raise ValueError(f"simulator.options: {fault}") from None
+    clamp = np.diag([simulator.clamp] * 3 + [simulator.clamp_turn] * 3)
+    return RobotController(plant, clamp=clamp, slip_force=simulator.slip)
 
 
 class RobotBench:

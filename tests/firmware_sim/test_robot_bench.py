@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from firmware_sim.plants.robot import RobotPlant
-from firmware_sim.robot_bench import Addresses, RobotBench, robot_mishap
+from firmware_sim.robot_bench import Addresses, RobotBench, cell_controller, robot_mishap
 from firmware_sim.robot_controller import RobotController
 from stagectl.link.bus import LinkError
-from stagectl.robot.config import CellConfig, Robot, Tracker
+from stagectl.robot.config import CellConfig, Robot, Simulator, Tracker
 from stagectl.robot.port import RobotPort
 from stagectl.robot.program import RobotProgram, TorqueSignals
 from stagectl.robot.tracker import TrackerLine
@@ -130,3 +130,12 @@ def test_mishaps_are_read_and_refused_by_name() -> None:
     for wrong in ("dance@1", "trip", "trip@-1", "trip@nan"):
         with pytest.raises(ValueError, match="must be NAME@SECONDS"):
             robot_mishap(wrong)
+
+
+def test_the_cells_file_says_which_robot_it_is() -> None:
+    made = cell_controller(CellConfig(robot=Robot(arm="kuka", tool=0.25), simulator=Simulator(options={"seed": 7})))
+    assert (made.plant.arm, made.plant.tool, made.plant.seed) == ("kuka", 0.25, 7)
+    with pytest.raises(ValueError, match=r"simulator.options: .*unexpected keyword argument 'wheels'"):
+        cell_controller(CellConfig(simulator=Simulator(options={"wheels": 4})))
+    with pytest.raises(ValueError, match="the plant runs at 500 samples/s, must be 250"):
+        cell_controller(CellConfig(simulator=Simulator(options={"rate": 500.0})))
