@@ -69,7 +69,7 @@ def test_the_irb140_stands_where_its_makers_say() -> None:
 @pytest.mark.parametrize("direction", range(3))
 def test_a_force_moves_the_tool_by_compliance_times_force(arm: str, direction: int) -> None:
     """Within 1 %: the joints' springs and what is soft across them, by a Jacobian of this file's own."""
-    plant = RobotPlant(arm=arm, seed=4, backlash=0.0, noise=0.0)
+    plant = RobotPlant(arm=arm, seed=4, backlash=0.0, noise=0.0, orthogonal=5.0)
     plant.brake(True)
     size = 20.0 if arm == "irb140" else 400.0
     before = held(plant, np.zeros(6))
