@@ -42,7 +42,8 @@ ARRAY = (
     "audio.loopback_output=5",
     "audio.loopback_input=5",
 )
-LAWS = {"kalman": (), "thesis": ("learning.law=thesis",)}
+LAWS = {"kalman": (), "stretch": ("adaptation.stretch=true",), "thesis": ("learning.law=thesis",)}
+"""`stretch` is kalman with that part of it on."""
 THE_THESIS = "thesis, its stepped sine"
 """The thesis' law after the thesis' own half hour of characterisation; on the default plant only."""
 

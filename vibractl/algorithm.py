@@ -14,6 +14,7 @@ from vibractl.line_filter import LineFilter
 from vibractl.reidentify import LEAST, Reidentification, probe
 from vibractl.rollback import Rollback
 from vibractl.shot import Shot
+from vibractl.stretch import Stretch
 from vibractl.transfer_matrix import contraction, norm
 from vibractl.warm_start import Check, KnownDrive
 from vibractl.watch import Trouble, Watch
@@ -91,6 +92,8 @@ class Algorithm:
         self._filter = LineFilter(law.matrix.response, law.matrix.variance, parts.walk, parts.doubt, self._neighbours)
         self._inverse = law.inverse
         self._rollback = Rollback() if parts.rollback else None
+        follows = parts.stretch and parts.model and self._neighbours > 0
+        self._stretch = Stretch(law.matrix.frequency, law.matrix.response) if follows else None
         self._watch = Watch(law, self._watching, self._limit) if self._watching.on else None
         self._running: Reidentification | None = None
         self._checking = Check(self._known, law.reference, self._limit) if self._known else None
@@ -175,6 +178,9 @@ class Algorithm:
         expected = float(np.linalg.norm(self.error_bound[learned]))
         self._choose_gain(shot, error)
         self.lines = update(shot.drive, self._inverse, error, self.gain)
+        if self._stretch is not None:
+            coming = self._stretch.coming() @ shot.drive[..., None]
+            self.lines = self.lines - (self._open > 0)[:, None] * (self._inverse @ coming)[..., 0]
         back = self._rollback and self._rollback.judged(self.number, shot.drive, error[learned], expected)
         if back:
             self.lines = back.lines
@@ -241,7 +247,13 @@ class Algorithm:
         moved = (self._parts.drift * np.abs(self.explained(shot.drive))) ** 2
         spilt = (self._parts.spill * np.abs(self.explained(step))) ** 2
         noise = self._disturbance.power(shot.noise + before.noise, power, share)
-        self._filter.observe(step, change, noise + smoothed(moved + spilt, self._reach))
+        noise = noise + smoothed(moved + spilt, self._reach)
+        if self._stretch is not None:
+            surprise = change - self.explained(step)
+            shift = self._stretch.observe(before.drive, surprise, noise + self._filter.spread(step))
+            self._filter.shift(shift)
+            change = change - (shift @ before.drive[..., None])[..., 0]
+        self._filter.observe(step, change, noise)
         self._inverse = bounded_inverse(self.response, self.law.settings)
 
     def _distortion(self, shot: Shot) -> np.ndarray:

@@ -61,6 +61,15 @@ class LineFilter:
         pull = np.einsum("lwi,lwo,lwo->loi", steps.conj(), weight, surprise)
         self.response = self.response + (self.covariance @ pull[..., None])[..., 0]
 
+    def shift(self, change: np.ndarray) -> None:
+        """Let G be another one by `change`, (lines, outputs, inputs), m/s^2 per V, and as certain as before."""
+        self.response = self.response + change
+
+    def spread(self, step: np.ndarray) -> np.ndarray:
+        """Return E |dU^T (g_hat - g)|^2, (lines, outputs), (m/s^2 s)^2, of a step dU (lines, inputs), V s."""
+        power: np.ndarray = np.einsum("li,loij,lj->lo", step, self.covariance, step.conj()).real
+        return power
+
     @property
     def variance(self) -> np.ndarray:
         """E |G_hat - G|^2 of each element, shape (lines, outputs, inputs), (m/s^2 per V)^2."""
