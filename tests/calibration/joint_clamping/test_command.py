@@ -13,11 +13,12 @@ from calibration.joint_clamping.measurement import ClampAborted, measure
 from calibration.joint_clamping.report import HEAD, rows
 from calibration.joint_clamping.results import WAYS, of_map
 from calibration.joint_clamping.torque_map import TorqueMap
+from rigkit.config import load
 from rigkit.model_file import ModelFileError
 from rigkit.stop import Stopped
 from tests.calibration.joint_clamping.clamped_arm import RATE, ClampedArm, random_joints, to_and_fro
 
-QUICK = ("clamping.cycles=2", f"clamping.speed=[{', '.join(['0.1'] * 6)}]", "clamping.settle=0.04")
+QUICK = ("clamping.cycles=2", f"clamping.speed=[{', '.join(['0.05'] * 6)}]", "clamping.settle=0.04")
 
 
 def call(monkeypatch: pytest.MonkeyPatch, folder: Path, *arguments: str) -> int:
@@ -58,18 +59,22 @@ def test_a_dry_run_prints_every_motion_and_makes_none(
 def test_the_simulated_arm_is_measured_from_the_command_line_and_not_twice(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Seed 1, joint 3: play of a fiftieth of the span."""
     options = [part for text in QUICK for part in ("--set", text)]
-    command = ("--joints", "1", "--out", "joints.h5", *options)
-    assert call(monkeypatch, tmp_path, *command, "--json", "figures.json") == 0
-    ways = json.loads((tmp_path / "figures.json").read_text())["joint_1"]
-    raw, flange, link = (ways[way]["k_plus"] for way in WAYS)
+    files = ("--out", "joints.h5", "--json", "figures.json")
+    assert call(monkeypatch, tmp_path, "--joints", "3", *files, *options) == 0
+    found = json.loads((tmp_path / "figures.json").read_text())["joint_3"]
+    raw, flange, link = (found[way]["k_plus"] for way in WAYS)
     assert raw < flange < link
-    assert link == pytest.approx(52_591.9, rel=0.03)  # of seed 1
-    recorded = tmp_path / "joints.raw" / "joint-1.wav"
-    before = recorded.stat().st_mtime_ns
-    assert call(monkeypatch, tmp_path, *command) == 0
-    assert recorded.stat().st_mtime_ns == before
-    assert call(monkeypatch, tmp_path, *command, "--set", "clamping.cycles=3") == 2
+    assert link == pytest.approx(52_478.3, rel=0.03)
+    assert found[WAYS[-1]]["has_backlash"]
+    assert found[WAYS[-1]]["backlash"] == pytest.approx(0.0862e-3, abs=0.02e-3)
+    before = (tmp_path / "joints.raw" / "joint-3.wav").stat().st_mtime_ns
+    config = load(None, JointsConfig, QUICK)
+    measure(config, (2,), tmp_path / "joints.raw", lambda _: None, lambda: True)
+    assert (tmp_path / "joints.raw" / "joint-3.wav").stat().st_mtime_ns == before
+    with pytest.raises(ValueError, match="was recorded with another configuration"):
+        measure(JointsConfig(), (2,), tmp_path / "joints.raw", lambda _: None, lambda: True)
 
 
 def test_an_abort_says_why_and_a_stop_where_it_stands(tmp_path: Path) -> None:
