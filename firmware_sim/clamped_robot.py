@@ -35,7 +35,7 @@ class ClampedRobot(RobotOptions, Block):
     Others: those of `RobotOptions`.
     """
 
-    softness: float = option(0.5, "1", 0.01, 0.99)
+    softness: float = option(0.85, "1", 0.01, 0.99)
     yielding: float = option(1.0, "1", 0.0, 1e4)
     slip_force: float = option(1e9, "N", 1.0, 1e9)
 

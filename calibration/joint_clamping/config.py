@@ -33,7 +33,7 @@ class Clamping(Section):
 
     pose: PerJoint = setting((20.0, 30.0, -30.0, 40.0, 50.0, 20.0), "deg", "where the tool is clamped")
     leave: PerJoint = setting((0.0, 0.0, 0.0, 0.0, 30.0, 0.0), "deg", "where the arm goes afterwards")
-    softness: PerJoint = setting((0.5,) * 6, "1", "part of the position gain that soft servo takes away")
+    softness: PerJoint = setting((0.85,) * 6, "1", "part of the position gain that soft servo takes away")
     speed: PerJoint = setting((20e-3,) * 6, "rad/s", "of references while clamped")
     approach: float = setting(0.2, "rad/s", "of the fastest joint on the way to the clamp and back", gt=0, le=1)
     torque: PerJoint = setting((200.0, 300.0, 160.0, 40.0, 36.0, 20.0), "N m", "beyond which the procedure aborts")

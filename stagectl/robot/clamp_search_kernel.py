@@ -142,7 +142,7 @@ def _search(torque, state, memory, limits, times):  # type: ignore[no-untyped-de
         memory[FROM, joint] = memory[REFERENCE, joint] - sign * memory[SEARCH_STEP, joint]
         state[QUIET] = 0
     state[COUNT], state[PART] = 0, (joint + 1) % joints
-    if state[QUIET] == joints:
+    if state[QUIET] == 2 * joints:  # a step is made at the next look: all again after the last of them
         memory[NEUTRAL, :] = memory[REFERENCE, :]
         _next(state)
     elif state[PART] == 0:
