@@ -46,17 +46,21 @@ def worst(mark: Marks) -> float:
     return float(mark.worst_line_db.max())
 
 
-def test_it_is_caught_within_four_shots_and_two_more_restore_convergence(model: TransferMatrix) -> None:
-    marks, decisions = watched(model, 24, *MOVES)
+def test_it_is_caught_within_four_shots_and_two_more_a_band_restore_convergence(model: TransferMatrix) -> None:
+    """The mode leaves one band and enters the next: both are reidentified, one after the other."""
+    marks, decisions = watched(model, 28, *MOVES)
     kinds = [event for _, event, _ in decisions]
-    assert kinds == ["divergence", "reidentify", "reidentified"], decisions
-    (found, _, _), _, (finished, _, gained) = decisions
-    assert ONSET <= found <= ONSET + 4
-    assert finished == found + 2
-    assert gained["contraction_after"] < 0.8 < 1.0 < gained["contraction_before"]
-    before = worst(marks[found])
-    for number in (found + 1, found + 2):  # the chirps add next to nothing to what the mode did
-        assert worst(marks[number]) < before + 1.0
+    bands = len(kinds) // 3
+    assert 1 <= bands <= 2
+    assert kinds == bands * ["divergence", "reidentify", "reidentified"], decisions
+    assert ONSET <= decisions[0][0] <= ONSET + 4
+    for band in range(bands):
+        (found, _, _), _, (finished, _, gained) = decisions[3 * band : 3 * band + 3]
+        assert finished == found + 2
+        assert gained["contraction_after"] < 0.8 < 1.0 < gained["contraction_before"]
+        before = worst(marks[found])
+        for number in (found + 1, found + 2):  # the chirps add next to nothing to what the mode did
+            assert worst(marks[number]) < before + 1.0
     assert worst(marks[-1]) < -6.0
 
 
