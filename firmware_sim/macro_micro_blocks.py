@@ -1,11 +1,12 @@
 """The simulated macro and micro manipulator as a block; the plant itself knows neither blocks nor ports."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from ctlblocks.block import Block, Port
 from firmware_sim.plants.macro_micro import MacroMicroOptions, MacroMicroPlant
+from firmware_sim.plants.options import chosen
 
 
 @dataclass(eq=False, kw_only=True)
@@ -31,8 +32,7 @@ class MacroMicro(MacroMicroOptions, Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Build it anew, at rest."""
-        options = {each.name: getattr(self, each.name) for each in fields(MacroMicroOptions)}
-        self._plant = MacroMicroPlant(rate, **options)
+        self._plant = MacroMicroPlant(rate, **chosen(self, MacroMicroOptions))
 
     def process(
         self,

@@ -1,15 +1,15 @@
 """The simulated plants as blocks; the plants themselves know neither blocks nor ports."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ctlblocks.block import Block, Port
 from ctlblocks.recording import read
 from firmware_sim.plants.impulse_response import ImpulseResponsePlant
+from firmware_sim.plants.options import chosen
 from firmware_sim.plants.vibrator import LumpedVibratorPlant, VibratorPlant
 from firmware_sim.plants.vibrator_array import ArrayOptions, VibratorArrayPlant
 from firmware_sim.plants.vibrator_options import VibratorOptions
@@ -31,7 +31,7 @@ class Vibrator(VibratorOptions, Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Build it anew, at rest."""
-        self._plant = VibratorPlant(rate, **_chosen(self, VibratorOptions))
+        self._plant = VibratorPlant(rate, **chosen(self, VibratorOptions))
 
     def process(self, drive: np.ndarray, response: np.ndarray) -> None:
         """Run it over one frame."""
@@ -54,7 +54,7 @@ class VibratorArray(ArrayOptions, Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Build it anew, at rest."""
-        self._plant = VibratorArrayPlant(rate, **_chosen(self, ArrayOptions))
+        self._plant = VibratorArrayPlant(rate, **chosen(self, ArrayOptions))
 
     def process(self, drive: np.ndarray, response: np.ndarray, far_field: np.ndarray) -> None:
         """Run it over one frame."""
@@ -148,7 +148,7 @@ class VibratorImpulseResponse(VibratorOptions, Block):
     def prepare(self, rate: float, frames: int) -> None:
         """Build the shells anew, at rest, and forget how they moved."""
         self._path.prepare(rate, frames)
-        self._vibrator = LumpedVibratorPlant(rate, **_chosen(self, VibratorOptions))
+        self._vibrator = LumpedVibratorPlant(rate, **chosen(self, VibratorOptions))
         self._shells = np.zeros((frames, 2))
 
     def process(self, drive: np.ndarray, response: np.ndarray) -> None:
@@ -157,11 +157,6 @@ class VibratorImpulseResponse(VibratorOptions, Block):
         self._vibrator.accelerate(drive, shells)
         self._path.process(shells, response)
         self._vibrator.pick_up(response)
-
-
-def _chosen(block: object, options: type[VibratorOptions]) -> dict[str, Any]:
-    """Return the options that a block was built with."""
-    return {each.name: getattr(block, each.name) for each in fields(options)}
 
 
 def _read(files: Sequence[str | Path]) -> tuple[float, np.ndarray]:

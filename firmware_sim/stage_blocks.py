@@ -1,11 +1,12 @@
 """The simulated piezo stage and what disturbs it as blocks; they themselves know neither blocks nor ports."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from ctlblocks.block import Block, Port
 from firmware_sim.plants.milling_disturbance import MillingDisturbance, MillingOptions
+from firmware_sim.plants.options import chosen
 from firmware_sim.plants.piezo_stage import PiezoStagePlant
 from firmware_sim.plants.piezo_stage_options import PiezoStageOptions
 
@@ -27,8 +28,7 @@ class PiezoStage(PiezoStageOptions, Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Build it anew, at rest."""
-        options = {each.name: getattr(self, each.name) for each in fields(PiezoStageOptions)}
-        self._plant = PiezoStagePlant(rate, **options)
+        self._plant = PiezoStagePlant(rate, **chosen(self, PiezoStageOptions))
 
     def process(
         self,
@@ -56,8 +56,7 @@ class Milling(MillingOptions, Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Draw the cut."""
-        options = {each.name: getattr(self, each.name) for each in fields(MillingOptions)}
-        self._cut = MillingDisturbance(rate, **options)
+        self._cut = MillingDisturbance(rate, **chosen(self, MillingOptions))
 
     def process(self, force: np.ndarray, base: np.ndarray) -> None:
         """Go on for one frame."""

@@ -33,6 +33,11 @@ def choice(*allowed: str) -> Any:
     return field(default=allowed[0], metadata={"allowed": allowed})
 
 
+def chosen(holder: object, options: type[Any]) -> dict[str, Any]:
+    """Return the options of a dataclass as its holder has them, by name: keywords to build a plant with."""
+    return {each.name: getattr(holder, each.name) for each in fields(options)}
+
+
 def refuse_wrong_options(options: Any) -> None:
     """Check every field that `option` or `choice` declared.
 
