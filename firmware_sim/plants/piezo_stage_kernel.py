@@ -3,6 +3,7 @@
 import numpy as np
 from numba import njit
 
+from firmware_sim.plants.noise_kernel import NOISE_SCALE, four_uniforms
 from firmware_sim.plants.piezo_stage_actuator import CONSTANTS, CREEP_TIMES, PLAYS, VOLTAGE
 
 # Rows of `actuators`: piezo_stage_actuator.py.  Rows of `stacks` (3, 1 + PLAYS + creep): the amplifier's output, the
@@ -14,8 +15,6 @@ from firmware_sim.plants.piezo_stage_actuator import CONSTANTS, CREEP_TIMES, PLA
 CREEPS = len(CREEP_TIMES)
 CONVERTER_STEPS = 65_536
 FAST = {"reassoc", "contract", "nsz"}
-NOISE_MEAN, NOISE_SCALE = 2.0 * 65_535, np.sqrt(12.0 / 4) / 65_536
-"""Of four uniform 16-bit numbers added: nearly normal, never beyond 3.5 deviations."""
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
@@ -122,15 +121,7 @@ def _observe(motion: np.ndarray, table: np.ndarray, at: int, line: np.ndarray) -
 @njit(cache=True, nogil=True, fastmath=FAST)
 def _read(sensor: int, value: float, sensors: np.ndarray, random: np.ndarray) -> float:
     """Return what a sensor makes of a value, m: with noise, within its range, on its converter's grid."""
-    word = random[0]
-    word ^= word >> np.uint64(12)
-    word ^= word << np.uint64(25)
-    word ^= word >> np.uint64(27)
-    random[0] = word
-    word *= np.uint64(0x2545F4914F6CDD1D)  # xorshift64* [Vigna, ACM Trans. Math. Softw. 42 (2016) 30]
-    low = np.uint64(0xFFFF)
-    total = (word & low) + (word >> np.uint64(16) & low) + (word >> np.uint64(32) & low) + (word >> np.uint64(48))
-    noisy = value + sensors[sensor, 0] * NOISE_SCALE * (np.float64(total) - NOISE_MEAN)
+    noisy = value + sensors[sensor, 0] * NOISE_SCALE * four_uniforms(random)
     return float(
         sensors[sensor, 1] * np.rint(min(max(noisy, sensors[sensor, 2]), sensors[sensor, 3]) / sensors[sensor, 1])
     )

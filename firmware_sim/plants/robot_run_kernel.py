@@ -3,12 +3,10 @@
 import numpy as np
 from numba import njit
 
+from firmware_sim.plants.noise_kernel import NOISE_SCALE, four_uniforms
 from firmware_sim.plants.robot_geometry_kernel import place
 from firmware_sim.plants.robot_joint_kernel import LINK, MOTOR
 from firmware_sim.plants.robot_kernel import PHASE, REFRESH, Parts, advance, refresh
-
-NOISE_MEAN, NOISE_SCALE = 2.0 * 65_535, np.sqrt(12.0 / 4) / 65_536
-"""Of four uniform 16-bit numbers added: nearly normal, never beyond 3.5 deviations."""
 
 
 @njit(cache=True, nogil=True)
@@ -81,12 +79,4 @@ def write_pose(frame: np.ndarray, pose: np.ndarray) -> None:
 @njit(cache=True, nogil=True)
 def gauss(random: np.ndarray) -> float:
     """Return the next of nearly normal numbers of unit variance; `random` (1,) is their state."""
-    word = random[0]
-    word ^= word >> np.uint64(12)
-    word ^= word << np.uint64(25)
-    word ^= word >> np.uint64(27)
-    random[0] = word
-    word *= np.uint64(0x2545F4914F6CDD1D)  # xorshift64* [Vigna, ACM Trans. Math. Softw. 42 (2016) 30]
-    low = np.uint64(0xFFFF)
-    total = (word & low) + (word >> np.uint64(16) & low) + (word >> np.uint64(32) & low) + (word >> np.uint64(48))
-    return float(NOISE_SCALE * (np.float64(total) - NOISE_MEAN))
+    return float(NOISE_SCALE * four_uniforms(random))
