@@ -1,15 +1,11 @@
 """What the host makes of all that comes and goes: the state of the link, and the fault that latches."""
 
-from collections.abc import Callable, Mapping
-from typing import Any
-
 from stagectl.link.config import Link
 from stagectl.link.inbox import Inbox
 from stagectl.link.outbox import Outbox
+from stagectl.link.tell import Tell
 from stagectl.wire.layout import WireError
 from stagectl.wire.messages import PERIOD, Fault, HostState, State
-
-Tell = Callable[[str, Mapping[str, Any]], object]
 
 
 class Conversation:

@@ -11,9 +11,10 @@ import numpy as np
 from stagectl.link.bus import LinkError
 from stagectl.link.carrier import Carrier
 from stagectl.link.config import Link
-from stagectl.link.conversation import Conversation, Tell
+from stagectl.link.conversation import Conversation
 from stagectl.link.inbox import Counts, Status
 from stagectl.link.ring import Ring
+from stagectl.link.tell import Tell, nobody
 from stagectl.wire.messages import BLOCK, RATE, Command, Fault, HostState, Result, State
 
 _AGAIN = 0.2
@@ -22,10 +23,6 @@ _AGAIN = 0.2
 
 class LinkFault(LinkError):
     """The link has latched: a person must find out why, and acknowledge."""
-
-
-def _nobody(*_: object) -> None:
-    """Tell nobody."""
 
 
 class StageLink:
@@ -49,7 +46,7 @@ class StageLink:
     LinkError : on entry, when the bus cannot be opened or the stage is not heard.
     """
 
-    def __init__(self, link: Link, tell: Tell = _nobody, now: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, link: Link, tell: Tell = nobody, now: Callable[[], float] = time.monotonic) -> None:
         self.link = link
         self._tell, self._now = tell, now
         self._conversation = Conversation(link, tell, now())

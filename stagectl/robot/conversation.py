@@ -1,12 +1,11 @@
 """What is made of all that the robot says, and what it is answered: the port's state, and the fault that latches."""
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any
 
 import numpy as np
 
+from stagectl.link.tell import Tell
 from stagectl.robot.config import Robot
 from stagectl.robot.guard import CommandGuard
 from stagectl.robot.lag import Lag
@@ -16,8 +15,6 @@ from stagectl.wire.sequence import Sequence
 
 _JITTER = 0.5
 """Cycles by which a report may come after its time."""
-
-Tell = Callable[[str, Mapping[str, Any]], object]
 
 
 class PortState(Enum):

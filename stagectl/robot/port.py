@@ -10,19 +10,16 @@ import numpy as np
 
 from stagectl.link.bus import LinkError
 from stagectl.link.robot_datagrams import Datagrams
+from stagectl.link.tell import Tell, nobody
 from stagectl.robot.arm import Arm, irb140, read_arm
 from stagectl.robot.config import CellConfig
-from stagectl.robot.conversation import PortState, ReportCounts, RobotConversation, Tell
+from stagectl.robot.conversation import PortState, ReportCounts, RobotConversation
 from stagectl.robot.guard import CommandGuard
 from stagectl.wire.egm import RATE, Motion, Report
 
 
 class RobotFault(LinkError):
     """The port has latched: a person must find out why, and acknowledge."""
-
-
-def _nobody(*_: object) -> None:
-    """Tell nobody."""
 
 
 def arm_of(config: CellConfig) -> Arm:
@@ -53,7 +50,7 @@ class RobotPort:
     LinkError : on entry, when the socket cannot be had or the robot is not heard.
     """
 
-    def __init__(self, config: CellConfig, tell: Tell = _nobody, now: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, config: CellConfig, tell: Tell = nobody, now: Callable[[], float] = time.monotonic) -> None:
         self.config, self.robot = config, config.robot
         self._tell, self._now = tell, now
         guard = CommandGuard(arm_of(config), config.limits, config.robot.mode, config.robot.tool)
