@@ -16,6 +16,7 @@ from calibration import subspace
 from calibration.fit_measures import vaf
 from firmware_sim.plants.vibrator import VibratorPlant
 from stagectl.models import InnovationModel
+from vibractl.law import reference_level
 
 STEP = 40
 RATE = 44_100 / STEP
@@ -124,8 +125,7 @@ def learned(seed: int, model: InnovationModel) -> tuple[np.ndarray, np.ndarray]:
     """Learn by (6.8) with Q1 = 1 and Q2 a zero-phase band pass; return levels and IAEs as in `Outcome`."""
     wanted, plant = reference(), VibratorPlant(STEP * RATE, seed=seed)
     frequency, lines = np.fft.rfftfreq(len(wanted), 1 / RATE), np.abs(np.fft.rfft(wanted))
-    own = lines > 0.5 * lines.max()
-    typical = np.sqrt((lines[own] ** 2).mean())
+    typical = float(reference_level(lines[:, None])[0])
     judged = (frequency > JUDGED[0]) & (frequency < JUDGED[1])
     band_pass = GAIN * firwin(401, LEARNED, fs=RATE, pass_zero=False)
     drive, level, error = np.zeros(len(wanted)), list[float](), list[float]()

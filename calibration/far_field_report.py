@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from rigkit.figure_style import COLOURS
 from rigkit.report import Plot, Section, Table
 from vibractl.far_field import FarField
+from vibractl.quality import decibels
 
 HEAD = (
     "hydrophone",
@@ -80,9 +81,9 @@ def _drawn(far: FarField) -> Figure:
         doubt = np.degrees(np.minimum(band / size, np.pi))
         shade = {"color": colour, "alpha": 0.3, "linewidth": 0}
         level.fill_between(
-            matrix.frequency, _decibels(np.maximum(size - band, size / 10)), _decibels(size + band), **shade
+            matrix.frequency, decibels(np.maximum(size - band, size / 10)), decibels(size + band), **shade
         )
-        level.plot(matrix.frequency, _decibels(size), color=colour, linewidth=0.9, label=f"accelerometer {sensor + 1}")
+        level.plot(matrix.frequency, decibels(size), color=colour, linewidth=0.9, label=f"accelerometer {sensor + 1}")
         phase.fill_between(matrix.frequency, angle - doubt, angle + doubt, **shade)
         phase.plot(matrix.frequency, angle, ".", color=colour, markersize=1.2)
     for hydrophone, delay in enumerate(far.delay):
@@ -93,8 +94,3 @@ def _drawn(far: FarField) -> Figure:
     axes[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=matrix.inputs)
     axes[-1].set_xlabel("Hz")
     return figure
-
-
-def _decibels(size: np.ndarray) -> np.ndarray:
-    level: np.ndarray = 20 * np.log10(np.maximum(size, 1e-12))
-    return level

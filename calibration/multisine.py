@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calibration.fade import rise
+
 FADE = 0.1
 """s, raised-cosine ends of a record; the first is part of the run-in."""
 CREST_ROUNDS = 60
@@ -83,9 +85,9 @@ class Record:
         period = self.design.one_period(self.number)
         drive: np.ndarray = period[(np.arange(self.samples) - self.design.run_in) % self.design.period]
         fade = round(FADE * self.design.rate)
-        rise = (0.5 - 0.5 * np.cos(np.pi * (np.arange(fade) + 0.5) / fade))[:, None]
-        drive[:fade] *= rise
-        drive[len(drive) - fade :] *= rise[::-1]
+        up = rise(fade)[:, None]
+        drive[:fade] *= up
+        drive[len(drive) - fade :] *= up[::-1]
         return drive
 
 

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calibration.fade import rise
+
 REST = 0.4
 """s more to settle at the start of a batch and at a change of side, where amplitudes and not only frequencies move."""
 FADE = 0.1
@@ -83,7 +85,7 @@ class Tones:
         probe = self.probe * np.sin(self._phase(self.frequency))
         preload = self.preload * np.sin(self._phase(self.preload_frequency))
         drive: np.ndarray = preload[:, None] + probe[:, None] * self._turns()
-        fade = _rise(int(self._samples(FADE)))[:, None]
+        fade = rise(int(self._samples(FADE)))[:, None]
         drive[: len(fade)] *= fade
         drive[len(drive) - len(fade) :] *= fade[::-1]
         return drive
@@ -95,8 +97,8 @@ class Tones:
         running = np.repeat(frequency[slots], np.diff(ends, prepend=0))
         running = np.append(running, np.full(self.samples - ends[-1], running[-1]))
         for end, start, last, following in zip(ends, starts[1:], slots, slots[1:], strict=False):
-            rise = _rise(int(min(self._samples(GLIDE), (start - end) // 2)))
-            running[end : end + len(rise)] = frequency[last] + (frequency[following] - frequency[last]) * rise
+            glide = rise(int(min(self._samples(GLIDE), (start - end) // 2)))
+            running[end : end + len(glide)] = frequency[last] + (frequency[following] - frequency[last]) * glide
         phase: np.ndarray = 2 * np.pi / self.rate * np.cumsum(running)
         return phase
 
@@ -104,7 +106,7 @@ class Tones:
         """Return how much of the probe each side carries at each sample, shape (samples, sides), 0 to 1."""
         turns = np.zeros((self.samples, self.sides))
         changes = np.concatenate([[0], self.starts[:-1, -1] + self.window, [self.samples]])
-        swap = _rise(int(self._samples(FADE)))
+        swap = rise(int(self._samples(FADE)))
         for side in range(self.sides):
             turns[changes[side] : changes[side + 1], side] = 1.0
         for side, change in enumerate(changes[1:-1]):
@@ -115,8 +117,3 @@ class Tones:
     def _samples(self, seconds: np.ndarray | float) -> np.ndarray:
         samples: np.ndarray = np.round(np.asarray(seconds) * self.rate / self.step).astype(int) * self.step
         return samples
-
-
-def _rise(samples: int) -> np.ndarray:
-    rise: np.ndarray = 0.5 - 0.5 * np.cos(np.pi * (np.arange(samples) + 0.5) / samples)
-    return rise

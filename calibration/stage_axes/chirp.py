@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calibration.fade import rise
+
 FADE = 0.5
 """s, raised-cosine ends of a chirp."""
 
@@ -45,7 +47,7 @@ class Chirp:
         turns = self.start * time + (self.stop - self.start) * time**2 / (2 * self.seconds)
         chirp = self.amplitude * np.sin(2 * np.pi * turns)
         fade = min(round(FADE * self.rate), len(chirp) // 4)
-        rise = 0.5 - 0.5 * np.cos(np.pi * (np.arange(fade) + 0.5) / fade)
-        chirp[:fade] *= rise
-        chirp[len(chirp) - fade :] *= rise[::-1]
+        up = rise(fade)
+        chirp[:fade] *= up
+        chirp[len(chirp) - fade :] *= up[::-1]
         return np.concatenate([np.zeros(self.rest), chirp])[:, np.newaxis]
