@@ -6,6 +6,7 @@ from typing import Protocol, Self
 
 import numpy as np
 
+from rigkit.latch import to_clear
 from rigkit.stop import Stopped
 from vibractl.audio_engine import Engine
 from vibractl.audio_memory import Memory, Word
@@ -152,8 +153,7 @@ class Line:
         ValueError : nobody is named, or the guard is not latched.
         """
         words = self._memory.words
-        if not by.strip() or not words[Word.LATCHED]:
-            raise ValueError(f"the guard is cleared by {by!r}, must be a person's name, and after a violation")
+        to_clear("the guard", words[Word.LATCHED], by)
         self._memory.text = by
         words[Word.CLEAR] += 1
         self._wait(Word.CLEARED, Word.CLEAR)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ctlblocks.block import Block, Port
+from rigkit.latch import to_clear
 from vibractl import guard_kernel as kernel
 from vibractl.config import Limits
 
@@ -110,13 +111,8 @@ class Guard(Block):
         ------
         ValueError : nobody is named, nothing is latched, or the fade is not over.
         """
-        violation = self.violation
-        if not by.strip():
-            raise ValueError("a latched guard is cleared by a person: by is empty, must name one")
-        if violation is None:
-            raise ValueError(f"the guard is not latched, {by} has nothing to clear")
-        if self._state[kernel.PHASE] == kernel.FADING:
-            raise ValueError(f"the guard still fades to zero, {by} must clear it after that")
+        still = "fades to zero" if self._state[kernel.PHASE] == kernel.FADING else ""
+        violation = to_clear("the guard", self.violation, by, still)
         self._state[[kernel.PHASE, kernel.OPENING, kernel.POSITION]] = kernel.WORKING, 0, 0
         return violation
 

@@ -1,42 +1,77 @@
-"""The clock of a graph behind the link: the stage's own crystal, a tick for each block that comes."""
+"""The clock of a graph behind a wire: the other end's own crystal, a tick for each block or report that comes."""
 
 from collections.abc import Callable
+from typing import Protocol
 
 from ctlblocks.graph import Graph
 from stagectl.link.bus import LinkError
 from stagectl.link.priority import real_time
-from stagectl.link.stage_link import StageLink
 
 
-def run_linked(graph: Graph, link: StageLink, ticks: int, stopped: Callable[[], bool] = lambda: False) -> int:
-    """Tick a prepared graph once for each block from the stage, `ticks` times or until `stopped`; return the ticks run.
+class Pacemaker(Protocol):
+    """What the other end sends in time: the stage's blocks of samples, the robot's reports."""
 
-    Two blocks that come at once make two ticks without a pause; none is left out.
+    @property
+    def beat(self) -> str:
+        """What comes, in words."""
+
+    @property
+    def rate(self) -> float:
+        """Samples/s of the wire."""
+
+    @property
+    def frames(self) -> int:
+        """Samples that come at once."""
+
+    @property
+    def patience(self) -> float:
+        """Longest time without a beat, s."""
+
+    def skip(self) -> int:
+        """Pass over what waits; return how many samples have come in all."""
+
+    def wait(self, samples: int, seconds: float) -> bool:
+        """Return True as soon as so many samples have come in all, False on a fault or after `seconds`."""
+
+    def refuse_when_latched(self) -> None:
+        """Raise while a fault is latched."""
+
+    def flush(self) -> None:
+        """Have what waits to be sent sent now."""
+
+
+def run_linked(graph: Graph, link: Pacemaker, ticks: int, stopped: Callable[[], bool] = lambda: False) -> int:
+    """Tick a prepared graph once for each beat of the link, `ticks` times or until `stopped`; return the ticks run.
+
+    Two beats that come at once make two ticks without a pause; none is left out.
 
     Parameters
     ----------
     graph : Graph, of the link's rate and frames
-    link : StageLink, open
+    link : StageLink or RobotPort, open
     ticks : int
     stopped : callable() -> bool
 
     Raises
     ------
-    ValueError : the graph's frames are not the link's.
-    LinkFault : a fault has latched.
-    LinkError : no block has come for `link.patience`.
+    ValueError : the graph's frames or its rate are not the link's.
+    LinkFault, RobotFault : a fault has latched.
+    LinkError : no beat has come for `link.patience`.
     """
-    if graph.frames != link.frames:
-        raise ValueError(f"the graph ticks by {graph.frames} frames, must be {link.frames} as on the wire")
+    if (graph.frames, graph.rate) != (link.frames, link.rate):
+        raise ValueError(
+            f"the graph ticks by {graph.frames} frames at {graph.rate:g} samples/s, must be {link.frames} at "
+            f"{link.rate:g} as on the wire"
+        )
     with real_time():
         samples = link.skip()
         for done in range(ticks):
             if stopped():
                 return done
             samples += link.frames
-            if not link.wait(samples, link.link.patience):
+            if not link.wait(samples, link.patience):
                 link.refuse_when_latched()
-                raise LinkError(f"no block from the stage within {link.link.patience:g} s")
+                raise LinkError(f"no {link.beat} within {link.patience:g} s")
             graph.tick()
             link.flush()
     return ticks

@@ -8,6 +8,7 @@ from typing import Self
 
 import numpy as np
 
+from rigkit.latch import to_clear
 from stagectl.link.bus import LinkError
 from stagectl.link.carrier import Carrier
 from stagectl.link.config import Link
@@ -78,6 +79,16 @@ class StageLink:
     def frames(self) -> int:
         """Samples of a block."""
         return BLOCK if self.link.form == "fd" else 1
+
+    @property
+    def beat(self) -> str:
+        """What the stage sends in time."""
+        return "block from the stage"
+
+    @property
+    def patience(self) -> float:
+        """Longest time without a block before it is given up, s."""
+        return self.link.patience
 
     @property
     def reason(self) -> str:
@@ -160,8 +171,7 @@ class StageLink:
         LinkError : the stage is not heard yet, or still on its way to mid-travel.
         """
         reason = self.reason or (self.stage_fault.name if self.stage_fault is not Fault.NONE else "")
-        if not by.strip() or not reason:
-            raise ValueError(f"a fault is acknowledged by {by!r}, must be a person's name, and after a fault")
+        to_clear("the link to the stage", reason, by)
         heard = self._now() - self._conversation.inbox.heard
         if not (self._carrier.is_up and heard <= max(self.link.silence, _AGAIN)):
             raise LinkError(f"{by} cannot acknowledge yet: the stage on {self.link.channel} is not heard")

@@ -8,6 +8,7 @@ from typing import Self
 
 import numpy as np
 
+from rigkit.latch import to_clear
 from stagectl.link.bus import LinkError
 from stagectl.link.robot_datagrams import Datagrams
 from stagectl.link.tell import Tell, nobody
@@ -78,6 +79,26 @@ class RobotPort:
         return self._carrier.address
 
     @property
+    def beat(self) -> str:
+        """What the robot sends in time."""
+        return "report from the robot"
+
+    @property
+    def rate(self) -> float:
+        """Reports/s."""
+        return RATE
+
+    @property
+    def frames(self) -> int:
+        """Samples of a report."""
+        return 1
+
+    @property
+    def patience(self) -> float:
+        """Longest time without a report before it is given up, s."""
+        return self.robot.patience
+
+    @property
     def reason(self) -> str:
         """What has latched, or nothing."""
         return self.conversation.reason
@@ -139,9 +160,7 @@ class RobotPort:
         ValueError : nobody is named, or there is no fault.
         LinkError : the robot is silent.
         """
-        reason = self.reason
-        if not by.strip() or not reason:
-            raise ValueError(f"a fault is acknowledged by {by!r}, must be a person's name, and after a fault")
+        reason = to_clear("the robot port", self.reason, by)
         if self.conversation.report is None:
             raise LinkError(f"{by} cannot acknowledge yet: the robot is silent")
         self._carrier.ask(self.conversation.clear)
@@ -153,11 +172,15 @@ class RobotPort:
         if self.reason:
             raise RobotFault(f"{self.reason}; a person must acknowledge")
 
-    def wait(self, reports: int, seconds: float) -> bool:
+    def skip(self) -> int:
+        """Return how many reports have come in all, for `wait`."""
+        return self.counts.received
+
+    def wait(self, samples: int, seconds: float) -> bool:
         """Return True as soon as so many reports have come in all, False on a fault or after `seconds`."""
         counts = self.conversation.counts
-        self._until(lambda: counts.received >= reports or bool(self.reason), seconds)
-        return counts.received >= reports and not self.reason
+        self._until(lambda: counts.received >= samples or bool(self.reason), seconds)
+        return counts.received >= samples and not self.reason
 
     def flush(self) -> None:
         """Have the reference that waits sent now."""

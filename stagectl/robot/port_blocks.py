@@ -1,15 +1,9 @@
-"""The robot port as Blocks, and the clock that the robot's reports are."""
-
-from collections.abc import Callable
+"""The robot port as Blocks."""
 
 import numpy as np
 
 from ctlblocks.block import Block, Port
-from ctlblocks.graph import Graph
-from stagectl.link.bus import LinkError
-from stagectl.link.priority import real_time
 from stagectl.robot.port import RobotPort
-from stagectl.wire.egm import RATE
 
 
 class JointReport(Block):
@@ -117,38 +111,6 @@ class PoseCommand(Block):
         self._corrected[:] = self._nominal
         self._corrected[:3] += correction[-1]
         self._wanted.put(self._nominal, self._corrected)
-
-
-def run_with_robot(graph: Graph, port: RobotPort, ticks: int, stopped: Callable[[], bool] = lambda: False) -> int:
-    """Tick a prepared graph once for each report of the robot, `ticks` times or until `stopped`; return the ticks run.
-
-    Parameters
-    ----------
-    graph : Graph, of 250 samples/s and one frame a tick
-    port : RobotPort, open
-    ticks : int
-    stopped : callable() -> bool
-
-    Raises
-    ------
-    ValueError : the graph has another rate, or more than one frame a tick.
-    RobotFault : a fault has latched.
-    LinkError : no report has come for `robot.patience`.
-    """
-    if graph.frames != 1 or graph.rate != RATE:
-        raise ValueError(f"the graph has {graph.frames} frames at {graph.rate:g}/s, must have 1 at {RATE:g}/s")
-    with real_time():
-        reports = port.counts.received
-        for done in range(ticks):
-            if stopped():
-                return done
-            reports += 1
-            if not port.wait(reports, port.robot.patience):
-                port.refuse_when_latched()
-                raise LinkError(f"no report from the robot within {port.robot.patience:g} s")
-            graph.tick()
-            port.flush()
-    return ticks
 
 
 def _refuse_other_mode(port: RobotPort, mode: str) -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ctlblocks.block import Block, Port
+from rigkit.latch import to_clear
 from stagectl.config import Limits
 from stagectl.stage import guard_kernel as kernel
 
@@ -92,13 +93,8 @@ class VoltageGuard(Block):
         ------
         ValueError : nobody is named, nothing is latched, or the ramp to rest is not over.
         """
-        cause = self.cause
-        if not by.strip():
-            raise ValueError("a latched guard is cleared by a person: by is empty, must name one")
-        if cause is None:
-            raise ValueError(f"the guard is not latched, {by} has nothing to clear")
-        if self._state[kernel.PHASE] == kernel.FADING:
-            raise ValueError(f"the guard still goes to rest, {by} must clear it after that")
+        still = "goes to rest" if self._state[kernel.PHASE] == kernel.FADING else ""
+        cause = to_clear("the guard", self.cause, by, still)
         self._state[kernel.PHASE] = kernel.SHUT
         return cause
 

@@ -32,7 +32,7 @@ def test_a_latched_guard_stops_everything_until_a_person_clears_it(files: list[s
         with pytest.raises(ValueError, match="must be a person's name"):
             line.clear("")
         assert line.clear("Ada").limit == "rms"
-        with pytest.raises(ValueError, match="after a violation"):
+        with pytest.raises(ValueError, match="is not latched"):
             line.clear("Ada")
         for _ in range(8):
             line.emit(np.zeros((RATE, 2)))

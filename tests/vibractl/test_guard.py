@@ -192,7 +192,7 @@ def test_clearing_needs_a_name_a_violation_and_the_end_of_the_fade() -> None:
     with pytest.raises(ValueError, match="still fades to zero"):
         guard.clear("Ada")
     run(guard, np.zeros((RAMP, 1)))
-    with pytest.raises(ValueError, match="by is empty"):
+    with pytest.raises(ValueError, match="must be a person's name"):
         guard.clear(" ")
 
 

@@ -14,10 +14,11 @@ from ctlblocks.replay import Replay
 from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.robot_controller import RobotController
 from stagectl.link.bus import LinkError
+from stagectl.link.clock import run_linked
 from stagectl.robot.config import CellConfig, Robot
 from stagectl.robot.conversation import PortState
 from stagectl.robot.port import RobotFault, RobotPort
-from stagectl.robot.port_blocks import JointCommand, JointReport, PoseCommand, run_with_robot
+from stagectl.robot.port_blocks import JointCommand, JointReport, PoseCommand
 from stagectl.wire.egm import RATE
 
 PATIENT = 250
@@ -180,5 +181,5 @@ def test_a_port_that_is_taken_is_named() -> None:
 
 
 def test_a_graph_of_another_rate_is_refused() -> None:
-    with pytest.raises(ValueError, match="must have 1 at 250/s"):
-        run_with_robot(Graph(10_000.0), RobotPort(CellConfig()), 1)
+    with pytest.raises(ValueError, match="must be 1 at 250 as on the wire"):
+        run_linked(Graph(10_000.0), RobotPort(CellConfig()), 1)

@@ -98,7 +98,7 @@ def test_only_a_person_clears_a_latch_and_only_at_rest() -> None:
     with pytest.raises(ValueError, match="not latched"):
         guard.clear("anna")
     guard.trip("the host is silent")
-    with pytest.raises(ValueError, match="by is empty"):
+    with pytest.raises(ValueError, match="must be a person's name"):
         guard.clear("  ")
     sample(guard, 60.0)
     with pytest.raises(ValueError, match="still goes to rest"):
