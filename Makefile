@@ -8,6 +8,7 @@ PYTHONS = $(or $(PYTHON),python3.11 python3 python3.13 python3.12)
 BIN := .venv/bin
 STAMP := .venv/installed
 PACKAGES := ctlblocks rigkit vibractl stagectl calibration firmware_sim
+TABLES := identification learning_seeds watch_seeds prediction warm_start
 KEY = $(shell cat pyproject.toml | sha256sum | cut -c1-16) $(CURDIR)
 
 .PHONY: run test check soak bench peers setup packages docs clean help
@@ -35,8 +36,9 @@ check: setup     ## ruff, mypy, import contracts
 soak: setup packages  ## the slow tests: minutes
 	$(BIN)/pytest -q -m slow --timeout=1800
 
-bench: setup packages ## benchmarks and the comparisons with peers
+bench: setup packages ## speed beside peers, then the tables of docs/, made again on ten simulated machines each: hours
 	$(BIN)/pytest -q benchmarks --benchmark-only
+	for table in $(TABLES); do $(BIN)/python -m benchmarks.$$table --write || exit 1; done
 
 peers: setup     ## identification against other packages, which it installs: a quarter of an hour
 	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[peers]'

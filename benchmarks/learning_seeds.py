@@ -1,12 +1,11 @@
 """How fast each learning law gets there, on ten seeds of every kind of simulated vibrator.
 
-`python -m benchmarks.learning_seeds [LAW] [SEED ...]`, a minute or two a seed; prints a line a run and then the
-table of `docs/learning.md`.  Every machine is measured by the product's own calibration, then it learns `SHOTS` shots
-of the default reference, without audio; a run whose next drive would break the guard's limits ends there.
+`python -m benchmarks.learning_seeds [LAW ...] [SEED ...] [--write]`, a minute or two a seed; prints a line a run and
+then the table of `docs/learning.md`.  Every machine is measured by the product's own calibration, then it learns
+`SHOTS` shots of the default reference, without audio; a run whose next drive would break the guard's limits ends there.
 """
 
 import json
-import sys
 import tempfile
 from dataclasses import dataclass
 from functools import cache
@@ -14,15 +13,15 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.direct import Machine, met, shots
+from benchmarks.on_all_cores import over_seeds
+from benchmarks.page_table import put, table, words
 from calibration.experiment import RawFolder
 from calibration.vibrator import Calibration, calibrate
-from firmware_sim.laboratory import plant_block
 from rigkit import config as rig_file
 from tests.shared_data import DATA, MEASURED_PAIRS, measured_pair
 from vibractl.config import RigConfig
-from vibractl.guard import violation
-from vibractl.quality import Judge, holds_from
-from vibractl.setup import Setup, setup
+from vibractl.setup import setup
 from vibractl.transfer_matrix import TransferMatrix
 
 SEEDS = range(1, 11)
@@ -31,8 +30,6 @@ FEWER = 3
 SHOTS = 30
 EARLY = 5
 """The shot by which an early IAE is read."""
-LONGEST = 10.0
-"""s of drive that a plant is prepared for."""
 TREND, SHOT = 0.02, 5.6
 """Of all modal frequencies over the whole run; s, how long a shot lasts."""
 ARRAY = (
@@ -76,26 +73,6 @@ class Outcome:
     covered: float
 
 
-class Emitter:
-    """A plant that answers at once, and whose hydrophones nobody reads."""
-
-    def __init__(self, config: RigConfig) -> None:
-        self._block = plant_block(config.simulator.plant, dict(config.simulator.options))
-        self.prepare(config.audio.rate, round(LONGEST * config.audio.rate))
-
-    def prepare(self, rate: float, frames: int) -> None:
-        self._block.prepare(rate, frames)
-        self._unread = [np.zeros((frames, port.width)) for port in self._block.outputs[1:]]
-
-    def process(self, drive: np.ndarray, response: np.ndarray) -> None:
-        self._block.process(drive, response, *(unread[: len(drive)] for unread in self._unread))
-
-    def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        emitted, response = drive.astype(np.float32), np.zeros((len(drive), self._block.outputs[0].width))
-        self.process(emitted.astype(float), response)
-        return emitted, response.astype(np.float32)
-
-
 def plants(folder: Path) -> dict[str, Plant]:
     """Return every kind; measured pairs only where ../shared/data is, their files in `folder`."""
     drifting = tuple(f"simulator.options.{text}" for text in (f"trend={TREND}", f"trend_seconds={SHOTS * SHOT}"))
@@ -118,7 +95,7 @@ def identified(settings: tuple[str, ...]) -> Calibration:
     """Calibrate the plant of a rig file."""
     config = rig_file.load(None, RigConfig, settings)
     with tempfile.TemporaryDirectory() as folder, RawFolder(Path(folder)) as raw:
-        return calibrate(config, raw, Emitter(config).emit)
+        return calibrate(config, raw, Machine(config).emit)
 
 
 @dataclass(frozen=True)
@@ -134,20 +111,16 @@ class Run:
 def learned(matrix: TransferMatrix, settings: tuple[str, ...], count: int) -> Run:
     """Learn."""
     made = setup(rig_file.load(None, RigConfig, settings), matrix, fresh_plans=False)
-    learner, judge, plant = made.learner(), Judge(made), Emitter(made.config)
-    algorithm, active, refused = learner.algorithm, made.law.active > 0, False
+    active = made.law.active > 0
     iae, over, held, bound = [], [], [], np.inf
-    while len(iae) < count and not (refused := _breaks_a_limit(learner.drive, made)):
-        _, learner.response[: made.shot.total] = plant.emit(learner.drive)
-        error = judge.error(learner.response[: made.shot.total])
-        iae.append(np.abs(error).sum(axis=0))
-        over.append((np.abs(judge.lines(error)) / judge.limit)[judge.judged].max())
-        learner.advance()
-        left = np.linalg.norm(made.law.reference - learner.heard, axis=1)
+    for heard in shots(made, count):
+        iae.append(np.abs(heard.error).sum(axis=0))
+        over.append(heard.over)
+        left = np.linalg.norm(made.law.reference - heard.learner.heard, axis=1)
         held.append(float(np.mean((left <= bound)[active])))
-        bound = algorithm.error_bound
-    first = None if refused else holds_from([level <= 1.0 for level in over])
-    return Run(iae, np.inf if first is None else first, refused, float(np.mean(held[1:] or [np.nan])))
+        bound = heard.learner.algorithm.error_bound
+    refused = len(over) < count
+    return Run(iae, np.inf if refused else met(over), refused, float(np.mean(held[1:] or [np.nan])))
 
 
 def outcome(kind: Plant, seed: int, law: tuple[str, ...], method: tuple[str, ...]) -> Outcome:
@@ -162,7 +135,12 @@ def outcome(kind: Plant, seed: int, law: tuple[str, ...], method: tuple[str, ...
     return Outcome(found.seconds, run.shot, run.refused, *ratios, run.covered)
 
 
-def row(plant: str, law: str, runs: list[Outcome]) -> str:
+def outcomes(seed: int, kind: Plant, laws: dict[str, tuple[tuple[str, ...], tuple[str, ...]]]) -> dict[str, Outcome]:
+    """Return the outcome of every law, given as its settings and those of its calibration."""
+    return {name: outcome(kind, seed, *settings) for name, settings in laws.items()}
+
+
+def row(plant: str, law: str, runs: list[Outcome]) -> list[str]:
     """Return a row of the table: medians, and the worst seed in brackets."""
     shot, refused = [run.shot for run in runs], sum(run.refused for run in runs)
     never = f"{sum(map(np.isinf, shot))} of {len(runs)}" + (f", {refused} at the guard" if refused else "")
@@ -171,8 +149,7 @@ def row(plant: str, law: str, runs: list[Outcome]) -> str:
         ratios = [getattr(run, name) for run in runs]
         cells.append(f"{np.median(ratios):.0f} ({min(ratios):.1f})")
     held = [100 * run.covered for run in runs if np.isfinite(run.covered)]
-    cells.append(f"{np.mean(held):.1f} ({min(held):.1f})" if held else "")
-    return " | ".join(["", *cells, ""]).strip()
+    return [*cells, f"{np.mean(held):.1f} ({min(held):.1f})" if held else ""]
 
 
 def main(wanted: list[str], seeds: list[int]) -> None:
@@ -182,20 +159,16 @@ def main(wanted: list[str], seeds: list[int]) -> None:
             laws = {law: (LAWS[law], ()) for law in wanted}
             if name == "default" and "thesis" in wanted:
                 laws[THE_THESIS] = (LAWS["thesis"], ("characterisation.method=stepped",))
-            for law, (settings, method) in laws.items():
-                runs = []
-                for seed in seeds[: FEWER if name in MEASURED_PAIRS else None]:
-                    runs.append(outcome(kind, seed, settings, method))
-                    print(f"{name}, {law}, seed {seed}:", runs[-1], flush=True)
+            asked = seeds[: FEWER if name in MEASURED_PAIRS else None]
+            of_seeds = list(over_seeds(outcomes, asked, kind=kind, laws=laws))
+            for law in laws:
+                runs = [of_laws[law] for of_laws in of_seeds]
                 rows.append(row(name, law, runs))
+                told = (f"{seed}: {_shot(run.shot)}" for seed, run in zip(asked, runs, strict=True))
+                print(f"{name}, {law};", *told, flush=True)
     head = ["plant", "law", "identified in, s", "shot, median", "worst", f"never in {SHOTS}"]
     head += [f"IAE: first / best by shot {EARLY}", "first / last", f"scaled reference / by {EARLY}", "... / last"]
-    print("\n" + " | ".join(["", *head, "errors within bound, %", ""]).strip())
-    print("|---" * 11 + "|", *rows, sep="\n")
-
-
-def _breaks_a_limit(drive: np.ndarray, made: Setup) -> bool:
-    return violation(np.asarray(drive, dtype=float), made.config.limits, made.shot.rate) is not None
+    put(table([*head, "errors within bound, %"], rows), "learning.md", "learning seeds")
 
 
 def _shot(number: float) -> str:
@@ -203,5 +176,5 @@ def _shot(number: float) -> str:
 
 
 if __name__ == "__main__":
-    numbers = [int(text) for text in sys.argv[1:] if text not in LAWS]
-    main([text for text in sys.argv[1:] if text in LAWS] or list(LAWS), numbers or list(SEEDS))
+    numbers = [int(text) for text in words() if text not in LAWS]
+    main([text for text in words() if text in LAWS] or list(LAWS), numbers or list(SEEDS))

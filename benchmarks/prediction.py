@@ -1,41 +1,77 @@
 """Predicted beside observed: from which shot on the objective holds, on ten simulated vibrators.
 
-`python -m benchmarks.prediction [LAW [SEED ...]]`, about half a minute a seed.  Models are calibrated by multisine;
-`vibractl predict` sees the model and the rig file alone.  The priors of `vibractl.predict.plant` were read off seeds 11
-to 20, so that seeds 1 to 10 say how good the prediction is.
+`python -m benchmarks.prediction [SEED ...] [--write]`, a minute a seed; prints the table of `docs/predict.md`.  Models
+are calibrated by multisine; `vibractl predict` sees the model and the rig file alone.  The priors of
+`vibractl.predict.plant` were read off seeds 11 to 20, so that seeds 1 to 10 say how good the prediction is.
 """
 
-import sys
+from dataclasses import dataclass
 
 import numpy as np
 
 from benchmarks.direct import met, shots
-from benchmarks.identification import found_by
+from benchmarks.learning_seeds import identified
+from benchmarks.on_all_cores import over_seeds
+from benchmarks.page_table import put, table, words
 from rigkit import config as rig_file
 from vibractl.config import RigConfig
 from vibractl.predict.learning import forecast
 from vibractl.predict.prediction import RUNS
 from vibractl.setup import setup
 
+LAWS = ("kalman", "thesis")
 SEEDS = range(1, 11)
 NEAR = 3
 
 
-def main(law: str, seeds: list[int]) -> None:
-    near = within = 0
-    print(f"law {law}\nseed  predicted, 10 to 90 %     observed")
-    for seed in seeds:
-        settings = (f"learning.law={law}", f"simulator.options.seed={seed}")
-        made = setup(rig_file.load(None, RigConfig, settings), found_by(("method=multisine",), seed).matrix, False)
-        predicted = forecast(made, RUNS, lambda _: None)
-        seen = met([marks for _, marks in shots(made, made.config.session.shots)])
-        observed = np.inf if seen is None else float(seen)
-        low, middle, high = (predicted.quantile(part) for part in (0.1, 0.5, 0.9))
-        near += middle == observed or bool(abs(middle - observed) <= NEAR)
-        within += low <= observed <= high
-        print(f"{seed:4d}  {middle:9.0f}, {low:g} to {high:<10g} {observed:8.0f}", flush=True)
-    print(f"within {NEAR} shots: {near} of {len(seeds)}; within 10 to 90 %: {within} of {len(seeds)}")
+@dataclass(frozen=True)
+class Prediction:
+    """Shots to the objective, infinite beyond the run: 10 %, median and 90 % of those predicted, and the observed."""
+
+    low: float
+    middle: float
+    high: float
+    observed: float
+
+    @property
+    def near(self) -> bool:
+        """Whether the median is right within `NEAR` shots."""
+        return self.middle == self.observed or bool(abs(self.middle - self.observed) <= NEAR)
+
+    @property
+    def within(self) -> bool:
+        """Whether the observed shot lies in the predicted interval."""
+        return self.low <= self.observed <= self.high
+
+
+def of_seed(seed: int) -> list[Prediction]:
+    """Predict for one vibrator by every law, and let it learn."""
+    own, found = (f"simulator.options.seed={seed}",), []
+    for law in LAWS:
+        made = setup(rig_file.load(None, RigConfig, (*own, f"learning.law={law}")), identified(own).matrix, False)
+        quantile = forecast(made, RUNS, lambda _: None).quantile
+        observed = met([heard.over for heard in shots(made, made.config.session.shots)])
+        found.append(Prediction(quantile(0.1), quantile(0.5), quantile(0.9), observed))
+    return found
+
+
+def main(seeds: list[int]) -> None:
+    found = list(over_seeds(of_seed, seeds))
+    head, rows = ["seed"], [[str(seed)] for seed in seeds]
+    last = ["right"]
+    for number, law in enumerate(LAWS):
+        head += [f"{law}: predicted, median", "10 to 90 %", "observed"]
+        of_law = [of[number] for of in found]
+        for row, each in zip(rows, of_law, strict=True):
+            row += [_told(each.middle), f"{_told(each.low)} to {_told(each.high)}", _told(each.observed)]
+        near, within = (sum(getattr(each, name) for each in of_law) for name in ("near", "within"))
+        last += [f"{near} of {len(seeds)} within {NEAR} shots", f"{within} of {len(seeds)}", ""]
+    put(table(head, [*rows, last]), "predict.md", "prediction")
+
+
+def _told(shot: float) -> str:
+    return "beyond 30" if np.isinf(shot) else f"{shot:g}"
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "kalman", [int(text) for text in sys.argv[2:]] or list(SEEDS))
+    main([int(text) for text in words()] or list(SEEDS))

@@ -1,18 +1,19 @@
 """What a warm start saves: shots to the objective, cold and from a drive of the library, on ten simulated vibrators.
 
-`python -m benchmarks.warm_start [LAW [SEED ...]]`, a minute or two a seed; prints a line a run and then the table of
-`docs/library.md`.  Each machine is calibrated by multisine and learns `LEARNED` shots; the last drive is what is kept.
-Then it starts again as `CASES` say, without audio, once cold and once from that drive.
+`python -m benchmarks.warm_start [LAW ...] [SEED ...] [--write]`, a minute or two a seed; prints a line a case and then
+the table of `docs/library.md`.  Each machine is calibrated by multisine and learns `LEARNED` shots; the last drive is
+what is kept.  Then it starts again as `CASES` say, without audio, once cold and once from that drive.
 """
 
-import sys
 from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
 
-from benchmarks.direct import shots
-from benchmarks.learning_seeds import Emitter, identified
+from benchmarks.direct import Machine, shots
+from benchmarks.learning_seeds import identified
+from benchmarks.on_all_cores import over_seeds
+from benchmarks.page_table import put, table, words
 from rigkit import config as rig_file
 from vibractl.config import RigConfig
 from vibractl.quality import holds_from
@@ -65,12 +66,13 @@ class Run:
 
 def learned(made: Setup, count: int) -> tuple[Run, KnownDrive]:
     """Let a machine learn; return the run, and its last drive for the next."""
-    plant = Emitter(made.config)
-    plant.emit(np.zeros((round(SETTLED * made.shot.rate), len(made.config.audio.drive_channels))))
+    machine = Machine(made.config)
+    machine.emit(np.zeros((round(SETTLED * made.shot.rate), len(made.config.audio.drive_channels))))
     over, levels, events = [], [], []
     level, lines = made.algorithm().level, made.law.start
-    for learner, marks in shots(made, count, _Kept(plant)):
-        over.append(float(marks.worst_line_db.max()))
+    for shot in shots(made, count, machine):
+        learner = shot.learner
+        over.append(shot.over)
         levels.append(level)
         events += [
             (each.event, each.fields["level_db"]) for each in learner.algorithm.decisions if "entry" in each.fields
@@ -80,16 +82,6 @@ def learned(made: Setup, count: int) -> tuple[Run, KnownDrive]:
     judged, checked = judged_lines(made.law, made.reference, made.config), made.config.learning.check_levels
     known = KnownDrive("kept", last, learner.heard.copy(), learner.algorithm.response, judged, checked)
     return Run(np.inf if first is None else first, over, levels, events), known
-
-
-class _Kept:
-    """A plant that is prepared already: its time goes on."""
-
-    def __init__(self, plant: Emitter) -> None:
-        self.process = plant.process
-
-    def prepare(self, rate: float, frames: int) -> None:
-        """Leave it as it is."""
 
 
 def made_for(seed: int, model_of: tuple[str, ...], settings: tuple[str, ...]) -> Setup:
@@ -104,7 +96,7 @@ def kept(seed: int, settings: tuple[str, ...], count: int) -> KnownDrive:
     return learned(made_for(seed, (), settings), count)[1]
 
 
-def tried(case: Case, law: str, seed: int) -> tuple[Run, Run]:
+def tried(seed: int, case: Case, law: str) -> tuple[Run, Run]:
     """Return the cold and the warm run of a case."""
     settings = (f"learning.law={law}", *case.both)
     known = kept(seed, settings, LEARNED[law])
@@ -115,7 +107,7 @@ def tried(case: Case, law: str, seed: int) -> tuple[Run, Run]:
     return cold, warm
 
 
-def row(case: Case, law: str, runs: list[tuple[Run, Run]]) -> str:
+def row(case: Case, law: str, runs: list[tuple[Run, Run]]) -> list[str]:
     """Return a row of the table: medians, and the worst seed in brackets."""
     cold, warm = zip(*runs, strict=True)
     refused = [each.events[0][1] for each in warm if each.events and each.events[0][0] == "library_refused"]
@@ -125,8 +117,7 @@ def row(case: Case, law: str, runs: list[tuple[Run, Run]]) -> str:
     first = [each.over[0] for each in cold]
     cells = [case.name, law, _spread([each.met for each in cold]), _spread([each.met for each in warm])]
     cells += [f"{len(refused)} of {len(runs)}" + (f" ({where} dB)" if where else "")]
-    cells += [_spread(levels, ".0f") for levels in (loud, full, first)]
-    return " | ".join(["", *cells, ""]).strip()
+    return [*cells, *(_spread(levels, ".0f") for levels in (loud, full, first))]
 
 
 def _spread(values: list[float], form: str = "g") -> str:
@@ -138,21 +129,24 @@ def _told(value: float, form: str) -> str:
     return "never" if np.isinf(value) else format(value, form)
 
 
-def main(law: str, seeds: list[int]) -> None:
+def every_case(seed: int, law: str) -> list[tuple[Run, Run]]:
+    """Return the runs of every case on one machine."""
+    return [tried(seed, case, law) for case in CASES]
+
+
+def main(laws: list[str], seeds: list[int]) -> None:
     rows = []
-    for case in CASES:
-        runs = []
-        for seed in seeds:
-            runs.append(tried(case, law, seed))
-            cold, warm = runs[-1]
-            print(case.name, law, seed, f"cold {cold.met:g}, warm {warm.met:g},", warm.events, flush=True)
-        rows.append(row(case, law, runs))
-        print(rows[-1], flush=True)
+    for law in laws:
+        of_cases = zip(*over_seeds(every_case, seeds, law=law), strict=True)
+        for case, runs in zip(CASES, of_cases, strict=True):
+            rows.append(row(case, law, list(runs)))
+            told = (f"{seed}: {_told(warm.met, 'g')}" for seed, (_, warm) in zip(seeds, runs, strict=True))
+            print(f"{case.name}, {law}, warm;", *told, flush=True)
     head = ["case", "law", "shot, cold", "warm", "refused"]
     head += ["over the limit, dB: check below 0 dB", "first whole shot, warm", "... cold"]
-    print("\n" + " | ".join(["", *head, ""]).strip())
-    print("|---" * len(head) + "|", *rows, sep="\n")
+    put(table(head, rows), "library.md", "warm start")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "kalman", [int(text) for text in sys.argv[2:]] or list(SEEDS))
+    numbers = [int(text) for text in words() if text not in LEARNED]
+    main([text for text in words() if text in LEARNED] or list(LEARNED), numbers or list(SEEDS))

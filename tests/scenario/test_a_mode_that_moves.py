@@ -36,9 +36,9 @@ def watched(
     """Return the marks of a run under watch, and what was decided after which shot."""
     config = rig_file.load(None, RigConfig, ("watch.on=true", *overrides))
     marks, decisions = [], []
-    for number, (learner, mark) in enumerate(shots(setup(config, model), count)):
-        marks.append(mark)
-        decisions += [(number, decision.event, decision.fields) for decision in learner.algorithm.decisions]
+    for number, heard in enumerate(shots(setup(config, model), count)):
+        marks.append(heard.marks)
+        decisions += [(number, decision.event, decision.fields) for decision in heard.learner.algorithm.decisions]
     return marks, decisions
 
 

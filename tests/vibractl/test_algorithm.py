@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.direct import shots
-from benchmarks.learning_seeds import ARRAY, Emitter, identified, learned
+from benchmarks.learning_seeds import ARRAY, identified, learned
 from rigkit import config as rig_file
 from tests.vibractl.line_plant import LinePlant, law_of, matrix_of, modal
 from tests.vibractl.linear_rig import linear_matrix
@@ -42,13 +42,8 @@ def sizes(left: list[np.ndarray]) -> list[float]:
 def learners(count: int, *settings: str) -> Iterator[Learner]:
     """Learn on the simulated vibrator, with all its distortion, noise and drift, from the model of a linear one."""
     config = rig_file.load(None, RigConfig, settings)
-    learner = setup(config, linear_matrix(), fresh_plans=False).learner()
-    plant, response = Emitter(config), np.zeros(learner.drive.shape)
-    for _ in range(count):
-        plant.process(np.ascontiguousarray(learner.drive, dtype=float), response)
-        learner.response[: len(response)] = response
-        learner.advance()
-        yield learner
+    for heard in shots(setup(config, linear_matrix(), fresh_plans=False), count):
+        yield heard.learner
 
 
 def test_with_every_part_off_it_is_the_law_of_the_thesis_bit_for_bit() -> None:
@@ -213,6 +208,6 @@ def test_four_coils_of_two_vibrators_learn_together() -> None:
     rig = (*ARRAY, "reference.signal=chirp:40:90:2")
     made = setup(rig_file.load(None, RigConfig, rig), identified(rig).matrix, fresh_plans=False)
     assert made.law.matrix.response.shape[1:] == (4, 4)
-    *_, (_, marks) = shots(made, 9, Emitter(made.config))
-    assert marks.met, marks.reason
-    assert marks.error_db.max() < -35
+    *_, last = shots(made, 9)
+    assert last.marks.met, last.marks.reason
+    assert last.marks.error_db.max() < -35
