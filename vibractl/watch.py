@@ -12,7 +12,9 @@ from vibractl.law import Law
 GROWN = 2.0
 """Times the least error that a band has had: less is chance."""
 PATIENCE = 2
-"""Shots in a row."""
+"""Shots in a row, near the limit; one more where there is `TIME`."""
+TIME = 10 ** (-6 / 20)
+"""Part of the limit below which learning is given one shot more to find out by itself."""
 ALERT = 10 ** (-15 / 20)
 """Part of the limit below which a band's growth is of no concern yet."""
 REACH = 3
@@ -109,9 +111,10 @@ class Watch:
         beyond = (now > most) & (now > GROWN * self._best) & (loudest > ALERT * self._limit)
         self._grown = np.where(beyond, self._grown + 1, 0)
         self._best = np.minimum(self._best, now)
-        if self._grown.max(initial=0) < PATIENCE:
+        late = self._grown >= PATIENCE + (loudest < TIME * self._limit)
+        if not late.any():
             return None
-        worst = int(np.argmax(np.where(self._grown >= PATIENCE, now / self._best, 0.0)))
+        worst = int(np.argmax(np.where(late, now / self._best, 0.0)))
         line = int(np.argmax(np.where(self._block == worst, size, 0.0)))
         values = {"grown_db": _db(now[worst] / self._best[worst]), "over_bound_db": _db(now[worst] / most[worst])}
         return Trouble(float(self._frequency[line]), "growth", values)

@@ -87,3 +87,9 @@ def test_bounds_that_have_widened_because_the_error_grew_excuse_nothing() -> Non
         for shot, (size, bound) in enumerate(zip([4.0, 1.0, 2.5, 4.5], bounds, strict=True))
     ]
     assert [each is not None for each in best] == [False, False, False, True]
+
+
+def test_a_drive_of_long_ago_is_not_gone_back_to() -> None:
+    """The vibrator drifts: what was best then leaves more now than growth by some per cent a shot."""
+    slowly = [1.0 * 1.1**shot for shot in range(30)]
+    assert judged(Rollback(), slowly) == [None] * 30

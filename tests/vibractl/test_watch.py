@@ -43,6 +43,15 @@ def test_a_band_that_grows_twice_beyond_its_bound_is_found_below_the_limit(law: 
     assert found[3].values["grown_db"] > 12
 
 
+def test_well_below_the_limit_a_band_must_have_grown_in_three_shots(law: Law) -> None:
+    """Learning may still find out by itself."""
+    grown = [errors(law, 0.01, 545, times) for times in (1, 20, 25, 30)]
+    found = judged(law, Settings(), grown, bound=0.02)
+    assert found[:3] == [None] * 3
+    assert found[3] is not None
+    assert found[3].values["grown_db"] > 12
+
+
 def test_growth_that_was_to_be_expected_is_no_trouble(law: Law) -> None:
     history = [errors(law, 0.1), errors(law, 0.1), errors(law, 0.1, 545, 4), errors(law, 0.1, 545, 6)]
     assert judged(law, Settings(), history, bound=2.0) == [None] * 4
