@@ -25,19 +25,20 @@ class ClampedRobot(RobotOptions, Block):
 
     Parameters
     ----------
-    softness : float, 1
-        Part of the position gain that soft servo takes away.
-    yielding : float, 1
-        The clamp's compliance over that of a bolted steel plate.
-    slip_force : float, N
-        Beyond which the clamp slips.
+    softness : tuple of float, 1
+        Part of the position gain that soft servo takes away, a number a joint.
+    clamp, clamp_turn : float, m/N and rad/(N m)
+        The clamp's compliance along each axis and about it.
+    slip : float, N
+        Force beyond which the clamp slips.
 
     Others: those of `RobotOptions`.
     """
 
-    softness: float = option(0.85, "1", 0.01, 0.99)
-    yielding: float = option(1.0, "1", 0.0, 1e4)
-    slip_force: float = option(1e9, "N", 1.0, 1e9)
+    softness: tuple[float, ...] = (0.85,) * 6
+    clamp: float = option(float(STIFF_CLAMP[0, 0]), "m/N", 0.0, 1e-3)
+    clamp_turn: float = option(float(STIFF_CLAMP[3, 3]), "rad/(N m)", 0.0, 1e-1)
+    slip: float = option(1e9, "N", 1.0, 1e9)
 
     inputs: tuple[Port, ...] = field(
         default=(Port("reference", "rad", 6), Port("soft"), Port("clamp")), init=False, repr=False
@@ -95,10 +96,10 @@ class ClampedRobot(RobotOptions, Block):
         self._waited[1] = self._waited[1] + 1 if clamp != self._is_clamped else 0
         if self._waited[0] >= self._answer:
             self._is_soft = soft
-            self.plant.soften(np.full(6, self.softness if soft else 0.0))
+            self.plant.soften(np.array(self.softness if soft else (0.0,) * 6))
         if self._waited[1] >= self._answer:
             self._is_clamped = clamp
             if clamp:
-                self.plant.clamp(self.yielding * STIFF_CLAMP, self.slip_force)
+                self.plant.clamp(np.diag([self.clamp] * 3 + [self.clamp_turn] * 3), self.slip)
             else:
                 self.plant.release()

@@ -1,25 +1,31 @@
 """The command `calibrate joints`."""
 
+import os
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, TextIO
 
 import typer
 
-from calibration.foreign_record import read_channels
-from calibration.joint_clamping.config import JointsConfig, clamped_arm, procedure
+from calibration.joint_clamping import advice_table
+from calibration.joint_clamping.full_stiffness import ArmStiffness
 from calibration.joint_clamping.joints_file import write_joints
-from calibration.joint_clamping.measurement import measure
+from calibration.joint_clamping.poses import in_poses
+from calibration.joint_clamping.recorded_map import recorded_map
 from calibration.joint_clamping.report import HEAD, figures, joints_report, rows
-from calibration.joint_clamping.results import JointResult, of_map, of_recording
-from calibration.joint_clamping.torque_map import TorqueMap
+from calibration.joint_clamping.requests import requests
+from calibration.joint_clamping.results import CLAMP, LINK, RAW, TOOL, Clamped, JointResult, of_recording
+from calibration.joint_clamping.session import clamped_arm, measure
+from calibration.joint_clamping.several_poses import experiment, stiffest, whole_arm
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.provenance import now, software
-from rigkit.stop import stoppable
+from stagectl.robot.clamp_config import clamp_procedure
+from stagectl.robot.config import CellConfig
 
-ANGLES = {"rad": 1.0, "mrad": 1e-3, "urad": 1e-6, "deg": 0.017453292519943295, "1": 1.0}
-TORQUES = {"N m": 1.0, "Nm": 1.0, "N*m": 1.0, "mN m": 1e-3, "1": 1.0}
+WAY_OF = {"best": "", "none": RAW, "clamp": CLAMP, "tool": TOOL, "link": LINK}
+"""What `--compensate` takes, and the way that is."""
 
 
 def joints_command(
@@ -27,6 +33,15 @@ def joints_command(
     record: Annotated[Path | None, typer.Option("--from", metavar="MAP", help="Recorded: CSV, WAV or HDF5.")] = None,
     joints: Annotated[str, typer.Option(metavar="1-6", help="Which joints: numbers and ranges.")] = "1-6",
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file; the report goes beside it.")] = None,
+    live: Annotated[bool, typer.Option("--live", help="The robot behind its wires, as [robot] says.")] = False,
+    pose: Annotated[
+        list[str] | None, typer.Option(metavar="DEG,...", help="Clamping pose; may be given many times.")
+    ] = None,
+    poses: Annotated[Path | None, typer.Option(metavar="FILE", help="Clamping poses, one a line, in deg.")] = None,
+    compensate: Annotated[str, typer.Option(metavar="WAY", help=f"Arm's side known by {', '.join(WAY_OF)}.")] = "best",
+    advise: Annotated[
+        bool, typer.Option("--advise", help="Say where to clamp for each joint, and move nothing.")
+    ] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Print every motion, and make none.")] = False,
     angle: Annotated[str, typer.Option(metavar="NAME", help="With --from: channel of the motor's angle.")] = "angle",
     torque: Annotated[str, typer.Option(metavar="NAME", help="With --from: channel of its torque.")] = "torque",
@@ -39,22 +54,40 @@ def joints_command(
 ) -> None:
     """Find backlash, stiffness and friction of joints whose tool is clamped, or from a recorded torque and angle.
 
+    While it runs, `kill -USR1 PID` pauses (the arm holds, limits are watched), `kill -USR2 PID` goes on, Ctrl-C aborts:
+    the arm holds, soft servo and clamp stay, and the same command goes on with the joints that are missing.  It prints
+    its PID, and in a live run draws the maps into FILE.raw/maps.html as each cycle ends.
+
     Examples: `calibrate joints --config cell.toml --joints 1-6 --dry-run`,
+    `calibrate joints --config cell.toml --live --joints 1-3 --out joints.h5`,
     `calibrate joints --from map.csv --angle phi --torque tau --gear 121`
     """
     if out is not None and (out.suffix != ".h5" or not out.parent.is_dir()):
         raise ValueError(f"--out {out}: must end in '.h5' and lie in a folder that is there")
+    if compensate not in WAY_OF:
+        raise ValueError(f"--compensate is {compensate!r}, must be one of {', '.join(WAY_OF)}")
     if record is not None:
-        results = [_recorded(record, (angle, torque, link), gear, rate)]
-    else:
-        rig = rig_file.load(config, JointsConfig, settings or [])
-        wanted = joint_numbers(joints, clamped_arm(rig).joints)
-        if dry_run:
-            for number, step in enumerate(procedure(rig, wanted).steps(), start=1):
-                typer.echo(f"{number:3d}  {step.words}")
-            return
-        results = _measured(rig, wanted, out, json)
-    _finish(results, str(record or config or "defaults"), out, png, json)
+        found = recorded_map(record, (angle, torque, link), gear, rate, WAY_OF[compensate])
+        _finish([found], None, str(record), out, png, json)
+        return
+    cell = rig_file.load(config, CellConfig, [*(settings or []), *["clamping.live=true"] * live])
+    arm = clamped_arm(cell)
+    wanted = joint_numbers(joints, arm.joints)
+    if advise:
+        advised = advice_table.advice(cell, arm, wanted)
+        print_table("where to clamp", advice_table.HEAD, advice_table.rows(advised), words(json))
+        write_json(json, advice_table.figures(advised))
+        return
+    cells = in_poses(cell, pose or [], poses)
+    if dry_run:
+        steps = [step for each in cells for step in clamp_procedure(each.clamping, arm, wanted).steps()]
+        for number, step in enumerate(steps, start=1):
+            typer.echo(f"{number:3d}  {step.words}")
+        return
+    if out is None:
+        raise ValueError("--out is missing: recordings are kept beside the model file")
+    results, whole = _measured(cells, wanted, out, words(json), WAY_OF[compensate])
+    _finish(results, whole, str(config or "defaults"), out, png, json)
 
 
 def joint_numbers(text: str, most: int) -> tuple[int, ...]:
@@ -69,33 +102,28 @@ def joint_numbers(text: str, most: int) -> tuple[int, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def _recorded(path: Path, names: tuple[str, str, str | None], gear: float, rate: float | None) -> JointResult:
-    """Read a map that somebody else recorded."""
-    if not (abs(gear) > 0 and abs(gear) < float("inf")):
-        raise ValueError(f"--gear is {gear}, must be finite and not 0")
-    channels = [name for name in names if name is not None]
-    found = read_channels(path, channels, rate)
-    data = found.data.astype(float)
-    kinds = (ANGLES, TORQUES, ANGLES)[: len(channels)]
-    scales = [_scale(*each) for each in zip(channels, found.units, kinds, strict=True)]
-    joint = TorqueMap(scales[0] * data[:, 0] / gear, scales[1] * data[:, 1] * gear, found.rate)
-    return of_map(joint, scales[2] * data[:, 2] if len(channels) == 3 else None)
-
-
-def _scale(name: str, unit: str, known: dict[str, float]) -> float:
-    if unit not in known:
-        raise ValueError(f"channel {name}: the unit is {unit!r}, must be one of {', '.join(known)}")
-    return known[unit]
-
-
-def _measured(rig: JointsConfig, joints: tuple[int, ...], out: Path | None, json: str | None) -> list[JointResult]:
-    if out is None:
-        raise ValueError("--out is missing: recordings are kept beside the model file")
-    stream = words(json)
-    with stoppable() as stop:
-        recorded = measure(rig, joints, out.with_suffix(".raw"), lambda text: _tell(stream, text), lambda: stop.made)
-    made = procedure(rig, joints)
-    return [of_recording(recorded[joint], joint, made.arm, made.pose) for joint in joints]
+def _measured(
+    cells: Sequence[CellConfig], joints: tuple[int, ...], out: Path, stream: TextIO, chosen: str
+) -> tuple[list[JointResult], ArmStiffness | str | None]:
+    """Measure in every pose; return all results, and what several poses say of the whole arm."""
+    arm, folder, several = clamped_arm(cells[0]), out.with_suffix(".raw"), len(cells) > 1
+    for each in cells:
+        clamp_procedure(each.clamping, arm, joints)  # refuses what does not fit before anything moves
+    _tell(stream, f"pid {os.getpid()}: SIGUSR1 pauses, SIGUSR2 goes on, Ctrl-C aborts")
+    results, experiments = [], []
+    with requests() as asked:
+        for number, each in enumerate(cells, start=1):
+            if several:
+                _tell(stream, f"pose {number} of {len(cells)}")
+            place = folder / f"pose-{number}" if several else folder
+            recorded, way = measure(each, joints, place, lambda text: _tell(stream, text), asked)
+            pose = clamp_procedure(each.clamping, arm, joints).pose
+            clamped = Clamped(arm, pose, each.clamping.environment, number if several else 0)
+            for joint in joints:
+                result = of_recording(recorded[joint], way, joint, clamped, chosen)
+                results.append(result)
+                experiments.append(experiment(recorded[joint], result, clamped))
+    return results, whole_arm(arm, experiments) if several else None
 
 
 def _tell(stream: TextIO, text: str) -> None:
@@ -103,14 +131,23 @@ def _tell(stream: TextIO, text: str) -> None:
     stream.flush()
 
 
-def _finish(results: list[JointResult], source: str, out: Path | None, png: Path | None, json: str | None) -> None:
-    stream, report = words(json), joints_report(results, source)
+def _finish(
+    results: Sequence[JointResult],
+    whole: ArmStiffness | str | None,
+    source: str,
+    out: Path | None,
+    png: Path | None,
+    json: str | None,
+) -> None:
+    stream, report = words(json), joints_report(results, whole, source)
     if out is not None:
-        write_joints(out, results, {"recording": source, "made": now(), "software": software()})
+        write_joints(out, stiffest(results), {"recording": source, "made": now(), "software": software()})
         report.write(out.with_suffix(".html"))
     if png is not None:
         report.png(png)
     print_table("joints", HEAD, rows(results), stream)
+    if isinstance(whole, str):
+        _tell(stream, whole)
     if out is not None:
         stream.write(f"report: {out.with_suffix('.html')}\n")
-    write_json(json, figures(results))
+    write_json(json, figures(results, whole))

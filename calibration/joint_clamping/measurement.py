@@ -1,23 +1,22 @@
 """The clamping procedure run on a robot block: what each joint showed while it was moved to and fro, saved raw."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from concurrent.futures import Executor, Future
+from functools import partial
 from pathlib import Path
+from typing import Any
 
-import numpy as np
-
-from calibration.joint_clamping.config import JointsConfig, procedure
+from calibration.joint_clamping.maps_page import draw_map
+from calibration.joint_clamping.requests import Requests
+from calibration.joint_clamping.samples import Samples
 from ctlblocks import Block, Graph, recording
-from ctlblocks.recording import Recording
-from rigkit import atomic
-from rigkit.config import resolve
 from rigkit.stop import Stopped
 from stagectl.robot.clamp_search import ClampSearch
 
-CHUNK = 50
-"""Samples between two looks at whether the run is to stop."""
-SEEN = {"angle": "rad", "torque": "N m", "link": "rad", "pose": "1"}
-"""What is kept of the robot's outputs, and their units; `link` and `pose` only where it has them."""
+SEEN = {"angle": "rad", "torque": "N m", "link": "rad", "pose": "1", "frames": "1"}
+"""What is kept of the robot's outputs, and their units; the last three only where it has them."""
+APPROACH = "approach.wav"
+"""The way to the clamp: from it the axes are found about which the tracked links turn."""
 
 Tell = Callable[[str], None]
 
@@ -26,96 +25,136 @@ class ClampAborted(ValueError):
     """The procedure was aborted; the text says why, and where the arm stands."""
 
 
-@dataclass
-class Samples:
-    """What one joint showed.
+def recording_name(joint: int) -> str:
+    """Return how the recording of a joint, from 0, is called."""
+    return f"joint-{joint + 1}.wav"
+
+
+class ClampRun:
+    """A robot block under the procedure, in a graph that somebody ticks, and what is kept of it.
 
     Parameters
     ----------
-    signals : dict of lists of arrays, shape (width,), SI
-        By the name of the robot's output, a sample an entry.
-    """
-
-    signals: dict[str, list[np.ndarray]] = field(default_factory=dict)
-
-
-def measure(
-    config: JointsConfig, joints: Sequence[int], folder: Path, tell: Tell, stopped: Callable[[], bool]
-) -> dict[int, Recording]:
-    """Run the procedure for the joints that have no recording yet, and return the recordings of all.
-
-    Parameters
-    ----------
-    config : JointsConfig
-    joints : sequence of int
-        From 0.
+    robot : Block
+        With the ports of `ClampSearch`, the other way round.
+    search : ClampSearch
+    rate : float, samples/s
     folder : Path
-        Of raw recordings, `joint-1.wav` ...; made if it is not there.
+        Gets `joint-1.wav` ..., the way to the clamp, and the maps as they grow.
     tell : callable(str)
-        Told each step in words as it begins.
-    stopped : callable() -> bool
-        Whether the run is to stop: the arm then holds.
-
-    Raises
-    ------
-    ValueError : a folder that belongs to another configuration.
-    ClampAborted : something went wrong; what was recorded is kept.
-    Stopped : it was asked to.
+        Told each step in words as it begins, each pause and each cycle.
+    asked : Requests
+    work : Executor
+        Writes and draws; what would make the clock wait is done elsewhere.
+    every_cycle : bool
+        Whether maps are drawn as each cycle ends; else as each joint does.
     """
-    _belongs(folder, config)
-    files = {joint: folder / f"joint-{joint + 1}.wav" for joint in joints}
-    missing = tuple(joint for joint in joints if not files[joint].exists())
-    if missing:
-        _run(config, missing, files, tell, stopped)
-    return {joint: recording.read(file) for joint, file in files.items()}
+
+    def __init__(
+        self, robot: Block, search: ClampSearch, rate: float, folder: Path, tell: Tell, asked: Requests,
+        work: Executor, every_cycle: bool,
+    ) -> None:  # fmt: skip
+        self.graph, self.search = _graph(robot, search, rate), search
+        self._folder, self._tell, self._asked, self._work = folder, tell, asked, work
+        self._every_cycle = every_cycle
+        seen = {port.name for port in robot.outputs} & set(SEEN)
+        self._samples = Samples({name: self.graph.signal(f"robot.{name}") for name in SEEN if name in seen}, SEEN)
+        self._joint, self._reference = self.graph.signal("search.joint"), self.graph.signal("search.reference")
+        self._before, self._cycles, self._step, self._paused = -1, 0, -1, False
+        self._last_reference = self._reference.copy()
+        self._written: list[Future[Any]] = []
+        self._drawn: Future[Any] | None = None
+
+    def look(self) -> bool:
+        """Keep what the last tick showed, do as a person asks; return whether the run is over.
+
+        After a torque too large it is over once the references are back where there was little.
+        """
+        if self.graph.ticks == 0:
+            return False
+        if self.search.cause is not None:
+            rests = bool((self._reference == self._last_reference).all())
+            self._last_reference[:] = self._reference
+            return rests
+        self._last_reference[:] = self._reference
+        self._ask()
+        self._keep()
+        self._say()
+        return self.search.done or self._asked.stop
+
+    def finish(self) -> None:
+        """Wait for the files, and say how it ended.
+
+        Raises
+        ------
+        ClampAborted : something went wrong; what was recorded is kept.
+        Stopped : it was asked to.
+        """
+        for each in self._written:
+            each.result()
+        if self.search.cause is not None:
+            raise ClampAborted(f"{self.search.cause}; {self.where}")
+        if not self.search.done:
+            self.search.abort("stopped by a person")
+            raise Stopped(f"stopped in step {self.search.step + 1}: the arm holds; joints that were done are kept")
+
+    @property
+    def where(self) -> str:
+        """Where the arm stands after an abort, in words."""
+        return f"the arm holds in step {self.search.step + 1}, soft servo and clamp stay"
+
+    def _ask(self) -> None:
+        if self._asked.pause != self._paused:
+            self._paused = self._asked.pause
+            if self._paused:
+                self.search.pause()
+            else:
+                self.search.resume()
+            self._tell(f"{self._time()}  {'paused: the arm holds' if self._paused else 'goes on'}")
+
+    def _keep(self) -> None:
+        now = int(self._joint[0, 0]) - 1
+        approaches = self.search.step == 0
+        if self._before >= 0 and now != self._before:
+            self._end_joint()
+        elif not approaches and self._before < 0 and len(self._samples):
+            self._write(APPROACH)
+        if now >= 0 or approaches:
+            self._samples.keep()
+        if now >= 0 and self.search.cycles > self._cycles:
+            self._cycles = self.search.cycles
+            if self._every_cycle and (self._drawn is None or self._drawn.done()):
+                self._draw(now)
+        self._before = now
+
+    def _end_joint(self) -> None:
+        self._draw(self._before)
+        self._write(recording_name(self._before))
+        self._cycles = 0
+
+    def _write(self, name: str) -> None:
+        made = self._samples.recording(self.graph.rate)
+        self._written.append(self._work.submit(recording.write, self._folder / name, made))
+        self._samples.clear()
+
+    def _draw(self, joint: int) -> None:
+        made = self._samples.recording(self.graph.rate)
+        angle, torque = (made.select([f"{name}_{joint + 1}"]).data[:, 0] for name in ("angle", "torque"))
+        self._drawn = self._work.submit(partial(draw_map, self._folder, joint, angle, torque, self._cycles))
+        self._written.append(self._drawn)
+
+    def _say(self) -> None:
+        if self.search.step != self._step and not self.search.done:
+            for each in self.search.steps[self._step + 1 : self.search.step + 1]:
+                self._tell(f"{self._time()}  {each.words}")
+            self._step = self.search.step
+
+    def _time(self) -> str:
+        return f"{self.graph.ticks / self.graph.rate:7.1f} s"
 
 
-def _belongs(folder: Path, config: JointsConfig) -> None:
-    """Note in the folder what it was recorded with, or compare."""
-    folder.mkdir(parents=True, exist_ok=True)
-    note, text = folder / "config.json", config.model_dump_json(indent=1)
-    if note.exists() and note.read_text(encoding="utf-8") != text:
-        raise ValueError(f"{folder} was recorded with another configuration; choose another name for the model")
-    atomic.write(note, text)
-
-
-def _run(
-    config: JointsConfig, joints: tuple[int, ...], files: dict[int, Path], tell: Tell, stopped: Callable[[], bool]
-) -> None:
-    robot, search = _robot(config), ClampSearch(procedure(config, joints))
-    graph = _graph(config, robot, search)
-    seen = {name: graph.signal(f"robot.{name}") for name in SEEN if name in {port.name for port in robot.outputs}}
-    moved = graph.signal("search.joint")
-    kept, before, step = Samples(), -1, -1
-    while not search.done:
-        for _ in range(CHUNK):
-            graph.tick()
-            now = int(moved[0, 0]) - 1
-            if now >= 0:
-                for name, signal in seen.items():
-                    kept.signals.setdefault(name, []).append(signal[0].copy())
-            elif before >= 0 and search.cause is None:
-                recording.write(files[before], _recorded(kept, config.robot.rate))
-                kept = Samples()
-            before = now
-        if search.cause is not None:
-            raise ClampAborted(f"{search.cause}; the arm holds in step {search.step + 1}, soft servo and clamp stay")
-        if search.step != step and not search.done:
-            for each in search.steps[step + 1 : search.step + 1]:
-                tell(f"{graph.ticks / config.robot.rate:7.1f} s  {each.words}")
-            step = search.step
-        if stopped():
-            search.abort("stopped by a person")
-            raise Stopped(f"stopped in step {search.step + 1}: the arm holds; joints that were done are kept")
-
-
-def _robot(config: JointsConfig) -> Block:
-    robot: Block = resolve(config.robot.block)(**config.robot.options)
-    return robot
-
-
-def _graph(config: JointsConfig, robot: Block, search: ClampSearch) -> Graph:
-    graph = Graph(config.robot.rate)
+def _graph(robot: Block, search: ClampSearch, rate: float) -> Graph:
+    graph = Graph(rate)
     graph.add("robot", robot)
     graph.add("search", search)
     for port in search.inputs:
@@ -126,12 +165,6 @@ def _graph(config: JointsConfig, robot: Block, search: ClampSearch) -> Graph:
     return graph
 
 
-def _recorded(kept: Samples, rate: float) -> Recording:
-    names: list[str] = []
-    units: list[str] = []
-    for name, rows in kept.signals.items():
-        width = len(rows[0])
-        names += [f"{name}_{place + 1}" for place in range(width)]
-        units += [SEEN[name]] * width
-    data = np.concatenate([np.array(rows) for rows in kept.signals.values()], axis=1)
-    return Recording(tuple(names), tuple(units), rate, data.astype(np.float32))
+def missing(folder: Path, joints: Sequence[int]) -> tuple[int, ...]:
+    """Return the joints, from 0, that have no recording in a folder yet."""
+    return tuple(joint for joint in joints if not (folder / recording_name(joint)).exists())

@@ -6,11 +6,14 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from calibration.joint_clamping.full_stiffness import ArmStiffness
 from calibration.joint_clamping.joint_model import Estimate, JointModel
 from calibration.joint_clamping.results import WAYS, JointResult
+from calibration.joint_clamping.several_poses import stiffest
 from rigkit.figure_style import COLOURS, styled
 from rigkit.report import Fact, Plot, Report, Section, Table
 
+ARM_HEAD = ("joint", "stiffness about its axis, N m/rad", "compliance across, rad/(N m)", "the other, rad/(N m)")
 HEAD = ("joint", "arm's side", "spring", "backlash", "k+, N m/rad", "k-, N m/rad", "loop width, N m")
 
 
@@ -21,29 +24,86 @@ def rows(results: Sequence[JointResult]) -> list[tuple[str, ...]]:
         for way, model in _models(result):
             values = [_said(each) for each in (model.k_plus, model.k_minus)]
             width = f"{model.loop_width:.3g} ± {2 * model.friction.reach * model.friction.error:.2g}"
-            found.append((str(result.joint + 1), way, model.spring, model.backlash_said, *values, width))
+            found.append((_number(result), way, model.spring, model.backlash_said, *values, width))
     return found
 
 
-def figures(results: Sequence[JointResult]) -> dict[str, Any]:
-    """Return what `--json` writes: estimate and interval of every figure, SI."""
-    return {f"joint_{result.joint + 1}": {way: _figures(model) for way, model in _models(result)} for result in results}
+def figures(results: Sequence[JointResult], whole: ArmStiffness | str | None) -> dict[str, Any]:
+    """Return what `--json` writes: estimate and interval of every figure, SI.
+
+    Parameters
+    ----------
+    results : sequence of JointResult
+    whole : ArmStiffness, str or None
+        What several poses say of the arm, or why they do not; None where there was one.
+
+    Returns
+    -------
+    dict
+        `joint_1` ...: figures by way, of the pose in which the joint looks stiffest; of several poses, `poses`: all of
+        them, and `arm`: `own` (rad/(N m)) and `tilting`, each with its interval, or the reason why there are none.
+    """
+    found: dict[str, Any] = {f"joint_{each.joint + 1}": _by_way(each) for each in stiffest(results)}
+    if whole is None:
+        return found
+    found["poses"] = [{"joint": each.joint + 1, "pose": each.pose, **_by_way(each)} for each in results]
+    return found | {"arm": {"reason": whole} if isinstance(whole, str) else _compliances(whole)}
 
 
-def joints_report(results: Sequence[JointResult], source: str) -> Report:
-    """Put the report together: a map a joint."""
-    facts = tuple(Fact(f"joint {result.joint + 1}: backlash", result.best[1].backlash_said) for result in results)
+def joints_report(results: Sequence[JointResult], whole: ArmStiffness | str | None, source: str) -> Report:
+    """Put the report together: a map a joint and pose, and the arm's compliances.
+
+    Parameters
+    ----------
+    results, whole : as of `figures`
+    source : str
+        What was measured.
+    """
+    facts = tuple(Fact(f"joint {_number(each)}: backlash", each.best[1].backlash_said) for each in stiffest(results))
     with styled():
-        sections = tuple(
+        sections = [
             Section(
-                f"Joint {result.joint + 1}",
+                f"Joint {_number(result)}",
                 _words(result),
                 (Plot(_map(result), "Torque over the motor's angle, from the backlash's middle; dashed: the spring."),),
                 (Table(HEAD, tuple(rows([result]))),),
             )
             for result in results
-        )
-    return Report("Joints of a clamped arm", source, facts, sections)
+        ]
+    if isinstance(whole, str):
+        sections.append(Section("The whole arm", whole))
+    elif whole is not None:
+        sections.append(Section("The whole arm", _about(whole), (), (Table(ARM_HEAD, tuple(arm_rows(whole))),)))
+    return Report("Joints of a clamped arm", source, facts, tuple(sections))
+
+
+def arm_rows(whole: ArmStiffness) -> list[tuple[str, ...]]:
+    """Return a row a joint: stiffness about its axis, and both compliances across it."""
+    found = []
+    for joint, (own, across) in enumerate(zip(whole.own, whole.tilting, strict=True), start=1):
+        shown = ["not told apart" if each is None else _said(each) for each in across]
+        found.append((str(joint), f"{1 / own.value:.4g} ± {own.reach * own.error / own.value**2:.2g}", *shown))
+    return found
+
+
+def _about(whole: ArmStiffness) -> str:
+    return f"From the slopes of all poses together; {100 * whole.misfit:.2g} % of the torques are left."
+
+
+def _compliances(whole: ArmStiffness) -> dict[str, Any]:
+    def one(each: Estimate | None) -> dict[str, Any] | None:
+        return None if each is None else {"value": each.value, "interval": [each.low, each.high]}
+
+    tilting = [[one(each) for each in pair] for pair in whole.tilting]
+    return {"own": [one(each) for each in whole.own], "tilting": tilting, "misfit": whole.misfit}
+
+
+def _number(result: JointResult) -> str:
+    return f"{result.joint + 1}, pose {result.pose}" if result.pose else str(result.joint + 1)
+
+
+def _by_way(result: JointResult) -> dict[str, Any]:
+    return {way: _figures(model) for way, model in _models(result)}
 
 
 def _models(result: JointResult) -> list[tuple[str, JointModel]]:

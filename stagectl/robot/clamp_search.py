@@ -121,6 +121,11 @@ class ClampSearch(Block):
         return int(self._state[kernel.STEP])
 
     @property
+    def cycles(self) -> int:
+        """How often the joint that is moved to and fro has gone both ways."""
+        return int(self._state[kernel.PART]) // 2 if self.step < len(self.steps) else 0
+
+    @property
     def done(self) -> bool:
         """Whether all steps are done."""
         return self.step == len(self.steps)

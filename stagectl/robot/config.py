@@ -5,6 +5,8 @@ from typing import Any, Literal, Self
 from pydantic import Field, model_validator
 
 from rigkit.config import Section, setting
+from stagectl.link.config import CLASS
+from stagectl.robot.clamp_config import Clamping
 
 Box = tuple[float, float, float]
 
@@ -70,6 +72,9 @@ class Simulator(Section):
     """The robot without the robot; a live run does not read it."""
 
     options: dict[str, Any] = setting({}, "", "keywords the simulated robot is built with")
+    clamped: str = setting(
+        "firmware_sim.clamped_robot:ClampedRobot", "", "module:Class of its Block for `calibrate joints`", pattern=CLASS
+    )
     clamp: float = setting(2e-8, "m/N", "compliance of what its clamp is fastened to, along each axis", ge=0, le=1e-4)
     clamp_turn: float = setting(2e-7, "rad/(N m)", "and about each axis", ge=0, le=1e-2)
     slip: float = setting(5e3, "N", "force beyond which the clamp slips", gt=0, le=1e9)
@@ -81,4 +86,5 @@ class CellConfig(Section):
     robot: Robot = Field(default_factory=Robot)
     limits: RobotLimits = Field(default_factory=RobotLimits)
     tracker: Tracker = Field(default_factory=Tracker)
+    clamping: Clamping = Field(default_factory=Clamping)
     simulator: Simulator = Field(default_factory=Simulator)

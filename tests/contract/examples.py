@@ -6,7 +6,6 @@ from typing import Literal
 
 import numpy as np
 
-from calibration.joint_clamping.config import JointsConfig, procedure
 from ctlblocks import Block, Port, recording, replay
 from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
 from firmware_sim.clamped_robot import ClampedRobot
@@ -24,6 +23,7 @@ from stagectl.link.stage_link import StageLink
 from stagectl.models import InnovationModel
 from stagectl.robot.arm import irb140
 from stagectl.robot.cartesian_correction import CartesianCorrection
+from stagectl.robot.clamp_config import Clamping, clamp_procedure
 from stagectl.robot.clamp_search import ClampSearch
 from stagectl.robot.config import CellConfig, Robot
 from stagectl.robot.config import Tracker as TrackerConfig
@@ -167,7 +167,7 @@ EXAMPLES: dict[type[Block], Example] = {
     VibratorImpulseResponse: Example(lambda: _measured(VibratorImpulseResponse)),
     PiezoStage: Example(PiezoStage),
     ClampedRobot: Example(ClampedRobot, rate=250.0),
-    ClampSearch: Example(lambda: ClampSearch(procedure(JointsConfig(), (0, 2))), rate=250.0),
+    ClampSearch: Example(lambda: ClampSearch(clamp_procedure(Clamping(), irb140().with_tool(0.1), (0, 2))), rate=250.0),
     HysteresisCompensation: Example(lambda: HysteresisCompensation([_loops(), None, _loops()])),
     StickingStage: Example(StickingStage),
     Held: Example(lambda: Held("force", "N")),

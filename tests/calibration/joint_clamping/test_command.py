@@ -7,15 +7,17 @@ import pytest
 
 from calibration.__main__ import main
 from calibration.joint_clamping.command import joint_numbers
-from calibration.joint_clamping.config import JointsConfig
 from calibration.joint_clamping.joints_file import read_joints
-from calibration.joint_clamping.measurement import ClampAborted, measure
+from calibration.joint_clamping.measurement import ClampAborted
 from calibration.joint_clamping.report import HEAD, rows
-from calibration.joint_clamping.results import WAYS, of_map
+from calibration.joint_clamping.requests import Requests
+from calibration.joint_clamping.results import LINK, RAW, TOOL, of_map
+from calibration.joint_clamping.session import measure
 from calibration.joint_clamping.torque_map import TorqueMap
 from rigkit.config import load
 from rigkit.model_file import ModelFileError
 from rigkit.stop import Stopped
+from stagectl.robot.config import CellConfig
 from tests.calibration.joint_clamping.clamped_arm import RATE, ClampedArm, random_joints, to_and_fro
 
 QUICK = ("clamping.cycles=2", f"clamping.speed=[{', '.join(['0.05'] * 6)}]", "clamping.settle=0.04")
@@ -64,25 +66,32 @@ def test_the_simulated_arm_is_measured_from_the_command_line_and_not_twice(
     files = ("--out", "joints.h5", "--json", "figures.json")
     assert call(monkeypatch, tmp_path, "--joints", "3", *files, *options) == 0
     found = json.loads((tmp_path / "figures.json").read_text())["joint_3"]
-    raw, flange, link = (found[way]["k_plus"] for way in WAYS)
+    raw, flange, link = (found[way]["k_plus"] for way in (RAW, TOOL, LINK))
     assert raw < flange < link
     assert link == pytest.approx(52_478.3, rel=0.03)
-    assert found[WAYS[-1]]["has_backlash"]
-    assert found[WAYS[-1]]["backlash"] == pytest.approx(0.0862e-3, abs=0.02e-3)
+    assert found[LINK]["has_backlash"]
+    assert found[LINK]["backlash"] == pytest.approx(0.0862e-3, abs=0.02e-3)
+    assert (tmp_path / "joints.raw" / "maps.html").exists()
     before = (tmp_path / "joints.raw" / "joint-3.wav").stat().st_mtime_ns
-    config = load(None, JointsConfig, QUICK)
-    measure(config, (2,), tmp_path / "joints.raw", lambda _: None, lambda: True)
+    config = load(None, CellConfig, QUICK)
+    measure(config, (2,), tmp_path / "joints.raw", print, stopped())
     assert (tmp_path / "joints.raw" / "joint-3.wav").stat().st_mtime_ns == before
     with pytest.raises(ValueError, match="was recorded with another configuration"):
-        measure(JointsConfig(), (2,), tmp_path / "joints.raw", lambda _: None, lambda: True)
+        measure(CellConfig(), (2,), tmp_path / "joints.raw", print, stopped())
+
+
+def stopped() -> Requests:
+    made = Requests()
+    made.stopping.made = True
+    return made
 
 
 def test_an_abort_says_why_and_a_stop_where_it_stands(tmp_path: Path) -> None:
-    slipping = JointsConfig.model_validate({"robot": {"options": {"slip_force": 40.0}}})
+    slipping = CellConfig.model_validate({"simulator": {"slip": 40.0}})
     with pytest.raises(ClampAborted, match=r"(slips|is it clamped).*; the arm holds in step 4"):
-        measure(slipping, (0,), tmp_path / "one", lambda _: None, lambda: False)
+        measure(slipping, (0,), tmp_path / "one", lambda _: None, Requests())
     with pytest.raises(Stopped, match="stopped in step 1: the arm holds"):
-        measure(JointsConfig(), (0,), tmp_path / "two", lambda _: None, lambda: True)
+        measure(CellConfig(), (0,), tmp_path / "two", lambda _: None, stopped())
 
 
 def test_a_file_that_holds_no_joints_is_refused(tmp_path: Path) -> None:
@@ -106,6 +115,6 @@ def test_the_table_says_what_is_not_significant() -> None:
     parts = random_joints(0, backlash=False)
     arm = ClampedArm(parts)
     angle, torque, _ = arm.run(to_and_fro(arm, 0, cycles=3))
-    (row,) = rows([of_map(TorqueMap(angle[:, 0], torque[:, 0], RATE), None)])
+    (row,) = rows([of_map(TorqueMap(angle[:, 0], torque[:, 0], RATE), {})])
     assert len(row) == len(HEAD)
     assert row[3].startswith("not significant (< 0.0")

@@ -101,7 +101,7 @@ def test_references_go_no_faster_than_they_may() -> None:
 
 
 def test_a_clamp_that_slips_is_found_by_its_name_and_the_arm_holds() -> None:
-    cell = Cell(procedure(), slip_force=40.0)
+    cell = Cell(procedure(), slip=40.0)
     cell.run(200.0)
     assert cell.search.cause is not None
     assert "slips" in cell.search.cause or "is it clamped" in cell.search.cause
@@ -113,7 +113,7 @@ def test_a_clamp_that_slips_is_found_by_its_name_and_the_arm_holds() -> None:
 
 
 def test_an_arm_that_is_not_held_at_all_fails_the_clamp_check() -> None:
-    cell = Cell(procedure(), slip_force=1.0)
+    cell = Cell(procedure(), slip=1.0)
     cell.run(200.0)
     assert cell.search.steps[cell.search.step].kind == "check"
     assert cell.search.cause is not None

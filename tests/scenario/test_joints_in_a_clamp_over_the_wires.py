@@ -1,0 +1,112 @@
+"""The clamping procedure over guided motion, the robot's program, its torque signals and the tracker.
+
+Guards against a procedure that works in process alone, and against faults on the way that end without a name or with
+the robot pushing on.
+"""
+
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from calibration.joint_clamping import session
+from calibration.joint_clamping.aside import Here
+from calibration.joint_clamping.measurement import ClampAborted
+from calibration.joint_clamping.requests import Requests
+from calibration.joint_clamping.results import LINK, RAW, TOOL, Clamped, of_recording
+from calibration.joint_clamping.session import clamped_arm, measure
+from rigkit.stop import Stopped
+from tests.scenario.stepped_cell import SteppedCell
+
+QUICK: dict[str, Any] = {
+    "live": True,
+    "cycles": 2,
+    "speed": [0.1, 0.1, 0.05, 0.1, 0.1, 0.1],
+    "approach": 0.1,
+    "settle": 0.04,
+    "turn": [100.0, 150.0, 60.0, 20.0, 18.0, 10.0],
+    "proof": [50.0, 75.0, 25.0, 10.0, 9.0, 5.0],
+    "quiet": [8.0, 12.0, 8.0, 2.0, 2.0, 1.2],
+    "pose": [0.0, 2.0, -8.0, 0.0, 32.0, 0.0],
+}
+"""Motions two to five times as fast as a laboratory's."""
+
+
+@contextmanager
+def here(_: object) -> Iterator[Executor]:
+    """Give the worker that needs no process: the test is no clock that must not wait."""
+    yield Here()
+
+
+def test_a_joint_is_measured_and_a_pause_holds_the_arm(tmp_path: Path) -> None:
+    asked, told = Requests(), []
+
+    def tell(text: str) -> None:
+        told.append(text)
+        asked.pause = "clamp check" in text  # until the next step, or that it is paused, is told
+
+    with SteppedCell(clamping=QUICK) as cell:
+        recorded, way = measure(cell.config, (2,), tmp_path, tell, asked)
+        joints = cell.bench.controller.plant.joints
+        assert not cell.bench.controller.plant.tripped
+    assert [text.split("  ")[-1] for text in told if "paused" in text or "goes on" in text] == [
+        "paused: the arm holds",
+        "goes on",
+    ]
+    arm, pose = clamped_arm(cell.config), np.radians(cell.config.clamping.pose)
+    result = of_recording(recorded[2], way, 2, Clamped(arm, pose, np.zeros((6, 6))))
+    assert set(result.models) == {RAW, TOOL, LINK}
+    raw, link = result.models[RAW], result.models[LINK]
+    truth, play = joints[0, 2], joints[2, 2]
+    assert raw.k_plus.high < 0.9 * truth
+    assert link.k_plus.low < truth < link.k_plus.high
+    assert link.k_plus.value == pytest.approx(truth, rel=0.2)  # two quick cycles through a tracker's noise
+    assert raw.backlash.value == pytest.approx(play, abs=0.02e-3)
+    assert (tmp_path / "maps.html").exists()
+    assert (tmp_path / "map-3.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("mishap", "reason"),
+    [
+        ("slip", "the clamp slips: joint 3 has moved by more than"),
+        ("torque", "the torque of joint 3 is beyond its limit of 60 N m"),
+        ("signals", "the torque signals have stopped: their line is down"),
+    ],
+)
+def test_what_goes_wrong_is_named_and_the_robot_is_held(
+    mishap: str, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(session, "aside", here)
+    clamping = QUICK | {"track": False, "speed": [0.1] * 6, "travel": [5e-3] * 6}
+    if mishap == "torque":
+        clamping |= {"torque": [200.0, 300.0, 60.0, 40.0, 36.0, 20.0], "turn": [100.0, 150.0, 59.0, 20.0, 18.0, 10.0]}
+    with SteppedCell(clamping=clamping) as cell:
+
+        def tell(text: str) -> None:
+            if "2 cycles" in text and mishap == "slip":
+                cell.mishaps.append(lambda: cell.bench.suffer("slip"))
+            if "2 cycles" in text and mishap == "signals":
+                cell.mishaps.append(cell.bench.signals.hang_up)
+
+        with pytest.raises(ClampAborted, match=f"{reason}.*; the arm holds in step"):
+            measure(cell.config, (2,), tmp_path, tell, Requests())
+    assert not (tmp_path / "joint-3.wav").exists()
+
+
+def test_a_stop_holds_the_arm_and_says_where_it_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(session, "aside", here)
+    asked = Requests()
+
+    def tell(text: str) -> None:
+        asked.stopping.made = "soft servo on" in text
+
+    with (
+        SteppedCell(clamping=QUICK | {"track": False}) as cell,
+        pytest.raises(Stopped, match="stopped in step 2: the arm holds"),
+    ):
+        measure(cell.config, (2,), tmp_path, tell, asked)
