@@ -27,6 +27,10 @@ from stagectl.robot.config import CellConfig
 WAY_OF = {"best": "", "none": RAW, "clamp": CLAMP, "tool": TOOL, "link": LINK}
 """What `--compensate` takes, and the way that is."""
 
+PoseOption = Annotated[
+    list[str] | None, typer.Option(metavar="DEG,...", help="Clamping pose; may be given many times.")
+]
+
 
 def joints_command(
     config: ConfigOption = None,
@@ -34,14 +38,10 @@ def joints_command(
     joints: Annotated[str, typer.Option(metavar="1-6", help="Which joints: numbers and ranges.")] = "1-6",
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file; the report goes beside it.")] = None,
     live: Annotated[bool, typer.Option("--live", help="The robot behind its wires, as [robot] says.")] = False,
-    pose: Annotated[
-        list[str] | None, typer.Option(metavar="DEG,...", help="Clamping pose; may be given many times.")
-    ] = None,
+    pose: PoseOption = None,
     poses: Annotated[Path | None, typer.Option(metavar="FILE", help="Clamping poses, one a line, in deg.")] = None,
     compensate: Annotated[str, typer.Option(metavar="WAY", help=f"Arm's side known by {', '.join(WAY_OF)}.")] = "best",
-    advise: Annotated[
-        bool, typer.Option("--advise", help="Say where to clamp for each joint, and move nothing.")
-    ] = False,
+    advise: Annotated[bool, typer.Option("--advise", help="Say where to clamp for each joint; move nothing.")] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Print every motion, and make none.")] = False,
     angle: Annotated[str, typer.Option(metavar="NAME", help="With --from: channel of the motor's angle.")] = "angle",
     torque: Annotated[str, typer.Option(metavar="NAME", help="With --from: channel of its torque.")] = "torque",
@@ -71,23 +71,29 @@ def joints_command(
         _finish([found], None, str(record), out, png, json)
         return
     cell = rig_file.load(config, CellConfig, [*(settings or []), *["clamping.live=true"] * live])
-    arm = clamped_arm(cell)
-    wanted = joint_numbers(joints, arm.joints)
-    if advise:
-        advised = advice_table.advice(cell, arm, wanted)
-        print_table("where to clamp", advice_table.HEAD, advice_table.rows(advised), words(json))
-        write_json(json, advice_table.figures(advised))
-        return
+    wanted = joint_numbers(joints, clamped_arm(cell).joints)
     cells = in_poses(cell, pose or [], poses)
-    if dry_run:
-        steps = [step for each in cells for step in clamp_procedure(each.clamping, arm, wanted).steps()]
-        for number, step in enumerate(steps, start=1):
-            typer.echo(f"{number:3d}  {step.words}")
-        return
-    if out is None:
+    if advise:
+        _advise(cell, wanted, json)
+    elif dry_run:
+        _say_steps(cells, wanted)
+    elif out is None:
         raise ValueError("--out is missing: recordings are kept beside the model file")
-    results, whole = _measured(cells, wanted, out, words(json), WAY_OF[compensate])
-    _finish(results, whole, str(config or "defaults"), out, png, json)
+    else:
+        results, whole = _measured(cells, wanted, out, words(json), WAY_OF[compensate])
+        _finish(results, whole, str(config or "defaults"), out, png, json)
+
+
+def _advise(cell: CellConfig, joints: tuple[int, ...], json: str | None) -> None:
+    advised = advice_table.advice(cell, clamped_arm(cell), joints)
+    print_table("where to clamp", advice_table.HEAD, advice_table.rows(advised), words(json))
+    write_json(json, advice_table.figures(advised))
+
+
+def _say_steps(cells: Sequence[CellConfig], joints: tuple[int, ...]) -> None:
+    steps = [step for each in cells for step in clamp_procedure(each.clamping, clamped_arm(each), joints).steps()]
+    for number, step in enumerate(steps, start=1):
+        typer.echo(f"{number:3d}  {step.words}")
 
 
 def joint_numbers(text: str, most: int) -> tuple[int, ...]:

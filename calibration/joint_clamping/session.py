@@ -25,6 +25,7 @@ from ctlblocks.recording import Recording
 from rigkit import atomic
 from rigkit.config import resolve
 from stagectl.link.bus import LinkError
+from stagectl.link.clock import run_linked
 from stagectl.robot.arm import Arm
 from stagectl.robot.clamp_config import clamp_procedure
 from stagectl.robot.clamp_port import GuidedArm
@@ -33,7 +34,6 @@ from stagectl.robot.clamp_search import ClampSearch
 from stagectl.robot.clamp_tracker import TrackedLinks
 from stagectl.robot.config import CellConfig
 from stagectl.robot.port import RobotPort, arm_of
-from stagectl.robot.port_blocks import run_with_robot
 from stagectl.robot.program import RobotProgram, TorqueSignals
 from stagectl.wire.egm import RATE
 
@@ -137,7 +137,7 @@ def _run_live(cell: CellConfig, search: ClampSearch, folder: Path, tell: Tell, a
         stack.callback(gc.unfreeze)
         port.start()
         try:
-            run_with_robot(run.graph, port, sys.maxsize, run.look)
+            run_linked(run.graph, port, sys.maxsize, run.look)
         except LinkError as fault:
             raise ClampAborted(f"{port.reason or fault}; {run.where}") from fault
         finally:

@@ -24,6 +24,8 @@ from stagectl.models import InnovationModel
 from stagectl.robot.arm import irb140
 from stagectl.robot.cartesian_correction import CartesianCorrection
 from stagectl.robot.clamp_config import Clamping, clamp_procedure
+from stagectl.robot.clamp_port import GuidedArm
+from stagectl.robot.clamp_program import ClampProgram
 from stagectl.robot.clamp_search import ClampSearch
 from stagectl.robot.config import CellConfig, Robot
 from stagectl.robot.config import Tracker as TrackerConfig
@@ -33,7 +35,7 @@ from stagectl.robot.midranging.tuning import LoopModel, lambda_tuned
 from stagectl.robot.midranging.valve_position import ValvePosition, ValvePositionAxis
 from stagectl.robot.port import RobotPort
 from stagectl.robot.port_blocks import JointCommand, JointReport, PoseCommand, PoseReport
-from stagectl.robot.program import MotorTorque, TorqueSignals
+from stagectl.robot.program import MotorTorque, RobotProgram, TorqueSignals
 from stagectl.robot.tracker import TrackedPose, TrackerLine
 from stagectl.stage.controller import PiezoController, StageController
 from stagectl.stage.guard import VoltageGuard
@@ -143,6 +145,18 @@ def _sight(block: TrackedPose) -> None:
     block.line.inbox.seen = 0.0
 
 
+def _guided_arm() -> Block:
+    port = _robot()
+    port.conversation.guard.place(np.full(6, 0.1))
+    signals = TorqueSignals(Robot(), "127.0.0.1", lambda: 0.0)
+    program = ClampProgram(RobotProgram.__new__(RobotProgram), (0.85,) * 6, print)
+    return GuidedArm(port, program, signals, None)
+
+
+def _signal(block: GuidedArm) -> None:
+    block.signals.newest = np.full(13, 7.0)
+
+
 EXAMPLES: dict[type[Block], Example] = {
     Sum: Example(lambda: Sum("+-", width=2)),
     Gain: Example(lambda: Gain(-2.5, width=2)),
@@ -192,6 +206,7 @@ EXAMPLES: dict[type[Block], Example] = {
     JointCommand: Example(lambda: JointCommand(_robot()), rate=250.0),
     PoseCommand: Example(lambda: PoseCommand(_robot("pose")), rate=250.0),
     TrackedPose: Example(lambda: TrackedPose(TrackerLine(TrackerConfig(), print, now=lambda: 1.0)), _sight, 250.0),
+    GuidedArm: Example(_guided_arm, _signal, 250.0),
     MotorTorque: Example(
         lambda: MotorTorque(TorqueSignals(Robot(), "127.0.0.1", lambda: 0.0)),
         start=lambda block: block.signals.newest.fill(7.0),
