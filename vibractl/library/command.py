@@ -96,7 +96,8 @@ def list_command(library: LibraryOption = None, json: JsonOption = None) -> None
         else:
             rows.append(_row(name, entry))
             figures.append(_figures(name, entry))
-    print_table(f"{place.path}: {len(rows)} entries", _HEAD, rows, words(json))
+    count = "1 entry" if len(rows) == 1 else f"{len(rows)} entries"
+    print_table(f"{place.path}: {count}", _HEAD, rows, words(json))
     write_json(json, {"library": str(place.path), "entries": figures})
 
 
