@@ -14,6 +14,7 @@ from rigkit.stop import Stopped, stoppable
 from stagectl import session
 from stagectl.config import StageConfig
 from stagectl.live import run_live
+from stagectl.planning.command import plan
 from stagectl.replay import replay
 from stagectl.report import run_report
 from stagectl.robot.config import CellConfig
@@ -149,6 +150,7 @@ def report_command(
 
 
 app.command("midrange")(midrange)
+app.command("plan")(plan)
 
 
 def main() -> int:

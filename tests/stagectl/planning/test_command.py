@@ -1,0 +1,75 @@
+"""What a person types, and what comes of it."""
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from stagectl.__main__ import main
+from tests.stagectl.planning.pockets import EXAMPLE
+
+
+@pytest.fixture
+def pocket(tmp_path: Path) -> str:
+    file = tmp_path / "pocket.json"
+    file.write_text(json.dumps(EXAMPLE))
+    return str(file)
+
+
+def _plan(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
+    monkeypatch.setattr(sys, "argv", ["stagectl", "plan", *words])
+    return main()
+
+
+def test_a_planned_path_passes_the_check(monkeypatch: pytest.MonkeyPatch, pocket: str, tmp_path: Path) -> None:
+    path, figures = str(tmp_path / "path.json"), tmp_path / "figures.json"
+    assert _plan(monkeypatch, pocket, "--planner", "exact", "--out", path) == 0
+    assert _plan(monkeypatch, "--check", pocket, path, "--json", str(figures)) == 0
+    found = json.loads(figures.read_text())
+    assert found["total"] == pytest.approx(23.796)
+    assert found["gap"] == pytest.approx(0.0, abs=1e-12)
+    assert (found["legal"], found["complete"], found["left"], found["error"]) == (True, True, 0, None)
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        ([["E3", 0, 0, "E"]], "legal; leaves 810 of 900 cells: 2.25 s"),
+        ([["E3", 0, 0, "E"], ["E3", 0, 0, "E"]], "segment 2: E3 at row 0, col 0 mills 0 rows, must be 3"),
+        ([["E2d", -1, 0, "E"]], "segment 1: the tool at row -1, col 0 crosses a wall"),
+    ],
+)
+def test_a_path_that_will_not_do_is_status_1(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], pocket: str, tmp_path: Path,
+    path: list[Any], said: str,
+) -> None:  # fmt: skip
+    file = tmp_path / "path.json"
+    file.write_text(json.dumps(path))
+    assert _plan(monkeypatch, "--check", pocket, str(file)) == 1
+    assert said in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["{pocket}", "--planner", "guess"], "planner is 'guess', must be one of"),
+        (["--check", "{pocket}"], "--check goes with two files"),
+        (["{pocket}", "{pocket}"], "--check goes with two files"),
+        (["--check", "{pocket}", "{pocket}"], "a path is dict, must be a list"),
+        (["{folder}/none.json"], "No such file"),
+        (["{folder}/bad.json"], "bad.json: rows is 1, smaller than the tool"),
+        (["{folder}/no.json"], "no.json: Expecting value"),
+    ],
+)
+def test_a_mistake_is_one_line_and_status_2(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], pocket: str, tmp_path: Path,
+    words: list[str], text: str,
+) -> None:  # fmt: skip
+    (tmp_path / "bad.json").write_text(json.dumps({**EXAMPLE, "rows": 1}))
+    (tmp_path / "no.json").write_text("nothing")
+    assert _plan(monkeypatch, *(word.format(pocket=pocket, folder=tmp_path) for word in words)) == 2
+    err = capsys.readouterr().err
+    assert text in err
+    assert err.count("\n") == 1
