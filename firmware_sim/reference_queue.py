@@ -1,4 +1,4 @@
-"""The references a stage has still to follow: in order, without gaps, and the way back to mid-travel."""
+"""The references a stage has still to follow, in m or V from rest: in order, without gaps, and the way back."""
 
 from collections import deque
 
@@ -19,7 +19,7 @@ class ReferenceQueue:
     """
 
     LONGEST = 100
-    """Blocks; the oldest beyond are dropped, and counted as lost."""
+    """Blocks, or four times `ahead`; the oldest beyond are dropped, and counted as lost."""
 
     def __init__(self, ahead: int) -> None:
         self.lost = self.late = self.underruns = 0
@@ -33,8 +33,9 @@ class ReferenceQueue:
         """Blocks waiting."""
         return len(self._blocks)
 
-    def clear(self) -> None:
-        """Forget what waits; the next block starts from mid-travel."""
+    def clear(self, ahead: int) -> None:
+        """Forget what waits; the next block starts from mid-travel, once `ahead` blocks wait."""
+        self._ahead = ahead
         self._blocks.clear()
         self._last = np.zeros(len(AXES))
         self._end = self._last
@@ -57,7 +58,7 @@ class ReferenceQueue:
         if len(block) > 1:
             self._blocks.append(block)
         self._end = block[-1]
-        while len(self._blocks) > self.LONGEST:
+        while len(self._blocks) > max(self.LONGEST, 4 * self._ahead):
             self._blocks.popleft()
             self.lost += 1
 

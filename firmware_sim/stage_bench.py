@@ -44,7 +44,9 @@ class StageBench:
     ) -> None:
         self.can, self.laser = folder / "can", folder / "laser"
         image.tick(np.zeros((BLOCK, 3)))  # compiles
-        processor = StageProcessor(Loops(image.tick, image.commit, image.clear), settings, monotonic())
+        processor = StageProcessor(
+            Loops(image.tick, image.commit, image.clear, image.excite, image.release), settings, monotonic()
+        )
         self.node = CanNode(SlcanAdapter(self.can), processor, image.stick, mishaps)
         seen = image.absolute
         self._sensor = SerialNode(self.laser, lambda: float(seen[laser_axis]), laser.mode, unit=laser.scale)

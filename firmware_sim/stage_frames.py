@@ -15,7 +15,7 @@ _CLASSIC = (messages.SLOW_POSITION, messages.SLOW_EXTENSION, messages.SLOW_VOLTA
 
 
 class StageFrames:
-    """Collects frames until they are taken.
+    """Collects frames until they are taken; while it `shows_all`, extension and voltage of every block.
 
     Parameters
     ----------
@@ -26,6 +26,7 @@ class StageFrames:
 
     def __init__(self, form: str, others_every: int, now: float) -> None:
         self.is_mute = False
+        self.shows_all = False
         self.beat_due = now
         self._is_classic, self._every, self._on = form == "classic", others_every, now
         self._report_due = now
@@ -46,7 +47,8 @@ class StageFrames:
     def publish(self, number: int, signals: Signals) -> None:
         """Add a block's samples, `number` being its counter; WireError where one is out of range."""
         layouts = _CLASSIC if self._is_classic else _FD
-        names = ("position", "extension", "voltage") if self._every and number % self._every == 0 else ("position",)
+        whole = self.shows_all or (self._every and number % self._every == 0)
+        names = ("position", "extension", "voltage") if whole else ("position",)
         for name, layout in zip(names, layouts, strict=False):
             block = signals[name][-1:] if self._is_classic else signals[name]
             self._out.append(Frame(layout.identifier, samples.encode(layout, number, block), layout.is_fd))

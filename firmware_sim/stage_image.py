@@ -10,15 +10,18 @@ from ctlblocks.block import Block, Port
 from ctlblocks.graph import Graph
 from firmware_sim.laboratory import plant_block
 from firmware_sim.stage_blocks import Milling, PiezoStage
+from firmware_sim.stage_excitation import Excitation
 from stagectl.config import StageConfig
 from stagectl.models import InnovationModel
 from stagectl.stage import sensors_kernel
-from stagectl.stage.loop import Stage, stage_controller
+from stagectl.stage.controller import PiezoController
+from stagectl.stage.inner_parameters import SUFFIX, inner_from
+from stagectl.stage.loop import Stage, inner_loops, stage_controller
 from stagectl.stage.loop_parameters import loops_from
 from stagectl.stage.servo import Servo
 from stagectl.stage.state_feedback import StateFeedback
 from stagectl.wire import messages, samples
-from stagectl.wire.messages import AXES, BLOCK, RATE, Fault
+from stagectl.wire.messages import AXES, BLOCK, RATE, Drive, Fault
 
 RATIO = 5.0
 """m of travel per m of extension [Sörnmo 2015, sec. 2.2: a gear ratio of about five]."""
@@ -71,7 +74,8 @@ class StageImage:
     """What runs on the processor, ten samples a call.
 
     Switched on, it ramps to rest and closes its loops, with an outer loop that knows nothing of the flexure: the
-    reference over the gear ratio, and a slow integral.  Parameters from the host replace it by one that was designed.
+    reference over the gear ratio, and a slow integral.  Parameters from the host replace them by some that were
+    designed.  For identification the loop of one axis can be opened (`excite`) while the others rest.
 
     Parameters
     ----------
@@ -96,7 +100,12 @@ class StageImage:
         assert isinstance(plant, StickingStage)
         self._plant = plant
         self._controller = stage_controller(config, [_first_loop()] * len(AXES))
-        self._stage = Stage(self._graph, config, self._controller)
+        self._inner = PiezoController(inner_loops(config), config.limits)
+        self._extension = Held("extension_reference", "m")
+        self._middle_extension = sum(config.limits.extension) / 2
+        self._excitation = Excitation(config.limits.rest_voltage)
+        self._travel, self._has_left = config.limits.travel, False
+        self._stage = Stage(self._graph, config, self._controller, self._excitation)
         self._wire(milling)
         self._signals = {name: np.zeros((BLOCK, len(AXES))) for name in ("position", "extension", "voltage")}
         self._sources = {
@@ -119,52 +128,108 @@ class StageImage:
 
         Parameters
         ----------
-        reference : array, shape (10, 3), m from mid-travel
+        reference : array, shape (10, 3), m from mid-travel; while an axis is excited, V or m from rest
 
         Returns
         -------
         dict
-            "position" (m from mid-travel), "extension" (m) and "voltage" (V) of shape (10, 3), and the "fault".
+            "position" (m from mid-travel) and "extension" (m), as the loops read them, and the "voltage" (V) they then
+            made, of shape (10, 3); and the "fault".
         """
         guard = self._stage.guard
         if guard.at_rest and not guard.latched:
-            self._stage.start()
+            self._start()
+        position, extension, voltage = self._signals.values()
         for n in range(len(reference)):
-            np.add(reference[n], self._middle, out=self._reference.value)
+            position[n], extension[n] = self._sources["position"][0], self._sources["extension"][0]
+            self._follow(reference[n])
             self._graph.tick()
-            for name, block in self._signals.items():
-                block[n] = self._sources[name][0]
-        position = self._signals["position"]
+            voltage[n] = self._sources["voltage"][0]
+        if self._excitation.drive is not None and guard.is_open:
+            self._look_at_travel(position)
         position -= self._middle
         position[~(np.abs(position) <= _LARGEST)] = np.nan  # the sensor's range is wider than the wire's
         return {**self._signals, "fault": self._fault()}
 
     def commit(self, parameters: Mapping[str, np.ndarray]) -> None:
-        """Take other outer loops, one an axis, without a step; ValueError refuses them all.
+        """Take other outer loops, other inner loops or both, one an axis, without a step; ValueError refuses them all.
 
         Parameters
         ----------
-        parameters : mapping of str to array, any shape, the units of `StateFeedback`
+        parameters : mapping of str to array, any shape, the units of `StateFeedback` and `Pid`
         """
-        loops = loops_from(self._axes, parameters, RATE)
+        inner = {name: value for name, value in parameters.items() if name.endswith(SUFFIX)}
+        outer = {name: value for name, value in parameters.items() if name not in inner}
+        pids = inner_from(self._axes, inner) if inner else []
+        loops = loops_from(self._axes, outer, RATE) if outer or not inner else []
         for loop in loops:
             loop.servo.tracking(loop.servo_feedback, RATE)  # what the controller will ask of it
+        for axis, pid in enumerate(pids):
+            self._controller.change_inner(axis, pid)
+            self._inner.change_inner(axis, pid)
         for axis, loop in enumerate(loops):
             self._controller.change_outer(axis, loop)
+
+    def excite(self, drive: Drive, axis: int) -> None:
+        """Take all axes to rest, and then let one be driven by what comes; ValueError where it cannot.
+
+        Parameters
+        ----------
+        drive : Drive
+        axis : int, counted from 0
+        """
+        if not 0 <= axis < len(AXES) or self._stage.fault is not None:
+            raise ValueError(f"axis {axis} cannot be excited, must be 0 to {len(AXES) - 1}; fault: {self._stage.fault}")
+        self._stage.stop()
+        self._excitation.drive, self._excitation.axis = drive, axis
+
+    def release(self) -> None:
+        """Take all axes to rest and then close their loops again, where one was excited."""
+        if self._excitation.drive is not None:
+            self._stage.stop()
+            self._inner.stop()
+            self._excitation.drive = None
 
     def clear(self) -> None:
         """Clear the latch, if there is one; ValueError while the way to rest is not over."""
         if self._stage.fault is not None:
             self._plant.stuck_at = math.nan
+            self._has_left = False
             self._stage.clear("a person at the host")
 
     def stick(self) -> None:
         """Let the sensor on y stick until the fault is cleared."""
         self._plant.stuck_at = float(self._graph.signal("plant.position")[0, 1])
 
+    def _start(self) -> None:
+        if self._excitation.drive is None:
+            self._stage.start()
+            return
+        self._stage.guard.open()
+        if self._excitation.drive is Drive.EXTENSION:
+            self._inner.start(self._stage.guard.voltage)
+
+    def _follow(self, reference: np.ndarray) -> None:
+        """Give the loops their next reference, or the excited axis its next deviation from rest."""
+        if self._excitation.drive is None:
+            np.add(reference, self._middle, out=self._reference.value)
+            return
+        deviation = float(reference[self._excitation.axis])
+        self._excitation.deviation = deviation
+        self._extension.value[:] = self._middle_extension
+        self._extension.value[self._excitation.axis] += deviation
+
+    def _look_at_travel(self, position: np.ndarray) -> None:
+        low, high = self._travel
+        if not (position.min() >= low and position.max() <= high):  # NaN as well
+            self._has_left = True
+            self._stage.guard.trip(f"the plate left {low:g} to {high:g} m while it was excited")
+
     def _fault(self) -> Fault:
         if self._stage.fault is None:
             return Fault.NONE
+        if self._has_left:
+            return Fault.TRAVEL
         sensor = self._stage.sensors.fault
         if sensor is None:
             return Fault.CONTROLLER
@@ -184,6 +249,11 @@ class StageImage:
         for name in ("position", "extension"):
             graph.connect(f"plant.{name}", f"sensors.{name}", delayed=True)
         graph.connect("reference.reference", "controller.reference")
+        graph.add("inner", self._inner)
+        graph.add("extension", self._extension)
+        graph.connect("extension.extension_reference", "inner.extension_reference")
+        graph.connect("sensors.valid_extension", "inner.extension")
+        graph.connect("inner.request", "compensation.inner")
         graph.prepare()
 
 

@@ -8,20 +8,24 @@ import numpy as np
 
 from firmware_sim.parameter_store import ParameterStore
 from firmware_sim.reference_queue import ReferenceQueue
+from firmware_sim.reference_stream import ReferenceStream
 from firmware_sim.slcan_adapter import Frame
 from firmware_sim.stage_frames import Signals, StageFrames
-from stagectl.wire import messages, samples
-from stagectl.wire.layout import GarbledError, WireError
-from stagectl.wire.messages import PERIOD, Command, Fault, HostState, Result, State
-from stagectl.wire.sequence import Sequence
+from stagectl.wire import messages
+from stagectl.wire.layout import GarbledError, Layout, WireError
+from stagectl.wire.messages import PERIOD, Command, Drive, Fault, HostState, Result, State
 
 Tick = Callable[[np.ndarray], Signals]
-"""From references, shape (10, 3), m from mid-travel, to "position" and "extension" (m) and "voltage" (V) of that shape
-and, where the loops have latched, the "fault"."""
+"""From references, shape (10, 3), m from mid-travel (excited: V or m from rest), to "position" and "extension" (m) and
+"voltage" (V) of that shape and, where the loops have latched, the "fault"."""
 
 
 def _nothing(*_: object) -> None:
     """Do nothing."""
+
+
+def _refuse(*_: object) -> None:
+    raise ValueError("these loops cannot be excited")
 
 
 @dataclass(frozen=True)
@@ -35,11 +39,18 @@ class Loops:
         Puts parameters into use between two ticks; a ValueError refuses them.
     clear : callable()
         Clears the loops' own latch: a person has acknowledged.
+    excite : callable(Drive, int)
+        Takes all axes to rest and opens the loop of one, counted from 0, so that what comes drives it; a ValueError
+        refuses.
+    release : callable()
+        Takes them to rest again and closes the loops.
     """
 
     tick: Tick
     commit: Callable[[Mapping[str, np.ndarray]], None] = _nothing
     clear: Callable[[], None] = _nothing
+    excite: Callable[[Drive, int], None] = _refuse
+    release: Callable[[], None] = _nothing
 
 
 @dataclass(frozen=True)
@@ -68,10 +79,14 @@ class Settings:
 
 
 _CHUNKS = (messages.WRITE_CHUNK, messages.SLOW_WRITE_CHUNK)
+_LED = (State.FOLLOWING, State.EXCITED)
+"""States in which the host streams."""
 _AT_ONCE = 10
 """Blocks it catches up with before it looks at the wire again."""
 _REMEMBERED = 1.0
 """s for which a command that comes again is the same one, asked again."""
+_LONGEST_TOLD = 0xFFFF
+"""Of the silence in the status, 0.1 ms."""
 _PATIENCE = 0.5
 """s of its own time the processor catches up with; more is an overrun."""
 
@@ -92,11 +107,10 @@ class StageProcessor:
         self._loops, self._settings = loops, settings
         self._queue = ReferenceQueue(settings.ahead if settings.pace == "own" else 1)
         self._store = ParameterStore(loops.commit)
-        self._expected = messages.REFERENCE if settings.form == "fd" else messages.SLOW_REFERENCE
-        self._references = Sequence(self._expected.modulus)
-        self._due = self._host = self._reference = now
-        self._garbled_since = self._reference_counter = 0
-        self._has_reference = False
+        self._references = messages.REFERENCE if settings.form == "fd" else messages.SLOW_REFERENCE
+        self._stream = ReferenceStream(self._references, self._queue, settings.silence)
+        self._due = self._host = now
+        self._longest_gap = 0.0
         self._answered: tuple[int, ...] = ()
         self._answer_given: tuple[int, ...] = ()
         self._answered_at = now
@@ -113,17 +127,19 @@ class StageProcessor:
         if layout is None or layout.sender != "host":
             return
         try:
-            if layout is self._expected:
+            if layout is self._stream.layout:
                 self._take_reference(frame.data, now)
                 return
             _, values = layout.unpack(frame.data)
         except GarbledError:
             self.garbled += 1
-            self._garbled_since += 1
+            self._stream.garble()
             return
         if layout is messages.HOST_HEARTBEAT:
-            self._host = now
-            if values[0] == HostState.FAULT and self.state is State.FOLLOWING:
+            gap, self._host = now - self._host, now
+            if self.state in _LED:
+                self._longest_gap = max(self._longest_gap, gap)
+            if values[0] == HostState.FAULT and self.state in _LED:
                 self._fail(Fault.HOST_FAULT)
         elif layout in _CHUNKS:
             self._store.write(values[0], bytes(values[1:]))
@@ -133,14 +149,14 @@ class StageProcessor:
     def advance(self, now: float) -> list[Frame]:
         """Run the blocks that are due and return the frames to send."""
         self._watch(now)
-        if self._settings.pace == "host" and self.state is State.FOLLOWING and self._has_reference:
-            while len(self._queue) and self.state is State.FOLLOWING:
+        if self._settings.pace == "host" and self.state in _LED and self._stream.has_come:
+            while len(self._queue) and self.state in _LED:
                 self._run_block()
             self._due = now + PERIOD
         else:
             if now - self._due > _PATIENCE:
                 self._due = now
-                if self.state is State.FOLLOWING:
+                if self.state in _LED:
                     self._fail(Fault.OVERRUN)
             last = self.block + _AT_ONCE
             while self._due <= now and self.block < last:
@@ -150,12 +166,11 @@ class StageProcessor:
         return self.frames.take()
 
     def _watch(self, now: float) -> None:
-        if self.state is not State.FOLLOWING:
+        if self.state not in _LED:
             return
-        if now - self._host > self._settings.silence:
-            self._fail(Fault.HOST_SILENT)
-        elif now - self._reference > self._settings.silence:
-            self._fail(Fault.REFERENCE_GARBLED if self._garbled_since else Fault.REFERENCE_SILENT)
+        fault = Fault.HOST_SILENT if now - self._host > self._settings.silence else self._stream.fault(now)
+        if fault is not Fault.NONE:
+            self._fail(fault)
 
     def _fail(self, fault: Fault) -> None:
         """Keep the first fault and go to mid-travel."""
@@ -169,7 +184,9 @@ class StageProcessor:
 
     def _run_block(self) -> None:
         if self.state is State.RAMPING and not len(self._queue):
-            self._queue.clear()
+            self._queue.clear(self._settings.ahead)
+            self._loops.release()
+            self.frames.shows_all = False
             self.state = State.HOLDING if self.fault is Fault.NONE else State.FAULT
         try:
             signals = self._loops.tick(self._queue.take())
@@ -185,22 +202,13 @@ class StageProcessor:
         """Return the fields of the status."""
         queue = self._queue
         counts = (queue.lost, queue.late, self.garbled, queue.underruns)
-        return self.block, self._store.in_use, *counts, self._reference_counter
+        waiting = len(queue) if self.state in _LED else 0
+        silence = round(1e4 * max(self._longest_gap, self._stream.longest_gap))
+        return self.block, self._store.in_use, *counts, self._stream.counter, waiting, min(silence, _LONGEST_TOLD)
 
     def _take_reference(self, data: bytes, now: float) -> None:
-        counter, block = samples.decode(self._expected, data)
-        if self.state is not State.FOLLOWING:
-            return
-        missing = self._references.accept(counter)
-        if missing < 0:
-            self._queue.late += 1
-            return
-        self._reference, self._garbled_since, self._reference_counter = now, 0, counter
-        if missing * PERIOD >= self._settings.silence:
-            self._fail(Fault.REFERENCE_SILENT)
-        else:
-            self._queue.put(missing, block)
-            self._has_reference = True
+        if self.state in _LED and (fault := self._stream.take(data, now)) is not Fault.NONE:
+            self._fail(fault)
 
     def _answer(self, values: tuple[int, ...], now: float) -> None:
         command, token, argument = values
@@ -212,9 +220,11 @@ class StageProcessor:
     def _obey(self, command: Command, argument: int, now: float) -> tuple[Result, int]:
         store, result, about = self._store, Result.DONE, 0
         if command is Command.START:
-            result = self._start(now)
+            result = self._start(self._references, self._settings.ahead, State.FOLLOWING, now)
+        elif command is Command.EXCITE:
+            result = self._excite(argument, now)
         elif command is Command.STOP:
-            if self.state is State.FOLLOWING:
+            if self.state in _LED:
                 self._retreat()
         elif command is Command.ACKNOWLEDGE:
             result = self._acknowledge()
@@ -228,15 +238,28 @@ class StageProcessor:
             result = store.commit(argument)
         return result, about
 
-    def _start(self, now: float) -> Result:
+    def _start(self, layout: Layout, ahead: int, led: State, now: float) -> Result:
         if self.state is not State.HOLDING or self.fault is not Fault.NONE:
             return Result.WRONG_STATE
-        self._queue.clear()
-        self._references.reset()
-        self._garbled_since, self._has_reference = 0, False
-        self._host = self._reference = now
-        self.state = State.FOLLOWING
+        self._stream.begin(layout, ahead if self._settings.pace == "own" else 1, now)
+        self._host, self._longest_gap = now, 0.0
+        self.state = led
         return Result.DONE
+
+    def _excite(self, argument: int, now: float) -> Result:
+        """Let an axis be excited; so much waits before it begins that what `silence` lets pass is not heard in it."""
+        if self.state is not State.HOLDING or self.fault is not Fault.NONE:
+            return Result.WRONG_STATE
+        try:
+            if self._settings.form != "fd":
+                raise ValueError("one sample in ten excites nothing")
+            drive = Drive(argument // 256)
+            self._loops.excite(drive, argument % 256)
+        except ValueError:
+            return Result.REFUSED
+        self.frames.shows_all = True
+        ahead = round(min(2 * self._settings.silence, messages.LONGEST_AHEAD) / PERIOD)
+        return self._start(messages.DRIVES[drive], ahead, State.EXCITED, now)
 
     def _acknowledge(self) -> Result:
         if self.state is not State.FAULT:

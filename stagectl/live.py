@@ -10,11 +10,14 @@ from rigkit.provenance import now, software
 from rigkit.run_folder import RunFolder
 from stagectl.link.blocks import Newest, Receive, Send
 from stagectl.link.clock import run_linked
+from stagectl.link.priority import undisturbed
 from stagectl.link.stage_link import StageLink
 from stagectl.link.upload import upload
 from stagectl.reference import wanted_position
 from stagectl.session import RECORDING, summary
 from stagectl.setup import Setup
+from stagectl.stage.inner_parameters import inner_parameters
+from stagectl.stage.loop import inner_loops
 from stagectl.stage.loop_parameters import loop_parameters
 
 
@@ -27,7 +30,7 @@ def run_live(folder: RunFolder, made: Setup, stopped: Callable[[], bool]) -> dic
     ----------
     folder : RunFolder
     made : Setup
-        With designs, their loops go to the stage first; without, it uses those it has.
+        With designs, their loops and the rig file's PIDs go to the stage first; without, it uses those it has.
     stopped : callable() -> bool
 
     Raises
@@ -39,11 +42,14 @@ def run_live(folder: RunFolder, made: Setup, stopped: Callable[[], bool]) -> dic
         folder.event("started", {"software": software(), "channel": made.config.link.channel})
         graph.prepare()
         if made.designs:
-            parameters = loop_parameters(made.config.stage.axes, [each.loop for each in made.designs])
+            axes = made.config.stage.axes
+            parameters = loop_parameters(axes, [each.loop for each in made.designs])
+            parameters |= inner_parameters(axes, inner_loops(made.config))
             folder.event("uploaded", {"crc": f"{upload(link, parameters):08x}"})
-        link.start()
         try:
-            run_linked(graph, link, made.timeline.total // link.frames, stopped)
+            with undisturbed():
+                link.start()
+                run_linked(graph, link, made.timeline.total // link.frames, stopped)
         finally:
             if record.position:
                 _keep(folder, made, record)

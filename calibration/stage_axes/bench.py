@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -24,6 +25,45 @@ HEARD = ("extension", "position")
 
 class ExcitationError(ValueError):
     """The guard shut the stage, or the plate left its travel."""
+
+
+class ExcitedAxis(Protocol):
+    """One axis of a stage that can be excited: `Bench`, in process, or `LiveBench`, over the link."""
+
+    @property
+    def config(self) -> StageConfig:
+        """The rig file."""
+
+    @property
+    def axis(self) -> int:
+        """Which, counted from 0."""
+
+    @property
+    def loop(self) -> Pid | None:
+        """The axis' inner loop, whose reference is excited; None: its voltage is."""
+
+    @property
+    def centre(self) -> float:
+        """What the drive deviates from, V or m."""
+
+    @property
+    def depends(self) -> dict[str, str]:
+        """What a recording depends on beside the excitation, the limits and the loop."""
+
+    def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Excite it about its rest: `experiment.Emit`.
+
+        Parameters
+        ----------
+        drive : array, shape (samples, 1), V or m
+            Deviation from rest.
+
+        Returns
+        -------
+        emitted : array, shape (samples, 1), V or m
+        heard : array, shape (samples, 2 axes), m
+            Extension and position of every axis, as the controllers read them.
+        """
 
 
 @dataclass(frozen=True)
@@ -50,6 +90,12 @@ class Bench:
         """What the drive deviates from: the rest voltage, V, or the middle of the extension's references, m."""
         limits = self.config.limits
         return limits.rest_voltage if self.loop is None else sum(limits.extension) / 2
+
+    @property
+    def depends(self) -> dict[str, str]:
+        """What a recording depends on beside the excitation: which plant it is of."""
+        options = {f"simulator.options.{key}": repr(value) for key, value in self.config.simulator.options.items()}
+        return {"simulator.plant": self.config.simulator.plant, **options}
 
     def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Excite the axis about its rest: `experiment.Emit`.

@@ -7,7 +7,7 @@ import numpy as np
 
 from calibration.experiment import RawFolder
 from calibration.identification.workflow import Identification
-from calibration.stage_axes.bench import Bench
+from calibration.stage_axes.bench import ExcitedAxis
 from calibration.stage_axes.experiment import Experiment, record
 from calibration.stage_axes.faster import at_rate, stack_at_rate
 from calibration.stage_axes.identification import Wanted, identified, simo, siso, stretched
@@ -92,7 +92,7 @@ def calibrate_axes(
     raw: RawFolder,
     order: int | None,
     method: Method,
-    stopped: Callable[[], bool],
+    bench: Callable[[int, Pid | None], ExcitedAxis],
 ) -> list[AxisCalibration]:
     """Identify axes, each with open inner loop and with the loop closed by the PID that this gives.
 
@@ -105,7 +105,8 @@ def calibrate_axes(
     order : int or None
         Of the models of one output; None: as proposed.
     method : "n4sid" or "moesp"
-    stopped : callable() -> bool
+    bench : callable(int, Pid or None) -> ExcitedAxis
+        Gives an axis, counted from 0, to be excited: its voltage, or the reference of its inner loop.
 
     Source
     ------
@@ -113,13 +114,13 @@ def calibrate_axes(
     """
     found = []
     for axis in axes:
-        opened = _opened(Bench(config, axis, None, stopped), raw, order, method)
-        closed = _closed(Bench(config, axis, opened.loop, stopped), raw, order, method)
+        opened = _opened(bench(axis, None), raw, order, method)
+        closed = _closed(bench(axis, opened.loop), raw, order, method)
         found.append(AxisCalibration(config.stage.axes[axis], config.characterisation.band[1], opened, closed))
     return found
 
 
-def _opened(bench: Bench, raw: RawFolder, order: int | None, method: Method) -> Opened:
+def _opened(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Method) -> Opened:
     config, axis = bench.config, bench.axis
     name, settings = config.stage.axes[axis], config.characterisation
     experiment = record(bench, raw)
@@ -152,7 +153,7 @@ def inner_loop(config: StageConfig, axis: int, stack: InnovationModel) -> tuple[
     return loop, wished.model_copy(update={"gain": (2 * np.pi * wished.bandwidth[0] / loop.integral,)}), figures
 
 
-def _closed(bench: Bench, raw: RawFolder, order: int | None, method: Method) -> Closed:
+def _closed(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Method) -> Closed:
     config, axis = bench.config, bench.axis
     experiment = record(bench, raw)
     about = _about(bench, raw, experiment) | {"inner": repr(bench.loop)}
@@ -209,7 +210,7 @@ def calibrated_rig(config: StageConfig, found: Sequence[AxisCalibration]) -> Sta
     return config.model_copy(update={"inner": inner})
 
 
-def _about(bench: Bench, raw: RawFolder, experiment: Experiment) -> dict[str, str]:
+def _about(bench: ExcitedAxis, raw: RawFolder, experiment: Experiment) -> dict[str, str]:
     return {
         "rig": bench.config.rig.name,
         "config": rig_file.dump(bench.config),

@@ -1,6 +1,8 @@
 """The command `calibrate stage`."""
 
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, cast
 
@@ -8,7 +10,9 @@ import typer
 
 from calibration.experiment import RawFolder
 from calibration.raw_folder import raw_folder
+from calibration.stage_axes.bench import Bench, ExcitedAxis
 from calibration.stage_axes.calibration import AxisCalibration, calibrate_axes, calibrated_rig
+from calibration.stage_axes.live_bench import LiveBench
 from calibration.stage_axes.order import MOST
 from calibration.stage_axes.report import (
     INNER_HEAD,
@@ -24,7 +28,9 @@ from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.stop import Stopped, stoppable
 from stagectl.config import StageConfig
+from stagectl.link.stage_link import StageLink
 from stagectl.model_file import write_model
+from stagectl.stage.piezo_pid import Pid
 
 ALL = "all"
 
@@ -37,6 +43,7 @@ def stage_command(
     order: Annotated[int | None, typer.Option(help="States of the models of one position; else as proposed.")] = None,
     method: Annotated[str, typer.Option(metavar="moesp|n4sid", help="Subspace method.")] = "moesp",
     png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
+    live: Annotated[bool, typer.Option("--live", help="The stage behind its CAN adapter, link.channel.")] = False,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -48,6 +55,7 @@ def stage_command(
     Example: `calibrate stage --config stage.toml --axis x --out stage-x.h5`
     """
     laid_over = [*(settings or []), *([f"simulator.options.seed={seed}"] if seed is not None else [])]
+    laid_over += ["session.live=true"] * live
     rig = rig_file.load(config, StageConfig, laid_over)
     axes = _axes(rig, axis)
     if order is not None and not 1 <= order <= MOST:
@@ -74,11 +82,25 @@ def _axes(rig: StageConfig, axis: str) -> list[int]:
 def _calibrated(
     rig: StageConfig, axes: Sequence[int], raw: RawFolder, order: int | None, method: Method
 ) -> list[AxisCalibration]:
-    with stoppable() as stop:
+    with stoppable() as stop, _bench(rig, lambda: stop.made) as bench:
         try:
-            return calibrate_axes(rig, axes, raw, order, method, lambda: stop.made)
+            return calibrate_axes(rig, axes, raw, order, method, bench)
         except Stopped:
             raise Stopped(f"stopped; what is recorded is in {raw.path}/, the same command goes on from there") from None
+
+
+@contextmanager
+def _bench(rig: StageConfig, stopped: Callable[[], bool]) -> Iterator[Callable[[int, Pid | None], ExcitedAxis]]:
+    """Give what excites an axis: of the stage behind its link where the run is live, else of the one in process."""
+    if not rig.session.live:
+        yield lambda axis, loop: Bench(rig, axis, loop, stopped)
+        return
+    with StageLink(rig.link) as link:
+        yield lambda axis, loop: LiveBench(rig, axis, loop, link, stopped, _say)
+
+
+def _say(text: str) -> None:
+    sys.stderr.write(f"{text}\n")
 
 
 def _file(out: Path, name: str, axis: str) -> Path:

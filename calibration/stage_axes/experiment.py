@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibration.experiment import Plan, RawFolder
-from calibration.stage_axes.bench import HEARD, Bench, ExcitationError
+from calibration.stage_axes.bench import HEARD, ExcitationError, ExcitedAxis
 from calibration.stage_axes.chirp import Chirp
 from rigkit.progress import progress
 
@@ -60,12 +60,12 @@ class Experiment:
     fingerprints: tuple[str, ...]
 
 
-def record(bench: Bench, raw: RawFolder) -> Experiment:
+def record(bench: ExcitedAxis, raw: RawFolder) -> Experiment:
     """Excite an axis, or take what the folder has already.
 
     Parameters
     ----------
-    bench : Bench
+    bench : ExcitedAxis
     raw : RawFolder
         Open.
 
@@ -111,12 +111,12 @@ def without_creep(position: np.ndarray, settled: float, rate: float) -> np.ndarr
     return left
 
 
-def _gain(bench: Bench) -> float:
+def _gain(bench: ExcitedAxis) -> float:
     gain = bench.config.inner.gain
     return gain[bench.axis % len(gain)]
 
 
-def _amplitude(bench: Bench, quiet: float, moved: float) -> float:
+def _amplitude(bench: ExcitedAxis, quiet: float, moved: float) -> float:
     """Return how loud the chirps may be: as far as the plate may move, within range and rate of the drive."""
     config, top = bench.config, 2 * np.pi * bench.config.characterisation.band[1]
     limits = config.limits
@@ -127,14 +127,13 @@ def _amplitude(bench: Bench, quiet: float, moved: float) -> float:
     return float(f"{min(wanted, most):.3g}")
 
 
-def _plan(bench: Bench, what: str, chirps: Sequence[Chirp]) -> Plan:
+def _plan(bench: ExcitedAxis, what: str, chirps: Sequence[Chirp]) -> Plan:
     config, axis = bench.config, bench.config.stage.axes[bench.axis]
     loop, unit, name = ("open", "V", "voltage") if bench.loop is None else ("closed", "m", "extension_reference")
     depends = {
         "rig.name": config.rig.name,
         "limits": repr(config.limits),
-        "simulator.plant": config.simulator.plant,
-        **{f"simulator.options.{key}": repr(value) for key, value in sorted(config.simulator.options.items())},
+        **bench.depends,
         "inner": repr(bench.loop),
         **{f"chirp {number}": repr(chirp) for number, chirp in enumerate(chirps)},
     }
@@ -142,7 +141,7 @@ def _plan(bench: Bench, what: str, chirps: Sequence[Chirp]) -> Plan:
     return Plan(f"{axis}-{loop}-{what}", depends, config.stage.rate, [(f"{name}_{axis}", unit)], heard, chirps)
 
 
-def _recorded(bench: Bench, plan: Plan, raw: RawFolder) -> list[Excited]:
+def _recorded(bench: ExcitedAxis, plan: Plan, raw: RawFolder) -> list[Excited]:
     axes, done = len(bench.config.stage.axes), 0.0
     low, high = bench.config.limits.travel
     parts = []

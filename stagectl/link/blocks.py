@@ -4,7 +4,7 @@ import numpy as np
 
 from ctlblocks.block import Block, Port
 from stagectl.link.stage_link import StageLink
-from stagectl.wire.messages import AXES
+from stagectl.wire.messages import AXES, Drive
 
 _UNITS = {"position": "m", "extension": "m", "voltage": "V"}
 
@@ -98,6 +98,34 @@ class Send(Block):
             self._link.refuse_when_latched()
         np.subtract(reference, self._link.link.origin, out=self._shifted)
         self._link.references.put(self._shifted)
+
+
+class Excite(Block):
+    """Send the stage the deviation from rest of an axis that is excited: `deviation` (V or m, 3) in.
+
+    Nothing is sent before `StageLink.excite` and after a fault.
+
+    Parameters
+    ----------
+    link : StageLink
+        While its fault is latched, a tick raises `LinkFault`.
+    drive : Drive
+        Its unit.
+    """
+
+    def __init__(self, link: StageLink, drive: Drive) -> None:
+        self.inputs = (Port("deviation", "V" if drive is Drive.VOLTAGE else "m", len(AXES)),)
+        self._link = link
+
+    def prepare(self, rate: float, frames: int) -> None:
+        """Refuse another rate than the wire's."""
+        _refuse_other_rate(self._link, rate)
+
+    def process(self, deviation: np.ndarray) -> None:
+        """Hand over one frame."""
+        if self._link.reason:
+            self._link.refuse_when_latched()
+        self._link.references.put(deviation)
 
 
 def _refuse_other_rate(link: StageLink, rate: float) -> None:

@@ -5,7 +5,7 @@ from stagectl.link.inbox import Inbox
 from stagectl.link.outbox import Outbox
 from stagectl.link.tell import Tell
 from stagectl.wire.layout import WireError
-from stagectl.wire.messages import PERIOD, Fault, HostState, State
+from stagectl.wire.messages import DRIVES, PERIOD, Drive, Fault, HostState, State
 
 
 class Conversation:
@@ -23,17 +23,18 @@ class Conversation:
         self.inbox, self.outbox = Inbox(link.form), Outbox(link.form)
         self.state, self.reason = HostState.IDLE, ""
         self._link, self._tell, self._opened = link, tell, now
-        self._has_followed = False
+        self._led, self._has_followed = State.FOLLOWING, False
 
     @property
     def due(self) -> float:
         """When `give` has something to send by itself, s."""
         return self.outbox.due
 
-    def begin(self) -> None:
-        """Let references go out: the stage has answered START."""
-        self._has_followed = False
-        self.inbox.counts.longest_gap = 0
+    def begin(self, drive: Drive | None = None) -> None:
+        """Let references go out: the stage has answered START, or EXCITE of a `drive`."""
+        self._led, self._has_followed = State.FOLLOWING if drive is None else State.EXCITED, False
+        self.inbox.counts.longest_gap, self.inbox.counts.longest_silence = 0, 0.0
+        self.outbox.stream = self.outbox.references if drive is None else DRIVES[drive]
         self.outbox.ring.skip()
         self.state = HostState.STREAMING
 
@@ -63,12 +64,13 @@ class Conversation:
         if self.state is not HostState.STREAMING:
             return
         inbox, silence = self.inbox, now - self.inbox.heard
-        self._has_followed |= inbox.state is State.FOLLOWING
+        inbox.counts.longest_silence = max(inbox.counts.longest_silence, silence)
+        self._has_followed |= inbox.state is self._led
         if not silence <= self._link.silence:
             self.latch(f"the stage is silent for {silence:.3g} s, must be <= {self._link.silence:g} s")
         elif inbox.fault is not Fault.NONE:
             self.latch(f"the stage reports {inbox.fault.name}")
-        elif self._has_followed and inbox.state is not State.FOLLOWING:
+        elif self._has_followed and inbox.state is not self._led:
             self.latch(f"the stage has stopped following by itself, it is {inbox.state.name}")
         elif inbox.counts.longest_gap * PERIOD > self._link.silence:
             self.latch(f"{inbox.counts.longest_gap} blocks from the stage are lost in a row")

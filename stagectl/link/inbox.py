@@ -1,10 +1,11 @@
 """What comes from the stage: samples in order, its state, and what was lost, late or garbled on the way."""
 
 from collections import deque
-from dataclasses import dataclass
 
 import numpy as np
 
+from stagectl.link.account import Counts, Status
+from stagectl.link.capture import Capture
 from stagectl.link.ring import Ring
 from stagectl.wire import messages, samples
 from stagectl.wire.layout import GarbledError, Layout
@@ -21,47 +22,6 @@ _CAPACITY = 2 * RATE
 """Samples kept for a graph that stands still: 2 s."""
 
 
-@dataclass
-class Counts:
-    """What became of the frames from the stage.
-
-    Parameters
-    ----------
-    received, lost, late, garbled : int, frames
-        Lost: missing before the next one, told by the counter; late: after their place was filled, or twice.
-    longest_gap : int, frames lost in a row
-    """
-
-    received: int = 0
-    lost: int = 0
-    late: int = 0
-    garbled: int = 0
-    longest_gap: int = 0
-
-
-@dataclass(frozen=True)
-class Status:
-    """The stage's own account, ten times a second.
-
-    Parameters
-    ----------
-    time : float, s since it was switched on
-    block : int, its newest
-    parameters : int, CRC-32 of the set in use
-    lost, late, garbled, underruns : int, of the references
-    reference : int, counter of the newest reference
-    """
-
-    time: float
-    block: int
-    parameters: int
-    lost: int
-    late: int
-    garbled: int
-    underruns: int
-    reference: int
-
-
 class Inbox:
     """Sorts the frames from the stage.  Fed by one thread, read by others.
 
@@ -75,6 +35,7 @@ class Inbox:
         self.state, self.fault = State.HOLDING, Fault.NONE
         self.heard = -np.inf
         self.status: Status | None = None
+        self.capture: Capture | None = None
         self.replies: deque[tuple[int, int, int]] = deque(maxlen=16)
         self.chunks: dict[int, bytes] = {}
         self.rings = {name: Ring(len(AXES), _CAPACITY) for name in SIGNALS}
@@ -105,6 +66,8 @@ class Inbox:
     def _samples(self, layout: Layout, data: bytes) -> None:
         counter, block = samples.decode(layout, data)
         name = self._names[layout.identifier]
+        if self.capture is not None:
+            self.capture.take(name, counter, block)
         if layout is self._stream:
             missing = self._sequence.accept(counter)
             if missing < 0:
@@ -126,8 +89,11 @@ class Inbox:
         if layout is messages.STAGE_HEARTBEAT:
             self.state, self.fault, self.heard = State(values[0]), Fault(values[1]), now
         elif layout is messages.STATUS:
-            time, block, *others = values
-            self.status = Status(1e-9 * time, block, *others[:6])
+            time, block, parameters, lost, late, garbled, underruns, reference, waiting, silence, *_ = values
+            counts = lost, late, garbled, underruns
+            self.status = Status(1e-9 * time, block, parameters, *counts, reference, waiting, 1e-4 * silence)
+            if self.capture is not None:
+                self.capture.report(self.status)
         elif layout is messages.REPLY:
             self.replies.append((values[0], values[1], values[2]))
         else:

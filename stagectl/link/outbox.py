@@ -16,6 +16,8 @@ _CAPACITY = RATE // 5
 class Outbox:
     """Makes the frames to send.  `ring` is filled by the graph's thread; `frames` is called by the one that sends.
 
+    `references` is how references go, `stream` how what is in the ring does.
+
     Parameters
     ----------
     form : "fd" or "classic"
@@ -26,7 +28,8 @@ class Outbox:
         self.sent = 0
         self.due = 0.0
         classic = form == "classic"
-        self._stream = messages.SLOW_REFERENCE if classic else messages.REFERENCE
+        self.references = messages.SLOW_REFERENCE if classic else messages.REFERENCE
+        self.stream = self.references
         self._chunk = messages.SLOW_WRITE_CHUNK if classic else messages.WRITE_CHUNK
         self._waiting: deque[tuple[Layout, tuple[int, ...]]] = deque()
         self._counters: dict[int, int] = {}
@@ -63,7 +66,7 @@ class Outbox:
             self.ring.skip()
         while len(self.ring) >= len(self._block):
             self.ring.take(self._block)
-            out.append((self._stream.identifier, samples.encode(self._stream, self.sent, self._block)))
+            out.append((self.stream.identifier, samples.encode(self.stream, self.sent, self._block)))
             self.sent += 1
         return out
 

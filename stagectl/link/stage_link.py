@@ -4,19 +4,22 @@ import itertools
 import random
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Self
 
 import numpy as np
 
 from rigkit.latch import to_clear
+from stagectl.link.account import Counts, Status
 from stagectl.link.bus import LinkError
+from stagectl.link.capture import Capture
 from stagectl.link.carrier import Carrier
 from stagectl.link.config import Link
 from stagectl.link.conversation import Conversation
-from stagectl.link.inbox import Counts, Status
 from stagectl.link.ring import Ring
 from stagectl.link.tell import Tell, nobody
-from stagectl.wire.messages import BLOCK, RATE, Command, Fault, HostState, Result, State
+from stagectl.wire.bus_load import excited_load
+from stagectl.wire.messages import BLOCK, RATE, Command, Drive, Fault, HostState, Result, State
 
 _AGAIN = 0.2
 """s after which a command without an answer is given again."""
@@ -115,7 +118,7 @@ class StageLink:
         """What became of the frames from the stage; lines that are no frame are garbled, too."""
         counts = self._conversation.inbox.counts
         garbled = counts.garbled + self._carrier.garbled
-        return Counts(counts.received, counts.lost, counts.late, garbled, counts.longest_gap)
+        return replace(counts, garbled=garbled)
 
     @property
     def sent(self) -> int:
@@ -145,12 +148,33 @@ class StageLink:
         LinkFault : a fault is latched.
         LinkError : the stage does not answer, or is not at rest.
         """
-        self.refuse_when_latched()
-        result, _ = self.ask(Command.START, 0)
-        if result is not Result.DONE:
-            raise LinkError(f"the stage does not start: {result.name}, it is {self.state.name}")
-        self._conversation.begin()
-        self.flush()
+        self._begin(Command.START, 0, None, None)
+
+    def excite(self, drive: Drive, axis: int, capture: Capture) -> None:
+        """Let the stage open the loop of an axis, for what `references` then holds: V or m from rest.
+
+        Parameters
+        ----------
+        drive : Drive
+        axis : int, counted from 0
+        capture : Capture
+            Gets every block from now until the stage is started again.
+
+        Raises
+        ------
+        ValueError : the bus is too slow for it.
+        LinkFault : a fault is latched.
+        LinkError : the stage does not answer, is not at rest, or refuses.
+        """
+        load = excited_load(self.link.bitrate, self.link.data_bitrate) if self.link.form == "fd" else np.inf
+        if not load <= 1:
+            raise ValueError(
+                f"link.form is {self.link.form}, {self.link.bitrate} and {self.link.data_bitrate} bit/s: the bus would "
+                f"be busy for {100 * load:.0f} % of the time while an axis is excited, must be fd and <= 100 %"
+            )
+        if not self._until(lambda: self.state is State.HOLDING, self.link.patience):
+            raise LinkError(f"the stage cannot be excited: it is {self.state.name}, must be {State.HOLDING.name}")
+        self._begin(Command.EXCITE, 256 * drive + axis, drive, capture)
 
     def stop(self) -> None:
         """Let the stage go to mid-travel.
@@ -229,6 +253,15 @@ class StageLink:
         chunks = self._conversation.inbox.chunks
         self._until(lambda: all(number in chunks for number in numbers), _AGAIN)
         return {number: chunks.pop(number) for number in numbers if number in chunks}
+
+    def _begin(self, command: Command, argument: int, drive: Drive | None, capture: Capture | None) -> None:
+        self.refuse_when_latched()
+        result, _ = self.ask(command, argument)
+        if result is not Result.DONE:
+            raise LinkError(f"the stage does not obey {command.name}: {result.name}, it is {self.state.name}")
+        self._conversation.inbox.capture = capture
+        self._conversation.begin(drive)
+        self.flush()
 
     def _until(self, met: Callable[[], bool], seconds: float) -> bool:
         with self._carrier.arrived:

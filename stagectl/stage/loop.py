@@ -25,7 +25,7 @@ class Stage:
     config : StageConfig
     controller : StageController or PiezoController
     compensation : Block, optional
-        Of one input and one output (V), in series behind the inner loop: what undoes the piezos' hysteresis.
+        In series behind the inner loop, its first input and output (V): what undoes the piezos' hysteresis.
     """
 
     def __init__(

@@ -56,3 +56,17 @@ def least_load(form: str, bitrate: int, data_bitrate: int) -> float:
     }[form]
     always = (*streams, messages.HOST_HEARTBEAT, messages.STAGE_HEARTBEAT)
     return sum(frame_time(layout, bitrate, data_bitrate) / layout.period for layout in always)
+
+
+def excited_load(bitrate: int, data_bitrate: int) -> float:
+    """Return the part of the time for which an excited axis keeps a CAN FD bus busy at most, 1.
+
+    Every block's extension and voltage come as well.
+
+    Parameters
+    ----------
+    bitrate, data_bitrate : int, bit/s
+    """
+    more = (messages.EXTENSION, messages.VOLTAGE)
+    busy = sum(frame_time(layout, bitrate, data_bitrate) for layout in more) / messages.PERIOD
+    return least_load("fd", bitrate, data_bitrate) + busy

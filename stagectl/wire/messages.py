@@ -16,6 +16,8 @@ HEARTBEAT = 0.005
 """s between heartbeats."""
 SILENCE = 0.020
 """s without a heartbeat, or without a reference while following, after which the other end is given up."""
+LONGEST_AHEAD = 0.2
+"""s of an excitation that wait at the stage before it is played, at most."""
 
 LONG_DATA, SHORT_DATA = 58, 4
 """Bytes of a parameter set in a frame."""
@@ -31,6 +33,16 @@ class State(IntEnum):
     """On its way to mid-travel, after STOP or a fault."""
     FAULT = 3
     """At mid-travel until a person acknowledges."""
+    EXCITED = 4
+    """One axis away from rest as the host says, its outer loop open, the others at their rest voltage."""
+
+
+class Drive(IntEnum):
+    """What of an axis is excited."""
+
+    VOLTAGE = 1
+    EXTENSION = 2
+    """The reference of its inner loop."""
 
 
 class HostState(IntEnum):
@@ -55,6 +67,8 @@ class Fault(IntEnum):
     """The stage's own loops have latched, or failed."""
     OVERRUN = 8
     """The processor cannot keep its own time."""
+    TRAVEL = 9
+    """The plate has left its travel while it was excited."""
 
 
 class Command(IntEnum):
@@ -71,6 +85,8 @@ class Command(IntEnum):
     """Send the set back, `WINDOW` chunks from chunk `argument` on."""
     COMMIT = 7
     """Use the set, whose CRC-32 is `argument`, from the next block on."""
+    EXCITE = 8
+    """Let an axis, counted from 0, be excited: 256 times a `Drive`, and the axis, is `argument`."""
 
 
 class Result(IntEnum):
@@ -157,12 +173,27 @@ STATUS = Layout(
         Field("garbled", "I"),
         Field("underruns", "I"),
         Field("reference", "H"),
+        Field("waiting", "H"),
+        Field("silence", "H", 0.1, "ms"),
         Field("state", "B", choices=State),
         Field("fault", "B", choices=Fault),
     ),
     0.1,
     "64-bit time and block number of the newest block, CRC-32 of the parameters in use, what became of the references",
 )
+VOLTAGE_DRIVE = Layout(
+    "VoltageDrive", 0x104, "host", LONG, _samples(0.05, "V", BLOCK), NEVER, "excitation: voltage of an axis, from rest"
+)
+EXTENSION_DRIVE = Layout(
+    "ExtensionDrive",
+    0x105,
+    "host",
+    LONG,
+    _samples(0.005, "um", BLOCK),
+    NEVER,
+    "excitation: reference of an axis' inner loop, from rest",
+)
+DRIVES = {Drive.VOLTAGE: VOLTAGE_DRIVE, Drive.EXTENSION: EXTENSION_DRIVE}
 SLOW_REFERENCE = Layout(
     "SlowReference", 0x120, "host", SHORT, _samples(0.01, "um", 1), PERIOD, "classic CAN: the block's last reference"
 )
@@ -189,6 +220,8 @@ LAYOUTS = (
     POSITION,
     EXTENSION,
     VOLTAGE,
+    VOLTAGE_DRIVE,
+    EXTENSION_DRIVE,
     STATUS,
     SLOW_REFERENCE,
     SLOW_POSITION,

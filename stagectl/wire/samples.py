@@ -35,6 +35,18 @@ def largest(layout: Layout) -> float:
     return FULL_SCALE * resolution(layout)
 
 
+def rounded(layout: Layout, signal: np.ndarray) -> np.ndarray:
+    """Return a signal, any shape, m or V, as the counts of such a frame will give it back.
+
+    Examples
+    --------
+    >>> rounded(messages.VOLTAGE, np.array([0.07, -0.11])).round(3)
+    array([ 0.05, -0.1 ])
+    """
+    counts: np.ndarray = np.rint(signal / resolution(layout))
+    return counts * resolution(layout)
+
+
 def encode(layout: Layout, counter: int, block: np.ndarray) -> bytes:
     """Return a frame of samples.
 

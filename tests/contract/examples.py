@@ -13,10 +13,11 @@ from firmware_sim.macro_micro_blocks import MacroMicro
 from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, VibratorImpulseResponse
 from firmware_sim.robot_blocks import RobotArm
 from firmware_sim.stage_blocks import Milling, PiezoStage
+from firmware_sim.stage_excitation import Excitation
 from firmware_sim.stage_image import Held, StickingStage
 from stagectl import config as stage
 from stagectl.deflection import DeflectionReference
-from stagectl.link.blocks import Newest, Receive, Send
+from stagectl.link.blocks import Excite, Newest, Receive, Send
 from stagectl.link.config import Laser, Link
 from stagectl.link.laser import Displacement, LaserLine
 from stagectl.link.stage_link import StageLink
@@ -48,6 +49,7 @@ from stagectl.stage.servo import servo
 from stagectl.stage.state_feedback import StateFeedback, linear_quadratic
 from stagectl.still import Still
 from stagectl.wire.egm import Report, pack_report
+from stagectl.wire.messages import Drive
 from tests.contract.conformance import Example
 from vibractl.algorithm import Algorithm
 from vibractl.audio_engine import DeviceInput
@@ -185,6 +187,7 @@ EXAMPLES: dict[type[Block], Example] = {
     HysteresisCompensation: Example(lambda: HysteresisCompensation([_loops(), None, _loops()])),
     StickingStage: Example(StickingStage),
     Held: Example(lambda: Held("force", "N")),
+    Excitation: Example(lambda: Excitation(500.0)),
     Milling: Example(lambda: Milling(start=0.0, seconds=5.0)),
     Receive: Example(lambda: Receive(StageLink(Link())), rate=10_000.0),
     Newest: Example(lambda: Newest(StageLink(Link()), "voltage"), start=lambda block: block.sample.fill(7.0)),
@@ -199,6 +202,7 @@ EXAMPLES: dict[type[Block], Example] = {
         start=lambda block: block.line.take(b"TG,1,+00.0100\r"),
     ),
     Send: Example(lambda: Send(StageLink(Link())), rate=10_000.0),
+    Excite: Example(lambda: Excite(StageLink(Link()), Drive.VOLTAGE), rate=10_000.0),
     CartesianCorrection: Example(lambda: CartesianCorrection(irb140(), 0.1), rate=250.0),
     RobotArm: Example(RobotArm, rate=8_000.0),
     JointReport: Example(lambda: JointReport(_robot()), _report, 250.0),

@@ -75,6 +75,6 @@ def test_cleared_it_starts_from_mid_travel() -> None:
     queue = ReferenceQueue(1)
     queue.put(0, block(10.0))
     queue.take()
-    queue.clear()
+    queue.clear(1)
     assert not queue.take().any()
     assert (len(queue), queue.underruns) == (0, 0)

@@ -5,10 +5,12 @@ import pytest
 
 from firmware_sim.stage_image import StageImage
 from stagectl.config import Inner, Limits, Sensors, Stage, StageConfig
+from stagectl.stage.inner_parameters import inner_parameters
 from stagectl.stage.loop_parameters import loop_parameters
+from stagectl.stage.piezo_pid import Pid
 from stagectl.stage.servo import Servo
 from stagectl.stage.state_feedback import StateFeedback
-from stagectl.wire.messages import Fault
+from stagectl.wire.messages import Drive, Fault
 from stagectl.wire.parameters import pack_parameters, unpack_parameters
 from tests.stagectl.linear_stage import model
 
@@ -99,7 +101,7 @@ def test_parameters_that_are_no_loops_are_refused_and_change_nothing(image: Stag
 def test_a_position_beyond_the_wires_range_is_not_valid(image: StageImage) -> None:
     image._plant.stuck_at = 600e-6  # noqa: SLF001
     signals = image.tick(np.zeros((10, 3)))
-    assert np.isnan(signals["position"][:, 1]).all()
+    assert np.isnan(signals["position"][1:, 1]).all()  # the first was read before
     assert image.tick(np.zeros((10, 3)))["fault"] is Fault.SENSOR_INVALID
 
 
@@ -113,3 +115,72 @@ def test_a_cut_moves_what_the_laser_sees() -> None:
 def test_another_number_of_axes_is_refused() -> None:
     with pytest.raises(ValueError, match="stage.axes has 2 at 10000 samples/s, must be 3 at 10000"):
         StageImage(StageConfig(stage=Stage(axes=("x", "y"))))
+
+
+def signals(image: StageImage, reference: np.ndarray) -> dict[str, np.ndarray]:
+    """Run blocks of references, shape (samples, 3), and return all of every signal."""
+    found: dict[str, list[np.ndarray]] = {"position": [], "extension": [], "voltage": []}
+    for block in reference.reshape(-1, 10, 3):
+        given = image.tick(block)
+        for name, blocks in found.items():
+            blocks.append(given[name].copy())
+    return {name: np.vstack(blocks) for name, blocks in found.items()}
+
+
+def sine(amplitude: float, samples: int) -> np.ndarray:
+    wave = np.zeros((samples, 3))
+    wave[:, 0] = amplitude * np.sin(2 * np.pi * 20.0 * np.arange(samples) / 10_000)
+    return wave
+
+
+def test_a_voltage_is_let_out_as_it_comes_while_the_other_axes_rest(image: StageImage) -> None:
+    image.excite(Drive.VOLTAGE, 0)
+    run(image, np.zeros((3_000, 3)))
+    wave = sine(4.0, 1_000)
+    heard = signals(image, wave)
+    np.testing.assert_array_equal(heard["voltage"], 500.0 + wave)
+    assert np.ptp(heard["extension"][:, 0]) > 0.1e-6
+
+
+def test_a_position_is_the_one_that_the_loops_read_when_they_made_the_voltage(image: StageImage) -> None:
+    """The plant shows it a sample late; the loops read that a sample later, and so does the wire."""
+    image.excite(Drive.VOLTAGE, 0)
+    run(image, np.zeros((3_000, 3)))
+    step = np.zeros((10, 3))
+    step[5:, 0] = 15.0
+    extension = signals(image, step)["extension"][:, 0]
+    assert np.abs(extension[6] - extension[5]) < 60e-9
+    assert extension[7] - extension[5] > 120e-9
+
+
+def test_the_inner_loop_follows_and_its_axis_holds_again_when_it_is_released(image: StageImage) -> None:
+    image.commit(inner_parameters(AXES, [Pid(0.0, 2 * np.pi * 8 / 0.0894e-6, 0.0, 2.5e-4, 1e-3)] * 3))
+    image.excite(Drive.EXTENSION, 0)
+    run(image, np.zeros((6_000, 3)))
+    wave = np.zeros((3_000, 3))
+    wave[:, 0] = 0.5e-6
+    heard = signals(image, wave)
+    assert heard["extension"][-1_000:, 0].mean() == pytest.approx(47.5e-6, abs=0.1e-6)
+    assert (heard["voltage"][:, 1:] == 500.0).all()
+    image.release()
+    run(image, np.zeros((20_000, 3)))
+    assert image.tick(np.zeros((10, 3)))["fault"] is Fault.NONE
+    assert np.abs(signals(image, np.zeros((1_000, 3)))["position"].mean(axis=0)).max() < 3e-6
+
+
+def test_a_plate_that_leaves_its_travel_goes_to_rest_and_says_so(image: StageImage) -> None:
+    image.excite(Drive.VOLTAGE, 0)
+    run(image, np.zeros((3_000, 3)))
+    away = np.zeros((4_000, 3))
+    away[:, 0] = 499.0 * np.linspace(0.0, 1.0, 4_000)
+    run(image, away)
+    assert image.tick(np.zeros((10, 3)))["fault"] is Fault.TRAVEL
+    run(image, np.zeros((3_000, 3)))
+    image.release()
+    image.clear()
+    assert image.tick(np.zeros((10, 3)))["fault"] is Fault.NONE
+
+
+def test_an_axis_that_is_not_there_is_not_excited(image: StageImage) -> None:
+    with pytest.raises(ValueError, match="axis 3 cannot be excited, must be 0 to 2"):
+        image.excite(Drive.VOLTAGE, 3)

@@ -15,7 +15,7 @@ from firmware_sim.can_node import CanNode, Mishap
 from firmware_sim.slcan_adapter import SlcanAdapter
 from firmware_sim.stage_processor import Loops, Settings, StageProcessor
 from stagectl.link.config import Link
-from stagectl.wire.messages import Fault
+from stagectl.wire.messages import Drive, Fault
 
 PATIENT = 1.0
 """s of silence that a busy test machine may need."""
@@ -31,9 +31,11 @@ class FirstOrderStage:
         self.position, self.parameters, self.cleared = np.zeros(3), dict[str, np.ndarray](), 0
         self._stuck_at: float | None = None
         self._stuck_for = 0
+        self.excited: int | None = None
+        self._scale = 1.0
 
     def tick(self, reference: np.ndarray) -> dict[str, Any]:
-        position = np.empty_like(reference)
+        position, reference = np.empty_like(reference), reference * self._scale
         for n in range(len(reference)):
             self.position = position[n] = self.position + 0.05 * (reference[n] - self.position)
         if self._stuck_at is not None:
@@ -41,7 +43,14 @@ class FirstOrderStage:
             self._stuck_for = self._stuck_for + 1 if moving else self._stuck_for
             position[:, 1] = self._stuck_at
         fault = Fault.SENSOR_STUCK if self._stuck_for > 50 else Fault.NONE
-        return {"position": position, "extension": position / 5, "voltage": position * 1e6, "fault": fault}
+        return {"position": position, "extension": position / 5, "voltage": reference * 1e6, "fault": fault}
+
+    def excite(self, drive: Drive, axis: int) -> None:
+        """Let volts be um; there is no loop to open."""
+        self.excited, self._scale = axis, 1e-6 if drive is Drive.VOLTAGE else 1.0
+
+    def release(self) -> None:
+        self.excited, self._scale = None, 1.0
 
     def stick(self) -> None:
         self._stuck_at = float(self.position[1])
@@ -57,7 +66,9 @@ class FirstOrderStage:
 
 def node(path: Path, settings: Settings, mishaps: tuple[Mishap, ...] = ()) -> tuple[CanNode, FirstOrderStage]:
     stage = FirstOrderStage()
-    processor = StageProcessor(Loops(stage.tick, stage.commit, stage.clear), settings, monotonic())
+    processor = StageProcessor(
+        Loops(stage.tick, stage.commit, stage.clear, stage.excite, stage.release), settings, monotonic()
+    )
     return CanNode(SlcanAdapter(path), processor, stage.stick, mishaps), stage
 
 

@@ -159,11 +159,11 @@ def test_garbled_frames_are_counted_and_change_nothing() -> None:
 
 def test_the_stages_own_account_is_kept() -> None:
     talk = Talk()
-    talk.hear(messages.STATUS, 1_500_000_000, 1500, 7, 1, 2, 3, 4, 99, State.HOLDING, Fault.NONE)
+    talk.hear(messages.STATUS, 1_500_000_000, 1500, 7, 1, 2, 3, 4, 99, 40, 123, State.HOLDING, Fault.NONE)
     status = talk.conversation.inbox.status
     assert status is not None
     assert (status.time, status.block, status.parameters, status.lost, status.underruns) == (1.5, 1500, 7, 1, 4)
-    assert status.reference == 99
+    assert (status.reference, status.waiting, status.silence) == (99, 40, pytest.approx(0.0123))
 
 
 def test_frames_of_the_host_and_of_strangers_are_passed_over() -> None:

@@ -1,10 +1,12 @@
 """Real-time priority is asked for, and given back."""
 
+import gc
 import os
+import sys
 
 import pytest
 
-from stagectl.link.priority import real_time
+from stagectl.link.priority import real_time, undisturbed
 
 
 def test_the_threads_own_scheduling_is_as_before_afterwards() -> None:
@@ -23,3 +25,12 @@ def test_where_it_is_not_granted_the_block_runs_as_it_would(monkeypatch: pytest.
     with real_time():
         ran = True
     assert ran
+
+
+def test_nothing_is_collected_while_undisturbed_and_all_is_as_before_afterwards() -> None:
+    turn = sys.getswitchinterval()
+    with undisturbed():
+        assert not gc.isenabled()
+        assert sys.getswitchinterval() < turn
+    assert gc.isenabled()
+    assert (sys.getswitchinterval(), gc.get_freeze_count()) == (turn, 0)

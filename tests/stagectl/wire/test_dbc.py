@@ -64,7 +64,7 @@ def test_the_code_reads_what_cantools_packs_but_for_the_checksum(data: st.DataOb
 
 
 def test_a_choice_has_its_name() -> None:
-    frame = STATUS.pack(0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 5)
+    frame = STATUS.pack(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 3, 5)
     decoded = LOADED.decode_message(STATUS.identifier, frame)
     assert isinstance(decoded, dict)
     assert (str(decoded["state"]), str(decoded["fault"])) == ("FAULT", "SENSOR_STUCK")

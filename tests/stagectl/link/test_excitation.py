@@ -1,0 +1,87 @@
+"""An axis excited through a pseudo-terminal: what is played comes back sample for sample, or is not used."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from firmware_sim.can_node import CanNode
+from firmware_sim.stage_processor import Settings
+from rigkit.stop import Stopped
+from stagectl.link.excitation import SamplesLost, excited
+from stagectl.link.stage_link import LinkFault, StageLink
+from stagectl.wire import messages
+from stagectl.wire.messages import Drive, State
+from stagectl.wire.samples import rounded
+from tests.stagectl.link.stand_in import FirstOrderStage, link_to, running
+
+PATIENT = 5.0
+"""s of silence that a busy test machine may need."""
+Rig = tuple[StageLink, CanNode, FirstOrderStage]
+WAVE = rounded(messages.VOLTAGE_DRIVE, 20.0 * np.sin(2 * np.pi * 40.0 * np.arange(1995) / 10_000))
+
+
+@pytest.fixture
+def rig(tmp_path: Path) -> Iterator[Rig]:
+    with running(tmp_path / "adapter", Settings(silence=PATIENT, ramp=0.02, pace="host")) as (node, stage):
+        with StageLink(link_to(tmp_path / "adapter", silence=PATIENT)) as link:
+            yield link, node, stage
+
+
+def play(link: StageLink, lead: float = 0.1) -> np.ndarray:
+    """Play the wave on y and return the voltage heard, shape (samples, 3), V; once more where samples were lost."""
+    for _ in range(3):
+        try:
+            return excited(link, Drive.VOLTAGE, 1, WAVE, lead, lambda: False).voltage
+        except SamplesLost:
+            continue
+    raise AssertionError("samples were lost three times")
+
+
+def test_what_is_played_is_heard_in_the_same_samples(rig: Rig) -> None:
+    link, _, stage = rig
+    voltage = play(link)
+    np.testing.assert_allclose(voltage[:, 1], WAVE, atol=1e-9)
+    assert not voltage[:, [0, 2]].any()
+    assert stage.excited in (1, None)
+    play(link)  # it waits until the stage holds again
+
+
+def test_a_fault_ends_it_and_it_is_not_used(rig: Rig) -> None:
+    link, node, _ = rig
+    with pytest.raises(LinkFault, match="the adapter"):
+        excited(link, Drive.VOLTAGE, 1, np.zeros(20_000), 0.1, lambda: bool(node.suffer("unplug")))
+    assert link.reason
+
+
+def test_it_ends_when_it_is_asked_to_and_the_stage_goes_to_rest(rig: Rig) -> None:
+    link, _, _ = rig
+    with pytest.raises(Stopped):
+        excited(link, Drive.VOLTAGE, 1, WAVE, 0.1, lambda: True)
+    assert link.reason == ""
+    assert link.state in (State.EXCITED, State.RAMPING, State.HOLDING)
+
+
+def test_lost_samples_are_told(rig: Rig) -> None:
+    link, node, _ = rig
+    send, count = node.adapter.send, 0
+
+    def lossy(frame: object) -> None:
+        nonlocal count
+        if getattr(frame, "identifier", 0) == messages.EXTENSION.identifier:
+            count += 1
+            if count == 800:
+                return
+        send(frame)  # type: ignore[arg-type]
+
+    node.adapter.send = lossy  # type: ignore[method-assign]
+    with pytest.raises(SamplesLost, match="of the stage's blocks of extension, 1 were lost"):
+        excited(link, Drive.VOLTAGE, 1, np.zeros(10_000), 0.1, lambda: False)
+
+
+def test_a_bus_that_is_too_slow_is_refused(rig: Rig) -> None:
+    link, _, _ = rig
+    link.link = link.link.model_copy(update={"bitrate": 500_000, "data_bitrate": 2_000_000})
+    with pytest.raises(ValueError, match=r"would be busy for \d+ % of the time while an axis is excited"):
+        excited(link, Drive.VOLTAGE, 1, WAVE, 0.1, lambda: False)
