@@ -6,6 +6,9 @@ from stagectl.wire.layout import Layout
 from stagectl.wire.messages import PERIOD, Fault
 from stagectl.wire.sequence import Sequence
 
+_FIRST = 0.2
+"""s in which the first must come: the host has yet to hear that it may begin."""
+
 
 class ReferenceStream:
     """Puts what comes into the queue, and says when that is too little.
@@ -52,7 +55,7 @@ class ReferenceStream:
         return Fault.NONE
 
     def fault(self, now: float) -> Fault:
-        """Return the fault that their absence is, or NONE."""
-        if now - self._last <= self._silence:
+        """Return the fault that their absence is, or NONE; the first, before which nothing moves, may take longer."""
+        if now - self._last <= (self._silence if self.has_come else max(self._silence, _FIRST)):
             return Fault.NONE
         return Fault.REFERENCE_GARBLED if self._garbled else Fault.REFERENCE_SILENT

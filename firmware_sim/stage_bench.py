@@ -1,6 +1,5 @@
 """The simulated stage on the bench: its processor behind a CAN adapter, the laser sensor behind a serial line."""
 
-import gc
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from threading import Event, Thread
@@ -14,7 +13,7 @@ from firmware_sim.slcan_adapter import SlcanAdapter
 from firmware_sim.stage_image import StageImage
 from firmware_sim.stage_processor import Loops, Settings, StageProcessor
 from stagectl.link.config import Laser
-from stagectl.link.priority import real_time
+from stagectl.link.priority import undisturbed
 from stagectl.wire.messages import BLOCK
 
 
@@ -60,16 +59,12 @@ class StageBench:
             Called once both can be opened.
         stop : Event
         """
-        gc.collect()
-        gc.freeze()
-        gc.disable()
-        sensor = Thread(target=self._sensor.run, args=(stop,), name="laser", daemon=True)
-        sensor.start()
-        try:
-            with real_time():
+        with undisturbed():
+            sensor = Thread(target=self._sensor.run, args=(stop,), name="laser", daemon=True)
+            sensor.start()
+            try:
                 ready()
                 self.node.run(stop)
-        finally:
-            stop.set()
-            sensor.join()
-            gc.enable()
+            finally:
+                stop.set()
+                sensor.join()

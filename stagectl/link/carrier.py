@@ -76,15 +76,18 @@ class Carrier:
             if bus is None:
                 self._reopen()
                 continue
+            heard = self._now()
             try:
                 received = bus.recv(_LISTEN)
-                if received is not None:
+                heard = self._now()  # what came until now has been read when we look at the time
+                while received is not None:
                     self._conversation.take(received.arbitration_id, bytes(received.data), self._now())
+                    received = bus.recv(0.0)
             except ValueError:  # python-can's own slcan, of a line that is no frame
                 self._garbled += 1
             except (*LinkDown, TypeError) as fault:  # TypeError: pyserial, of a port closed by the other thread
                 self._lose(f"the adapter {self._link.channel} has gone: {fault}")
-            self._conversation.watch(self._now())
+            self._conversation.watch(heard)
             if self._conversation.reason:
                 self._wake.set()
             with self.arrived:

@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Iterator
 
+_TASKS = "/proc/self/task"
 _TURN = 5e-4
 """s for which a thread of Python may keep others from running."""
 
@@ -16,25 +17,18 @@ def real_time() -> Iterator[None]:
 
     For threads that mostly wait.  Where it is not granted (it needs root, or `ulimit -r`) the block runs as it would.
     """
-    if not hasattr(os, "sched_setscheduler"):
+    with _raised([0]):
         yield
-        return
-    before, parameters = os.sched_getscheduler(0), os.sched_getparam(0)
-    with contextlib.suppress(PermissionError):
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(os.sched_get_priority_min(os.SCHED_FIFO)))
-    try:
-        yield
-    finally:
-        with contextlib.suppress(PermissionError):
-            os.sched_setscheduler(0, before, parameters)
 
 
 @contextlib.contextmanager
 def undisturbed() -> Iterator[None]:
-    """Collect garbage now and not inside the block, and let threads take turns ten times as often as they would.
+    """Run the block without what makes threads of a program wait for each other for longer than milliseconds.
 
-    A collection stops every thread of the process: 45 ms were seen, more than the `link.silence` of a rig.  Enter it
-    before the other end is started.
+    No garbage is collected in it: that stops every thread, for 45 ms where it was measured.  Threads take turns ten
+    times as often.  All that there are get real-time priority, and so do those that they start: one that has the
+    interpreter's lock and not its turn on a busy machine would keep the others waiting.  Enter it before the other end
+    is started.
     """
     turn, collects = sys.getswitchinterval(), gc.isenabled()
     gc.collect()
@@ -42,9 +36,30 @@ def undisturbed() -> Iterator[None]:
     gc.disable()
     sys.setswitchinterval(_TURN)
     try:
-        yield
+        with _raised([int(task) for task in os.listdir(_TASKS)] if os.path.isdir(_TASKS) else []):
+            yield
     finally:
         sys.setswitchinterval(turn)
         gc.unfreeze()
         if collects:
             gc.enable()
+
+
+@contextlib.contextmanager
+def _raised(threads: list[int]) -> Iterator[None]:
+    """Give threads, 0 for this one, real-time priority for the length of the block."""
+    if not hasattr(os, "sched_setscheduler"):
+        yield
+        return
+    before = []
+    for thread in threads:
+        with contextlib.suppress(PermissionError, ProcessLookupError):
+            policy, parameters = os.sched_getscheduler(thread), os.sched_getparam(thread)
+            os.sched_setscheduler(thread, os.SCHED_FIFO, os.sched_param(os.sched_get_priority_min(os.SCHED_FIFO)))
+            before.append((thread, policy, parameters))
+    try:
+        yield
+    finally:
+        for thread, policy, parameters in before:
+            with contextlib.suppress(PermissionError, ProcessLookupError):
+                os.sched_setscheduler(thread, policy, parameters)

@@ -5,6 +5,7 @@ from collections import deque
 from typing import Any
 
 from can import Message
+from can.exceptions import error_check
 from can.interfaces.slcan import slcanBus
 from can.util import CAN_FD_DLC
 
@@ -47,12 +48,18 @@ class SlcanBus(slcanBus):
     def _recv_internal(self, timeout: float | None) -> tuple[Message | None, bool]:
         if not self._frames:
             port = self.serialPortOrig
-            if port.timeout != timeout:
-                port.timeout = timeout
-            self._take(port.read(max(1, port.in_waiting)))
+            if timeout != 0.0:
+                if port.timeout != timeout:
+                    port.timeout = timeout
+                self._take(port.read(max(1, port.in_waiting)))
             if waiting := port.in_waiting:
                 self._take(port.read(waiting))
         return (self._frames.popleft() if self._frames else None), False
+
+    def _write(self, string: str) -> None:
+        """Hand a line over, without waiting until it has left: that would be a millisecond a frame over USB."""
+        with error_check("Could not write to serial device"):
+            self.serialPortOrig.write(string.encode() + self.LINE_TERMINATOR)
 
     def _take(self, data: bytes) -> None:
         *lines, self._rest = (self._rest + data).replace(b"\a", b"\r").split(b"\r")

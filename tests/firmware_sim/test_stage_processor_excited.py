@@ -84,8 +84,9 @@ def test_a_host_that_is_lost_ends_it_at_rest_with_closed_loops(says: HostState |
 def test_references_of_positions_are_not_played_in_it() -> None:
     bench = Bench(silence=0.02)
     bench.ask(Command.EXCITE, VOLTAGE_OF_Y)
-    bench.stream(19)
+    bench.stream(199)
     assert not np.any(bench.references)
+    assert bench.processor.state is State.EXCITED
     bench.stream(10)
     assert bench.processor.fault is Fault.REFERENCE_SILENT
 
