@@ -13,6 +13,7 @@ from rigkit.run_folder import RunFolder
 from rigkit.stop import Stopped, stoppable
 from stagectl import session
 from stagectl.config import StageConfig
+from stagectl.link.stage_link import StageLink
 from stagectl.live import run_live
 from stagectl.planning.command import plan
 from stagectl.replay import replay
@@ -147,6 +148,22 @@ def report_command(
     figures = run_report(path, png)
     print(f"report: {path / 'report.html'}", file=words(json))
     write_json(json, figures)
+
+
+@app.command("acknowledge")
+def acknowledge_command(
+    by: Annotated[str, typer.Option(metavar="NAME", help="The person who found out why it happened.")],
+    config: ConfigOption = None,
+    settings: SetOption = None,
+) -> None:
+    """End a fault of the stage behind its CAN adapter, so that it can be started again.
+
+    Example: `stagectl acknowledge --config stage.toml --by "A. Person"`
+    """
+    made = rig_file.load(config, StageConfig, settings or [])
+    with StageLink(made.link) as link:
+        reason = link.acknowledge(by)
+    print(f"{by} has acknowledged: {reason}")
 
 
 app.command("midrange")(midrange)

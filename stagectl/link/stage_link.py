@@ -256,6 +256,8 @@ class StageLink:
 
     def _begin(self, command: Command, argument: int, drive: Drive | None, capture: Capture | None) -> None:
         self.refuse_when_latched()
+        if self.stage_fault is not Fault.NONE:
+            raise LinkFault(f"the stage reports {self.stage_fault.name}; a person must acknowledge")
         result, _ = self.ask(command, argument)
         if result is not Result.DONE:
             raise LinkError(f"the stage does not obey {command.name}: {result.name}, it is {self.state.name}")

@@ -1,7 +1,7 @@
 """A minute of 1000 CAN FD frames a second each way, heartbeats of 5 ms and the rig's own limit of 20 ms silence.
 
-Guards against what short tests do not meet: garbage collections, buffers that fill slowly, clocks that part.  It wants a
-machine with little else to do.
+Guards against what short tests do not meet: garbage collections, buffers that fill slowly, clocks that part.  It wants
+a machine with little else to do.
 """
 
 from pathlib import Path
