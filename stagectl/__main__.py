@@ -15,6 +15,7 @@ from stagectl import session
 from stagectl.config import StageConfig
 from stagectl.link.stage_link import StageLink
 from stagectl.live import run_live
+from stagectl.machining.command import cell
 from stagectl.planning.command import plan
 from stagectl.replay import replay
 from stagectl.report import run_report
@@ -167,6 +168,7 @@ def acknowledge_command(
 
 
 app.command("midrange")(midrange)
+app.command("cell")(cell)
 app.command("plan")(plan)
 
 

@@ -129,7 +129,7 @@ def _deflection(cut: MillingDisturbance, rng: np.random.Generator, samples: int)
     time = np.arange(samples) / cut.rate
     grip = _engagement(time, cut.seconds)
     ramp = RAMP_SHARES[cut.direction]
-    slow = 2 * ramp * time / cut.seconds + (1 - ramp) * grip * (1 + WANDER * _wander(time, rng))
+    slow = 2 * ramp * time / cut.seconds + (1 - ramp) * grip * (1 + WANDER * wander(time, rng))
     quick = np.zeros((samples, 3))
     milled = "xyz".index(cut.direction)
     shares = rng.uniform(*SIDEWAYS, 3)
@@ -153,7 +153,7 @@ def _deflection(cut: MillingDisturbance, rng: np.random.Generator, samples: int)
 def _force(cut: MillingDisturbance, rng: np.random.Generator, samples: int) -> np.ndarray:
     """Return the force on the plate over the cut, shape (samples, 3), N."""
     time = np.arange(samples) / cut.rate
-    relative = np.ones((samples, 3)) + CHIP_LOAD * _wander(time, rng)[:, None]
+    relative = np.ones((samples, 3)) + CHIP_LOAD * wander(time, rng)[:, None]
     lines = ((TEETH * SPINDLE, TOOTH_PASSING), (2 * TEETH * SPINDLE, TOOTH_OVERTONE), (SPINDLE, RUNOUT))
     for frequency, amplitude in lines:
         if frequency < cut.rate / 2:
@@ -173,8 +173,18 @@ def _engagement(time: np.ndarray, seconds: float) -> np.ndarray:
     return engaged
 
 
-def _wander(time: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Return a slow random motion of unit variance: sines over `WANDER_BAND`, weaker as they are quicker."""
+def wander(time: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return a slow random motion of unit variance: sines over `WANDER_BAND`, weaker as they are quicker.
+
+    Parameters
+    ----------
+    time : array, shape (samples,), s
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    array, shape (samples,), 1
+    """
     motion = np.zeros_like(time)
     frequencies = np.geomspace(*WANDER_BAND, 8) * rng.uniform(0.9, 1.1, 8)
     weight = frequencies**-0.5

@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 from rigkit.config import Section, setting
 from stagectl.link.config import CLASS
 from stagectl.robot.clamp_config import Clamping
+from stagectl.robot.toroid_config import Feedback, Plants, Toroid
 
 Box = tuple[float, float, float]
 
@@ -88,3 +89,6 @@ class CellConfig(Section):
     tracker: Tracker = Field(default_factory=Tracker)
     clamping: Clamping = Field(default_factory=Clamping)
     simulator: Simulator = Field(default_factory=Simulator)
+    toroid: Toroid = Field(default_factory=Toroid)
+    feedback: Feedback = Field(default_factory=Feedback)
+    plants: Plants = Field(default_factory=Plants)

@@ -66,7 +66,27 @@ class TrackerInbox:
     def take(self, data: bytes, now: float) -> None:
         """Take bytes from the tracker."""
         for sample in self._packets.take(data):
-            self._accept(sample, now)
+            self.accept(sample, now)
+
+    def accept(self, sample: Sample, now: float) -> None:
+        """Take a sample that has come at `now` (s)."""
+        counts = self.counts
+        counts.received += 1
+        missing = self._sequence.accept(sample.counter)
+        lag = self._lag.take(sample.time, now)
+        if missing < 0:
+            counts.late += 1
+            return
+        counts.lost += missing
+        if not lag <= self.tracker.lag:
+            counts.stale += 1
+            self._why = f"a sample comes {lag:.3g} s late"
+            return
+        found = next((each for each in sample.sightings if each.frame == self.tracker.frame), None)
+        if found is None or not self._is_seen(found):
+            counts.unseen += 1
+            return
+        self._follow(found.pose, sample.time, now)
 
     def watch(self, now: float) -> None:
         """Look how long it has been blind."""
@@ -87,25 +107,6 @@ class TrackerInbox:
     def end(self) -> None:
         """Be watched no more, and take every pose again."""
         self.is_watched = self._is_strict = False
-
-    def _accept(self, sample: Sample, now: float) -> None:
-        counts = self.counts
-        counts.received += 1
-        missing = self._sequence.accept(sample.counter)
-        lag = self._lag.take(sample.time, now)
-        if missing < 0:
-            counts.late += 1
-            return
-        counts.lost += missing
-        if not lag <= self.tracker.lag:
-            counts.stale += 1
-            self._why = f"a sample comes {lag:.3g} s late"
-            return
-        found = next((each for each in sample.sightings if each.frame == self.tracker.frame), None)
-        if found is None or not self._is_seen(found):
-            counts.unseen += 1
-            return
-        self._follow(found.pose, sample.time, now)
 
     def _is_seen(self, found: Sighting) -> bool:
         tracker = self.tracker

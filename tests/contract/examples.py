@@ -9,18 +9,24 @@ import numpy as np
 from ctlblocks import Block, Port, recording, replay
 from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
 from firmware_sim.clamped_robot import ClampedRobot
+from firmware_sim.guided_robot import GuidedRobot
 from firmware_sim.macro_micro_blocks import MacroMicro
 from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, VibratorImpulseResponse
 from firmware_sim.robot_blocks import RobotArm
 from firmware_sim.stage_blocks import Milling, PiezoStage
 from firmware_sim.stage_excitation import Excitation
 from firmware_sim.stage_image import Held, StickingStage
+from firmware_sim.toroid_blocks import Toroid
+from firmware_sim.tracker_block import TrackerView
 from stagectl import config as stage
 from stagectl.deflection import DeflectionReference
 from stagectl.link.blocks import Excite, Newest, Receive, Send
 from stagectl.link.config import Laser, Link
 from stagectl.link.laser import Displacement, LaserLine
 from stagectl.link.stage_link import StageLink
+from stagectl.machining.relative_position import RelativePosition
+from stagectl.machining.stage_reference import StageReference
+from stagectl.machining.standstill import Standstill
 from stagectl.models import InnovationModel
 from stagectl.robot.arm import irb140
 from stagectl.robot.cartesian_correction import CartesianCorrection
@@ -38,6 +44,8 @@ from stagectl.robot.port import RobotPort
 from stagectl.robot.port_blocks import JointCommand, JointReport, PoseCommand, PoseReport
 from stagectl.robot.program import MotorTorque, RobotProgram, TorqueSignals
 from stagectl.robot.tracker import TrackedPose, TrackerLine
+from stagectl.robot.wired_port import WiredPort
+from stagectl.robot.wired_tracker import WiredTracker
 from stagectl.stage.controller import PiezoController, StageController
 from stagectl.stage.guard import VoltageGuard
 from stagectl.stage.hysteresis import HysteresisModel
@@ -215,4 +223,14 @@ EXAMPLES: dict[type[Block], Example] = {
         lambda: MotorTorque(TorqueSignals(Robot(), "127.0.0.1", lambda: 0.0)),
         start=lambda block: block.signals.newest.fill(7.0),
     ),
+    GuidedRobot: Example(lambda: GuidedRobot(arm="kuka"), rate=8_000.0),
+    Toroid: Example(lambda: Toroid(seconds=0.5), rate=10_000.0),
+    TrackerView: Example(TrackerView),
+    WiredPort: Example(lambda: WiredPort(CellConfig(), np.zeros(6)), rate=250.0),
+    WiredTracker: Example(lambda: WiredTracker(TrackerConfig(), print), rate=2_000.0),
+    RelativePosition: Example(
+        lambda: RelativePosition((3.0, 3.0, 3.0), (True, False, False), 0.004, 0.01, 0.02), rate=2_000.0
+    ),
+    StageReference: Example(lambda: StageReference((2e-5, 4.3e-4), 0.1, ("x", "y", "z"), lambda _: None), rate=250.0),
+    Standstill: Example(Standstill, rate=250.0),
 }

@@ -1,0 +1,108 @@
+"""The simulated robot under guided motion as a block: what stands behind the robot port, without its socket."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ctlblocks.block import Block, Port
+from firmware_sim.plants.gear_error import draw_gear_error
+from firmware_sim.plants.guided_motion_kernel import guide
+from firmware_sim.plants.options import chosen, option
+from firmware_sim.plants.robot import RobotPlant
+from firmware_sim.plants.robot_options import RobotOptions
+from firmware_sim.robot_controller import GuidedMotion
+
+CYCLE = 0.004
+"""s, of guided motion."""
+NEVER = 1e9
+"""s, when nothing happens."""
+
+
+@dataclass(eq=False, kw_only=True)
+class GuidedRobot(RobotOptions, Block):
+    """A robot that follows references given 250 times a second; at rest at `start` after every `prepare`.
+
+    `RobotPlant` says what it models; its gears have the errors of `draw_gear_error` as well.  Guided motion is that of
+    `GuidedMotion`: delay, low-pass, speed limit.
+
+    Ports: `reference` (rad, 6), `force` (N, 3) and `moment` (N m, 3) on the tool in base axes in; `report` (1), how
+    many it has sent, `motors` (1 while they are on), `motor_angle`, `planned_angle` (rad, 6) as reported, and of the
+    tool `position` (m, 3) and `orientation` (1, 4), a unit quaternion w x y z, out.  Reports come every 4 ms.
+
+    Parameters
+    ----------
+    gear_error : float, 1
+        Scales the gears' errors.
+    start : sequence of float, rad, 6 joints; none for the arm's home
+    mute : float, s, when it begins to be silent
+    mute_for : float, s
+    trip : float, s, when torque supervision puts the brakes on
+
+    Others: those of `RobotOptions`.
+    """
+
+    gear_error: float = option(1.0, "1", 0.0, 10.0)
+    start: Sequence[float] = ()
+    mute: float = option(NEVER, "s", 0.0)
+    mute_for: float = option(0.02, "s", 0.0)
+    trip: float = option(NEVER, "s", 0.0)
+
+    def __post_init__(self) -> None:
+        """Refuse what is out of range, and lay out the ports."""
+        super().__post_init__()
+        self.inputs = (Port("reference", "rad", 6), Port("force", "N", 3), Port("moment", "N m", 3))
+        self.outputs = (
+            Port("report"), Port("motors"), Port("motor_angle", "rad", 6), Port("planned_angle", "rad", 6),
+            Port("position", "m", 3), Port("orientation", "1", 4),
+        )  # fmt: skip
+
+    def prepare(self, rate: float, frames: int) -> None:
+        """Put it at rest where it starts."""
+        self.plant = RobotPlant(rate=rate, **chosen(self, RobotOptions))
+        start = np.array(self.start, float) if len(self.start) else self.plant.home
+        gears, setup = draw_gear_error(self.seed, self.gear_error), GuidedMotion()
+        self.plant.place(start + (gears[:, 0] * np.sin(gears[:, 1] * start + gears[:, 2])).sum(axis=0))
+        line = np.tile(start, (max(1, round(setup.delay * CYCLE * rate)), 1))
+        self._guided = line, np.zeros(1, np.int64), start.copy()
+        self._limits = np.exp(-2 * np.pi * setup.filter / rate), setup.speed / rate, gears
+        self._room = [np.zeros((frames, width)) for width in (6, 6, 6, 6, 6, 6, 6, 7)]
+        self._cycle, self._period, self._done = round(CYCLE * rate), 1.0 / rate, 0
+        self._last, self._reports, self._on, self._trips = np.zeros((2, 6)), 0.0, 1.0, round(self.trip * rate)
+        self._last[:] = start
+
+    def process(
+        self,
+        reference: np.ndarray,
+        force: np.ndarray,
+        moment: np.ndarray,
+        report: np.ndarray,
+        motors: np.ndarray,
+        motor_angle: np.ndarray,
+        planned_angle: np.ndarray,
+        position: np.ndarray,
+        orientation: np.ndarray,
+    ) -> None:
+        """Go on for one frame."""
+        driven, planned, error, wrench, angle, torque, link, pose = self._room
+        guide(reference, driven, planned, error, *self._guided, *self._limits)
+        wrench[:, :3], wrench[:, 3:] = force, moment
+        n = 0
+        while n < len(reference):  # from report to report
+            now = slice(n, min(len(reference), n + self._cycle - self._done % self._cycle))
+            if self._done % self._cycle == 0:
+                self._on = float(not self.plant.tripped)
+                if self._done <= self._trips < self._done + self._cycle:
+                    self.plant.trip(1)
+            self.plant.run(driven[now], wrench[now], angle[now], torque[now], link[now], pose[now])
+            if self._done % self._cycle == 0 and not self._is_mute(self._done * self._period):
+                np.subtract(angle[n], error[n], out=self._last[0])
+                self._last[1], self._reports = planned[n], self._reports + 1.0
+            report[now], motors[now] = self._reports, self._on
+            motor_angle[now], planned_angle[now] = self._last
+            self._done += now.stop - n
+            n = now.stop
+        position[:], orientation[:] = pose[:, :3], pose[:, 3:]
+
+    def _is_mute(self, time: float) -> bool:
+        return self.mute <= time < self.mute + self.mute_for

@@ -1,0 +1,1 @@
+"""Robot, tracker, stage and mid-ranging in one graph: the toroid."""

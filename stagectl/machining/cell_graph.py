@@ -1,0 +1,145 @@
+"""The graph of the cell: the stage at 10 kHz, robot and tracker at 2 kHz, port and mid-ranging at 250 Hz."""
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from ctlblocks import Graph
+from ctlblocks.basic import Gain
+from ctlblocks.recording import Recording
+from ctlblocks.replay import Record, Replay
+from stagectl.link.tell import Tell
+from stagectl.machining.plan import RATE, TOUCH_OFF, Plan
+from stagectl.machining.recorded import EVERY, QUICK, ROBOT, SLOW, TRACKER, Signal
+from stagectl.machining.relative_position import RelativePosition
+from stagectl.machining.stage_reference import StageReference
+from stagectl.machining.standstill import Standstill
+from stagectl.machining.surroundings import Surroundings
+from stagectl.robot.cartesian_correction import CartesianCorrection
+from stagectl.robot.midranging.valve_position import ValvePosition
+from stagectl.robot.port import arm_of
+from stagectl.robot.wired_port import WiredPort
+from stagectl.robot.wired_tracker import WiredTracker
+from stagectl.stage.loop import Stage, stage_controller
+
+
+class CellGraph:
+    """The cell in a graph of one sample a tick.
+
+    Parameters
+    ----------
+    plan : Plan
+    tell : callable(event, fields)
+        Told of faults.
+    surroundings : Surroundings
+    recorded : dict of str to tuple of Signal
+        What is recorded, by the name of the recording.
+    """
+
+    def __init__(
+        self, plan: Plan, tell: Tell, surroundings: Surroundings, recorded: dict[str, tuple[Signal, ...]]
+    ) -> None:
+        self.plan = plan
+        self.graph = Graph(RATE)
+        self._add(tell)
+        self._sources = dict(surroundings(self.graph, plan))
+        self._connect_sensors()
+        self._connect_controllers()
+        if plan.has_stage:
+            self._connect_stage()
+        self.records = {name: self._record(name, signals) for name, signals in recorded.items()}
+        self.graph.prepare()
+
+    def follow(self) -> None:
+        """Let the robot follow its path, with tracker and stage (between ticks); a fault latches."""
+        self.port.start()
+        self.seen.start()
+
+    def heed_the_stage(self) -> None:
+        """Hold the robot where the stage has gone to rest after a fault of its own (between ticks)."""
+        if self.plan.has_stage and self.stage.fault is not None:
+            self.port.hold(f"the stage: {self.stage.fault}")
+
+    def figures(self) -> dict[str, Any]:
+        """Return what the blocks have counted."""
+        spindle, workpiece = self.seen.counts
+        found: dict[str, Any] = {"tracker": {"spindle": asdict(spindle), "workpiece": asdict(workpiece)}}
+        if self.plan.has_stage:
+            found["samples_at_end"] = self.travel.samples_at_end
+        return found
+
+    def _add(self, tell: Tell) -> None:
+        graph, plan, cell = self.graph, self.plan, self.plan.cell
+        times = np.arange(round(plan.path.seconds * RATE / QUICK)) * QUICK / RATE
+        nominal = plan.path.joints(plan.arm, times[:: SLOW // QUICK])
+        self.port = WiredPort(cell, nominal[0], tell)
+        self.seen = WiredTracker(cell.tracker, self.port.hold)
+        tracked = (cell.feedback.delay, TOUCH_OFF[0], cell.toroid.lead - TOUCH_OFF[1])
+        graph.add("path", _played("nominal", "rad", RATE / SLOW, nominal), SLOW)
+        graph.add("wanted", _played("position", "m", RATE / QUICK, plan.path.wanted(times - cell.feedback.lag)), QUICK)
+        graph.add("seen", self.seen, QUICK)
+        graph.add("relative", RelativePosition(plan.corners, plan.by_laser, *tracked), QUICK)
+        graph.add("standstill", Standstill(), SLOW)
+        graph.add("midranging", ValvePosition(plan.controllers()), SLOW)
+        graph.add("wish", Gain(1.0, "m", "m/s", 3), SLOW)
+        graph.add("moved", Gain(plan.robot_share, "m", "m", 3), SLOW)
+        graph.add("unturned", Gain(0.0, "m", "rad", 3), SLOW)
+        graph.add("correction", CartesianCorrection(arm_of(cell), cell.robot.tool), SLOW)
+        graph.add("port", self.port, SLOW)
+        if plan.has_stage:
+            self.stage = Stage(graph, plan.stage, stage_controller(plan.stage, [each.loop for each in plan.designs]))
+            patience = cell.feedback.saturated if plan.has_mid_ranging else np.inf
+            self.travel = StageReference(plan.stage.limits.travel, patience, plan.stage.stage.axes, self.port.hold)
+            graph.add("travel", self.travel, SLOW)
+
+    def _connect_sensors(self) -> None:
+        for signal in ROBOT:
+            self._wire(signal.name, f"port.{signal.name}")
+        for signal in TRACKER:
+            self._wire(signal.name, f"seen.{signal.name}")
+        self._wire("motor_angle", "correction.joint_angle")
+        self._wire("sensors.valid_position" if self.plan.has_stage else "position", "relative.position")
+        self._wire("absolute", "relative.absolute")
+        self._wire("seen.spindle_position", "relative.spindle")
+        self._wire("seen.workpiece_position", "relative.workpiece")
+        self._wire("wanted.position", "relative.wanted")
+
+    def _connect_controllers(self) -> None:
+        slow = f"midranging.{'slow' if self.plan.has_stage else 'fast'}_reference"
+        self.graph.connect("port.holding", "standstill.holding", delayed=True)
+        self.graph.connect("wish.scaled", "midranging.control", delayed=True)
+        for source, target in (
+            ("standstill.reference", "midranging.reference"),
+            ("relative.deviation", "midranging.relative"),
+            ("midranging.fast_reference", "wish.signal"),
+            (slow, "moved.signal"),
+            (slow, "unturned.signal"),
+            ("moved.scaled", "correction.translation"),
+            ("unturned.scaled", "correction.rotation"),
+            ("path.nominal", "port.nominal"),
+            ("correction.correction", "port.correction"),
+        ):
+            self.graph.connect(source, target)
+
+    def _connect_stage(self) -> None:
+        for name in ("position", "extension"):
+            self._wire(name, f"sensors.{name}")
+        self.graph.connect("midranging.fast_reference", "travel.fast_reference")
+        self.graph.connect("travel.reference", "controller.reference")
+
+    def _record(self, name: str, signals: tuple[Signal, ...]) -> Record:
+        made = Record([each.port for each in signals], round(self.plan.path.seconds * RATE / EVERY[name]))
+        self.graph.add(f"record_{name}", made, EVERY[name])
+        for each in signals:
+            self._wire(each.source, f"record_{name}.{each.name}")
+        return made
+
+    def _wire(self, source: str, target: str) -> None:
+        output, delayed = self._sources.get(source, (source, False))
+        self.graph.connect(output, target, delayed=delayed)
+
+
+def _played(name: str, unit: str, rate: float, data: np.ndarray) -> Replay:
+    names = tuple(f"{name}_{column + 1}" for column in range(data.shape[1]))
+    return Replay(Recording(names, (unit,) * len(names), rate, data), {name: names})

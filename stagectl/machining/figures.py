@@ -1,0 +1,111 @@
+"""The figures of the cell's report: the contour, its deviation, the surface, and what the stage did of its travel."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ctlblocks.recording import Recording
+from rigkit.figure_style import COLOURS, LIMIT
+from rigkit.report import Plot
+from stagectl.machining.measures import STEP, Contour
+from stagectl.machining.plan import AXES, SETUPS, Plan
+
+COLOUR = dict(zip(SETUPS, COLOURS, strict=False))
+"""Of every setup."""
+RING = 5.0
+"""Radius of the circle in the polar plot over the largest deviation."""
+POINTS = 4_000
+"""Drawn of a line."""
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What figures are drawn from.
+
+    Parameters
+    ----------
+    plan : Plan
+    records : dict of str to Recording
+    milled : Contour or None
+    """
+
+    plan: Plan
+    records: dict[str, Recording]
+    milled: Contour | None
+
+
+def polar_plot(runs: list[Run]) -> Plot:
+    """Draw the outer contours around the circle, deviations magnified alike."""
+    figure = Figure(figsize=(7.0, 6.4))
+    axes: Any = figure.add_subplot(projection="polar")
+    drawn = [run for run in runs if run.milled is not None]
+    largest = max(float(np.abs(run.milled.radial).max()) for run in drawn if run.milled)
+    for run in drawn:
+        assert run.milled is not None
+        step = max(1, len(run.milled.angle) // POINTS)
+        size = 1e6 * (run.milled.radial[::step] + RING * largest)
+        axes.plot(run.milled.angle[::step], size, color=COLOUR[run.plan.setup], linewidth=0.9, label=run.plan.setup)
+    around = np.linspace(0, 2 * np.pi, 361)
+    axes.plot(around, np.full(361, 1e6 * RING * largest), label="as it is to be", **LIMIT)
+    axes.set_rlim(0, 1e6 * (RING + 1.1) * largest)
+    axes.set_rticks([1e6 * (RING + part) * largest for part in (-1, 0, 1)])
+    axes.set_yticklabels([f"{1e6 * part * largest:+.0f} µm" for part in (-1, 0, 1)])
+    axes.legend(loc="center")
+    return Plot(
+        figure, "Deviation of the outer contour around the circle, from y (0°) to z (90°, where the cut begins)."
+    )
+
+
+def deviation_plot(runs: list[Run]) -> Plot:
+    """Draw the deviation of the outer contour along the circumference, a panel a setup."""
+    drawn = [run for run in runs if run.milled is not None]
+    figure = Figure(figsize=(8.0, 0.8 + 1.5 * len(drawn)))
+    panels = figure.subplots(len(drawn), 1, sharex=True, squeeze=False)[:, 0]
+    for panel, run in zip(panels, drawn, strict=True):
+        assert run.milled is not None
+        _along(panel, run, run.milled.radial)
+        panel.set_title(f"Setup {run.plan.setup}")
+        panel.set_ylabel("µm")
+    panels[-1].set_xlabel("circumference, mm")
+    return Plot(figure, "Deviation of the outer contour from the circle, fitted in place; outwards is positive.")
+
+
+def surface_plot(runs: list[Run]) -> Plot:
+    """Draw the surface along the path, all setups."""
+    figure = Figure(figsize=(8.0, 3.6))
+    axes = figure.subplots()
+    for run in runs:
+        if run.milled is not None:
+            _along(axes, run, run.milled.axial)
+    axes.set_xlabel("along the path, mm")
+    axes.set_ylabel("too deep, µm")
+    axes.legend(loc="best", ncols=len(runs))
+    return Plot(figure, "The surface along the tool's axis.")
+
+
+def travel_plot(runs: list[Run]) -> Plot:
+    """Draw what was asked of the stage, from the middle of its travel, with the ends."""
+    figure = Figure(figsize=(8.0, 0.8 + 2.4 * len(runs)))
+    panels = figure.subplots(len(runs), 1, sharex=True, squeeze=False)[:, 0]
+    for panel, run in zip(panels, runs, strict=True):
+        record = run.records["cell"]
+        wished = record.select([f"fast_reference_{axis}" for axis in AXES]).data
+        time, low, high = np.arange(len(wished)) / record.rate, *run.plan.stage.limits.travel
+        for axis, signal, colour in zip(AXES, wished.T, COLOURS, strict=False):
+            panel.plot(time[::4], 1e6 * signal[::4], color=colour, linewidth=0.8, label=axis)
+        for sign in (-1, 1):
+            panel.axhline(sign * 1e6 * (high - low) / 2, **LIMIT)
+        panel.set_title(f"Setup {run.plan.setup}: {SETUPS[run.plan.setup]}")
+        panel.set_ylabel("µm")
+    panels[0].legend(loc="best", ncols=3)
+    panels[-1].set_xlabel("time, s")
+    return Plot(figure, "What is asked of the stage, from the middle of its travel. Dashed: its ends.")
+
+
+def _along(axes: Axes, run: Run, signal: np.ndarray) -> None:
+    step = max(1, len(signal) // POINTS)
+    way = 1e3 * STEP * np.arange(len(signal))
+    axes.plot(way[::step], 1e6 * signal[::step], color=COLOUR[run.plan.setup], linewidth=0.8, label=run.plan.setup)

@@ -1,0 +1,84 @@
+"""The report of the cell's runs: a table like Table 2.3, the contours, the surface, and the stage's travel."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from rigkit import atomic
+from rigkit.figure_style import styled
+from rigkit.json_text import json_text
+from rigkit.report import Fact, Report, Section, Table
+from rigkit.run_folder import SUMMARY, read_events
+from stagectl.machining.figures import Run, deviation_plot, polar_plot, surface_plot, travel_plot
+from stagectl.machining.session import figures, milled_contour, read_back
+
+PAGE = "report.html"
+HEAD = (
+    "setup", "MAE (circle), µm", "σ (circle), µm", "max (circle), µm", "σ (surface), µm", "roughness, µm",
+    "travel used, µm", "at an end, s", "held because",
+)  # fmt: skip
+
+
+def cell_report(path: Path, png: Path | None = None) -> list[dict[str, Any]]:
+    """Write `report.html` and `summary.json` into a folder of runs; return the figures of each setup.
+
+    Parameters
+    ----------
+    path : Path
+    png : Path, optional
+        Folder for the figures as PNG files as well.
+    """
+    found = read_back(path)
+    rows = [figures(made, records, reason) for made, records, reason in found.values()]
+    runs = [Run(made, records, milled_contour(made, records["surface"])) for made, records, _ in found.values()]
+    with styled():
+        name = f"The toroid in steel, setup {', '.join(found)}"
+        report = Report(name, str(path.resolve()), tuple(_facts(rows)), tuple(_sections(path, rows, runs)))
+        report.write(path / PAGE)
+        if png is not None:
+            report.png(png)
+    atomic.write(path / SUMMARY, f"{json_text({'setups': rows}, indent=2)}\n")
+    return rows
+
+
+def table_rows(rows: list[dict[str, Any]]) -> list[tuple[str, ...]]:
+    """Return the figures of setups as text under `HEAD`."""
+    return [tuple(_row(row)) for row in rows]
+
+
+def _row(row: dict[str, Any]) -> Iterator[str]:
+    yield f"{row['setup']}: {row['what']}"
+    for key in ("circle_mae", "circle_std", "circle_max", "surface_std", "roughness"):
+        yield f"{1e6 * row[key]:.2f}" if key in row else "-"
+    if "travel" in row:
+        most = max(max(-low, high) for low, high in row["travel"].values())
+        yield f"{1e6 * most:.0f} of {1e6 * row['travel_limit']:.0f}"
+        yield f"{row['seconds_at_end']:.2f}"
+    else:
+        yield from ("-", "-")
+    yield row["fault"] or "-"
+
+
+def _facts(rows: list[dict[str, Any]]) -> Iterator[Fact]:
+    for row in rows:
+        if "circle_mae" in row:
+            yield Fact(f"MAE of the circle, {row['setup']}", f"{1e6 * row['circle_mae']:.1f} µm")
+        if "travel" in row:
+            yield Fact(f"At an end of the travel, {row['setup']}", f"{row['seconds_at_end']:.2f} s")
+        yield Fact(f"Faults, {row['setup']}", row["fault"] or "none", not row["fault"])
+
+
+def _sections(path: Path, rows: list[dict[str, Any]], runs: list[Run]) -> Iterator[Section]:
+    yield Section("Accuracy", tables=(Table(HEAD, tuple(table_rows(rows))),))
+    if any(run.milled is not None for run in runs):
+        yield Section("Contour", plots=(polar_plot(runs), deviation_plot(runs)))
+        yield Section("Surface", plots=(surface_plot(runs),))
+    with_stage = [run for run in runs if run.plan.has_stage]
+    if with_stage:
+        yield Section("Travel", plots=(travel_plot(with_stage),))
+    events = tuple(
+        (each["time"][:19].replace("T", " "), each["event"], ", ".join(
+            f"{key} {value}" for key, value in each.items() if key not in ("time", "event")))
+        for each in read_events(path)
+    )  # fmt: skip
+    yield Section("Events", tables=(Table(("time, UTC", "event", "particulars"), events),))

@@ -1,0 +1,149 @@
+"""Runs of the cell in their folder: everything recorded, measured and kept."""
+
+import shutil
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from ctlblocks import recording
+from ctlblocks.recording import Recording
+from rigkit import config as rig_file
+from rigkit.provenance import now, software
+from rigkit.run_folder import CONFIG, RunFolder, read_events
+from stagectl.config import StageConfig
+from stagectl.machining.measures import Contour, accuracy, contour
+from stagectl.machining.plan import AXES, RATE, SETUPS, Plan, plan
+from stagectl.machining.recorded import QUICK, recordings
+from stagectl.machining.run import Conduct, mill
+from stagectl.machining.surroundings import simulated
+from stagectl.robot.config import CellConfig
+from stagectl.session import model_name
+
+STAGE = "stage.toml"
+SUFFIXES = {"cell": "csv", "surface": "csv", "tracker": "wav", "stage": "wav"}
+"""Formats: of many channels a WAV is smaller and quicker; both keep every bit."""
+
+
+@dataclass(frozen=True)
+class Files:
+    """What a run is made from.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    stage : StageConfig
+    models : sequence of Path
+        Of the stage, one an axis, or none.
+    """
+
+    cell: CellConfig
+    stage: StageConfig
+    models: Sequence[Path] = ()
+
+
+def create(path: Path, files: Files) -> RunFolder:
+    """Make the folder of new runs, with copies of all files; ValueError where something is in it already."""
+    folder = RunFolder.create(path, rig_file.dump(files.cell))
+    folder.write(STAGE, rig_file.dump(files.stage))
+    for axis, model in zip(AXES, files.models, strict=bool(files.models)):
+        shutil.copyfile(model, folder.path / model_name(axis))
+    return folder
+
+
+def files_of(path: Path) -> Files:
+    """Read back what runs were made from; ValueError if the folder is none of theirs."""
+    if not ((path / CONFIG).is_file() and (path / STAGE).is_file()):
+        raise ValueError(f"{path}/ is not the folder of a run of the cell: it has no {CONFIG} and {STAGE}")
+    models = [path / model_name(axis) for axis in AXES]
+    return Files(
+        rig_file.load(path / CONFIG, CellConfig),
+        rig_file.load(path / STAGE, StageConfig),
+        models if models[0].exists() else (),
+    )
+
+
+def run(folder: RunFolder, made: Plan, conduct: Conduct) -> dict[str, Any]:
+    """Run a setup, and return its figures.
+
+    Parameters
+    ----------
+    folder : RunFolder
+    made : Plan
+    conduct : Conduct
+    """
+    about = {"rig": made.stage.rig.name, "setup": made.setup, "date": now(), "software": software()}
+    folder.event("started", {"setup": made.setup, "software": software()})
+    done = mill(made, conduct, simulated, recordings(made), about)
+    for name, kept in done.recordings.items():
+        recording.write(folder.path / f"{made.setup}-{name}.{SUFFIXES[name]}", kept)
+    ticks = len(done.recordings["surface"].data) * QUICK
+    folder.event("ended", {"setup": made.setup, "seconds": ticks / RATE, "reason": done.reason, **done.figures})
+    return figures(made, done.recordings, done.reason)
+
+
+def figures(made: Plan, records: dict[str, Recording], reason: str) -> dict[str, Any]:
+    """Return what a run comes to, other programs' keys.
+
+    Parameters
+    ----------
+    made : Plan
+    records : dict of str to Recording
+        `cell` and `surface`.
+    reason : str
+
+    Returns
+    -------
+    dict
+        `setup`, `what`, `seconds`, `fault` (or null); where something was milled `circle_mae`, `circle_std`,
+        `circle_max`, `surface_std`, `roughness` (m); with a stage, by axis, `travel` (lowest and highest reference
+        wished for, m, from the middle), `travel_limit` (m) and `seconds_at_end` (s).
+    """
+    found: dict[str, Any] = {
+        "setup": made.setup,
+        "what": SETUPS[made.setup],
+        "seconds": len(records["surface"].data) * QUICK / RATE,
+        "fault": reason or None,
+    }
+    milled = milled_contour(made, records["surface"])
+    if milled is not None:
+        found |= asdict(accuracy(milled))
+    if made.has_stage:
+        wished = records["cell"].select([f"fast_reference_{axis}" for axis in AXES])
+        low, high = made.stage.limits.travel
+        limit = (high - low) / 2
+        found["travel"] = {axis: [float(w.min()), float(w.max())] for axis, w in zip(AXES, wished.data.T, strict=True)}
+        found["travel_limit"] = limit
+        found["seconds_at_end"] = float((abs(wished.data) > limit).any(axis=1).sum() / wished.rate)
+    return found
+
+
+def milled_contour(made: Plan, surface: Recording) -> Contour | None:
+    """Return the toroid as it was milled, or None where nothing was."""
+    begin = round(made.cell.toroid.lead * surface.rate)
+    cut = surface.select([f"cut_{axis}" for axis in AXES]).data[begin:]
+    try:
+        return contour(cut, made.cell.toroid.radius)
+    except (ValueError, IndexError):
+        return None
+
+
+def read_back(path: Path) -> dict[str, tuple[Plan, dict[str, Recording], str]]:
+    """Return plan, recordings and reason of every setup that a folder has, by setup.
+
+    Raises
+    ------
+    ValueError : nothing is recorded.
+    """
+    files = files_of(path)
+    reasons = {each["setup"]: each["reason"] for each in read_events(path) if each["event"] == "ended"}
+    found = {}
+    for setup in SETUPS:
+        if setup in reasons:
+            made = plan(setup, files.cell, files.stage, files.models)
+            names = [name for name in SUFFIXES if (path / f"{setup}-{name}.{SUFFIXES[name]}").exists()]
+            kept = {name: recording.read(path / f"{setup}-{name}.{SUFFIXES[name]}") for name in names}
+            found[setup] = made, kept, reasons[setup]
+    if not found:
+        raise ValueError(f"{path}: nothing is recorded")
+    return found

@@ -1,0 +1,88 @@
+"""What surrounds the controllers of the cell: the simulated plants, or a recording of what they once said."""
+
+from collections.abc import Callable, Mapping
+
+from ctlblocks import Block, Graph
+from ctlblocks.recording import Recording
+from ctlblocks.replay import Replay
+from rigkit.config import resolve
+from stagectl.machining.plan import Plan
+from stagectl.machining.recorded import EVERY, LASER, PLATE, QUICK, ROBOT, SLOW, TRACKER, Signal
+from stagectl.still import Still
+
+Sources = Mapping[str, tuple[str, bool]]
+"""For each word, the output that it stands for, and whether it is read a tick late."""
+Surroundings = Callable[[Graph, Plan], Sources]
+"""Adds what surrounds the controllers, which are in the graph already, and wires it to them."""
+
+
+def simulated(graph: Graph, plan: Plan) -> Sources:
+    """Add the plants that the cell's file names."""
+    options, plants = plan.plant_options(), plan.cell.plants
+    graph.add("robot", block(plants.robot, options["robot"]), QUICK)
+    graph.add("milling", block(plants.cut, options["cut"]))
+    graph.add("camera", block(plants.tracker, options["tracker"]), QUICK)
+    graph.connect("port.reference", "robot.reference", delayed=True)
+    for name in ("force", "moment"):
+        graph.connect(f"milling.{name}", f"robot.{name}", delayed=True)
+    sources = {signal.name: (f"robot.{signal.name}", False) for signal in ROBOT}
+    sources |= {signal.name: (f"camera.{signal.name}", False) for signal in TRACKER}
+    sources |= {"workpiece": ("camera.workpiece_seen", False)}
+    sources |= {"cut": ("milling.cut", False), "force": ("milling.force", False)}
+    sources |= _stage(graph, plan) if plan.has_stage else _no_stage(graph)
+    for name in ("milling", "camera"):
+        graph.connect(sources["position"][0], f"{name}.tool", delayed=sources["position"][1])
+        graph.connect("robot.position", f"{name}.workpiece")
+        graph.connect("robot.orientation", f"{name}.orientation")
+    return sources
+
+
+def recorded(recordings: Mapping[str, Recording]) -> Surroundings:
+    """Return what adds the sensors of a run's recordings.
+
+    Parameters
+    ----------
+    recordings : mapping of str to Recording
+        By name, as `recorded.recordings` says.
+    """
+
+    def surround(graph: Graph, plan: Plan) -> Sources:
+        parts = [("robot", "cell", ROBOT), ("camera", "tracker", TRACKER)]
+        if plan.has_stage:
+            parts += [("laser", "tracker", LASER), ("plant", "stage", PLATE)]
+        sources = {} if plan.has_stage else dict(_no_stage(graph))
+        for name, recording, signals in parts:
+            graph.add(name, _played(recordings[recording], signals), EVERY[recording])
+            sources |= {signal.name: (f"{name}.{signal.name}", False) for signal in signals}
+        return sources
+
+    return surround
+
+
+def block(name: str, options: dict[str, object]) -> Block:
+    """Build the block that a file names; ValueError where it does not take these options, or is none."""
+    try:
+        made = resolve(name)(**options)
+    except TypeError as fault:
+        raise ValueError(f"{name} does not take these options: {fault}") from None
+    if not isinstance(made, Block):
+        raise ValueError(f"{name} makes a {type(made).__name__}, must be a Block")
+    return made
+
+
+def _stage(graph: Graph, plan: Plan) -> dict[str, tuple[str, bool]]:
+    simulator = plan.stage.simulator
+    graph.add("plant", block(simulator.plant, simulator.options))
+    graph.connect("guard.voltage", "plant.voltage")
+    graph.connect("milling.plate_force", "plant.force")
+    graph.connect("milling.face", "plant.base")
+    return {signal.name: (f"plant.{signal.name}", True) for signal in (*PLATE, *LASER)}
+
+
+def _no_stage(graph: Graph) -> dict[str, tuple[str, bool]]:
+    graph.add("still", Still(), SLOW)
+    return {"position": ("still.base", False), "absolute": ("still.base", False)}
+
+
+def _played(record: Recording, signals: tuple[Signal, ...]) -> Replay:
+    return Replay(record, {signal.name: signal.channels for signal in signals})
