@@ -50,6 +50,7 @@ def run_live(folder: RunFolder, made: Setup, stopped: Callable[[], bool]) -> dic
             with undisturbed():
                 link.start()
                 run_linked(graph, link, made.timeline.total // link.frames, stopped)
+                link.stop()  # writing takes longer than the stage waits for references
         finally:
             if record.position:
                 _keep(folder, made, record)

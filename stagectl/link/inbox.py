@@ -66,8 +66,8 @@ class Inbox:
     def _samples(self, layout: Layout, data: bytes) -> None:
         counter, block = samples.decode(layout, data)
         name = self._names[layout.identifier]
-        if self.capture is not None:
-            self.capture.take(name, counter, block)
+        if (capture := self.capture) is not None:
+            capture.take(name, counter, block)
         if layout is self._stream:
             missing = self._sequence.accept(counter)
             if missing < 0:
@@ -92,8 +92,8 @@ class Inbox:
             time, block, parameters, lost, late, garbled, underruns, reference, waiting, silence, *_ = values
             counts = lost, late, garbled, underruns
             self.status = Status(1e-9 * time, block, parameters, *counts, reference, waiting, 1e-4 * silence)
-            if self.capture is not None:
-                self.capture.report(self.status)
+            if (capture := self.capture) is not None:
+                capture.report(self.status)
         elif layout is messages.REPLY:
             self.replies.append((values[0], values[1], values[2]))
         else:

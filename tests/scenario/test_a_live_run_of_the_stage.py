@@ -13,8 +13,9 @@ import pytest
 
 from rigkit import config as rig_file
 from rigkit.run_folder import read_events
-from stagectl import session
+from stagectl import live, session
 from stagectl.config import StageConfig
+from stagectl.link.stage_link import StageLink
 from stagectl.live import run_live
 from stagectl.replay import replay
 from stagectl.report import run_report
@@ -26,7 +27,13 @@ PATIENT = "link.silence=2"
 COMMAND = [sys.executable, "-m", "firmware_sim", "stage", "--pty", "--set", PATIENT, "--folder"]
 
 
-def test_a_live_run_uploads_its_loops_follows_and_can_be_reported_but_not_replayed(tmp_path: Path) -> None:
+def test_a_live_run_uploads_its_loops_follows_and_can_be_reported_but_not_replayed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    order: list[str] = []
+    stop, keep = StageLink.stop, live._keep  # noqa: SLF001 (which comes first is what counts)
+    monkeypatch.setattr(StageLink, "stop", lambda link: (order.append("stop"), stop(link)))
+    monkeypatch.setattr(live, "_keep", lambda *made: (order.append("keep"), keep(*made)))
     wire, models = tmp_path / "wire", write_models(tmp_path)
     settings = ["session.live=true", "session.seconds=0.5", "session.recording=wav", "outer.mistuning=0.0", PATIENT]
     config = rig_file.load(None, StageConfig, [*settings, f"link.channel={wire}/can", "link.patience=20"])
@@ -42,6 +49,7 @@ def test_a_live_run_uploads_its_loops_follows_and_can_be_reported_but_not_replay
             assert process.wait(20) == 0
     assert figures["seconds"] == 0.5
     assert "tool_error" not in figures
+    assert order == ["stop", "keep"]  # else the stage waits for references while the recording is written
     assert {"started", "uploaded", "recorded"} <= {event["event"] for event in read_events(folder.path)}
     record = session.read_recording(folder.path, session.RECORDING)
     assert record is not None
