@@ -26,7 +26,12 @@ K_PLUS, K_MINUS, BACKLASH = range(3)
 ACROSS = (16, 17)
 STIFF = ("simulator.clamp=2e-10", "simulator.clamp_turn=2e-9", "simulator.options.orthogonal=0.0")
 """A hundredth of a bolted plate, and rigid bearings."""
-SOFT = ("simulator.clamp=6e-7", "simulator.clamp_turn=6e-6", "clamping.compliance=6e-7", "clamping.compliance_turn=6e-6")
+SOFT = (
+    "simulator.clamp=6e-7",
+    "simulator.clamp_turn=6e-6",
+    "clamping.compliance=6e-7",
+    "clamping.compliance_turn=6e-6",
+)
 """30 bolted plates, known, and bearings that give way."""
 
 

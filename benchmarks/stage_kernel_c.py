@@ -26,6 +26,7 @@ typedef struct {
     double tracking;
     double derivative;
     double derivative_pole;
+    double direct;
     double reference_low;
     double reference_high;
     double extension_low;
@@ -140,8 +141,9 @@ static double outer(Axis *a, double reference, double position) {
 static double inner(Axis *a, double extension) {
     double error = a->extension_reference - extension;
     double slope = a->derivative_pole * a->slope + a->derivative * (error - a->error);
-    if (a->command) a->integral = a->voltage - a->proportional * error - slope;
-    double asked = a->proportional * error + a->integral + slope;
+    double now = a->proportional * error + slope + a->direct * a->extension_reference;
+    if (a->command) a->integral = a->voltage - now;
+    double asked = now + a->integral;
     double given = limited(asked, a->voltage, a->voltage_step, a->voltage_low, a->voltage_high);
     a->voltage_limited += given != asked;
     a->integral += a->integration * error + a->tracking * (given - asked);

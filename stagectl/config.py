@@ -84,16 +84,17 @@ class Sensors(Section):
 
 
 class Inner(Section):
-    """The PID that makes the measured extension follow its reference, (2.2)."""
+    """The PID that makes the measured extension follow its reference, (2.2), and feedforward from the reference."""
 
     gain: PerAxis = setting(
-        (0.0894e-6,), "m/V", "extension a volt gives; one for all axes, or one an axis", min_length=1
+        (0.065e-6,), "m/V", "extension a volt gives; one for all axes, or one an axis", min_length=1
     )
     bandwidth: PerAxis = setting(
-        (720.0,), "Hz", "Ki gain / (2 pi): where the integral part alone has gain one; as gain", min_length=1
+        (3.0,), "Hz", "Ki gain / (2 pi): where the integral part alone has gain one; as gain", min_length=1
     )
-    proportional: float = setting(0.17, "1", "Kp gain", ge=0, le=100)
-    lead: float = setting(4.3e-5, "s", "Kd gain", ge=-1, le=1)
+    proportional: float = setting(0.0, "1", "Kp gain", ge=0, le=100)
+    lead: float = setting(0.0, "s", "Kd gain", ge=-1, le=1)
+    feedforward: float = setting(1.0, "1", "times reference / gain goes to the voltage at once", ge=0, le=2)
     smoothing: float = setting(2.5e-4, "s", "time constant of the derivative's low-pass", gt=0, le=1)
     tracking: float = setting(1e-3, "s", "time constant of the anti-windup", gt=0, le=10)
     hysteresis: tuple[str, ...] = setting(
@@ -129,6 +130,17 @@ class Outer(Section):
     )
     resonance_width: float = setting(2.0, "Hz", "width in which they are", gt=0, le=100)
     resonance_damping: float = setting(0.0, "1", "damping ratio of those states", ge=0, le=0.5)
+
+
+class ChosenWeights(Section):
+    """The outer loops' weights that `calibrate stage` chose, one of each an axis; none: chosen at every start."""
+
+    bandwidth: PerAxis = setting((), "Hz", "of the integral action; 0 for an axis whose weights are not chosen yet")
+    drive: PerAxis = setting((), "m/m", "extension that may be spent on a position error of one")
+    trust: PerAxis = setting((), "1", "part of the identified noise that the Kalman filter is made for")
+    doubt: PerAxis = setting((), "m/m", "noise in the extension that it is made for, re that of the position")
+    caution: PerAxis = setting((), "1", "weight of each mode by itself")
+    feedforward: PerAxis = setting((), "1", "part of the l_r that leaves no error on a ramp")
 
 
 class Reference(Section):
@@ -176,6 +188,7 @@ class StageConfig(Section):
     sensors: Sensors = Field(default_factory=Sensors)
     inner: Inner = Field(default_factory=Inner)
     outer: Outer = Field(default_factory=Outer)
+    weights: ChosenWeights = Field(default_factory=ChosenWeights)
     reference: Reference = Field(default_factory=Reference)
     deflection: Deflection = Field(default_factory=Deflection)
     session: Session = Field(default_factory=Session)
@@ -200,6 +213,9 @@ class StageConfig(Section):
                 raise ValueError(f"{table}.{key} is {values}, must be 1 or {axes} numbers > 0")
         if len(self.inner.hysteresis) not in (0, axes):
             raise ValueError(f"inner.hysteresis has {len(self.inner.hysteresis)} files, must have none or {axes}")
+        for key, values in self.weights:
+            if len(values) != (axes if self.weights.bandwidth else 0) or not all(value >= 0 for value in values):
+                raise ValueError(f"weights.{key} is {values}, must be {axes} numbers >= 0, or none in all of [weights]")
         if not self.session.lead >= 2.5 * self.limits.ramp:
             raise ValueError(
                 f"session.lead is {self.session.lead:g} s, must be >= {2.5 * self.limits.ramp:g} s: two of limits.ramp "

@@ -163,10 +163,9 @@ def _designed(made: Setup) -> Mapping[str, Any]:
     return {
         axis: {
             "robustness": str(each.robustness),
-            **{
-                name: getattr(each, name)
-                for name in ("worst_sensitivity", "left", "bandwidth", "drive", "doubt", "caution")
-            },
+            "worst_sensitivity": each.worst_sensitivity,
+            "left": each.left,
+            **asdict(each.weights),
         }
         for axis, each in zip(made.config.stage.axes, made.designs, strict=True)
     }

@@ -13,6 +13,7 @@ from stagectl.stage.design import Design, design
 from stagectl.stage.hysteresis_compensation import HysteresisCompensation
 from stagectl.stage.hysteresis_file import read_hysteresis
 from stagectl.stage.loop import stage_controller
+from stagectl.stage.weights import chosen_weights
 from stagectl.timeline import Timeline, timeline
 
 
@@ -73,4 +74,7 @@ def setup(config: StageConfig, files: Sequence[Path]) -> Setup:
             "--model FILE for each, as `calibrate stage` writes them"
         )
     models = tuple(read_model(file, rate=config.stage.rate) for file in files)
-    return Setup(config, models, tuple(design(model, config.outer, axis) for axis, model in enumerate(models)))
+    designs = (
+        design(model, config.outer, axis, chosen_weights(config.weights, axis)) for axis, model in enumerate(models)
+    )
+    return Setup(config, models, tuple(designs))

@@ -1,4 +1,4 @@
-"""One axis from its first chirp to its models: open loop, the PID that this makes, and again with that loop closed."""
+"""One axis from its first chirp to its loops: open, the PID that this makes, closed with it, and the loop around."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -16,7 +16,9 @@ from rigkit import config as rig_file
 from rigkit.provenance import now, software
 from stagectl.config import Inner, StageConfig
 from stagectl.models import InnovationModel
-from stagectl.stage.piezo_pid import Pid, pid, robust_pid
+from stagectl.stage.design import Design, design
+from stagectl.stage.design_refinement import refined
+from stagectl.stage.piezo_pid import Pid, gain_at_rest, pid, robust_pid
 from stagectl.stage.sensitivity import Robustness, robustness
 from stagectl.stage.state_space import plant_of
 
@@ -67,7 +69,7 @@ class Closed:
     every: Identification
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class AxisCalibration:
     """What was found of an axis, in both ways.
 
@@ -78,12 +80,15 @@ class AxisCalibration:
         Highest frequency that was excited.
     opened : Opened
     closed : Closed
+    outer : Design or str
+        The outer loop on the closed loop's model; or why there is none.
     """
 
     axis: str
     top: float
     opened: Opened
     closed: Closed
+    outer: Design | str
 
 
 def calibrate_axes(
@@ -94,7 +99,7 @@ def calibrate_axes(
     method: Method,
     bench: Callable[[int, Pid | None], ExcitedAxis],
 ) -> list[AxisCalibration]:
-    """Identify axes, each with open inner loop and with the loop closed by the PID that this gives.
+    """Identify axes, each with open inner loop and with the loop closed by the PID that this gives; choose outer loops.
 
     Parameters
     ----------
@@ -116,8 +121,25 @@ def calibrate_axes(
     for axis in axes:
         opened = _opened(bench(axis, None), raw, order, method)
         closed = _closed(bench(axis, opened.loop), raw, order, method)
-        found.append(AxisCalibration(config.stage.axes[axis], config.characterisation.band[1], opened, closed))
+        outer = outer_loop(config, axis, closed.one.model)
+        found.append(AxisCalibration(config.stage.axes[axis], config.characterisation.band[1], opened, closed, outer))
     return found
+
+
+def outer_loop(config: StageConfig, axis: int, model: InnovationModel) -> Design | str:
+    """Choose the outer loop for a model, within the bounds of `[outer]`; return it, or why there is none.
+
+    Parameters
+    ----------
+    config : StageConfig
+    axis : int, counted from 0
+    model : InnovationModel
+        From the inner loop's reference (m) to the position (m).
+    """
+    try:
+        return refined(design(model, config.outer, axis), model, config.outer, axis)
+    except ValueError as fault:
+        return str(fault)
 
 
 def _opened(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Method) -> Opened:
@@ -150,7 +172,9 @@ def inner_loop(config: StageConfig, axis: int, stack: InnovationModel) -> tuple[
         return given, slow(config.inner, axis, np.inf), figures
     wished = slow(config.inner, axis, FASTEST * settings.band[1])
     loop, figures = robust_pid(stack, wished, 0, settings.max_sensitivity)
-    return loop, wished.model_copy(update={"gain": (2 * np.pi * wished.bandwidth[0] / loop.integral,)}), figures
+    gain = gain_at_rest(stack)
+    made = {"gain": (gain,), "bandwidth": (loop.integral * gain / (2 * np.pi),)}
+    return loop, wished.model_copy(update=made), figures
 
 
 def _closed(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Method) -> Closed:
@@ -185,29 +209,6 @@ def slow(inner: Inner, axis: int, most: float) -> Inner:
     bandwidth = min(inner.bandwidth[axis % len(inner.bandwidth)], most)
     gain = inner.gain[axis % len(inner.gain)]
     return inner.model_copy(update={"bandwidth": (bandwidth,), "gain": (gain,)})
-
-
-def calibrated_rig(config: StageConfig, found: Sequence[AxisCalibration]) -> StageConfig:
-    """Return the rig file with the PIDs that were designed, for `stagectl run`.
-
-    Parameters
-    ----------
-    config : StageConfig
-    found : sequence of AxisCalibration
-    """
-    made = {each.axis: each.opened.inner for each in found}
-    whole = {
-        name: [
-            getattr(config.inner, name)[at % len(getattr(config.inner, name))] for at in range(len(config.stage.axes))
-        ]
-        for name in ("gain", "bandwidth")
-    }
-    for at, axis in enumerate(config.stage.axes):
-        for name in whole:
-            if axis in made:
-                whole[name][at] = getattr(made[axis], name)[0]
-    inner = config.inner.model_copy(update={name: tuple(values) for name, values in whole.items()})
-    return config.model_copy(update={"inner": inner})
 
 
 def _about(bench: ExcitedAxis, raw: RawFolder, experiment: Experiment) -> dict[str, str]:

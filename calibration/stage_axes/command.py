@@ -11,17 +11,21 @@ import typer
 from calibration.experiment import RawFolder
 from calibration.raw_folder import raw_folder
 from calibration.stage_axes.bench import Bench, ExcitedAxis
-from calibration.stage_axes.calibration import AxisCalibration, calibrate_axes, calibrated_rig
+from calibration.stage_axes.calibration import AxisCalibration, calibrate_axes
 from calibration.stage_axes.live_bench import LiveBench
 from calibration.stage_axes.order import MOST
 from calibration.stage_axes.report import (
     INNER_HEAD,
     MODEL_HEAD,
+    OUTER_HEAD,
     axis_report,
     calibration_figures,
     inner_row,
     model_rows,
+    outer_row,
+    without_loop,
 )
+from calibration.stage_axes.rig import calibrated_rig
 from calibration.subspace.realization import Method
 from rigkit import atomic
 from rigkit import config as rig_file
@@ -47,10 +51,11 @@ def stage_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Identify axes of the stage by chirps: inner loop open, then closed by the PID that this gives.
+    """Identify axes of the stage by chirps: inner loop open, then closed; choose their PIDs and outer loops.
 
-    Beside each model file: `-simo.h5` to all positions, `-open.h5` from the voltage, a report; and a rig file with the
-    PIDs.  Raw recordings are kept in a folder beside; stopped or killed, the same command goes on from there.
+    Beside each model file: `-simo.h5` to all positions, `-open.h5` from the voltage, a report; and a rig file with PIDs
+    and outer loops; status 1 if an axis has none.  Raw recordings are kept in a folder beside; stopped or killed, the
+    same command goes on from there.
 
     Example: `calibrate stage --config stage.toml --axis x --out stage-x.h5`
     """
@@ -68,6 +73,8 @@ def stage_command(
             _write(each, _file(out, each.axis, axis), rig, png)
         atomic.write(out.with_suffix(".toml"), rig_file.dump(calibrated_rig(rig, found)))
     _print(found, out, json)
+    if any(without_loop(found)):
+        raise typer.Exit(1)
 
 
 def _axes(rig: StageConfig, axis: str) -> list[int]:
@@ -123,4 +130,7 @@ def _print(found: Sequence[AxisCalibration], out: Path, json: str | None) -> Non
     rows = [row for each in found for row in model_rows(each)]
     print_table(f"{out}: {seconds:.0f} s of signal", MODEL_HEAD, rows, stream)
     print_table(f"inner loops, in {out.with_suffix('.toml')}", INNER_HEAD, map(inner_row, found), stream)
+    print_table(f"outer loops, in {out.with_suffix('.toml')}", OUTER_HEAD, map(outer_row, found), stream)
+    for line in without_loop(found):
+        print(line, file=stream)
     write_json(json, calibration_figures(found))

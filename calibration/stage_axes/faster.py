@@ -121,6 +121,7 @@ def _modal(model: InnovationModel, factor: float, heaviest: float = 1.0) -> tupl
             continue
         size = np.clip(abs(pole), FASTEST, 1 - SLOWEST) ** (1 / factor)
         seen = model.C @ shape
+        seen = seen / max(float(np.linalg.norm(seen)), np.finfo(float).tiny)  # states in the outputs' unit
         if pole.imag == 0:
             blocks.append(np.array([[size]]))
             columns.append(seen.real[:, np.newaxis])

@@ -1,6 +1,7 @@
 """What an axis' calibration found: rows of tables, the figures of `--json`, and a report to look at."""
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 from calibration.identification.figures import residual_figure
@@ -10,9 +11,11 @@ from calibration.stage_axes.calibration import AxisCalibration
 from calibration.stage_axes.figures import coupling_figure, free_run_figure, order_figure, response_figure
 from rigkit.figure_style import styled
 from rigkit.report import Fact, Plot, Report, Section, Table
+from stagectl.stage.design import Design
 
 MODEL_HEAD = ("model", "order", "fresh, free run, %", "one step, %", "modes, Hz")
 INNER_HEAD = ("axis", "inner.gain, m/V", "inner.bandwidth, Hz", "Ms", "crossover, Hz", "phase margin, degrees")
+OUTER_HEAD = ("axis", "bandwidth, Hz", "drive", "Ms", "Ms, mistuned", "phase margin, degrees", "crossover, Hz", "left")
 
 
 def models_of(found: AxisCalibration) -> dict[str, Identification]:
@@ -53,6 +56,28 @@ def inner_row(found: AxisCalibration) -> tuple[str, ...]:
     )
 
 
+def outer_row(found: AxisCalibration) -> tuple[str, ...]:
+    """Return the outer loop's integral bandwidth and drive, how robust it is, and what error it leaves."""
+    if isinstance(found.outer, str):
+        return (found.axis, *["none"] * (len(OUTER_HEAD) - 1))
+    weights, figures = found.outer.weights, found.outer.robustness
+    return (
+        found.axis,
+        f"{weights.bandwidth:g}",
+        f"{weights.drive:g}",
+        f"{figures.max_sensitivity:.2f}",
+        f"{found.outer.worst_sensitivity:.2f}",
+        f"{figures.phase_margin:.0f}",
+        f"{figures.crossover:.0f}",
+        f"{found.outer.left:.2f}",
+    )
+
+
+def without_loop(found: Sequence[AxisCalibration]) -> list[str]:
+    """Return a line for each axis that has no outer loop: why."""
+    return [f"no outer loop on {each.axis}: {each.outer}" for each in found if isinstance(each.outer, str)]
+
+
 def oscillating(found: Identification) -> list[tuple[float, float]]:
     """Return natural frequency (Hz) and damping ratio of the modes that oscillate."""
     modes = found.model.modes
@@ -71,11 +96,26 @@ def calibration_figures(found: Sequence[AxisCalibration]) -> dict[str, Any]:
                 "crossover_hz": each.opened.robustness.crossover,
                 "phase_margin_deg": each.opened.robustness.phase_margin,
             },
+            "outer": _outer_figures(each.outer),
             "amplitude": {"voltage": each.opened.experiment.amplitude, "reference": each.closed.experiment.amplitude},
             "seconds": each.opened.experiment.seconds + each.closed.experiment.seconds,
             **{name: identification_figures(model) for name, model in _keyed(each).items()},
         }
         for each in found
+    }
+
+
+def _outer_figures(outer: Design | str) -> dict[str, Any]:
+    if isinstance(outer, str):
+        return {"none": outer}
+    figures = outer.robustness
+    return asdict(outer.weights) | {
+        "max_sensitivity": figures.max_sensitivity,
+        "mistuned_sensitivity": outer.worst_sensitivity,
+        "phase_margin_deg": figures.phase_margin,
+        "delay_margin_s": figures.delay_margin,
+        "crossover_hz": figures.crossover,
+        "left": outer.left,
     }
 
 
@@ -122,6 +162,7 @@ def _fits(found: AxisCalibration) -> tuple[Section, ...]:
 
 def _quality(found: AxisCalibration) -> tuple[Section, ...]:
     one, figures = found.closed.one, found.opened.robustness
+    outer = found.outer if isinstance(found.outer, str) else str(found.outer.robustness)
     return (
         Section(
             "Residuals",
@@ -129,6 +170,7 @@ def _quality(found: AxisCalibration) -> tuple[Section, ...]:
             (Plot(residual_figure(one), "Closed loop, one step ahead. Dashed: chance, one time in a hundred."),),
         ),
         Section("Inner loop", str(figures), (), (Table(INNER_HEAD, (inner_row(found),)),)),
+        Section("Outer loop", outer, (), (Table(OUTER_HEAD, (outer_row(found),)),)),
         Section(
             "Modes",
             "Of the closed loop's model of thinned records; +- is one standard error, by a jackknife of segments.",

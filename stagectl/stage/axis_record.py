@@ -40,6 +40,7 @@ AXIS = np.dtype(
         ("tracking", "f8"),
         ("derivative", "f8"),
         ("derivative_pole", "f8"),
+        ("direct", "f8"),
         # limits; steps are per sample
         ("reference_low", "f8"),
         ("reference_high", "f8"),

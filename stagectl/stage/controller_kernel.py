@@ -104,12 +104,13 @@ def _outer(axis, followed, position):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _inner(axis, extension):  # type: ignore[no-untyped-def]
-    """Return the voltage asked for, (2.2), with tracking anti-windup."""
+    """Return the voltage asked for, (2.2) and feedforward, with tracking anti-windup."""
     error = axis.extension_reference - extension
     slope = axis.derivative_pole * axis.slope + axis.derivative * (error - axis.error)
+    now = axis.proportional * error + slope + axis.direct * axis.extension_reference
     if axis.command != GO_ON:
-        axis.integral = axis.voltage - axis.proportional * error - slope
-    asked = axis.proportional * error + axis.integral + slope
+        axis.integral = axis.voltage - now
+    asked = now + axis.integral
     given = _limited(asked, axis.voltage, axis.voltage_step, axis.voltage_low, axis.voltage_high)
     axis.voltage_limited += given != asked
     axis.integral += axis.integration * error + axis.tracking * (given - asked)

@@ -20,7 +20,7 @@ def inner_parameters(axes: Sequence[str], loops: Sequence[Pid]) -> dict[str, np.
 
     Returns
     -------
-    dict of arrays, float64, shape (5,), the fields of `Pid` in their order and units
+    dict of arrays, float64, shape (6,), the fields of `Pid` in their order and units
     """
     return {f"{axis}{SUFFIX}": np.array(astuple(loop), float) for axis, loop in zip(axes, loops, strict=True)}
 
@@ -31,7 +31,7 @@ def inner_from(axes: Sequence[str], parameters: Mapping[str, np.ndarray]) -> lis
     Parameters
     ----------
     axes : sequence of str
-    parameters : mapping of str to array, shape (5,), the fields of `Pid` in their order and units
+    parameters : mapping of str to array, shape (6,), the fields of `Pid` in their order and units
 
     Raises
     ------

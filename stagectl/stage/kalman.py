@@ -6,7 +6,7 @@ from scipy.linalg import solve_discrete_are
 from stagectl.models import InnovationModel
 
 
-def kalman_gain(model: InnovationModel, doubt: float, caution: float = 0.0) -> np.ndarray:
+def kalman_gain(model: InnovationModel, doubt: float, caution: float = 0.0, trust: float = 1.0) -> np.ndarray:
     """Return the gain K of (2.4) for a model that is in doubt.
 
     To the identified noise it adds white noise at the plant's input and, `caution` times as large, at the input of each
@@ -15,6 +15,9 @@ def kalman_gain(model: InnovationModel, doubt: float, caution: float = 0.0) -> n
     recovery), by way of a filter that inverts the plant's zeros; noise at each mode keeps it from relying on those
     zeros, which lie elsewhere as soon as a natural frequency does.
 
+    A gain identified from loud chirps follows hysteresis, which is there only while they are: it takes whatever is
+    measured for motion, up to high frequencies.  `trust` tells how much of that noise there is in a run.
+
     Parameters
     ----------
     model : InnovationModel
@@ -22,6 +25,8 @@ def kalman_gain(model: InnovationModel, doubt: float, caution: float = 0.0) -> n
     doubt : float, the input's unit per the output's unit
         Rms of the noise at the input over that of the innovations, >= 0.
     caution : float, 1, >= 0
+    trust : float, 1, 0 to 1
+        Part of the model's own gain.
 
     Returns
     -------
@@ -31,14 +36,15 @@ def kalman_gain(model: InnovationModel, doubt: float, caution: float = 0.0) -> n
     ------
     Sörnmo 2015, eq. (2.4); recovery: Doyle and Stein, IEEE Trans. Automatic Control 26 (1981) 4.
     """
+    own = trust * model.K
+    if doubt == 0:
+        return own
     modes = caution * np.hstack([part @ model.B for part in modal_parts(model.A)])
     inputs = doubt * np.hstack([model.B, modes])
-    noise = model.K @ model.K.T + inputs @ inputs.T  # per variance of the innovations
+    noise = own @ own.T + inputs @ inputs.T  # per variance of the innovations
     one = np.ones((1, 1))
-    if not noise.any():
-        return np.zeros_like(model.K)
-    covariance = solve_discrete_are(model.A.T, model.C.T, noise, one, s=model.K)
-    gain: np.ndarray = (model.A @ covariance @ model.C.T + model.K) / (model.C @ covariance @ model.C.T + one)
+    covariance = solve_discrete_are(model.A.T, model.C.T, noise, one, s=own)
+    gain: np.ndarray = (model.A @ covariance @ model.C.T + own) / (model.C @ covariance @ model.C.T + one)
     return gain
 
 

@@ -27,10 +27,13 @@ class Pid:
         Time constant of the derivative's low-pass.
     tracking : float, s, > 0
         Time constant with which the integral follows a voltage that is limited.
+    feedforward : float, V/m
+        From the reference straight to the voltage.
 
     Source
     ------
-    Sörnmo 2015, eq. (2.2); anti-windup by tracking: Åström and Hägglund, Advanced PID Control, 2005, section 3.5.
+    Sörnmo 2015, eq. (2.2); anti-windup by tracking, and feedforward from the reference: Åström and Hägglund, Advanced
+    PID Control, 2005, sections 3.5 and 5.3.
     """
 
     proportional: float
@@ -38,6 +41,7 @@ class Pid:
     derivative: float
     smoothing: float
     tracking: float
+    feedforward: float = 0.0
 
     def coefficients(self, rate: float) -> dict[str, float]:
         """Return the fields of an `AXIS` record at `rate` samples/s; the derivative is a backward difference."""
@@ -48,10 +52,11 @@ class Pid:
             "tracking": min(1.0, 1.0 / (self.tracking * rate)),
             "derivative": self.derivative * (1.0 - pole) * rate,
             "derivative_pole": pole,
+            "direct": self.feedforward,
         }
 
     def system(self, rate: float) -> StateSpace:
-        """Return it as a system from the error (m) to the voltage (V), without its limits."""
+        """Return it as a system from the error (m) to the voltage (V), without limits and feedforward."""
         now = self.coefficients(rate)
         pole, gain = now["derivative_pole"], now["derivative"]
         return StateSpace(
@@ -69,7 +74,7 @@ def pid(inner: Inner, axis: int) -> Pid:
 
 
 def robust_pid(model: InnovationModel, inner: Inner, axis: int, max_sensitivity: float) -> tuple[Pid, Robustness]:
-    """Design the PID on a model: as fast as the rig file asks for, or slower until it is robust.
+    """Design the PID on a model: its integral part as fast as the rig file asks for, or slower until it is robust.
 
     Parameters
     ----------
@@ -89,26 +94,33 @@ def robust_pid(model: InnovationModel, inner: Inner, axis: int, max_sensitivity:
     ------
     ValueError : the model has other inputs or outputs, or no gain at rest, or the bound cannot be met.
     """
-    plant = plant_of(model)
-    gain = float(plant.response(np.zeros(1), model.rate)[0].real)
-    if not (math.isfinite(gain) and gain > 0):
-        raise ValueError(f"the model's gain at rest is {gain:g} m/V, must be > 0")
+    plant, gain = plant_of(model), gain_at_rest(model)
     wanted = inner.bandwidth[axis % len(inner.bandwidth)]
     for attempt in range(_TRIES):
-        designed = _of_gain(gain, wanted * _STEP**attempt, inner, _STEP**attempt)
+        designed = _of_gain(gain, wanted * _STEP**attempt, inner)
         figures = robustness(plant, designed.system(model.rate), model.rate, delay=1)
         if figures.stable and figures.max_sensitivity <= max_sensitivity:
             return designed, figures
     raise ValueError(
-        f"no PID of {wanted * _STEP**_TRIES:.3g} to {wanted:g} Hz keeps Ms <= {max_sensitivity:g} on this model"
+        f"no PID of {wanted * _STEP ** (_TRIES - 1):.3g} to {wanted:g} Hz with inner.proportional "
+        f"{inner.proportional:g} and inner.lead {inner.lead:g} s keeps Ms <= {max_sensitivity:g} on this model"
     )
 
 
-def _of_gain(gain: float, bandwidth: float, inner: Inner, share: float = 1.0) -> Pid:
+def gain_at_rest(model: InnovationModel) -> float:
+    """Return what a volt stretches a stack by, m/V; ValueError if that is not > 0."""
+    gain = float(plant_of(model).response(np.zeros(1), model.rate)[0].real)
+    if not (math.isfinite(gain) and gain > 0):
+        raise ValueError(f"the model's gain at rest is {gain:g} m/V, must be > 0")
+    return gain
+
+
+def _of_gain(gain: float, bandwidth: float, inner: Inner) -> Pid:
     return Pid(
-        share * inner.proportional / gain,
+        inner.proportional / gain,
         2.0 * math.pi * bandwidth / gain,
-        share * inner.lead / gain,
+        inner.lead / gain,
         inner.smoothing,
         inner.tracking,
+        inner.feedforward / gain,
     )

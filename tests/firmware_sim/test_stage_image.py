@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from firmware_sim.stage_image import StageImage
-from stagectl.config import Inner, Limits, Sensors, Stage, StageConfig
+from stagectl.config import Limits, Sensors, Stage, StageConfig
 from stagectl.stage.inner_parameters import inner_parameters
 from stagectl.stage.loop_parameters import loop_parameters
 from stagectl.stage.piezo_pid import Pid
@@ -16,7 +16,6 @@ from tests.stagectl.linear_stage import model
 
 CONFIG = StageConfig(
     limits=Limits(voltage=(0.0, 1000.0), voltage_slew=1.5e5, extension=(2e-6, 92e-6)),
-    inner=Inner(gain=(0.0894e-6,), bandwidth=(720.0,), proportional=0.17, lead=4.3e-5, smoothing=2.5e-4),
     sensors=Sensors(position=(-10e-6, 520e-6), extension=(-5e-6, 110e-6)),
 )
 AXES = ("x", "y", "z")

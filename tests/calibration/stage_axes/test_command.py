@@ -1,6 +1,7 @@
 """`calibrate stage` on the simulated stage, at half its rate and in short chirps to be quick."""
 
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -16,7 +17,10 @@ from firmware_sim.plants.piezo_stage import PiezoStagePlant
 from rigkit import config as rig_file
 from stagectl.config import StageConfig
 from stagectl.model_file import read_model
+from stagectl.stage import design_refinement
+from stagectl.stage.design import design
 from stagectl.stage.piezo_pid import pid
+from stagectl.stage.weights import chosen_weights
 from tests.stagectl.linear_stage import model as stage_model
 
 QUICK = ("stage.rate=5000", *(f"characterisation.{text}" for text in ("band=[2, 150]", "seconds=3", "settle=0.6")))
@@ -33,6 +37,7 @@ def calibrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("calibrated")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(order, "MOST", 5)  # to be quick
+        patch.setattr(design_refinement, "LOOKS", 20)
         arguments = ("--axis", "z", "--json", folder / "f.json", "--png", folder / "png")
         assert call(patch, "--out", folder / "stage-z.h5", *arguments) == 0
     return folder
@@ -73,6 +78,29 @@ def test_the_rig_file_has_the_pid_that_the_loop_was_closed_with(calibrated: Path
     assert rig.inner.bandwidth[2] == figures["bandwidth_hz"]
     assert rig.inner.gain[0] == StageConfig().inner.gain[0]
     assert figures["max_sensitivity"] <= 2.2
+
+
+def test_the_rig_file_has_the_outer_loop_that_a_run_is_to_use(calibrated: Path) -> None:
+    figures = json.loads((calibrated / "f.json").read_text())["z"]["outer"]
+    rig = rig_file.load(calibrated / "stage-z.toml", StageConfig)
+    model = read_model(calibrated / "stage-z.h5")
+    chosen = chosen_weights(rig.weights, 2)
+    assert chosen is not None
+    made = design(model, rig.outer, 2, chosen)
+    assert made.robustness.max_sensitivity == pytest.approx(figures["max_sensitivity"], rel=1e-6)
+    assert made.robustness.max_sensitivity <= 2.2
+    assert made.left == pytest.approx(figures["left"], rel=1e-6)
+    assert chosen_weights(rig.weights, 0) is None  # not calibrated
+
+
+def test_a_model_without_an_outer_loop_is_told_of_with_the_values() -> None:
+    rig = rig_file.load(None, StageConfig, ["outer.beyond=[1e-4]"])
+    why = calibration.outer_loop(rig, 2, stage_model("z"))
+    assert isinstance(why, str)
+    assert re.search(
+        r"axis 3: none of \d+ outer loops keeps its bounds.*: the nearest has gain .*; allowed are 0.0001, ", why
+    )
+    assert "\n" not in why
 
 
 def test_the_rig_files_own_pid_is_judged_and_kept_where_it_is_asked_for() -> None:

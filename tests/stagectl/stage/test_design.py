@@ -1,10 +1,14 @@
 """The outer loop's design keeps its bounds, on the model and beside it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from stagectl.config import Outer
-from stagectl.stage.design import design, mistuned
+from stagectl.stage.design import design
+from stagectl.stage.design_bounds import mistuned
+from stagectl.stage.kalman import kalman_gain
 from stagectl.stage.sensitivity import robustness
 from stagectl.stage.state_space import plant_of
 from tests.stagectl.linear_stage import RATE, mechanics, model
@@ -63,5 +67,28 @@ def test_a_mistuned_plant_is_the_one_whose_modes_are_elsewhere() -> None:
 
 
 def test_bounds_that_cannot_be_kept_are_named() -> None:
-    with pytest.raises(ValueError, match=r"axis 3: of \d+ outer loops .* none keeps outer.max_sensitivity 1.1 and"):
-        design(model("z"), Outer(max_sensitivity=1.1, delay=20, mistuning=0.3), 2)
+    with pytest.raises(ValueError, match=r"axis 3: none of \d+ outer loops .* nearest has gain .* are 0.03, 1.1, and"):
+        design(model("z"), Outer(beyond=(0.03,), max_sensitivity=1.1, delay=20, mistuning=0.3), 2)
+
+
+def test_chosen_weights_make_the_loop_that_was_chosen() -> None:
+    chosen = design(model("z"), Outer(), 2)
+    again = design(model("z"), Outer(), 2, chosen.weights)
+    np.testing.assert_allclose(again.loop.feedback, chosen.loop.feedback, rtol=1e-9)
+    np.testing.assert_allclose(again.loop.gain, chosen.loop.gain, rtol=1e-9)
+    assert again.loop.forward == pytest.approx(chosen.loop.forward)
+
+
+def test_chosen_weights_that_do_not_keep_the_bounds_are_refused_with_what_they_reach() -> None:
+    chosen = design(model("z"), Outer(), 2)
+    with pytest.raises(ValueError, match=r"axis 3: the loop of \[weights\] .* Ms 1.\d\d, .* allowed are 1.5, 1.1, and"):
+        design(model("z"), Outer(max_sensitivity=1.1), 2, chosen.weights)
+
+
+def test_an_identified_gain_that_trusts_every_sensor_is_not_in_the_way_of_a_design() -> None:
+    """A gain from loud chirps, where the plate drowns the sensor's noise: the filter takes all it sees for motion."""
+    known = model("z")
+    gain = kalman_gain(replace(known, K=np.zeros_like(known.K)), 1e4)
+    loud = replace(known, K=gain)
+    assert np.abs(np.linalg.eigvals(known.A - gain @ known.C)).max() < 1.0
+    assert design(loud, Outer(), 2).weights.trust < 1.0

@@ -6,7 +6,7 @@ import pytest
 from stagectl.stage.inner_parameters import inner_from, inner_parameters
 from stagectl.stage.piezo_pid import Pid
 
-LOOPS = [Pid(1.0, 2.0, -3.0, 4.0, 5.0), Pid(6.0, 7.0, 0.0, 8.0, 9.0)]
+LOOPS = [Pid(1.0, 2.0, -3.0, 4.0, 5.0, 6.0), Pid(6.0, 7.0, 0.0, 8.0, 9.0)]
 
 
 def test_they_come_back_as_they_were() -> None:
@@ -17,9 +17,12 @@ def test_they_come_back_as_they_were() -> None:
     ("change", "text"),
     [
         ({"z.inner": np.ones(5)}, "parameter z.inner is unknown"),
-        ({"x.inner": np.ones(4)}, r"parameter x.inner has shape \(4,\), must be \(5,\)"),
-        ({"x.inner": np.array([1, 1, 1, 0.0, 1])}, "parameter x.inner is .*, must be finite, its time constants > 0 s"),
-        ({"y.inner": np.array([np.nan, 1, 1, 1, 1])}, "parameter y.inner is .*, must be finite"),
+        ({"x.inner": np.ones(4)}, r"parameter x.inner has shape \(4,\), must be \(6,\)"),
+        (
+            {"x.inner": np.array([1, 1, 1, 0.0, 1, 1])},
+            "parameter x.inner is .*, must be finite, its time constants > 0 s",
+        ),
+        ({"y.inner": np.array([np.nan, 1, 1, 1, 1, 1])}, "parameter y.inner is .*, must be finite"),
     ],
 )
 def test_what_is_no_loop_is_refused(change: dict[str, np.ndarray], text: str) -> None:

@@ -38,6 +38,18 @@ def test_the_block_computes_the_same_as_its_linear_system() -> None:
     np.testing.assert_allclose(request[:, 0], expected, rtol=1e-9, atol=1e-9)
 
 
+def test_feedforward_gives_the_reference_to_the_voltage_at_once_and_makes_no_step_at_a_start() -> None:
+    settings = Pid(0.0, 1e6, 0.0, 2e-4, 1e-3, feedforward=1 / VOLTS)
+    controller = PiezoController([settings], WIDE)
+    controller.prepare(RATE, 20)
+    controller.start(np.array([50.0]))
+    reference, request = np.full((20, 1), 45e-6), np.empty((20, 1))
+    reference[15:] += 9e-6  # after the ramp of a start
+    controller.process(reference, np.full((20, 1), 45e-6), request)
+    np.testing.assert_allclose(request[:15, 0], 50.0, atol=1e-6)
+    assert request[15, 0] == pytest.approx(60.0)
+
+
 def test_the_integral_does_not_wind_up_behind_a_limit() -> None:
     """An extension out of reach for a second; back within it, the voltage comes off its limit at once."""
     controller = PiezoController([pid(INNER, 0)], LIMITS)

@@ -1,0 +1,120 @@
+"""What the bounds on an outer loop are about, looked at quickly, on one set of frequencies, for many loops."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stagectl.config import Outer, PerAxis
+from stagectl.stage.sensitivity import frequencies, is_stable
+from stagectl.stage.state_feedback import StateFeedback
+from stagectl.stage.state_space import StateSpace
+
+SLOWER = 10.0
+"""How many times slower than what is to be followed the pushes change that are to be resisted."""
+
+
+@dataclass(frozen=True)
+class Reached:
+    """What of the bounded a loop reaches; infinite where it is not stable.
+
+    Parameters
+    ----------
+    beyond : float, 1
+        Largest gain of the controller above `Outer.reach`, re the plant at rest.
+    sensitivity, mistuned_sensitivity : float, 1
+        Ms with the extra delay; and with natural frequencies off as well.
+    answer : float, 1
+        Largest answer to a reference, frequencies off or not.
+    """
+
+    beyond: float
+    sensitivity: float = 0.0
+    mistuned_sensitivity: float = 0.0
+    answer: float = 0.0
+
+    def over(self, outer: Outer, axis: int) -> float:
+        """Return the largest of these re its bound."""
+        shares = (
+            self.beyond / of_axis(outer.beyond, axis),
+            self.sensitivity / outer.max_sensitivity,
+            max(self.mistuned_sensitivity, self.answer) / outer.mistuned_sensitivity,
+        )
+        return max(shares)
+
+    def __str__(self) -> str:
+        """Say it in one line."""
+        if self.sensitivity == 0.0:
+            return f"gain {self.beyond:.2g} above outer.reach"
+        return (
+            f"gain {self.beyond:.2g} above outer.reach, Ms {self.sensitivity:.2f}, mistuned "
+            f"{self.mistuned_sensitivity:.2f}, answer to a reference {self.answer:.2f}"
+        )
+
+
+class Looks:
+    """A quick look at many controllers of one plant, as it is and with natural frequencies off.
+
+    Parameters
+    ----------
+    plants : list of StateSpace
+        The first is the one that the loops are made for.
+    rate : float, samples/s
+    outer : Outer
+    """
+
+    def __init__(self, plants: list[StateSpace], rate: float, outer: Outer) -> None:
+        self._plants, self._rate, self._outer = plants, rate, outer
+        self._frequency = frequencies(plants, rate)[::2]
+        self._responses = np.array([plant.response(self._frequency, rate) for plant in plants])
+        self._late = np.exp(-2j * np.pi * self._frequency * outer.delay / rate)
+        beyond = np.geomspace(outer.reach, rate / 2, 30) if outer.reach < rate / 2 else np.zeros(0)
+        self._few = np.append(beyond, [outer.disturbance, outer.disturbance / SLOWER])
+        self._at_rest = abs(plants[0].response(np.zeros(1), rate)[0])
+        self._few_responses = plants[0].response(self._few, rate)
+
+    def beyond_and_left(self, loop: StateFeedback) -> tuple[float, float]:
+        """Return `Reached.beyond`, and `Design.left`."""
+        feedback = loop.system().response(self._few, self._rate)
+        gain = feedback[-2:] * self._few_responses[-2:]
+        at = slice(len(self._few) - 2, len(self._few) - 1)
+        followed = loop.reference_system().response(self._few[at], self._rate) * self._few_responses[at]
+        left = np.hypot(abs(1.0 - followed[0] / (1.0 + gain[-2])), abs(1.0 / (1.0 + gain[-1])))
+        return float(np.abs(feedback[:-2]).max(initial=0.0)) * self._at_rest, float(left)
+
+    def reached(self, loop: StateFeedback, beyond: float) -> Reached:
+        """Return what a loop reaches on all plants."""
+        controller = loop.system()
+        gain = controller.response(self._frequency, self._rate) * self._responses
+        distance = np.minimum(np.abs(1.0 + gain), np.abs(1.0 + gain * self._late)).min(axis=1)
+        answer = loop.reference_system().response(self._frequency, self._rate) * self._responses / (1.0 + gain)
+        nearest = 1.0 / distance
+        delays = {0, self._outer.delay}
+        late = (controller.then(plant).delayed(delay) for plant in self._plants for delay in delays)
+        if not all(map(is_stable, late)):
+            return Reached(beyond, np.inf, np.inf, np.inf)
+        return Reached(beyond, float(nearest[0]), float(nearest.max()), float(np.abs(answer).max()))
+
+
+def of_axis(values: PerAxis, axis: int) -> float:
+    """Return the setting of an axis: there is one for all, or one an axis."""
+    return values[axis % len(values)]
+
+
+def mistuned(plant: StateSpace, factor: float) -> StateSpace:
+    """Return a plant whose natural frequencies are multiplied by a factor; damping ratios and gain at rest stay."""
+    if factor == 1.0:
+        return plant
+    poles, shapes = np.linalg.eig(plant.A.astype(complex))
+    moved = np.where(np.abs(poles.imag) > 0, np.exp(factor * np.log(poles + (poles == 0))), poles)
+    turned = np.linalg.solve(shapes.T, (shapes * moved).T).T.real
+    unit = np.eye(len(plant.A))
+    return StateSpace(turned, (unit - turned) @ np.linalg.solve(unit - plant.A, plant.B), plant.C, plant.D)
+
+
+def largest_answer(plant: StateSpace, loop: StateFeedback) -> float:
+    """Return the largest gain from reference to position of a loop on a plant, m/m."""
+    rate = loop.model.rate
+    frequency = frequencies([plant, loop.system().then(plant).closed()], rate)
+    response = plant.response(frequency, rate)
+    closed = loop.reference_system().response(frequency, rate) * response
+    return float(np.abs(closed / (1.0 + loop.system().response(frequency, rate) * response)).max())

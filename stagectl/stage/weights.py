@@ -1,0 +1,79 @@
+"""The weights that an outer loop is made of, and the loop that they make."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+from stagectl.config import ChosenWeights, Outer
+from stagectl.models import InnovationModel
+from stagectl.stage.kalman import kalman_gain
+from stagectl.stage.servo import servo
+from stagectl.stage.state_feedback import StateFeedback, linear_quadratic, ramp_feedforward
+
+
+@dataclass(frozen=True)
+class Weights:
+    """What LQ gain, Kalman filter, integral state and feedforward of an outer loop are made for.
+
+    Parameters
+    ----------
+    bandwidth : float, Hz
+        Of the integral action.
+    drive : float, m/m
+        Input that may be spent on an error of one: `linear_quadratic`.
+    trust : float, 1
+    doubt : float, m/m
+        Of the identified noise, and in the plant's input: `kalman_gain`.
+    caution : float, 1
+        Weight of each mode by itself, in filter and feedback.
+    feedforward : float, 1
+        Part of the l_r that leaves no error on a ramp.
+    """
+
+    bandwidth: float
+    drive: float
+    trust: float
+    doubt: float
+    caution: float
+    feedforward: float
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """Values of each weight, every one to be tried with every other: the fields of `Weights`, trust with its doubt."""
+
+    bandwidth: Sequence[float]
+    drive: Sequence[float]
+    trust_and_doubt: Sequence[tuple[float, float]]
+    caution: Sequence[float]
+    feedforward: Sequence[float]
+
+
+def chosen_weights(chosen: ChosenWeights, axis: int) -> Weights | None:
+    """Return the weights that a rig file has for an axis, counted from 0; None where it has none."""
+    if not chosen.bandwidth or not chosen.bandwidth[axis] > 0:
+        return None
+    return Weights(**{name: getattr(chosen, name)[axis] for name in ChosenWeights.model_fields})
+
+
+def loops(model: InnovationModel, outer: Outer, ranges: Ranges) -> Iterator[tuple[Weights, StateFeedback]]:
+    """Make the loop of every combination.
+
+    Parameters
+    ----------
+    model : InnovationModel
+        From the inner loop's reference (m) to the plate's position (m).
+    outer : Outer
+        Whose `resonances` have states of their own.
+    ranges : Ranges
+    """
+    for caution in ranges.caution:
+        filters = [(pair, kalman_gain(model, pair[1], caution, pair[0])) for pair in ranges.trust_and_doubt]
+        for bandwidth, drive in product(ranges.bandwidth, ranges.drive):
+            states = servo(outer, bandwidth, model.rate)
+            feedback, servo_feedback = linear_quadratic(model, states, drive, caution)
+            plain = StateFeedback(model, filters[0][1], feedback, states, servo_feedback)
+            forward = ramp_feedforward(plain)  # the same for every filter
+            for (pair, gain), part in product(filters, ranges.feedforward):
+                weights = Weights(bandwidth, drive, *pair, caution, part)
+                yield weights, replace(plain, gain=gain, forward=part * forward)
