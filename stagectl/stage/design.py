@@ -137,13 +137,13 @@ class Search:
 
 
 def _asked_for(outer: Outer, axis: int) -> Ranges:
-    most = {
-        "bandwidth": of_axis(outer.bandwidth, axis),
-        "drive": of_axis(outer.drive, axis),
-        "feedforward": outer.feedforward,
-    }
-    scaled = {name: tuple(float(value * share) for share in getattr(SHARES, name)) for name, value in most.items()}
-    return replace(SHARES, **scaled)
+    bandwidth, drive = of_axis(outer.bandwidth, axis), of_axis(outer.drive, axis)
+    return replace(
+        SHARES,
+        bandwidth=[float(bandwidth * share) for share in SHARES.bandwidth],
+        drive=[float(drive * share) for share in SHARES.drive],
+        feedforward=[outer.feedforward * share for share in SHARES.feedforward],
+    )
 
 
 def only(weights: Weights) -> Ranges:

@@ -74,6 +74,6 @@ def loops(model: InnovationModel, outer: Outer, ranges: Ranges) -> Iterator[tupl
             feedback, servo_feedback = linear_quadratic(model, states, drive, caution)
             plain = StateFeedback(model, filters[0][1], feedback, states, servo_feedback)
             forward = ramp_feedforward(plain)  # the same for every filter
-            for (pair, gain), part in product(filters, ranges.feedforward):
-                weights = Weights(bandwidth, drive, *pair, caution, part)
+            for ((trust, doubt), gain), part in product(filters, ranges.feedforward):
+                weights = Weights(bandwidth, drive, trust, doubt, caution, part)
                 yield weights, replace(plain, gain=gain, forward=part * forward)
