@@ -56,12 +56,12 @@ def test_it_is_given_up_after_some_times(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_with_closed_loop_its_pid_goes_to_the_stage_first(monkeypatch: pytest.MonkeyPatch) -> None:
     played, sent = playing(monkeypatch, 0), list[dict[str, np.ndarray]]()
     monkeypatch.setattr(live_bench, "upload", lambda _, parameters: sent.append(parameters))
-    bench = LiveBench(RIG, 1, Pid(1.0, 2.0, 3.0, 4.0, 5.0), LINK, lambda: False, lambda _: None)
+    bench = LiveBench(RIG, 1, Pid(1.0, 2.0, 3.0, 4.0, 5.0, 6.0), LINK, lambda: False, lambda _: None)
     emitted, _ = bench.emit(np.array([[7e-9]]))
     assert played[0][0] is Drive.EXTENSION
     np.testing.assert_allclose(emitted, [[47e-6 + 5e-9]])
-    np.testing.assert_array_equal(sent[0]["y.inner"], [1, 2, 3, 4, 5])
-    assert sent[0]["x.inner"][1] == pytest.approx(2 * np.pi * 720 / 0.0894e-6)
+    np.testing.assert_array_equal(sent[0]["y.inner"], [1, 2, 3, 4, 5, 6])
+    assert sent[0]["x.inner"][1] == pytest.approx(2 * np.pi * 3 / 0.065e-6)
 
 
 @pytest.mark.parametrize("setting", ["stage.rate=5000", 'stage.axes=["x","y"]'])
