@@ -10,8 +10,8 @@ from calibration.stage_axes.order import MARGIN, MOST
 from calibration.welch import FrequencyResponse, frequency_response, spectra
 from rigkit.figure_style import COLOURS, LIMIT
 
-RESOLUTION = 0.5
-"""Hz, of Welch's spectra."""
+RESOLUTION, SEGMENTS = 0.5, 4
+"""Hz, of Welch's spectra; coarser where a record has not so many segments of it."""
 DRAWN = 4_000
 """Points of a record that are drawn at most."""
 
@@ -107,7 +107,9 @@ def _free_run(axes: Axes, title: str, found: Identification) -> None:
 
 
 def _measured(found: Identification) -> FrequencyResponse:
-    return frequency_response(spectra(found.drive, found.response, found.model.rate, RESOLUTION))
+    rate = found.model.rate
+    resolution = max(RESOLUTION, SEGMENTS * rate / len(found.drive))
+    return frequency_response(spectra(found.drive, found.response, rate, resolution))
 
 
 def _degrees(response: np.ndarray) -> np.ndarray:
