@@ -38,7 +38,7 @@ def calibrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(order, "MOST", 5)  # to be quick
         patch.setattr(design_refinement, "LOOKS", 20)
-        patch.setattr("rigkit.report._rendered", lambda figure, kind: b"")  # figures are made, not drawn
+        patch.setattr("rigkit.report._rendered", lambda *_: b"")  # figures are made, not drawn
         arguments = ("--axis", "z", "--json", folder / "f.json", "--png", folder / "png")
         assert call(patch, "--out", folder / "stage-z.h5", *arguments) == 0
     return folder
