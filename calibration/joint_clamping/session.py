@@ -34,7 +34,7 @@ from stagectl.robot.clamp_search import ClampSearch
 from stagectl.robot.clamp_tracker import TrackedLinks
 from stagectl.robot.config import CellConfig
 from stagectl.robot.port import RobotPort, arm_of
-from stagectl.robot.program import RobotProgram, TorqueSignals
+from stagectl.robot.program import RobotProgram, TorqueSignals, begin_motion
 from stagectl.wire.egm import RATE
 
 LATE_TICKS = 2
@@ -117,6 +117,7 @@ def _run_live(cell: CellConfig, search: ClampSearch, folder: Path, tell: Tell, a
             "robot: soft servo and clamp are asked for there, and torques come from there"
         )
     _refuse_haste(cell, search)
+    cell = cell.model_copy(update={"robot": cell.robot.model_copy(update={"mode": "joints"})})
     _compile(search)
     with ExitStack() as stack:
         work = stack.enter_context(aside(nothing))
@@ -135,6 +136,7 @@ def _run_live(cell: CellConfig, search: ClampSearch, folder: Path, tell: Tell, a
         gc.collect()
         gc.freeze()  # what is there already need not be looked through while the robot waits
         stack.callback(gc.unfreeze)
+        begin_motion(port, asks)
         port.start()
         try:
             run_linked(run.graph, port, sys.maxsize, run.look)

@@ -5,8 +5,9 @@ from typing import Any, Literal, Self
 from pydantic import Field, model_validator
 
 from rigkit.config import Section, setting
-from stagectl.link.config import CLASS
+from stagectl.link.config import CLASS, Link
 from stagectl.robot.clamp_config import Clamping
+from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.toroid_config import Feedback, Plants, Toroid
 
 Box = tuple[float, float, float]
@@ -87,6 +88,8 @@ class CellConfig(Section):
     robot: Robot = Field(default_factory=Robot)
     limits: RobotLimits = Field(default_factory=RobotLimits)
     tracker: Tracker = Field(default_factory=Tracker)
+    link: Link = Field(default_factory=Link)
+    midranging: MidrangeConfig = Field(default_factory=MidrangeConfig)
     clamping: Clamping = Field(default_factory=Clamping)
     simulator: Simulator = Field(default_factory=Simulator)
     toroid: Toroid = Field(default_factory=Toroid)

@@ -14,7 +14,8 @@ from stagectl.link.bus import LinkError
 from stagectl.link.ring import Ring
 from stagectl.link.robot_stream import Requests, Stream
 from stagectl.robot.config import Robot
-from stagectl.wire.egm import RATE
+from stagectl.robot.port import RobotPort
+from stagectl.wire.egm import RATE, Motion
 
 _KEPT = 8 * round(RATE)
 """Samples of torque kept for a reader that stands still: 8 s."""
@@ -57,6 +58,30 @@ class RobotProgram:
         answer = self._requests.ask(line)
         if answer != "OK":
             raise LinkError(f"the robot's program refuses {line!r}: {answer}")
+
+
+def begin_motion(port: RobotPort, program: RobotProgram) -> None:
+    """Have guided motion begun anew where the robot is, if it has ended by its time-out since nobody led it.
+
+    Parameters
+    ----------
+    port : RobotPort, open
+        Motors that are off stay off: `RobotPort.start` refuses them.
+    program : RobotProgram, open
+
+    Raises
+    ------
+    LinkError : the program refuses.
+    """
+    report = port.report
+    if report is None or report.motion is not Motion.STOPPED or not report.motors_on:
+        return
+    program.reset()
+    reports = port.counts.received
+    while (report := port.report) is not None and report.motion is not Motion.RUNNING:
+        reports += 1
+        if not port.wait(reports, port.robot.patience):
+            return
 
 
 class TorqueSignals:

@@ -37,6 +37,7 @@ from stagectl.robot.clamp_search import ClampSearch
 from stagectl.robot.config import CellConfig, Robot
 from stagectl.robot.config import Tracker as TrackerConfig
 from stagectl.robot.midranging.internal_model import Estimation, InternalModel, InternalModelAxis
+from stagectl.robot.midranging.live_pair import LivePair, LiveSeen, LiveSend
 from stagectl.robot.midranging.reference_governor import Governor
 from stagectl.robot.midranging.tuning import LoopModel, lambda_tuned
 from stagectl.robot.midranging.valve_position import ValvePosition, ValvePositionAxis
@@ -167,6 +168,16 @@ def _signal(block: GuidedArm) -> None:
     block.signals.newest = np.full(13, 7.0)
 
 
+def _live_pair() -> LivePair:
+    return LivePair(StageLink(Link()), _robot("pose"), (1, 2), 20.0)
+
+
+def _report_pose(block: LiveSeen) -> None:
+    report = pack_report(Report(1, 0.0, np.full(6, 0.1), np.full(6, 0.2), np.full(7, 0.5)))
+    block.pair.robot.conversation.take(report, ("127.0.0.1", 1), 0.0)
+    block.pair.stage.signal("position")[1].fill(1e-6)
+
+
 EXAMPLES: dict[type[Block], Example] = {
     Sum: Example(lambda: Sum("+-", width=2)),
     Gain: Example(lambda: Gain(-2.5, width=2)),
@@ -219,6 +230,8 @@ EXAMPLES: dict[type[Block], Example] = {
     PoseCommand: Example(lambda: PoseCommand(_robot("pose")), rate=250.0),
     TrackedPose: Example(lambda: TrackedPose(TrackerLine(TrackerConfig(), print, now=lambda: 1.0)), _sight, 250.0),
     GuidedArm: Example(_guided_arm, _signal, 250.0),
+    LiveSeen: Example(lambda: LiveSeen(_live_pair()), _report_pose, 250.0),
+    LiveSend: Example(lambda: LiveSend(_live_pair(), 0.02), rate=250.0),
     MotorTorque: Example(
         lambda: MotorTorque(TorqueSignals(Robot(), "127.0.0.1", lambda: 0.0)),
         start=lambda block: block.signals.newest.fill(7.0),

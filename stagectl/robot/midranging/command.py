@@ -12,28 +12,36 @@ from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, application, print_table, run, words, write_json
 from rigkit.provenance import now, software
 from rigkit.run_folder import RunFolder
-from stagectl.robot.midranging.config import MidrangeConfig
-from stagectl.robot.midranging.controllers import CONTROLLERS, controller
-from stagectl.robot.midranging.measures import figures
+from rigkit.stop import stoppable
+from stagectl.robot.config import CellConfig
+from stagectl.robot.midranging.axes import Runs, all_figures, run_axes
+from stagectl.robot.midranging.controllers import CONTROLLERS
+from stagectl.robot.midranging.live import LiveFault
 from stagectl.robot.midranging.report import PAGE, write_report
-from stagectl.robot.midranging.scenario import scenario
-from stagectl.robot.midranging.simulation import simulate
+from stagectl.robot.midranging.scenario import Scenario, scenarios
 from stagectl.robot.midranging.table import table
 
 TABLE = "table-3.1"
-RECORDING = "recording.csv"
+
+
+def recording_name(axis: str) -> str:
+    """Return how the recording of an axis is called in a run's folder."""
+    return f"recording-{axis}.csv" if axis else "recording.csv"
 
 
 def midrange(
     scenario_name: Annotated[
         str,
-        typer.Option("--scenario", metavar="NAME", help="table-3.1, thesis-1, thesis-2, or a CSV or WAV file, in m."),
+        typer.Option(
+            "--scenario", metavar="NAME", help="table-3.1, thesis-1, thesis-2, toroid, or a CSV or WAV file, in m."
+        ),
     ],
     controller_name: Annotated[
         str,
         typer.Option("--controller", metavar="NAME", help=f"{', '.join(CONTROLLERS)}; table-3.1 runs all it needs."),
     ] = "aimc",
     config: ConfigOption = None,
+    live: Annotated[bool, typer.Option("--live", help="The robot of [robot] and the stage of [link].")] = False,
     out: Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make for recording and report.")] = None,
     png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
     settings: SetOption = None,
@@ -41,30 +49,57 @@ def midrange(
 ) -> None:
     """Run the macro and the micro manipulator: relative position, both positions, control signal, models, IAE.
 
-    Example: `stagectl midrange --controller aimc --scenario thesis-2 --out RUN/`
+    Examples: `stagectl midrange --controller aimc --scenario thesis-2 --out RUN/`,
+    `stagectl midrange --config cell.toml --live --scenario toroid --out RUN/`
     """
-    made = rig_file.load(config, MidrangeConfig, settings or [])
+    cell = rig_file.load(config, CellConfig, [*(settings or []), *["midranging.session.live=true"] * live])
     if png is not None and out is None:
         raise ValueError("--png goes with --out RUN/, which is not given")
     if scenario_name == TABLE:
-        if out is not None:
-            raise ValueError(f"--scenario {TABLE} makes a table and no recording: it takes no --out")
-        _tell_table(table(made), json)
+        if out is not None or cell.midranging.session.live:
+            raise ValueError(f"--scenario {TABLE} makes a table and no recording: it takes no --out and no --live")
+        _tell_table(table(cell.midranging), json)
         return
-    chosen = scenario(scenario_name, made.pair.rate)
-    if out is None:
-        _tell(figures(simulate(controller(controller_name, made), chosen, made), chosen, made), json)
-        return
-    done = simulate(controller(controller_name, made), chosen, made)
-    kept = {"controller": controller_name, "scenario": scenario_name, "time": now(), "software": software()}
-    whole = Recording(done.names, done.units, done.rate, done.data, kept)
-    with RunFolder.create(out, rig_file.dump(made)) as folder:
-        recording.write(folder.path / RECORDING, whole)
-        found = figures(whole, chosen, made)
-        folder.summarise(found)
-        write_report(folder.path, whole, chosen, made, found, png)
-    _tell(found, json)
+    chosen = scenarios(scenario_name, cell.midranging.pair.rate)
+    with stoppable() as stop:
+        if out is None:
+            _tell(
+                all_figures(run_axes(controller_name, cell, chosen, lambda: stop.made), chosen, cell.midranging), json
+            )
+            return
+        with RunFolder.create(out, rig_file.dump(cell)) as folder:
+            kept = {"controller": controller_name, "scenario": scenario_name, "time": now(), "software": software()}
+            try:
+                runs = run_axes(controller_name, cell, chosen, lambda: stop.made)
+            except LiveFault as fault:
+                _write(folder, dict(zip(chosen, fault.recorded, strict=False)), kept | {"fault": str(fault)})
+                folder.event("fault", {"text": str(fault)})
+                raise
+            _tell(_keep(folder, runs, chosen, cell, kept, png), json)
     print(f"report: {out / PAGE}", file=words(json))  # noqa: T201
+
+
+def _keep(
+    folder: RunFolder,
+    runs: Runs,
+    chosen: dict[str, Scenario],
+    cell: CellConfig,
+    kept: dict[str, str],
+    png: Path | None,
+) -> dict[str, Any]:
+    """Write recordings, figures and report of a run into its folder; return the figures."""
+    whole = _write(folder, runs, kept)
+    found = all_figures(whole, chosen, cell.midranging)
+    folder.summarise(found)
+    write_report(folder.path, whole, chosen, cell.midranging, found, png)
+    return found
+
+
+def _write(folder: RunFolder, runs: Runs, kept: dict[str, str]) -> Runs:
+    whole = {axis: Recording(each.names, each.units, each.rate, each.data, kept) for axis, each in runs.items()}
+    for axis, each in whole.items():
+        recording.write(folder.path / recording_name(axis), each)
+    return whole
 
 
 def _tell(found: dict[str, Any], json: str | None) -> None:
@@ -75,6 +110,9 @@ def _tell(found: dict[str, Any], json: str | None) -> None:
         ["micro manipulator, rms, mm", f"{1e3 * found['fast_rms']:.3f}"],
         ["micro manipulator, largest, mm", f"{1e3 * found['fast_peak']:.3f}"],
     ]
+    if "circle" in found:
+        sizes = [f"{1e6 * found['circle'][key]:.1f}" for key in ("mean_absolute", "std", "largest")]
+        rows.append(["off the circle: mean absolute, std, largest, um", ", ".join(sizes)])
     for each in found.get("changes", ()):
         after = f"a period after the gain is {each['gain']:g} times the first, %"
         rows.append([f"off the response with the pair known, {after}", f"{100 * each['deviation']:.3f}"])

@@ -1,7 +1,7 @@
 """The mid-ranging rig file: the pair of manipulators, its controllers, and the simulated pair."""
 
 import math
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -68,6 +68,12 @@ class Session(Section):
     """The run."""
 
     lead: float = setting(14.0, "s", "before the reference begins: the estimation phase, and rest", ge=0, le=600)
+    live: bool = setting(False, "", "the robot of [robot] and the stage of [link]; else the pair of simulator")
+    axis: Literal["x", "y", "z"] = setting("x", "", "live: the axis of scenarios that have one")
+    smoothing: float = setting(0.02, "s", "live: time constant of a low-pass for the stage's references", gt=0, le=1)
+    seen: Literal["robot", "tracker"] = setting(
+        "robot", "", "live: who sees the relative position beside the stage, the robot itself or [tracker]"
+    )
 
 
 class Simulator(Section):
@@ -80,7 +86,7 @@ class Simulator(Section):
 
 
 class MidrangeConfig(Section):
-    """A whole rig file of mid-ranging."""
+    """Mid-ranging: the tables below."""
 
     pair: Pair = Field(default_factory=Pair)
     inner: Inner = Field(default_factory=Inner)

@@ -14,11 +14,13 @@ from stagectl.robot.midranging.valve_position import ValvePosition, ValvePositio
 CONTROLLERS = ("aimc", "mvpc", "mvpc-aw", "vpc")
 
 
-def controller(name: str, config: MidrangeConfig) -> Block:
-    """Make one of `CONTROLLERS`; ValueError for another name, or settings that do not fit together."""
+def controller(name: str, config: MidrangeConfig, axes: int = 1) -> Block:
+    """Make one of `CONTROLLERS` for some axes; ValueError for another name, or settings that do not fit together."""
     if name not in CONTROLLERS:
         raise ValueError(f"controller is {name!r}, must be one of {', '.join(CONTROLLERS)}")
-    return InternalModel([internal_model(config)]) if name == "aimc" else ValvePosition([_valve(name, config)])
+    if name == "aimc":
+        return InternalModel([internal_model(config)] * axes)
+    return ValvePosition([_valve(name, config)] * axes)
 
 
 def fast_loop(config: MidrangeConfig) -> LoopModel:

@@ -1,5 +1,6 @@
 """The figures of a mid-ranging run."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,9 @@ from rigkit.figure_style import COLOURS, LIMIT
 from rigkit.report import Plot
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.measures import believed_gain, channel, model_columns
-from stagectl.robot.midranging.scenario import Scenario
+from stagectl.robot.midranging.scenario import RADIUS, Scenario
 
-MILLI = 1e3
+MILLI, MICRO = 1e3, 1e6
 BOUND: dict[str, Any] = {**LIMIT}
 """Keywords of a line that shows a limit."""
 BLUE, RED, GREEN, PURPLE = COLOURS[:4]
@@ -91,6 +92,20 @@ def model_plot(run: Recording, chosen: Scenario, config: MidrangeConfig) -> Plot
         "Change of the parameters in use of both models since the first sample; the inner process' gain they imply."
     )
     return Plot(figure, caption + _mark(panels, chosen))
+
+
+def circle_plot(runs: Mapping[str, Recording]) -> Plot:
+    """Draw how far the relative position is off the toroid's circle, around it, and the microns beside each other."""
+    figure = Figure(figsize=(6.5, 6.0))
+    axes = figure.add_subplot(projection="polar")
+    x, y = (channel(run, "position") for run in runs.values())
+    off = MICRO * (np.hypot(x, y - RADIUS) - RADIUS)
+    axes.plot(np.arctan2(y - RADIUS, x), off, color=BLUE, linewidth=0.9)
+    most = max(float(np.abs(off).max()), 1.0)
+    axes.set_ylim(-4.0 * most, 1.5 * most)
+    axes.plot(np.linspace(0.0, 2.0 * np.pi, 361), np.zeros(361), **BOUND)
+    axes.set_title("off the circle, µm")
+    return Plot(figure, f"Distance from the circle of {MILLI * RADIUS:g} mm, drawn large; dashed: the circle itself.")
 
 
 def _panels(count: int, height: float) -> tuple[Figure, list[Axes]]:

@@ -1,5 +1,6 @@
 """The report of a mid-ranging run."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -7,7 +8,7 @@ from ctlblocks.recording import Recording
 from rigkit.figure_style import styled
 from rigkit.report import Fact, Report, Section, Table
 from stagectl.robot.midranging.config import MidrangeConfig
-from stagectl.robot.midranging.figures import control_plot, error_plot, model_plot, position_plot
+from stagectl.robot.midranging.figures import circle_plot, control_plot, error_plot, model_plot, position_plot
 from stagectl.robot.midranging.scenario import Scenario
 
 PAGE = "report.html"
@@ -15,8 +16,8 @@ PAGE = "report.html"
 
 def write_report(
     path: Path,
-    run: Recording,
-    chosen: Scenario,
+    runs: Mapping[str, Recording],
+    chosen: Mapping[str, Scenario],
     config: MidrangeConfig,
     found: dict[str, Any],
     png: Path | None = None,
@@ -26,30 +27,30 @@ def write_report(
     Parameters
     ----------
     path : Path
-    run : Recording
-        Of `simulate`.
-    chosen : Scenario
+    runs, chosen : mappings of str to Recording and Scenario
+        By axis.
     config : MidrangeConfig
     found : dict
-        Of `figures`.
+        Of `all_figures`.
     png : Path, optional
     """
     with styled():
-        report = _report(path, run, chosen, config, found)
+        report = _report(path, runs, chosen, config, found)
         report.write(path / PAGE)
         if png is not None:
             report.png(png)
 
 
-def _report(path: Path, run: Recording, chosen: Scenario, config: MidrangeConfig, found: dict[str, Any]) -> Report:
-    sections = [
-        Section("Positions", plots=(position_plot(run, chosen, config),)),
-        Section("Error", plots=(error_plot(run, chosen),)),
-        Section("Control signal", plots=(control_plot(run, chosen, config),)),
-    ]
-    if "share" in run.names:
-        tables = (_changes(found["changes"]),) if "changes" in found else ()
-        sections.append(Section("Models", plots=(model_plot(run, chosen, config),), tables=tables))
+def _report(
+    path: Path,
+    runs: Mapping[str, Recording],
+    chosen: Mapping[str, Scenario],
+    config: MidrangeConfig,
+    found: dict[str, Any],
+) -> Report:
+    sections = [Section("Circle", plots=(circle_plot(runs),))] if "circle" in found else []
+    for axis, each in runs.items():
+        sections += _sections(axis, each, chosen[axis], config, found.get("axes", {}).get(axis, found))
     over = found["control_over_limit"]
     facts = [
         Fact("IAE", f"{1e3 * found['iae']:.4g} mm s"),
@@ -57,8 +58,27 @@ def _report(path: Path, run: Recording, chosen: Scenario, config: MidrangeConfig
         Fact("Micro manipulator, largest", f"{1e3 * found['fast_peak']:.3g} mm"),
         Fact("Micro manipulator, rms", f"{1e3 * found['fast_rms']:.3g} mm"),
     ]
-    title = f"Mid-ranging, {run.provenance.get('controller', '')}, {chosen.name}"
+    if "circle" in found:
+        facts.append(Fact("Off the circle, mean absolute", f"{1e6 * found['circle']['mean_absolute']:.3g} µm"))
+    name = next(iter(chosen.values())).name
+    by = next(iter(runs.values())).provenance.get("controller", "")
+    title = f"Mid-ranging{' live' if config.session.live else ''}, {by}, {name}"
     return Report(title, str(path.resolve()), tuple(facts), tuple(sections))
+
+
+def _sections(
+    axis: str, run: Recording, chosen: Scenario, config: MidrangeConfig, found: dict[str, Any]
+) -> list[Section]:
+    of = f", {axis}" if axis else ""
+    sections = [
+        Section(f"Positions{of}", plots=(position_plot(run, chosen, config),)),
+        Section(f"Error{of}", plots=(error_plot(run, chosen),)),
+        Section(f"Control signal{of}", plots=(control_plot(run, chosen, config),)),
+    ]
+    if "share" in run.names:
+        tables = (_changes(found["changes"]),) if "changes" in found else ()
+        sections.append(Section(f"Models{of}", plots=(model_plot(run, chosen, config),), tables=tables))
+    return sections
 
 
 def _changes(changes: list[dict[str, float]]) -> Table:

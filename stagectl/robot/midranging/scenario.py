@@ -17,6 +17,9 @@ DISTURBANCE, DISTURBED_AT = 5e-3, 18.0
 GAINS = ((8.0, 1.5), (16.0, 0.6))
 """s and multiple of the first gain: half more, then 60 % less [Sörnmo 2015, section 3.3]."""
 SECONDS = {"thesis-1": 28.0, "thesis-2": 24.0}
+RADIUS, FEED, RAMP = 35e-3, 5e-3, 1.0
+"""m of the toroid's path, m/s along it, and s in which that begins and ends [Sörnmo 2015, section 2.4]."""
+TOROID = "toroid"
 HALF_STEP, STEPS = 4.5, 6
 """s of each step of Table 3.1, and how many there are, up and down in turn."""
 
@@ -70,6 +73,40 @@ def scenario(name: str, rate: float) -> Scenario:
     if Path(name).suffix.lower() not in (".csv", ".wav"):
         raise ValueError(f"scenario is {name!r}, must be table-3.1, {', '.join(SECONDS)}, or a CSV or WAV file")
     return Scenario(Path(name).stem, read(name, rate=rate, channels=1).data[:, 0].astype(np.float64))
+
+
+def scenarios(name: str, rate: float) -> dict[str, Scenario]:
+    """Return what each axis is to do, by its name; one without a name where there is one axis only.
+
+    Parameters
+    ----------
+    name : str
+        As of `scenario`, "toroid", or the path of a file with a channel an axis, m.
+    rate : float, samples/s
+
+    Raises
+    ------
+    ValueError : as of `scenario`.
+    """
+    if name == TOROID:
+        return {axis: Scenario(TOROID, wanted) for axis, wanted in zip("yz", toroid(rate).T, strict=True)}
+    if Path(name).suffix.lower() in (".csv", ".wav"):
+        found = read(name, rate=rate)
+        if found.data.shape[1] > 1:
+            return {
+                axis: Scenario(Path(name).stem, found.select([axis]).data[:, 0].astype(float)) for axis in found.names
+            }
+    return {"": scenario(name, rate)}
+
+
+def toroid(rate: float) -> np.ndarray:
+    """Return the toroid's path once around, from rest to rest, shape (samples, 2), m; it begins at 0 along x."""
+    seconds = 2.0 * np.pi * RADIUS / FEED + RAMP
+    time = np.arange(round(seconds * rate) + 1) / rate
+    rise = (0.5 - 0.5 * np.cos(np.pi * np.clip(each / RAMP, 0.0, 1.0)) for each in (time, seconds - time))
+    way = np.cumsum(FEED * np.prod(list(rise), axis=0)) / rate
+    angle = way / RADIUS
+    return RADIUS * np.stack([np.sin(angle), 1.0 - np.cos(angle)], axis=1)
 
 
 def steps(size: float, rate: float) -> np.ndarray:

@@ -12,7 +12,7 @@ from stagectl.__main__ import app
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.controllers import controller
 from stagectl.robot.midranging.measures import iae
-from stagectl.robot.midranging.scenario import Scenario, scenario
+from stagectl.robot.midranging.scenario import Scenario, scenario, scenarios
 from stagectl.robot.midranging.simulation import simulate
 
 
@@ -48,6 +48,24 @@ def test_a_reference_from_a_file_under_every_other_controller(tmp_path: Path, na
     assert "share" not in read(tmp_path / "run/recording.csv", rate=250.0).names
 
 
+def test_the_toroid_is_followed_by_an_axis_each_and_judged_by_its_circle(tmp_path: Path) -> None:
+    _run("--scenario", "toroid", "--out", str(tmp_path / "run"), "--json", str(tmp_path / "found.json"))
+    found = json.loads((tmp_path / "found.json").read_text())
+    assert set(found["axes"]) == {"y", "z"}
+    assert found["seconds"] == pytest.approx(2 * np.pi * 35e-3 / 5e-3 + 1, abs=0.01)
+    assert found["circle"]["mean_absolute"] < 5e-6
+    assert found["fast_peak"] < 5.1e-3  # what the slow loop lags at 5 mm/s
+    assert "Off the circle" in (tmp_path / "run/report.html").read_text()
+    y, z = (read(tmp_path / f"run/recording-{axis}.csv", rate=250.0) for axis in "yz")
+    np.testing.assert_allclose(np.hypot(y.data[:, 0], z.data[:, 0] - 35e-3), 35e-3, atol=1e-9)
+
+
+def test_a_file_with_several_channels_is_an_axis_each(tmp_path: Path) -> None:
+    wave = 1e-3 * np.ones((50, 2))
+    write(tmp_path / "wave.csv", Recording(("x", "z"), ("m", "m"), 250.0, wave))
+    assert list(scenarios(str(tmp_path / "wave.csv"), 250.0)) == ["x", "z"]
+
+
 def test_the_table_is_a_list_of_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stagectl.robot.midranging.table.ROWS", (("sim, r = 1.5", 1.5e-3, 0.0),))
     _run("--scenario", "table-3.1", "--json", str(tmp_path / "rows.json"))
@@ -66,9 +84,15 @@ def test_the_table_is_a_list_of_rows(tmp_path: Path, monkeypatch: pytest.MonkeyP
         ),
         (["--scenario", "thesis-1", "--png", "x"], "--png goes with --out"),
         (["--scenario", "table-3.1", "--out", "x"], "takes no --out"),
-        (["--scenario", "thesis-1", "--set", "estimating.seconds=20"], "not accurate after session.lead of 14 s"),
-        (["--scenario", "thesis-1", "--set", "simulator.options.mass=1"], "does not take these options"),
-        (["--scenario", "thesis-1", "--set", "simulator.plant=numpy:array"], "numpy:array does not take these options"),
+        (
+            ["--scenario", "thesis-1", "--set", "midranging.estimating.seconds=20"],
+            "not accurate after session.lead of 14 s",
+        ),
+        (["--scenario", "thesis-1", "--set", "midranging.simulator.options.mass=1"], "does not take these options"),
+        (
+            ["--scenario", "thesis-1", "--set", "midranging.simulator.plant=numpy:array"],
+            "numpy:array does not take these options",
+        ),
     ],
 )
 def test_what_cannot_be_done_is_refused_in_a_line(arguments: list[str], message: str) -> None:

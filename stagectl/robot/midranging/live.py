@@ -1,0 +1,112 @@
+"""A live run of mid-ranging: the robot over its port, whose report is the clock, and the stage over its link."""
+
+import gc
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+
+import numpy as np
+
+from ctlblocks import Block, Graph
+from ctlblocks.recording import Recording
+from stagectl.link.bus import LinkError
+from stagectl.link.clock import run_linked
+from stagectl.link.stage_link import StageLink
+from stagectl.robot.config import CellConfig
+from stagectl.robot.midranging.live_pair import LivePair, LiveSeen, LiveSend
+from stagectl.robot.midranging.wiring import MEASURED, refuse_unready, split, wire
+from stagectl.robot.port import RobotPort
+from stagectl.robot.program import RobotProgram, begin_motion
+from stagectl.robot.tracker import TrackerLine
+from stagectl.wire.egm import RATE
+from stagectl.wire.messages import AXES
+
+
+class LiveFault(LinkError):
+    """A live run that a fault has ended.
+
+    Parameters
+    ----------
+    reason : str
+    recorded : list of Recording
+        All that was recorded until then, its lead as well, a recording an axis.
+    """
+
+    def __init__(self, reason: str, recorded: list[Recording]) -> None:
+        super().__init__(reason)
+        self.recorded = recorded
+
+
+def run_live(
+    made: Block, wanted: np.ndarray, names: Sequence[str], cell: CellConfig, stopped: Callable[[], bool] = lambda: False
+) -> list[Recording]:
+    """Run one controller on the robot and the stage; return what was recorded, a recording an axis.
+
+    Whatever ends it, the robot is held where it is and the stage goes to mid-travel.
+
+    Parameters
+    ----------
+    made : Block
+        InternalModel or ValvePosition, of as many axes as `wanted` has.
+    wanted : array, shape (samples, axes), m
+        The reference, from where the robot is and the stage's mid-travel.
+    names : sequence of str
+        Which axis each column is: x, y or z, of the stage and of the robot's base.
+    cell : CellConfig
+    stopped : callable() -> bool
+
+    Raises
+    ------
+    ValueError : an axis that the stage has not, or another rate than the robot's.
+    LinkError : a wire that cannot be had.
+    LiveFault : a fault, by its reason.
+    """
+    config, axes = cell.midranging, wanted.shape[1]
+    if not set(names) <= set(AXES) or config.pair.rate != RATE:
+        raise ValueError(
+            f"a live run has the axes {', '.join(names)} at midranging.pair.rate {config.pair.rate:g} samples/s, "
+            f"must be of {', '.join(AXES)} at {RATE:g}"
+        )
+    cell = cell.model_copy(update={"robot": cell.robot.model_copy(update={"mode": "pose"})})
+    lead = round(config.session.lead * RATE)
+    whole = np.concatenate([np.zeros((lead, axes)), wanted])
+    _compile(made)
+    with ExitStack() as stack:
+        stage = stack.enter_context(StageLink(cell.link))
+        robot = stack.enter_context(RobotPort(cell))
+        tracked = config.session.seen == "tracker"
+        tracker = stack.enter_context(TrackerLine(cell.tracker, robot.hold)) if tracked else None
+        which = tuple(AXES.index(name) for name in names)
+        pair = LivePair(stage, robot, which, config.inner.numerator[0] / config.inner.denominator[0], tracker)
+        graph = Graph(RATE)
+        graph.add("seen", LiveSeen(pair))
+        graph.add("send", LiveSend(pair, config.session.smoothing))
+        record = wire(graph, made, whole, {name: (f"seen.{name}", False) for name in MEASURED}, "send")
+        gc.collect()
+        gc.freeze()  # what is there already need not be looked through while the robot waits
+        stack.callback(gc.unfreeze)
+        stage.start()
+        if cell.robot.commands:
+            peer = robot.conversation.peer
+            with RobotProgram(cell.robot, peer[0] if peer is not None else cell.robot.listen) as program:
+                begin_motion(robot, program)
+        robot.start()
+        pair.begin()
+        if tracker is not None:
+            tracker.start()
+        try:
+            run_linked(graph, robot, len(whole), stopped)
+        except LinkError as fault:
+            raise LiveFault(str(fault), split(record, axes, 0) if record.position else []) from fault
+    if record.position <= lead:
+        raise LiveFault(f"stopped after {record.position / RATE:g} s, before the reference began", [])
+    try:
+        refuse_unready(record, lead)
+    except ValueError as fault:
+        raise LiveFault(str(fault), split(record, axes, 0)) from fault
+    return split(record, axes, lead)
+
+
+def _compile(made: Block) -> None:
+    """Have the controller's kernel compiled before a robot waits for it."""
+    made.prepare(RATE, 1)
+    made.process(*(np.zeros((1, port.width)) for port in (*made.inputs, *made.outputs)))

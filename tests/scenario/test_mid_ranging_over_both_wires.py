@@ -1,0 +1,68 @@
+"""Mid-ranging with the robot behind guided motion and the stage behind its CAN adapter: both follow, faults end safely.
+
+Guards against a live run that works in process alone, and against one end that moves on when the other has gone.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from firmware_sim.stage_processor import Settings
+from stagectl.robot.config import CellConfig
+from stagectl.robot.midranging.axes import run_axes
+from stagectl.robot.midranging.live import LiveFault
+from stagectl.robot.midranging.measures import channel
+from stagectl.robot.midranging.scenario import Scenario
+from stagectl.wire.messages import State
+from tests.scenario.stepped_cell import BUSY, SteppedCell
+from tests.stagectl.link.stand_in import PATIENT, link_to, running
+
+MIDRANGING: dict[str, Any] = {
+    "session": {"live": True, "lead": 0.1},
+    "pair": {"slow_outputs": [0.98], "slow_inputs": [0.02], "travel": 150e-6},
+}
+
+
+def cell_of(stepped: SteppedCell, wire: Path) -> CellConfig:
+    link = link_to(wire, silence=PATIENT, patience=BUSY)
+    return stepped.config.model_copy(update={"link": link})
+
+
+def test_the_robot_takes_over_from_the_stage_along_two_axes(tmp_path: Path) -> None:
+    wave = 50e-6 * np.sin(np.linspace(0.0, 2.0 * np.pi, 250))
+    chosen = {"y": Scenario("wave", wave), "z": Scenario("wave", np.full(250, 40e-6))}
+    with (
+        running(tmp_path / "can", Settings(silence=PATIENT, pace="host")) as (_, stage),
+        SteppedCell(midranging=MIDRANGING) as stepped,
+    ):
+        runs = run_axes("mvpc", cell_of(stepped, tmp_path / "can"), chosen)
+    assert list(runs) == ["y", "z"]
+    assert len(runs["y"].data) == 250
+    y, z = (channel(each, "slow") for each in runs.values())
+    assert np.abs(z[-1] - 40e-6) < 15e-6  # by and by the robot does it alone
+    assert np.abs(channel(runs["z"], "relative")[100:] - 40e-6).max() < 20e-6
+    assert np.corrcoef(y[20:], wave[:-20])[0, 1] > 0.5
+    assert np.abs(channel(runs["y"], "fast")).max() > 5e-6
+    assert np.abs(stage.position[0]) < 1e-9
+
+
+def test_a_fault_of_the_robot_sends_the_stage_to_mid_travel_and_keeps_what_was_recorded(tmp_path: Path) -> None:
+    """A reference that jumps by 50 mm asks the robot for more than its speed."""
+    wave = np.concatenate([np.full(100, 30e-6), np.full(100, 50e-3)])
+    with (
+        running(tmp_path / "can", Settings(silence=PATIENT, pace="host")) as (node, _),
+        SteppedCell(midranging=MIDRANGING) as stepped,
+    ):
+        with pytest.raises(LiveFault, match="the tool is asked to move at .* m/s, must be <= 0.25 m/s") as fault:
+            run_axes("mvpc", cell_of(stepped, tmp_path / "can"), {"": Scenario("jump", wave)})
+        assert node.processor.state in (State.RAMPING, State.HOLDING)
+    (recorded,) = fault.value.recorded
+    assert 100 <= len(recorded.data) < 225
+
+
+def test_what_cannot_run_live_is_refused_before_a_wire_is_opened() -> None:
+    config = CellConfig.model_validate({"midranging": {"session": {"live": True}}})
+    with pytest.raises(ValueError, match="a live run has the axes w .* must be of x, y, z"):
+        run_axes("aimc", config, {"w": Scenario("hold", np.zeros(10))})
