@@ -64,7 +64,7 @@ def test_a_joint_is_measured_and_a_pause_holds_the_arm(tmp_path: Path) -> None:
     truth, play = joints[0, 2], joints[2, 2]
     assert raw.k_plus.high < 0.9 * truth
     assert link.k_plus.low < truth < link.k_plus.high
-    assert link.k_plus.value == pytest.approx(truth, rel=0.2)  # two quick cycles through a tracker's noise
+    assert link.k_plus.value == pytest.approx(truth, rel=0.2)  # two quick cycles
     assert raw.backlash.value == pytest.approx(play, abs=0.02e-3)
     assert (tmp_path / "maps.html").exists()
     assert (tmp_path / "map-3.png").read_bytes().startswith(b"\x89PNG")

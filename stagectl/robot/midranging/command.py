@@ -1,6 +1,7 @@
 """The command `stagectl midrange`: the macro and the micro manipulator under one of the controllers."""
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -23,6 +24,13 @@ from stagectl.robot.midranging.table import table
 
 TABLE = "table-3.1"
 
+ScenarioOption = Annotated[
+    str,
+    typer.Option(
+        "--scenario", metavar="NAME", help="table-3.1, thesis-1, thesis-2, toroid, or a CSV or WAV file, in m."
+    ),
+]
+
 
 def recording_name(axis: str) -> str:
     """Return how the recording of an axis is called in a run's folder."""
@@ -30,12 +38,7 @@ def recording_name(axis: str) -> str:
 
 
 def midrange(
-    scenario_name: Annotated[
-        str,
-        typer.Option(
-            "--scenario", metavar="NAME", help="table-3.1, thesis-1, thesis-2, toroid, or a CSV or WAV file, in m."
-        ),
-    ],
+    scenario_name: ScenarioOption,
     controller_name: Annotated[
         str,
         typer.Option("--controller", metavar="NAME", help=f"{', '.join(CONTROLLERS)}; table-3.1 runs all it needs."),
@@ -63,20 +66,30 @@ def midrange(
     chosen = scenarios(scenario_name, cell.midranging.pair.rate)
     with stoppable() as stop:
         if out is None:
-            _tell(
-                all_figures(run_axes(controller_name, cell, chosen, lambda: stop.made), chosen, cell.midranging), json
-            )
+            runs = run_axes(controller_name, cell, chosen, lambda: stop.made)
+            _tell(all_figures(runs, chosen, cell.midranging), json)
             return
+        kept = {"controller": controller_name, "scenario": scenario_name, "time": now(), "software": software()}
         with RunFolder.create(out, rig_file.dump(cell)) as folder:
-            kept = {"controller": controller_name, "scenario": scenario_name, "time": now(), "software": software()}
-            try:
-                runs = run_axes(controller_name, cell, chosen, lambda: stop.made)
-            except LiveFault as fault:
-                _write(folder, dict(zip(chosen, fault.recorded, strict=False)), kept | {"fault": str(fault)})
-                folder.event("fault", {"text": str(fault)})
-                raise
+            runs = _run(folder, cell, chosen, kept, lambda: stop.made)
             _tell(_keep(folder, runs, chosen, cell, kept, png), json)
     print(f"report: {out / PAGE}", file=words(json))  # noqa: T201
+
+
+def _run(
+    folder: RunFolder,
+    cell: CellConfig,
+    chosen: dict[str, Scenario],
+    kept: dict[str, str],
+    stopped: Callable[[], bool],
+) -> Runs:
+    """Run it; of a live run that a fault ends, what was recorded until then is kept as well."""
+    try:
+        return run_axes(kept["controller"], cell, chosen, stopped)
+    except LiveFault as fault:
+        _write(folder, dict(zip(chosen, fault.recorded, strict=False)), kept | {"fault": str(fault)})
+        folder.event("fault", {"text": str(fault)})
+        raise
 
 
 def _keep(

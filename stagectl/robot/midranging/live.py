@@ -66,17 +66,11 @@ def run_live(
             f"a live run has the axes {', '.join(names)} at midranging.pair.rate {config.pair.rate:g} samples/s, "
             f"must be of {', '.join(AXES)} at {RATE:g}"
         )
-    cell = cell.model_copy(update={"robot": cell.robot.model_copy(update={"mode": "pose"})})
     lead = round(config.session.lead * RATE)
     whole = np.concatenate([np.zeros((lead, axes)), wanted])
     _compile(made)
     with ExitStack() as stack:
-        stage = stack.enter_context(StageLink(cell.link))
-        robot = stack.enter_context(RobotPort(cell))
-        tracked = config.session.seen == "tracker"
-        tracker = stack.enter_context(TrackerLine(cell.tracker, robot.hold)) if tracked else None
-        which = tuple(AXES.index(name) for name in names)
-        pair = LivePair(stage, robot, which, config.inner.numerator[0] / config.inner.denominator[0], tracker)
+        pair = _opened(stack, cell, names)
         graph = Graph(RATE)
         graph.add("seen", LiveSeen(pair))
         graph.add("send", LiveSend(pair, config.session.smoothing))
@@ -84,17 +78,9 @@ def run_live(
         gc.collect()
         gc.freeze()  # what is there already need not be looked through while the robot waits
         stack.callback(gc.unfreeze)
-        stage.start()
-        if cell.robot.commands:
-            peer = robot.conversation.peer
-            with RobotProgram(cell.robot, peer[0] if peer is not None else cell.robot.listen) as program:
-                begin_motion(robot, program)
-        robot.start()
-        pair.begin()
-        if tracker is not None:
-            tracker.start()
+        _start(pair, cell)
         try:
-            run_linked(graph, robot, len(whole), stopped)
+            run_linked(graph, pair.robot, len(whole), stopped)
         except LinkError as fault:
             raise LiveFault(str(fault), split(record, axes, 0) if record.position else []) from fault
     if record.position <= lead:
@@ -104,6 +90,31 @@ def run_live(
     except ValueError as fault:
         raise LiveFault(str(fault), split(record, axes, 0)) from fault
     return split(record, axes, lead)
+
+
+def _opened(stack: ExitStack, cell: CellConfig, names: Sequence[str]) -> LivePair:
+    """Open every wire: the stage's, the robot's, and the tracker's where it is wanted."""
+    config = cell.midranging
+    cell = cell.model_copy(update={"robot": cell.robot.model_copy(update={"mode": "pose"})})
+    stage = stack.enter_context(StageLink(cell.link))
+    robot = stack.enter_context(RobotPort(cell))
+    tracked = config.session.seen == "tracker"
+    tracker = stack.enter_context(TrackerLine(cell.tracker, robot.hold)) if tracked else None
+    gain = config.inner.numerator[0] / config.inner.denominator[0]
+    return LivePair(stage, robot, tuple(AXES.index(name) for name in names), gain, tracker)
+
+
+def _start(pair: LivePair, cell: CellConfig) -> None:
+    """Let stage and robot follow, from where they are."""
+    pair.stage.start()
+    if cell.robot.commands:
+        peer = pair.robot.conversation.peer
+        with RobotProgram(cell.robot, peer[0] if peer is not None else cell.robot.listen) as program:
+            begin_motion(pair.robot, program)
+    pair.robot.start()
+    pair.begin()
+    if pair.tracker is not None:
+        pair.tracker.start()
 
 
 def _compile(made: Block) -> None:
