@@ -19,6 +19,7 @@ def plan(
     ] = None,
     check_path: Annotated[bool, typer.Option("--check", help="Say whether PATH.json mills the pocket.")] = False,
     planner_name: Annotated[str, typer.Option("--planner", metavar="NAME", help=f"{', '.join(PLANNERS)}.")] = "exact",
+    seed: Annotated[int, typer.Option(min=0, help="Of what the planner draws.")] = 0,
     out: Annotated[Path | None, typer.Option(metavar="PATH.json", help="Write the path.")] = None,
     json: JsonOption = None,
 ) -> None:
@@ -32,7 +33,7 @@ def plan(
     if path_file is not None:
         _check(pocket, path_file, json)
         return
-    made = planner(planner_name, pocket)
+    made = planner(planner_name, pocket, seed)
     segments = mill(pocket, made)
     if out is not None:
         write_path(out, [each.in_path for each in segments])

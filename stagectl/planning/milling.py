@@ -1,5 +1,7 @@
 """A pocket milled by a planner: it chooses a strip, is told how long that took, and chooses again."""
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -27,6 +29,8 @@ class Milled:
         Whether the tool was lifted to get there.
     moved, duration : float, s
         To get there; of the milling.
+    force_deviation : float, N
+        Standard deviation of the force in the segment; NaN where it was not measured.
     """
 
     standing: Standing
@@ -37,6 +41,11 @@ class Milled:
     is_lifted: bool
     moved: float
     duration: float
+    force_deviation: float = math.nan
+
+    def leaves(self) -> Standing:
+        """Return the state after it."""
+        return after(self.cut, self.standing)
 
     @property
     def in_path(self) -> list[str | int]:
@@ -54,15 +63,29 @@ class Planner(Protocol):
         """Take notice of a finished segment."""
 
 
-def mill(pocket: Pocket, planner: Planner) -> list[Milled]:
-    """Mill a whole pocket, each segment as long as is really paid for it, and let the planner know after each."""
+def mill(pocket: Pocket, planner: Planner, measured: Callable[[Milled], Milled] | None = None) -> list[Milled]:
+    """Mill a whole pocket, and let the planner know after each segment.
+
+    Parameters
+    ----------
+    pocket : Pocket
+        Each segment takes as long as is really paid for it,
+    planner : Planner
+    measured : callable, optional
+        or as long as this makes of that: it gets the segment and returns it with what is measured.
+
+    Returns
+    -------
+    list of Milled
+    """
     paid = costs(pocket.paid())
     standing, segments = untouched(pocket), []
     while not standing.is_done:
         cut = planner.choose(standing)
-        segments.append(finished(cut, standing, paid))
+        segment = finished(cut, standing, paid)
+        segments.append(segment if measured is None else measured(segment))
         planner.learn(segments[-1])
-        standing = after(cut, standing)
+        standing = segments[-1].leaves()
     return segments
 
 

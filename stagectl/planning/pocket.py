@@ -1,23 +1,32 @@
 """A pocket, the paths that planners make for it, and whether a path is one."""
 
 from stagectl.planning.exact import ExactPlanner
+from stagectl.planning.features import FeaturesPlanner
 from stagectl.planning.milling import Planner, mill
 from stagectl.planning.pocket_check import Verdict, check
 from stagectl.planning.problem import Pocket, PocketFault
+from stagectl.planning.qlearning import QLearningPlanner
+from stagectl.planning.sequential import SequentialPlanner, trained
 
 __all__ = ["PLANNERS", "Pocket", "PocketFault", "Verdict", "check", "plan", "planner"]
 
-PLANNERS = ("exact",)
+PLANNERS = ("exact", "sequential", "qlearning", "features")
 
 
-def planner(name: str, pocket: Pocket) -> Planner:
-    """Make a planner by name."""
+def planner(name: str, pocket: Pocket, seed: int = 0) -> Planner:
+    """Make a planner by name, which knows what is believed of a pocket; `seed` is of what it draws."""
     if name not in PLANNERS:
         raise PocketFault(f"planner is {name!r}, must be one of {', '.join(PLANNERS)}")
+    if name == "sequential":
+        return SequentialPlanner(pocket, trained(pocket))
+    if name == "qlearning":
+        return QLearningPlanner(pocket, seed)
+    if name == "features":
+        return FeaturesPlanner(pocket, seed)
     return ExactPlanner(pocket)
 
 
-def plan(pocket: Pocket, planner_name: str) -> list[list[str | int]]:
+def plan(pocket: Pocket, planner_name: str, seed: int = 0) -> list[list[str | int]]:
     """Plan and mill a pocket: the planner knows what is believed, and of each finished segment what was really paid.
 
     Parameters
@@ -25,6 +34,8 @@ def plan(pocket: Pocket, planner_name: str) -> list[list[str | int]]:
     pocket : Pocket
     planner_name : str
         Of `PLANNERS`.
+    seed : int
+        Of what a planner draws.
 
     Returns
     -------
@@ -36,4 +47,4 @@ def plan(pocket: Pocket, planner_name: str) -> list[list[str | int]]:
     >>> check(pocket, plan(pocket, "exact")).total
     6.0
     """
-    return [each.in_path for each in mill(pocket, planner(planner_name, pocket))]
+    return [each.in_path for each in mill(pocket, planner(planner_name, pocket, seed))]

@@ -88,3 +88,15 @@ def without(way, k, rectangle):  # type: ignore[no-untyped-def]
     if way & 4:
         return (north, south, west, east - k) if way & 2 else (north, south, west + k, east)
     return (north, south - k, west, east) if way & 2 else (north + k, south, west, east)
+
+
+@njit(cache=True, nogil=True)
+def time_of(way, k, last, rectangle, size, rate, begin, moves):  # type: ignore[no-untyped-def]
+    """Return the time of a strip and of the move to it from where way `last` left the tool, -1 for none; s."""
+    time = begin + rate[way, k - 1] * length(way, rectangle)
+    if last < 0:
+        return time
+    row, col = stop(last, rectangle, size)
+    from_row, from_col = start(way, k, rectangle, size)
+    lifted = 1 if starts_at_corner(way) != ends_at_corner(last) else 0
+    return time + moves[lifted, abs(from_row - row), abs(from_col - col)]
