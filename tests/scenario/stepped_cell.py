@@ -34,7 +34,9 @@ class SteppedCell:
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
         controller = cell_controller(CellConfig.model_validate_json(json.dumps(settings)))
-        self.bench = RobotBench(controller, Addresses(motion=port), TRACKER_RATE, TrackerFaults(noise=2e-5, lost=0.01, unseen=0.01))
+        self.bench = RobotBench(
+            controller, Addresses(motion=port), TRACKER_RATE, TrackerFaults(noise=2e-5, lost=0.01, unseen=0.01)
+        )
         commands, signals, tracker = (
             each.address[1] for each in (self.bench.program, self.bench.signals, self.bench.tracker)
         )

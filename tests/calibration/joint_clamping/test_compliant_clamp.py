@@ -11,6 +11,7 @@ from calibration.joint_clamping.compensation import (
     arm_motion_of_torque,
 )
 from calibration.joint_clamping.extraction import extract
+from calibration.joint_clamping.friction import friction_shape
 from calibration.joint_clamping.full_stiffness import Clamping, fit_stiffness, told_apart
 from calibration.joint_clamping.lever_arm import advise, candidate_poses
 from calibration.joint_clamping.torque_map import TorqueMap, TorqueMapError
@@ -62,6 +63,17 @@ def test_uncorrected_it_is_underestimated_the_deflection_removes_a_part_and_the_
     assert by_link.k_minus.value == pytest.approx(parts.k_minus[0], rel=0.03)
     assert by_link.k_plus.low < truth < by_link.k_plus.high
     assert by_link.backlash.value == pytest.approx(parts.backlash[0], rel=0.05)
+
+
+def test_a_motion_that_is_known_well_brings_what_other_joints_slide_against_their_friction() -> None:
+    """Taken as a straight line, it would stay in the map as play."""
+    parts = random_joints(3)
+    clamped = Clamped(parts, POSE, 0, bearings(parts, 3), TABLE)
+    sliding = 0.15e-3 * friction_shape(clamped.map.angle, 0.2 * float(np.ptp(clamped.map.angle)))
+    moved = TorqueMap(clamped.map.angle + sliding, clamped.map.torque, RATE)
+    found = extract_compensated(moved, clamped.arm[:, 0] + sliding)
+    assert found.backlash.value == pytest.approx(parts.backlash[0], abs=0.005e-3)
+    assert found.k_plus.value == pytest.approx(parts.k_plus[0], rel=0.01)
 
 
 def followed_link(arm_angle: np.ndarray) -> np.ndarray:
