@@ -16,6 +16,9 @@ from stagectl.config import StageConfig
 from stagectl.link.stage_link import StageLink
 from stagectl.live import run_live
 from stagectl.machining.command import cell
+from stagectl.machining.replay import replay_cell
+from stagectl.machining.report import cell_report
+from stagectl.machining.session import is_of_cell
 from stagectl.planning.command import plan
 from stagectl.replay import replay
 from stagectl.report import run_report
@@ -119,7 +122,7 @@ def replay_command(
 
     Example: `stagectl replay RUN/`
     """
-    done = list(replay(path, session.setup_of(path)))
+    done = list(replay_cell(path) if is_of_cell(path) else replay(path, session.setup_of(path)))
     rows = [
         [each.recording, each.channel, "yes" if each.identical else "no", f"{each.difference:.3g} {each.unit}"]
         for each in done
@@ -146,7 +149,7 @@ def report_command(
 
     Example: `stagectl report RUN/ --png figures/`
     """
-    figures = run_report(path, png)
+    figures = cell_report(path, png) if is_of_cell(path) else run_report(path, png)
     print(f"report: {path / 'report.html'}", file=words(json))
     write_json(json, figures)
 

@@ -11,9 +11,10 @@ from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
 from stagectl.config import StageConfig
 from stagectl.machining import session
-from stagectl.machining.plan import RATE, SETUPS, plan
+from stagectl.machining.plan import RATE, SETUPS, designs_of, plan
 from stagectl.machining.report import HEAD, PAGE, cell_report, table_rows
 from stagectl.machining.run import Conduct, offline, paced
+from stagectl.machining.surroundings import refuse_wrong_plants
 from stagectl.robot.config import CellConfig
 
 ALL = "all"
@@ -44,7 +45,10 @@ def cell(
     )
     pace = paced if is_paced else offline
     setups = list(SETUPS) if setup == ALL else [setup]
-    plans = [plan(each, files.cell, files.stage, files.models) for each in setups]
+    designs = designs_of(files.stage, files.models) if any(each.startswith("C") for each in setups) else []
+    plans = [plan(each, files.cell, files.stage, designs) for each in setups]
+    for made in plans:
+        refuse_wrong_plants(made)
     with session.create(out, files) as folder, stoppable() as stop:
         for made in plans:
             with progress(f"setup {made.setup}", round(made.path.seconds * RATE)) as meter:

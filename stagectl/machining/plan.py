@@ -30,6 +30,8 @@ SETUPS = {
 TOUCH_OFF = 0.6, 0.1
 """s from the beginning, and before the end of the lead: in between everything stands still and is averaged."""
 AXES = ("x", "y", "z")
+LOOKS = 100
+"""Points of the path that are looked at before a run: the robot reaches them."""
 RATE = 10_000.0
 """samples/s, of the graph and of the stage."""
 
@@ -128,33 +130,48 @@ class Plan:
         }
 
 
-def plan(setup: str, cell: CellConfig, stage: StageConfig, models: Sequence[Path] = ()) -> Plan:
-    """Read the models and design the stage's loops, where the setup has a stage.
+def plan(setup: str, cell: CellConfig, stage: StageConfig, designs: Sequence[Design] = ()) -> Plan:
+    """Put a run together.
 
     Parameters
     ----------
     setup : str
     cell : CellConfig
     stage : StageConfig
+    designs : sequence of Design
+        `designs_of(stage, ...)`; setups without stage need none.
+
+    Raises
+    ------
+    ValueError : another setup, or a path that the robot does not reach.
+    """
+    if setup not in SETUPS:
+        raise ValueError(f"setup is {setup!r}, must be one of {', '.join(SETUPS)}")
+    made = Plan(setup, cell_of(cell), stage, tuple(designs))
+    made.path.joints(made.arm, np.linspace(0.0, made.path.end, LOOKS))
+    return made
+
+
+def designs_of(stage: StageConfig, models: Sequence[Path] = ()) -> list[Design]:
+    """Read the models and design the stage's outer loops.
+
+    Parameters
+    ----------
+    stage : StageConfig
     models : sequence of Path
         Model files of the stage, one an axis, in the order of `stage.axes`; none for the nominal ones.
 
     Raises
     ------
-    ValueError : another setup, another stage than one of three axes x, y, z at 10 kHz, or models that do not fit.
+    ValueError : another stage than one of three axes x, y, z at 10 kHz, or models that do not fit.
     """
-    if setup not in SETUPS:
-        raise ValueError(f"setup is {setup!r}, must be one of {', '.join(SETUPS)}")
     axes, rate = stage.stage.axes, stage.stage.rate
     if axes != AXES or rate != RATE:
         raise ValueError(f"the stage has axes {', '.join(axes)} at {rate:g} samples/s, must be x, y, z at {RATE:g}")
     if len(models) not in (0, len(axes)):
         raise ValueError(f"there are {len(models)} model files, must be one for each of the axes x, y, z, or none")
-    made = Plan(setup, cell_of(cell), stage, ())
-    if not made.has_stage:
-        return made
     known = [read_model(file, rate=rate) for file in models] or [nominal_model(axis, rate) for axis in axes]
-    return Plan(setup, made.cell, stage, tuple(design(each, stage.outer, axis) for axis, each in enumerate(known)))
+    return [design(each, stage.outer, axis) for axis, each in enumerate(known)]
 
 
 def cell_of(cell: CellConfig) -> CellConfig:

@@ -12,7 +12,7 @@ from stagectl.machining.surroundings import recorded
 from stagectl.replay import Replayed
 
 
-def replay(path: Path) -> Iterator[Replayed]:
+def replay_cell(path: Path) -> Iterator[Replayed]:
     """Make every output of a folder's runs again from their recorded sensors.
 
     Parameters

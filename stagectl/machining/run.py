@@ -34,6 +34,15 @@ def paced(graph: Graph, ticks: int) -> None:
     Timer(graph, ()).run(ticks)
 
 
+def never() -> bool:
+    """Do not stop."""
+    return False
+
+
+def quietly(done: int) -> None:
+    """Show nothing of the ticks done."""
+
+
 @dataclass(frozen=True)
 class Milled:
     """What came of a run.
@@ -68,8 +77,8 @@ class Conduct:
     """
 
     tell: Tell = nobody
-    stopped: Callable[[], bool] = bool
-    show: Callable[[int], object] = abs
+    stopped: Callable[[], bool] = never
+    show: Callable[[int], object] = quietly
     advance: Advance = offline
 
 

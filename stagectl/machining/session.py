@@ -13,7 +13,7 @@ from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder, read_events
 from stagectl.config import StageConfig
 from stagectl.machining.measures import Contour, accuracy, contour
-from stagectl.machining.plan import AXES, RATE, SETUPS, Plan, plan
+from stagectl.machining.plan import AXES, RATE, SETUPS, Plan, designs_of, plan
 from stagectl.machining.recorded import QUICK, recordings
 from stagectl.machining.run import Conduct, mill
 from stagectl.machining.surroundings import simulated
@@ -51,9 +51,14 @@ def create(path: Path, files: Files) -> RunFolder:
     return folder
 
 
+def is_of_cell(path: Path) -> bool:
+    """Whether a folder is one of runs of the cell."""
+    return (path / CONFIG).is_file() and (path / STAGE).is_file()
+
+
 def files_of(path: Path) -> Files:
     """Read back what runs were made from; ValueError if the folder is none of theirs."""
-    if not ((path / CONFIG).is_file() and (path / STAGE).is_file()):
+    if not is_of_cell(path):
         raise ValueError(f"{path}/ is not the folder of a run of the cell: it has no {CONFIG} and {STAGE}")
     models = [path / model_name(axis) for axis in AXES]
     return Files(
@@ -137,10 +142,11 @@ def read_back(path: Path) -> dict[str, tuple[Plan, dict[str, Recording], str]]:
     """
     files = files_of(path)
     reasons = {each["setup"]: each["reason"] for each in read_events(path) if each["event"] == "ended"}
+    designs = designs_of(files.stage, files.models) if any(setup.startswith("C") for setup in reasons) else []
     found = {}
     for setup in SETUPS:
         if setup in reasons:
-            made = plan(setup, files.cell, files.stage, files.models)
+            made = plan(setup, files.cell, files.stage, designs)
             names = [name for name in SUFFIXES if (path / f"{setup}-{name}.{SUFFIXES[name]}").exists()]
             kept = {name: recording.read(path / f"{setup}-{name}.{SUFFIXES[name]}") for name in names}
             found[setup] = made, kept, reasons[setup]

@@ -59,6 +59,15 @@ def recorded(recordings: Mapping[str, Recording]) -> Surroundings:
     return surround
 
 
+def refuse_wrong_plants(plan: Plan) -> None:
+    """Build the plants that the files name once, so that a wrong option is a ValueError before anything is written."""
+    options, plants = plan.plant_options(), plan.cell.plants
+    for name, given in ((plants.robot, "robot"), (plants.cut, "cut"), (plants.tracker, "tracker")):
+        block(name, options[given])
+    if plan.has_stage:
+        block(plan.stage.simulator.plant, plan.stage.simulator.options)
+
+
 def block(name: str, options: dict[str, object]) -> Block:
     """Build the block that a file names; ValueError where it does not take these options, or is none."""
     try:

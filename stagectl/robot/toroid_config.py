@@ -35,7 +35,7 @@ class Feedback(Section):
         0.05, "Hz", "of the low-passes for the tracker along x, beside the laser", gt=0, le=10
     )
     delay: float = setting(0.004, "s", "by which the tracker comes later than the stage's sensors", ge=0, le=0.1)
-    lag: float = setting(0.02, "s", "by which the robot follows its path later", ge=0, le=1)
+    lag: float = setting(0.03, "s", "by which the robot follows its path later", ge=0, le=1)
     robot_model: float = setting(0.1, "s", "time constant of the robot, tracker and low-pass", gt=0, le=10)
     robot: float = setting(0.5, "s", "wanted of the robot that corrects alone, setup B", gt=0, le=100)
     stage_model: float = setting(0.005, "s", "time constant of the stage's closed loops", gt=0, le=1)

@@ -4,26 +4,26 @@ from functools import cache
 
 from rigkit import config as rig_file
 from stagectl.config import StageConfig
-from stagectl.machining.plan import Plan, plan
+from stagectl.machining.plan import Plan, designs_of, plan
 from stagectl.machining.recorded import recordings
 from stagectl.machining.run import Advance, Conduct, Milled, mill, offline
 from stagectl.machining.surroundings import simulated
 from stagectl.robot.config import CellConfig
+from stagectl.stage.design import Design
 
 SHORT = ("toroid.lead=1.0", "toroid.turn=0.005", "toroid.ramp=0.1")
 STAGE = rig_file.load(None, StageConfig, ["outer.mistuning=0.0"])
 
 
 @cache
-def designed() -> Plan:
-    """Design the stage's loops, which take longest."""
-    return plan("C", rig_file.load(None, CellConfig, SHORT), STAGE)
+def designs() -> list[Design]:
+    """Design the stage's loops, which takes longest."""
+    return designs_of(STAGE)
 
 
 def short(setup: str, *settings: str) -> Plan:
     cell = rig_file.load(None, CellConfig, [*SHORT, *settings])
-    bare = plan("A", cell, STAGE)
-    return Plan(setup, bare.cell, STAGE, designed().designs if setup.startswith("C") else ())
+    return plan(setup, cell, STAGE, designs() if setup.startswith("C") else ())
 
 
 def milled(setup: str, *settings: str, advance: Advance = offline) -> Milled:

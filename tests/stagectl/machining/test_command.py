@@ -1,0 +1,51 @@
+"""The command line: what a person types, and what comes of mistakes."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from stagectl.__main__ import main
+from tests.stagectl.machining.short_cell import SHORT
+
+QUICK = [word for setting in SHORT for word in ("--set", setting)]
+
+
+def stagectl(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
+    monkeypatch.setattr(sys, "argv", ["stagectl", *words])
+    return main()
+
+
+def test_a_run_ends_with_a_table_figures_and_a_report_and_can_be_replayed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    figures, run = tmp_path / "figures.json", str(tmp_path / "run")
+    assert stagectl(monkeypatch, "cell", "--setup", "B", "--out", run, *QUICK, "--json", str(figures)) == 0
+    made = json.loads(figures.read_text())
+    assert made["setup"] == "B"
+    assert made["fault"] is None
+    assert made["circle_mae"] < 2e-4
+    assert "B: robot and tracker" in capsys.readouterr().out
+    assert stagectl(monkeypatch, "replay", run) == 0
+    assert stagectl(monkeypatch, "report", run, "--json", str(figures)) == 0
+    assert json.loads(figures.read_text()) == [made]
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["--setup", "D"], "setup is 'D', must be one of A, B, C, C-fixed"),
+        (["--setup", "A", "--set", "toroid.feed=1"], "toroid.feed is 1, must be >= 0.001 and <= 0.05 m/s"),
+        (["--setup", "A", "--set", "plants.robot_options.gear_error=-1"], "gear_error is -1, must be 0 to 10"),
+        (["--setup", "A", "--set", "plants.cut_options.speed=1"], "does not take these options"),
+        (["--setup", "A", "--set", "toroid.home=[0, 0, 0, 0, 2.18, 0]"], "joint 5 is at"),
+        (["--setup", "C", "--model", "x.h5"], "there are 1 model files, must be one for each of the axes x, y, z"),
+    ],
+)
+def test_a_mistake_is_one_line_and_status_2_and_leaves_no_folder(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, words: list[str], text: str
+) -> None:
+    assert stagectl(monkeypatch, "cell", "--out", str(tmp_path / "run"), *words) == 2
+    assert text in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
