@@ -30,7 +30,7 @@ def cell_report(path: Path, png: Path | None = None) -> list[dict[str, Any]]:
     """
     found = read_back(path)
     rows = [figures(made, records, reason) for made, records, reason in found.values()]
-    runs = [Run(made, records, milled_contour(made, records["surface"])) for made, records, _ in found.values()]
+    runs = [Run(made, records, milled_contour(made, records)) for made, records, _ in found.values()]
     with styled():
         name = f"The toroid in steel, setup {', '.join(found)}"
         report = Report(name, str(path.resolve()), tuple(_facts(rows)), tuple(_sections(path, rows, runs)))

@@ -6,6 +6,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file
@@ -23,6 +25,9 @@ from stagectl.session import model_name
 STAGE = "stage.toml"
 SUFFIXES = {"cell": "csv", "surface": "csv", "tracker": "wav", "stage": "wav"}
 """Formats: of many channels a WAV is smaller and quicker; both keep every bit."""
+
+BEFORE = 0.25
+"""s before a hold that are not measured: a stage that is at fault goes to rest while the robot still moves."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +115,7 @@ def figures(made: Plan, records: dict[str, Recording], reason: str) -> dict[str,
         "seconds": len(records["surface"].data) * QUICK / RATE,
         "fault": reason or None,
     }
-    milled = milled_contour(made, records["surface"])
+    milled = milled_contour(made, records)
     if milled is not None:
         found |= asdict(accuracy(milled))
     if made.has_stage:
@@ -123,10 +128,22 @@ def figures(made: Plan, records: dict[str, Recording], reason: str) -> dict[str,
     return found
 
 
-def milled_contour(made: Plan, surface: Recording) -> Contour | None:
-    """Return the toroid as it was milled, or None where nothing was."""
+def milled_contour(made: Plan, records: dict[str, Recording]) -> Contour | None:
+    """Return the toroid as it was milled, until just before a hold, or None where nothing was.
+
+    Parameters
+    ----------
+    made : Plan
+    records : dict of str to Recording
+        `cell` and `surface`.
+    """
+    surface, cell = records["surface"], records["cell"]
     begin = round(made.cell.toroid.lead * surface.rate)
-    cut = surface.select([f"cut_{axis}" for axis in AXES]).data[begin:]
+    held = np.flatnonzero(cell.select(["holding"]).data[round(made.cell.toroid.lead * cell.rate) + 2 :, 0])
+    until = len(surface.data)
+    if len(held):
+        until = begin + round((held[0] / cell.rate - BEFORE) * surface.rate)
+    cut = surface.select([f"cut_{axis}" for axis in AXES]).data[begin:until]
     try:
         return contour(cut, made.cell.toroid.radius)
     except (ValueError, IndexError):
