@@ -156,7 +156,7 @@ class StageProcessor:
         else:
             if now - self._due > _PATIENCE:
                 self._due = now
-                if self.state in _LED:
+                if self.state in _LED and self._settings.pace == "own":
                     self._fail(Fault.OVERRUN)
             last = self.block + _AT_ONCE
             while self._due <= now and self.block < last:
