@@ -1,6 +1,6 @@
 """The planners against the optimum, on random tables and in the thesis' scenarios: the tables of docs/planning.md.
 
-`python -m benchmarks.planning [two] [four] [slowdown] [chapter7]`, all of them by default; about three minutes.
+`python -m benchmarks.planning [two] [four] [slowdown] [slow] [training] [chapter7]`, all by default; some minutes.
 """
 
 from collections.abc import Callable, Iterator
@@ -12,6 +12,7 @@ import numpy as np
 from benchmarks.page_table import put, table, words
 from benchmarks.planning_chapter_7 import chapter_7
 from benchmarks.planning_pockets import LIFT, draw
+from benchmarks.planning_uncertain import self_training, slow_side
 from stagectl.planning.milling import mill, total
 from stagectl.planning.pocket import planner
 from stagectl.planning.problem import Pocket
@@ -87,6 +88,8 @@ PARTS: dict[str, Callable[[], Any]] = {
     "two": two_directions,
     "four": four_directions,
     "slowdown": slowdown,
+    "slow": lambda: put(slow_side(), "planning.md", "slow side"),
+    "training": lambda: put(self_training(), "planning.md", "self-training"),
     "chapter7": lambda: put(chapter_7(), "planning.md", "chapter 7"),
 }
 

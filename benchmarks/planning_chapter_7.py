@@ -33,7 +33,7 @@ NOISE_DRAWS = 20
 
 def chapter_7() -> str:
     """Return the table of all simulations."""
-    pocket = _pocket()
+    pocket = published()
     slow = replace(pocket, rate={name: rate * (5.0 if name[0] == "E" else 1.0) for name, rate in pocket.rate.items()})
     rows = [
         _row("1, trained", pocket, SequentialPlanner(pocket, training()), "28.3, 28.3, 28.3"),
@@ -54,7 +54,8 @@ def training() -> dict[str, list[float]]:
     }
 
 
-def _pocket() -> Pocket:
+def published() -> Pocket:
+    """Return chapter 7's pocket: 60 mm square, a tool of 6 mm, the mean of the published durations."""
     rate = {name: float(np.mean(both)) for name, both in training().items()}
     return Pocket(30, 30, 3, "EW", rate, v_lift=50.0)
 

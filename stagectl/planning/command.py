@@ -1,43 +1,79 @@
-"""The command `stagectl plan`: a pocket is planned, or a path is held against it."""
+"""The command `stagectl plan`: pockets are planned one after the other, or a path is held against a pocket."""
 
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from rigkit import atomic
 from rigkit.command import JsonOption, print_table, words, write_json
 from stagectl.planning.exact import least_time
 from stagectl.planning.milling import Milled, mill, total
-from stagectl.planning.pocket import PLANNERS, Pocket, check, planner
+from stagectl.planning.pocket import PLANNERS, UNTRAINED, Pocket, check, planner, untrained
 from stagectl.planning.pocket_file import read_path, read_pocket, write_path
+from stagectl.planning.report import TYPE_HEAD, learned_types, type_rows, write_report
+from stagectl.planning.segment_file import read_segments, write_segments
+from stagectl.planning.toolpath import Cutting, gcode, rapid
+
+PocketFile = Annotated[Path, typer.Argument(metavar="POCKET.json", help="The pocket, its tool and its costs.")]
+PathFile = Annotated[Path | None, typer.Argument(metavar="PATH.json", help="With --check: the path to look at.")]
+Check = Annotated[bool, typer.Option("--check", help="Say whether PATH.json mills the pocket.")]
+Name = Annotated[str, typer.Option("--planner", metavar="NAME", help=f"{', '.join(PLANNERS)}.")]
+Count = Annotated[int, typer.Option("--pockets", min=1, help="How many to mill, learning from each to the next.")]
+Untrained = Annotated[
+    bool, typer.Option("--untrained", help=f"The planner does not know the rates: {', '.join(UNTRAINED)}.")
+]
+Learn = Annotated[Path | None, typer.Option(metavar="SEGMENTS.csv", help="Learn from recorded segments first.")]
+Record = Annotated[Path | None, typer.Option(metavar="SEGMENTS.csv", help="Write every finished segment.")]
+Seed = Annotated[int, typer.Option(min=0, help="Of what the planner draws.")]
+Out = Annotated[Path | None, typer.Option(metavar="PATH.json", help="Write the path of the last pocket.")]
+GCode = Annotated[Path | None, typer.Option("--gcode", metavar="FILE", help="Write it as G-code.")]
+Rapid = Annotated[Path | None, typer.Option("--rapid", metavar="FILE", help="Write it as a RAPID module.")]
+Cell = Annotated[float, typer.Option(help="Side of a cell, m, in G-code and RAPID.")]
+Depth = Annotated[float, typer.Option(help="Depth of the cut, m, in G-code and RAPID.")]
+Page = Annotated[Path | None, typer.Option("--report", metavar="FILE.html", help="Write paths, times and types.")]
 
 
 def plan(
-    pocket_file: Annotated[Path, typer.Argument(metavar="POCKET.json", help="The pocket, its tool and its costs.")],
-    path_file: Annotated[
-        Path | None, typer.Argument(metavar="PATH.json", help="With --check: the path to look at.")
-    ] = None,
-    check_path: Annotated[bool, typer.Option("--check", help="Say whether PATH.json mills the pocket.")] = False,
-    planner_name: Annotated[str, typer.Option("--planner", metavar="NAME", help=f"{', '.join(PLANNERS)}.")] = "exact",
-    seed: Annotated[int, typer.Option(min=0, help="Of what the planner draws.")] = 0,
-    out: Annotated[Path | None, typer.Option(metavar="PATH.json", help="Write the path.")] = None,
+    pocket_file: PocketFile,
+    path_file: PathFile = None,
+    check_path: Check = False,
+    planner_name: Name = "exact",
+    pockets: Count = 1,
+    untrained_planner: Untrained = False,
+    learn: Learn = None,
+    record: Record = None,
+    seed: Seed = 0,
+    out: Out = None,
+    gcode_file: GCode = None,
+    rapid_file: Rapid = None,
+    cell: Cell = Cutting.cell,
+    depth: Depth = Cutting.depth,
+    page: Page = None,
     json: JsonOption = None,
 ) -> None:
     """Plan the order in which a pocket is milled, or check a path: status 1 where it is illegal or leaves material.
 
-    Example: `stagectl plan POCKET.json --planner exact --out PATH.json`
+    Example: `stagectl plan POCKET.json --planner uncertain --pockets 3 --out PATH.json --report plan.html`
     """
     if check_path != (path_file is not None):
         raise ValueError("--check goes with two files, POCKET.json PATH.json, and two files with --check")
-    pocket = read_pocket(pocket_file)
+    pocket, cutting = read_pocket(pocket_file), Cutting(cell, depth)
     if path_file is not None:
         _check(pocket, path_file, json)
         return
-    made = planner(planner_name, pocket, seed)
-    segments = mill(pocket, made)
+    made = untrained(planner_name, pocket) if untrained_planner else planner(planner_name, pocket, seed)
+    for segment in read_segments(learn, pocket) if learn is not None else ():
+        made.learn(segment)
+    done = [mill(pocket, made) for _ in range(pockets)]
+    if record is not None:
+        write_segments(record, done)
     if out is not None:
-        write_path(out, [each.in_path for each in segments])
-    _tell(segments, pocket, planner_name, json)
+        write_path(out, [each.in_path for each in done[-1]])
+    for file, written in ((gcode_file, gcode), (rapid_file, rapid)):
+        if file is not None:
+            atomic.write(file, written(done[-1], pocket, cutting))
+    _tell(done, pocket, planner_name, page, json)
 
 
 def _check(pocket: Pocket, path_file: Path, json: str | None) -> None:
@@ -62,22 +98,30 @@ def _check(pocket: Pocket, path_file: Path, json: str | None) -> None:
         raise typer.Exit(1)
 
 
-def _tell(segments: list[Milled], pocket: Pocket, name: str, json: str | None) -> None:
+def _tell(done: list[list[Milled]], pocket: Pocket, name: str, page: Path | None, json: str | None) -> None:
+    optimum, stream = least_time(pocket), words(json)
+    known = learned_types((segment for each in done for segment in each), pocket)
+    times = [total(each) for each in done]
     rows = [
-        [f"{number}", each.name, f"{each.row}", f"{each.col}", "lift" if each.is_lifted else "", f"{each.moved:.3f}",
-         f"{each.duration:.3f}"]
-        for number, each in enumerate(segments, start=1)
+        [f"{number}", f"{time:.2f}", f"{100 * (time / optimum - 1):.2f}", f"{len(each)}",
+         " ".join(f"{'^' if segment.is_lifted else ''}{segment.name}" for segment in each)]
+        for number, (time, each) in enumerate(zip(times, done, strict=True), start=1)
     ]  # fmt: skip
-    head = ["segment", "type", "row", "col", "to it", "move, s", "milling, s"]
-    spent, optimum = total(segments), least_time(pocket)
-    print_table(f"{name}: {spent:.2f} s, {100 * (spent / optimum - 1):.2f} % over the optimum", head, rows, words(json))
-    write_json(
-        json,
-        {
-            "planner": name,
-            "total": spent,
-            "optimum": optimum,
-            "gap": spent / optimum - 1.0,
-            "path": [each.in_path for each in segments],
+    head = ["pocket", "time, s", "over the optimum, %", "segments", "path; ^ is a lift"]
+    print_table(f"{name}; the optimum is {optimum:.2f} s", head, rows, stream)
+    print_table("milling types", list(TYPE_HEAD), type_rows(known), stream)
+    if page is not None:
+        write_report(page, done, pocket, name, optimum, known)
+        print(f"report: {page}", file=stream)  # noqa: T201
+    found = {
+        "planner": name,
+        "optimum": optimum,
+        "pockets": [
+            {"total": time, "gap": time / optimum - 1.0, "path": [segment.in_path for segment in each]}
+            for time, each in zip(times, done, strict=True)
+        ],
+        "types": {
+            each.name: {"segments": each.count, "mean": each.mean, "deviation": each.deviation} for each in known
         },
-    )
+    }
+    write_json(json, found)

@@ -48,23 +48,24 @@ class FeaturesPlanner:
         self._random = np.random.default_rng(seed)
         self.weights = -self._random.random(kernel.FEATURES)
         self._values = np.empty((*self._belief.rate.shape, kernel.FEATURES))
+        self._is_surprised = False
         self._scale = 1.0
         self._scale = 1.0 / self._features(untouched(pocket))[:, :, 1].min()
         self._train(untouched(pocket), EPISODES)
 
     def choose(self, standing: Standing) -> Cut:
-        """Return the strip to mill next."""
+        """Return the strip to mill next, after a short training if the last duration was not expected."""
+        if self._is_surprised:
+            self._train(standing, FEW_EPISODES)
+            self._is_surprised = False
         _, way, k = kernel.choose(self._features(standing), self.weights)
         return Cut(way, k)
 
     def learn(self, milled: Milled) -> None:
-        """Take a finished segment's duration for that of its strip from now on, and train if that is new."""
+        """Take a finished segment's duration for that of its strip from now on."""
         newer = learned(self._belief, milled)
-        if newer is not self._belief:
-            self._belief = newer
-            standing = milled.leaves()
-            if not standing.is_done:
-                self._train(standing, FEW_EPISODES)
+        self._is_surprised |= newer is not self._belief
+        self._belief = newer
 
     def _features(self, standing: Standing) -> np.ndarray:
         """Return the features of each strip, shape (ways, tool, 2), 1."""

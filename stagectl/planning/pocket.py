@@ -6,11 +6,16 @@ from stagectl.planning.milling import Planner, mill
 from stagectl.planning.pocket_check import Verdict, check
 from stagectl.planning.problem import Pocket, PocketFault
 from stagectl.planning.qlearning import QLearningPlanner
+from stagectl.planning.rate_belief import measured, unknown
 from stagectl.planning.sequential import SequentialPlanner, trained
+from stagectl.planning.uncertain import UncertainPlanner
 
-__all__ = ["PLANNERS", "Pocket", "PocketFault", "Verdict", "check", "plan", "planner"]
+__all__ = ["PLANNERS", "Pocket", "PocketFault", "Verdict", "check", "plan", "planner", "untrained"]
 
-PLANNERS = ("exact", "sequential", "qlearning", "features")
+PLANNERS = ("exact", "sequential", "qlearning", "features", "uncertain")
+"""Those that plan on the rates of the pocket."""
+UNTRAINED = ("sequential", "uncertain")
+"""Those that can do without."""
 
 
 def planner(name: str, pocket: Pocket, seed: int = 0) -> Planner:
@@ -23,7 +28,18 @@ def planner(name: str, pocket: Pocket, seed: int = 0) -> Planner:
         return QLearningPlanner(pocket, seed)
     if name == "features":
         return FeaturesPlanner(pocket, seed)
+    if name == "uncertain":
+        return UncertainPlanner(pocket, measured(pocket))
     return ExactPlanner(pocket)
+
+
+def untrained(name: str, pocket: Pocket) -> Planner:
+    """Make a planner by name that trains itself: it does not know the pocket's rates."""
+    if name == "sequential":
+        return SequentialPlanner(pocket, {})
+    if name == "uncertain":
+        return UncertainPlanner(pocket, unknown(pocket))
+    raise PocketFault(f"planner is {name!r}, must be one of {', '.join(UNTRAINED)} to train itself")
 
 
 def plan(pocket: Pocket, planner_name: str, seed: int = 0) -> list[list[str | int]]:

@@ -102,7 +102,9 @@ class SequentialPlanner:
         return Cut(way, k)
 
     def learn(self, milled: Milled) -> None:
-        """Add a finished segment to the set of its type."""
+        """Add a finished segment to the set of its type; of a feed to the north or south it makes nothing."""
+        if milled.name not in self.sets:
+            return
         cells = strip_kernel.length(milled.cut.way, tuple(milled.standing.uncut))
         rate = (milled.duration - self._costs.begin) / cells / self._factor[milled.cut.way]
         self.sets[milled.name].add(rate, milled.force_deviation)

@@ -33,6 +33,25 @@ def test_a_planned_path_passes_the_check(monkeypatch: pytest.MonkeyPatch, pocket
     assert (found["legal"], found["complete"], found["left"], found["error"]) == (True, True, 0, None)
 
 
+def test_pockets_are_learned_one_after_the_other_and_reported(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], pocket: str, tmp_path: Path
+) -> None:
+    files = {
+        name: tmp_path / name for name in ("path.json", "segments.csv", "path.nc", "path.mod", "plan.html", "f.json")
+    }
+    words = ["--out", "--record", "--gcode", "--rapid", "--report", "--json"]
+    given = [word for pair in zip(words, map(str, files.values()), strict=True) for word in pair]
+    assert _plan(monkeypatch, pocket, "--planner", "uncertain", "--untrained", "--pockets", "3", *given) == 0
+    found = json.loads(files["f.json"].read_text())
+    assert len(found["pockets"]) == 3
+    assert found["pockets"][2]["total"] < found["pockets"][0]["total"]
+    assert found["pockets"][2]["path"] == json.loads(files["path.json"].read_text())
+    assert found["types"]["E3"]["mean"] == pytest.approx(0.075)
+    assert "over the optimum" in capsys.readouterr().out
+    assert "svg+xml" in files["plan.html"].read_text()
+    assert _plan(monkeypatch, pocket, "--learn", str(files["segments.csv"])) == 0
+
+
 @pytest.mark.parametrize(
     ("path", "said"),
     [
@@ -55,6 +74,9 @@ def test_a_path_that_will_not_do_is_status_1(
     ("words", "text"),
     [
         (["{pocket}", "--planner", "guess"], "planner is 'guess', must be one of"),
+        (["{pocket}", "--untrained"], "planner is 'exact', must be one of sequential, uncertain"),
+        (["{pocket}", "--depth", "0"], "depth is 0.0, must be > 0"),
+        (["{pocket}", "--pockets", "0"], "greater than or equal to 1"),
         (["--check", "{pocket}"], "--check goes with two files"),
         (["{pocket}", "{pocket}"], "--check goes with two files"),
         (["--check", "{pocket}", "{pocket}"], "a path is dict, must be a list"),
