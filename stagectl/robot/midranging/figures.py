@@ -17,21 +17,26 @@ from stagectl.robot.midranging.scenario import RADIUS, Scenario
 MILLI, MICRO = 1e3, 1e6
 BOUND: dict[str, Any] = {**LIMIT}
 """Keywords of a line that shows a limit."""
+_UNSEEN = 0.05
 BLUE, RED, GREEN, PURPLE = COLOURS[:4]
 
 
 def position_plot(run: Recording, chosen: Scenario, config: MidrangeConfig) -> Plot:
-    """Draw the relative position with its reference, and below it both manipulators' positions."""
-    figure, panels = _panels(2, 5.6)
+    """Draw the relative position with its reference, and below it both manipulators' positions.
+
+    A micro manipulator that could not be seen beside the macro one has a panel of its own.
+    """
+    apart = np.abs(channel(run, "fast")).max() < _UNSEEN * np.abs(channel(run, "slow")).max()
+    figure, panels = _panels(2 + apart, 7.6 if apart else 5.6)
     time = _time(run)
     panels[0].plot(time, MILLI * channel(run, "relative"), color=BLUE, label="relative position")
     panels[0].plot(time, MILLI * channel(run, "reference"), color=RED, linewidth=0.9, label="reference")
     panels[1].plot(time, MILLI * channel(run, "slow"), color=GREEN, label="macro manipulator")
-    panels[1].plot(time, MILLI * channel(run, "fast"), color=PURPLE, label="micro manipulator")
+    panels[-1].plot(time, MILLI * channel(run, "fast"), color=PURPLE, label="micro manipulator")
     ends = config.pair.middle - config.pair.travel, config.pair.middle + config.pair.travel
     near = np.abs(channel(run, "fast") - config.pair.middle).max() > 0.5 * config.pair.travel
     for end in ends if near else ():
-        panels[1].axhline(MILLI * end, **BOUND)
+        panels[-1].axhline(MILLI * end, **BOUND)
     for panel in panels:
         panel.set_ylabel("position, mm")
         panel.legend(loc="upper left", ncols=2)
