@@ -19,6 +19,7 @@ from stagectl.robot.midranging.tuning import Pi, lambda_tuned
 from stagectl.robot.midranging.valve_position import ValvePositionAxis
 from stagectl.robot.port import arm_of
 from stagectl.stage.design import Design, design
+from stagectl.stage.weights import chosen_weights
 
 SETUPS = {
     "A": "robot alone",
@@ -171,7 +172,7 @@ def designs_of(stage: StageConfig, models: Sequence[Path] = ()) -> list[Design]:
     if len(models) not in (0, len(axes)):
         raise ValueError(f"there are {len(models)} model files, must be one for each of the axes x, y, z, or none")
     known = [read_model(file, rate=rate) for file in models] or [nominal_model(axis, rate) for axis in axes]
-    return [design(each, stage.outer, axis) for axis, each in enumerate(known)]
+    return [design(each, stage.outer, axis, chosen_weights(stage.weights, axis)) for axis, each in enumerate(known)]
 
 
 def cell_of(cell: CellConfig) -> CellConfig:
