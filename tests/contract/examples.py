@@ -28,6 +28,9 @@ from stagectl.machining.relative_position import RelativePosition
 from stagectl.machining.stage_reference import StageReference
 from stagectl.machining.standstill import Standstill
 from stagectl.models import InnovationModel
+from stagectl.planning.pocket import planner
+from stagectl.planning.problem import Pocket, milling_types
+from stagectl.planning.segments import Segments
 from stagectl.robot.arm import irb140
 from stagectl.robot.cartesian_correction import CartesianCorrection
 from stagectl.robot.clamp_config import Clamping, clamp_procedure
@@ -72,6 +75,7 @@ from vibractl.spectrum import LineSpectrum
 from vibractl.transfer_matrix import TransferMatrix
 from vibractl.trial import Trial
 
+POCKET = Pocket(6, 6, 2, "EW", dict.fromkeys(milling_types(2, "EW"), 1.0))
 NOISE = np.random.default_rng(7).standard_normal((400, 3))
 
 
@@ -246,4 +250,5 @@ EXAMPLES: dict[type[Block], Example] = {
     ),
     StageReference: Example(lambda: StageReference((2e-5, 4.3e-4), 0.1, ("x", "y", "z"), lambda _: None), rate=250.0),
     Standstill: Example(Standstill, rate=250.0),
+    Segments: Example(lambda: Segments(POCKET, lambda: planner("exact", POCKET)), rate=250.0),
 }
