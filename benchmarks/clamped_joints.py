@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from calibration.joint_clamping import advice_table
+from calibration.joint_clamping.full_stiffness import as_told
 from calibration.joint_clamping.requests import Requests
 from calibration.joint_clamping.results import WAYS, Clamped, of_recording
 from calibration.joint_clamping.session import clamped_arm, measure, simulated_robot
@@ -102,13 +103,16 @@ def several_poses(seed: int, count: int) -> None:
     if isinstance(whole, str):
         print(whole)
         return
+    own = 0.5 / real[K_PLUS] + 0.5 / real[K_MINUS]
+    expected = as_told(arm, np.concatenate([own, real[list(ACROSS)].T.ravel()]))
     for joint in range(6):
-        own = whole.own[joint].value * 2 / (1 / real[K_PLUS, joint] + 1 / real[K_MINUS, joint])
         across = [
-            "told with others" if each is None else f"{each.value / real[row, joint]:.3f}"
-            for each, row in zip(whole.tilting[joint], ACROSS, strict=True)
+            "not told" if each is None else f"{each.value / each_true:.3f} +- {each.reach * each.error / each_true:.3f}"
+            for each, each_true in zip(whole.tilting[joint], expected[6 + 2 * joint : 8 + 2 * joint], strict=True)
         ]
-        print(f"joint {joint + 1}: found over true, own {own:.3f}, across {', '.join(across)}")
+        print(
+            f"joint {joint + 1}: found over true, own {whole.own[joint].value / expected[joint]:.3f}, across {across}"
+        )
     print(f"misfit {100 * whole.misfit:.2f} %")
 
 

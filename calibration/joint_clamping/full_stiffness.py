@@ -122,12 +122,7 @@ def told_apart(arm: Arm) -> np.ndarray:
     Taken in that order, one that is a sum of others in every pose is left out: a joint's axis may lie in the plane in
     which a neighbour's bearing tilts.  Nothing outside the arm shows the difference.
     """
-    random = np.random.default_rng(0)
-    effects = []
-    for pose in random.uniform(np.maximum(arm.low, -np.pi), np.minimum(arm.high, np.pi), (8, arm.joints)):
-        columns = np.concatenate([jacobian(arm, pose), tilts(arm, pose).reshape(6, -1)], axis=1)
-        effects.append(columns[:, None] * columns[None])
-    each = np.concatenate(effects).reshape(-1, 3 * arm.joints)
+    each = _effects(arm)
     each /= np.linalg.norm(each, axis=0)
     told, basis = np.zeros(3 * arm.joints, bool), np.zeros((len(each), 0))
     for place in range(3 * arm.joints):
@@ -137,6 +132,36 @@ def told_apart(arm: Arm) -> np.ndarray:
         if size > SAME:
             told[place], basis = True, np.column_stack([basis, rest / size])
     return told
+
+
+def as_told(arm: Arm, compliance: np.ndarray) -> np.ndarray:
+    """Return the compliances that a perfect fit would find: those told apart, which contain the others.
+
+    Parameters
+    ----------
+    arm : Arm
+    compliance : array, shape (3 joints,), rad/(N m)
+        True ones: own first, then the tilts, two a joint.
+
+    Returns
+    -------
+    array, shape (3 joints,), rad/(N m)
+        Zero where `told_apart` leaves one out.
+    """
+    told, effects = told_apart(arm), _effects(arm)
+    found = np.zeros(len(told))
+    found[told] = np.linalg.lstsq(effects[:, told], effects @ compliance, rcond=None)[0]
+    return found
+
+
+def _effects(arm: Arm) -> np.ndarray:
+    """Return what each compliance does to the flange in some poses, shape (equations, 3 joints), m^2 and 1."""
+    random = np.random.default_rng(0)
+    effects = []
+    for pose in random.uniform(np.maximum(arm.low, -np.pi), np.minimum(arm.high, np.pi), (8, arm.joints)):
+        columns = np.concatenate([jacobian(arm, pose), tilts(arm, pose).reshape(6, -1)], axis=1)
+        effects.append(columns[:, None] * columns[None])
+    return np.concatenate(effects).reshape(-1, 3 * arm.joints)
 
 
 def _stiffness(

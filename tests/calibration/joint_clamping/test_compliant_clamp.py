@@ -12,7 +12,7 @@ from calibration.joint_clamping.compensation import (
 )
 from calibration.joint_clamping.extraction import extract
 from calibration.joint_clamping.friction import friction_shape
-from calibration.joint_clamping.full_stiffness import Clamping, fit_stiffness, told_apart
+from calibration.joint_clamping.full_stiffness import Clamping, as_told, fit_stiffness, told_apart
 from calibration.joint_clamping.lever_arm import advise, candidate_poses
 from calibration.joint_clamping.torque_map import TorqueMap, TorqueMapError
 from stagectl.robot.arm import irb140
@@ -137,6 +137,18 @@ def test_what_the_fit_leaves_out_moves_the_flange_as_sums_of_the_others_do() -> 
     assert told[:6].all()
     assert told[6:].reshape(6, 2)[:3].all()
     assert not told[6:].reshape(6, 2)[3:, 1].any()  # the axis of the joint before
+
+
+def test_what_is_left_out_is_found_in_the_others() -> None:
+    compliance = np.random.default_rng(4).uniform(1e-6, 1e-5, 18)
+    found, told = as_told(ARM, compliance), told_apart(ARM)
+    assert not found[~told].any()
+    free = compliance * told
+    np.testing.assert_allclose(as_told(ARM, free), free, rtol=1e-6)
+    for pose in candidate_poses(ARM, 3, 5, 0.1):  # the flange moves as with the true ones
+        columns = np.concatenate([jacobian(ARM, pose), tilts(ARM, pose).reshape(6, -1)], axis=1)
+        true = (columns * compliance) @ columns.T
+        np.testing.assert_allclose((columns * found) @ columns.T, true, atol=1e-6 * np.abs(true).max())
 
 
 def test_too_few_experiments_or_a_joint_left_out_are_refused() -> None:
