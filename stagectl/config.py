@@ -116,7 +116,7 @@ class Outer(Section):
     )
     reach: float = setting(200.0, "Hz", "the models hold up to here", gt=0, le=50_000)
     beyond: PerAxis = setting(
-        (1.5,), "1", "largest gain of the controller from there on, re the plant at rest", min_length=1
+        (1.0,), "1", "largest gain of the controller from there on, re the plant at rest", min_length=1
     )
     max_sensitivity: float = setting(2.2, "1", "Ms that is kept, with `delay` more than there is", ge=1.1, le=10)
     delay: int = setting(1, "samples", "extra delay that the bound on Ms holds for", ge=0, le=20)

@@ -1,0 +1,162 @@
+"""From `calibrate stage` to a milled part, on several simulated stages: python -m benchmarks.stage_chain [SEED ...].
+
+Calibrates every axis as `calibrate stage --axis all --seed SEED` does, into `FOLDER` (a stage that is there is not
+calibrated again), then mills against each axis with the rig file and the models that this gives.  With `--hand-made`
+no stage is calibrated: default rig file, models made of the plants' own modes.  Prints a line a run, then the table.
+"""
+
+import math
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from json import loads
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.page_table import put, table, words
+from firmware_sim.plants.milling_disturbance import MillingDisturbance
+from firmware_sim.plants.piezo_stage import PiezoStagePlant
+from firmware_sim.plants.piezo_stage_modes import MAIN_BAND
+from rigkit import config as rig_file
+from stagectl.cell import Cell, simulated
+from stagectl.config import StageConfig
+from stagectl.model_file import write_model
+from stagectl.reference import wanted_position
+from stagectl.scenario import scenario_settings
+from stagectl.session import error_of
+from stagectl.setup import setup
+from stagectl.tracking import Tracking, tracking
+from tests.stagectl.linear_stage import lagging, sampled
+from tests.stagectl.simulated_models import LAG
+
+FOLDER = Path("runs/stage-chain")
+SEEDS, HAND_MADE_SEEDS = range(1, 6), range(1, 21)
+SECONDS = 8.0
+"""Of each cut."""
+RATE, AXES = 10_000.0, ("x", "y", "z")
+SHARE = 0.03
+"""Of an axis' gain at rest: modes that have less are flexure."""
+MOST_MAE, MOST_ERROR = 2e-6, 5e-6
+"""m: what a run passes with."""
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A cut that was compensated: its error, and the mean absolute deflection of the robot, m."""
+
+    error: Tracking
+    deflection: float
+    sensitivity: float
+
+    @property
+    def passes(self) -> bool:
+        """Whether mean and largest error are as small as they are to be."""
+        return self.error.mae < MOST_MAE and self.error.peak <= MOST_ERROR
+
+    def __str__(self) -> str:
+        """Say it as cells of a table."""
+        better = self.deflection / self.error.mae
+        return (
+            f"{1e6 * self.error.mae:.2f} | {1e6 * self.error.peak:.1f} | {100 * self.error.within:.2f} | {better:.0f}"
+        )
+
+
+def calibrated(seed: int) -> Path:
+    """Calibrate a stage, unless it is; return the folder."""
+    folder = FOLDER / f"seed-{seed}"
+    if not (folder / "stage.json").exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        options = ("--axis", "all", "--seed", str(seed), "--out", folder / "stage.h5", "--json", folder / "stage.json")
+        subprocess.run([sys.executable, "-m", "calibration", "stage", *map(str, options)], check=False)
+    return folder
+
+
+def hand_made(seed: int, folder: Path) -> list[Path]:
+    """Write models of a plant's own modes below 150 Hz, and a lag for the rest; return their files."""
+    files = []
+    for axis, name in enumerate(AXES):
+        frequency, damping, gain, extension = true_modes(seed, axis)
+        main = [tuple(map(float, row)) for row in zip(frequency, damping, gain / extension, strict=True)]
+        files.append(folder / f"{name}.h5")
+        write_model(files[-1], lagging(sampled(main), LAG))  # type: ignore[arg-type]  # rows of three
+    return files
+
+
+def true_modes(seed: int, axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Return frequency (Hz), damping and gain of an axis' main modes, and the extension's gain, in one unit."""
+    modes = PiezoStagePlant(RATE, seed=seed).modes
+    gain = modes.plate[axis] * modes.extension[axis] / modes.frequency**2
+    main = (modes.frequency < MAIN_BAND) & (np.abs(gain) > SHARE * abs(gain.sum()))
+    stretched = float((modes.extension[axis] ** 2 / modes.frequency**2).sum())
+    return modes.frequency[main], modes.damping[main], gain[main], stretched
+
+
+def cut(axis: int, seed: int, config: Path | None, files: Sequence[Path]) -> Cut:
+    """Mill against an axis, compensated."""
+    name = AXES[axis]
+    given = [f"simulator.options.seed={seed}", f"session.seconds={SECONDS}", "session.compare=false"]
+    session = rig_file.load(config, StageConfig, given).session
+    made = setup(rig_file.load(config, StageConfig, [*scenario_settings(f"milling-{name}", session), *given]), files)
+    cell = Cell(made, wanted_position(made.config, made.timeline), simulated(made.config), True)
+    fault = cell.run(lambda _: None, lambda: False)
+    if fault is not None:
+        raise ValueError(f"seed {seed}, {name}: {fault}")
+    error = error_of(cell.recording({}), made, "wanted", "absolute")[:, axis]
+    base = np.zeros((round((session.lead + SECONDS) * RATE), 3))
+    whole = MillingDisturbance(RATE, direction=name, start=session.lead, seconds=SECONDS)  # type: ignore[arg-type]
+    whole.run(np.zeros_like(base), base)
+    return Cut(
+        tracking(error),
+        float(np.abs(base[whole.cut, axis]).mean()),
+        made.designs[axis].robustness.max_sensitivity,
+    )
+
+
+def rows_of(seed: int) -> Iterator[tuple[list[str], bool]]:
+    """Return a row for each axis of a calibrated stage, and whether it passes."""
+    folder = calibrated(seed)
+    found = loads((folder / "stage.json").read_text(encoding="utf-8"))
+    files = [folder / f"stage-{name}.h5" for name in AXES]
+    for axis, name in enumerate(AXES):
+        model = found[name]["closed"]
+        fit = model["held_back"]["outputs"][f"position_{name}"]["free_run_nrmse"]
+        modes = [each["frequency_hz"] for each in model["modes"] if abs(each["damping_ratio"]) < 1]
+        off = max(min(abs(mode / true - 1) for mode in modes) for true in true_modes(seed, axis)[0])
+        milled = cut(axis, seed, folder / "stage.toml", files)
+        orders = f"{model['order']} | {found[name]['closed_all']['order']}"
+        row = [str(seed), name, orders, f"{fit:.1f}", f"{100 * off:.2f}", f"{milled.sensitivity:.2f}", str(milled)]
+        yield row, milled.passes
+
+
+def main() -> None:
+    """Run every seed, and print the table."""
+    given = words()
+    by_hand = "--hand-made" in given
+    seeds = [int(text) for text in given if text.isdigit()] or list(HAND_MADE_SEEDS if by_hand else SEEDS)
+    rows, passed = [], 0
+    for seed in seeds:
+        if by_hand:
+            with tempfile.TemporaryDirectory() as folder:
+                cuts = [cut(axis, seed, None, hand_made(seed, Path(folder))) for axis in range(len(AXES))]
+            lines = [([str(seed), name, str(each)], each.passes) for name, each in zip(AXES, cuts, strict=True)]
+        else:
+            lines = list(rows_of(seed))
+        for row, passes in lines:
+            print(*row, "passes" if passes else "", flush=True)
+            rows.append(row)
+            passed += passes
+    errors = ["MAE, µm", "largest, µm", "within 5 µm, %", "times better"]
+    found = ["order", "of all positions", "free run, %", "modes off by, %", "Ms"]
+    put(
+        table(["seed", "axis", *([] if by_hand else found), *errors], rows),
+        "stage-calibration.md",
+        "hand-made" if by_hand else "chain",
+    )
+    print(f"{passed} of {math.prod((len(seeds), len(AXES)))} pass")
+
+
+if __name__ == "__main__":
+    main()
