@@ -1,8 +1,10 @@
-"""From `calibrate stage` to a milled part, on several simulated stages: python -m benchmarks.stage_chain [SEED ...].
+"""From `calibrate stage` to a milled part, on several simulated stages.
 
-Calibrates every axis as `calibrate stage --axis all --seed SEED` does, into `FOLDER` (a stage that is there is not
-calibrated again), then mills against each axis with the rig file and the models that this gives.  With `--hand-made`
-no stage is calibrated: default rig file, models made of the plants' own modes.  Prints a line a run, then the table.
+`python -m benchmarks.stage_chain [SEED ...] [--hand-made] [--write]`, three minutes a seed.  Calibrates every axis as
+`calibrate stage --axis all --seed SEED` does, into `FOLDER` (a stage that is there is not calibrated again), then mills
+against each axis with the rig file and the models that this gives.  With `--hand-made` no stage is calibrated: models
+are made of the plants' own modes, and the outer loops chosen for them as that command does.  Prints a line a run and
+then the table, `--write` puts it into `docs/`.
 """
 
 import math
@@ -17,12 +19,13 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.page_table import put, table, words
+from calibration.stage_axes.calibration import outer_loop
 from firmware_sim.plants.milling_disturbance import MillingDisturbance
 from firmware_sim.plants.piezo_stage import PiezoStagePlant
 from firmware_sim.plants.piezo_stage_modes import MAIN_BAND
 from rigkit import config as rig_file
 from stagectl.cell import Cell, simulated
-from stagectl.config import StageConfig
+from stagectl.config import ChosenWeights, StageConfig
 from stagectl.model_file import write_model
 from stagectl.reference import wanted_position
 from stagectl.scenario import scenario_settings
@@ -75,13 +78,21 @@ def calibrated(seed: int) -> Path:
 
 
 def hand_made(seed: int, folder: Path) -> list[Path]:
-    """Write models of a plant's own modes below 150 Hz, and a lag for the rest; return their files."""
-    files = []
+    """Write models of a plant's main modes and a lag for the rest, and a rig file; return the models' files."""
+    files, chosen = [], []
     for axis, name in enumerate(AXES):
         frequency, damping, gain, extension = true_modes(seed, axis)
         main = [tuple(map(float, row)) for row in zip(frequency, damping, gain / extension, strict=True)]
         files.append(folder / f"{name}.h5")
-        write_model(files[-1], lagging(sampled(main), LAG))  # type: ignore[arg-type]  # rows of three
+        model = lagging(sampled(main), LAG)  # type: ignore[arg-type]  # rows of three
+        write_model(files[-1], model)
+        found = outer_loop(StageConfig(), axis, model)
+        if isinstance(found, str):
+            raise ValueError(f"seed {seed}: {found}")
+        chosen.append(found.weights)
+    weights = {key: tuple(getattr(each, key) for each in chosen) for key in ChosenWeights.model_fields}
+    rig = StageConfig(weights=ChosenWeights(**weights))
+    (folder / "stage.toml").write_text(rig_file.dump(rig), encoding="utf-8")
     return files
 
 
@@ -94,9 +105,9 @@ def true_modes(seed: int, axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray
     return modes.frequency[main], modes.damping[main], gain[main], stretched
 
 
-def cut(axis: int, seed: int, config: Path | None, files: Sequence[Path]) -> Cut:
-    """Mill against an axis, compensated."""
-    name = AXES[axis]
+def cut(axis: int, seed: int, files: Sequence[Path]) -> Cut:
+    """Mill against an axis, compensated, by the rig file beside the models."""
+    name, config = AXES[axis], files[0].parent / "stage.toml"
     given = [f"simulator.options.seed={seed}", f"session.seconds={SECONDS}", "session.compare=false"]
     session = rig_file.load(config, StageConfig, given).session
     made = setup(rig_file.load(config, StageConfig, [*scenario_settings(f"milling-{name}", session), *given]), files)
@@ -106,7 +117,7 @@ def cut(axis: int, seed: int, config: Path | None, files: Sequence[Path]) -> Cut
         raise ValueError(f"seed {seed}, {name}: {fault}")
     error = error_of(cell.recording({}), made, "wanted", "absolute")[:, axis]
     base = np.zeros((round((session.lead + SECONDS) * RATE), 3))
-    whole = MillingDisturbance(RATE, direction=name, start=session.lead, seconds=SECONDS)  # type: ignore[arg-type]
+    whole = MillingDisturbance(RATE, direction=name, start=session.lead, seconds=SECONDS)
     whole.run(np.zeros_like(base), base)
     return Cut(
         tracking(error),
@@ -125,7 +136,7 @@ def rows_of(seed: int) -> Iterator[tuple[list[str], bool]]:
         fit = model["held_back"]["outputs"][f"position_{name}"]["free_run_nrmse"]
         modes = [each["frequency_hz"] for each in model["modes"] if abs(each["damping_ratio"]) < 1]
         off = max(min(abs(mode / true - 1) for mode in modes) for true in true_modes(seed, axis)[0])
-        milled = cut(axis, seed, folder / "stage.toml", files)
+        milled = cut(axis, seed, files)
         orders = f"{model['order']} | {found[name]['closed_all']['order']}"
         row = [str(seed), name, orders, f"{fit:.1f}", f"{100 * off:.2f}", f"{milled.sensitivity:.2f}", str(milled)]
         yield row, milled.passes
@@ -140,7 +151,8 @@ def main() -> None:
     for seed in seeds:
         if by_hand:
             with tempfile.TemporaryDirectory() as folder:
-                cuts = [cut(axis, seed, None, hand_made(seed, Path(folder))) for axis in range(len(AXES))]
+                files = hand_made(seed, Path(folder))
+                cuts = [cut(axis, seed, files) for axis in range(len(AXES))]
             lines = [([str(seed), name, str(each)], each.passes) for name, each in zip(AXES, cuts, strict=True)]
         else:
             lines = list(rows_of(seed))
@@ -152,8 +164,7 @@ def main() -> None:
     found = ["order", "of all positions", "free run, %", "modes off by, %", "Ms"]
     put(
         table(["seed", "axis", *([] if by_hand else found), *errors], rows),
-        "stage-calibration.md",
-        "hand-made" if by_hand else "chain",
+        *(("stage.md", "hand-made") if by_hand else ("stage-calibration.md", "chain")),
     )
     print(f"{passed} of {math.prod((len(seeds), len(AXES)))} pass")
 

@@ -118,6 +118,12 @@ class Outer(Section):
     beyond: PerAxis = setting(
         (1.0,), "1", "largest gain of the controller from there on, re the plant at rest", min_length=1
     )
+    forward_beyond: float = setting(
+        12.0,
+        "1",
+        "largest gain from the reference there, re the plant at rest: it shakes what the model leaves out",
+        gt=0,
+    )
     max_sensitivity: float = setting(2.2, "1", "Ms that is kept, with `delay` more than there is", ge=1.1, le=10)
     delay: int = setting(1, "samples", "extra delay that the bound on Ms holds for", ge=0, le=20)
     mistuning: float = setting(0.05, "1", "natural frequencies may be off by so much, either way", ge=0, le=0.5)
@@ -155,7 +161,7 @@ class Deflection(Section):
 
     on: bool = setting(False, "", "compensate")
     delay: int = setting(2, "samples", "by which the laser comes later than the position sensors", ge=0, le=1_000)
-    corner: float = setting(500.0, "Hz", "of a first-order low-pass for the laser's noise", gt=0, le=50_000)
+    corner: float = setting(2000.0, "Hz", "of a first-order low-pass for the laser's noise", gt=0, le=50_000)
 
 
 class Session(Section):

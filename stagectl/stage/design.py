@@ -38,8 +38,8 @@ class Design:
     worst_sensitivity : float, 1
         Ms where natural frequencies are off by `Outer.mistuning` either way, or not.
     left : float, 1
-        What is left of a reference that moves at `Outer.disturbance` and of a push that changes `SLOWER`: root of
-        the sum of both squares.
+        What is left of a reference that moves at `Outer.disturbance`, of one `FASTER` and smaller, and of a push that
+        changes `SLOWER`: root of the sum of their squares.
     """
 
     loop: StateFeedback
@@ -72,9 +72,9 @@ def design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | N
     search = Search(model, outer, axis)
     ranges = _asked_for(outer, axis) if weights is None else only(weights)
     found = sorted(search.candidates(ranges), key=lambda each: each.left)
-    nearest = Reached(min(each.beyond for each in found))
+    nearest = min((each.beyond for each in found), key=lambda each: each.over(outer, axis))
     for each in found:
-        if each.beyond > of_axis(outer.beyond, axis):
+        if each.beyond.over(outer, axis) > 1.0:
             continue
         reached = search.reached(each)
         if reached.over(outer, axis) <= 1.0:
@@ -86,11 +86,11 @@ def design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | N
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A loop that was made, its `Reached.beyond` and the error that it leaves, `Design.left`."""
+    """A loop that was made, what it reaches above `Outer.reach`, and the error that it leaves, `Design.left`."""
 
     weights: Weights
     loop: StateFeedback
-    beyond: float
+    beyond: Reached
     left: float
 
 
@@ -123,7 +123,8 @@ class Search:
         figures = self._figures(each)
         worst = max(figure.max_sensitivity for figure in figures)
         answer = max(largest_answer(plant, each.loop) for plant in self._plants)
-        return Reached(each.beyond, figures[0].max_sensitivity, worst, answer)
+        sensitivity = figures[0].max_sensitivity
+        return replace(each.beyond, sensitivity=sensitivity, mistuned_sensitivity=worst, answer=answer)
 
     def design(self, each: Candidate) -> Design:
         """Return the design that a candidate makes."""
@@ -160,5 +161,5 @@ def _no_loop(outer: Outer, axis: int, tried: int, nearest: Reached) -> str:
     )
     return (
         f"axis {axis + 1}: {advice}: the nearest has {nearest}; allowed are {of_axis(outer.beyond, axis):g}, "
-        f"{outer.max_sensitivity:g}, and twice {outer.mistuned_sensitivity:g}"
+        f"{outer.forward_beyond:g}, {outer.max_sensitivity:g}, and twice {outer.mistuned_sensitivity:g}"
     )

@@ -1,6 +1,6 @@
 """What the bounds on an outer loop are about, looked at quickly, on one set of frequencies, for many loops."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,8 +9,8 @@ from stagectl.stage.sensitivity import frequencies, is_stable
 from stagectl.stage.state_feedback import StateFeedback
 from stagectl.stage.state_space import StateSpace
 
-SLOWER = 10.0
-"""How many times slower than what is to be followed the pushes change that are to be resisted."""
+SLOWER, FASTER = 10.0, 3.0
+"""How many times slower than `Outer.disturbance` pushes are; how many times faster, and smaller, references are too."""
 
 
 @dataclass(frozen=True)
@@ -19,8 +19,8 @@ class Reached:
 
     Parameters
     ----------
-    beyond : float, 1
-        Largest gain of the controller above `Outer.reach`, re the plant at rest.
+    beyond, forward_beyond : float, 1
+        Largest gain of the controller above `Outer.reach`, from the error and from the reference, re the plant at rest.
     sensitivity, mistuned_sensitivity : float, 1
         Ms with the extra delay; and with natural frequencies off as well.
     answer : float, 1
@@ -28,6 +28,7 @@ class Reached:
     """
 
     beyond: float
+    forward_beyond: float
     sensitivity: float = 0.0
     mistuned_sensitivity: float = 0.0
     answer: float = 0.0
@@ -36,6 +37,7 @@ class Reached:
         """Return the largest of these re its bound."""
         shares = (
             self.beyond / of_axis(outer.beyond, axis),
+            self.forward_beyond / outer.forward_beyond,
             self.sensitivity / outer.max_sensitivity,
             max(self.mistuned_sensitivity, self.answer) / outer.mistuned_sensitivity,
         )
@@ -43,10 +45,11 @@ class Reached:
 
     def __str__(self) -> str:
         """Say it in one line."""
+        gains = f"gains {self.beyond:.2g} and, from the reference, {self.forward_beyond:.2g} above outer.reach"
         if self.sensitivity == 0.0:
-            return f"gain {self.beyond:.2g} above outer.reach"
+            return gains
         return (
-            f"gain {self.beyond:.2g} above outer.reach, Ms {self.sensitivity:.2f}, mistuned "
+            f"{gains}, Ms {self.sensitivity:.2f}, mistuned "
             f"{self.mistuned_sensitivity:.2f}, answer to a reference {self.answer:.2f}"
         )
 
@@ -68,21 +71,22 @@ class Looks:
         self._responses = np.array([plant.response(self._frequency, rate) for plant in plants])
         self._late = np.exp(-2j * np.pi * self._frequency * outer.delay / rate)
         beyond = np.geomspace(outer.reach, rate / 2, 30) if outer.reach < rate / 2 else np.zeros(0)
-        self._few = np.append(beyond, [outer.disturbance, outer.disturbance / SLOWER])
+        self._few = np.append(beyond, outer.disturbance * np.array([FASTER, 1.0, 1.0 / SLOWER]))
         self._at_rest = abs(plants[0].response(np.zeros(1), rate)[0])
         self._few_responses = plants[0].response(self._few, rate)
 
-    def beyond_and_left(self, loop: StateFeedback) -> tuple[float, float]:
-        """Return `Reached.beyond`, and `Design.left`."""
+    def beyond_and_left(self, loop: StateFeedback) -> tuple[Reached, float]:
+        """Return what a loop reaches above `Outer.reach`, and `Design.left`."""
         feedback = loop.system().response(self._few, self._rate)
-        gain = feedback[-2:] * self._few_responses[-2:]
-        at = slice(len(self._few) - 2, len(self._few) - 1)
-        followed = loop.reference_system().response(self._few[at], self._rate) * self._few_responses[at]
-        left = np.hypot(abs(1.0 - followed[0] / (1.0 + gain[-2])), abs(1.0 / (1.0 + gain[-1])))
-        return float(np.abs(feedback[:-2]).max(initial=0.0)) * self._at_rest, float(left)
+        sensitivity = 1.0 / (1.0 + feedback[-3:] * self._few_responses[-3:])
+        forward = loop.reference_system().response(self._few, self._rate)
+        missed = np.abs(1.0 - forward[-3:] * self._few_responses[-3:] * sensitivity)
+        left = np.linalg.norm([missed[0] / FASTER, missed[1], abs(sensitivity[2])])
+        gains = (float(np.abs(each[:-3]).max(initial=0.0)) * self._at_rest for each in (feedback, forward))
+        return Reached(*gains), float(left)
 
-    def reached(self, loop: StateFeedback, beyond: float) -> Reached:
-        """Return what a loop reaches on all plants."""
+    def reached(self, loop: StateFeedback, beyond: Reached) -> Reached:
+        """Return what a loop reaches on all plants, above `Outer.reach` as found already."""
         controller = loop.system()
         gain = controller.response(self._frequency, self._rate) * self._responses
         distance = np.minimum(np.abs(1.0 + gain), np.abs(1.0 + gain * self._late)).min(axis=1)
@@ -91,8 +95,13 @@ class Looks:
         delays = {0, self._outer.delay}
         late = (controller.then(plant).delayed(delay) for plant in self._plants for delay in delays)
         if not all(map(is_stable, late)):
-            return Reached(beyond, np.inf, np.inf, np.inf)
-        return Reached(beyond, float(nearest[0]), float(nearest.max()), float(np.abs(answer).max()))
+            return replace(beyond, sensitivity=np.inf, mistuned_sensitivity=np.inf, answer=np.inf)
+        return replace(
+            beyond,
+            sensitivity=float(nearest[0]),
+            mistuned_sensitivity=float(nearest.max()),
+            answer=float(np.abs(answer).max()),
+        )
 
 
 def of_axis(values: PerAxis, axis: int) -> float:

@@ -41,6 +41,14 @@ def test_the_controllers_gain_is_small_where_the_model_does_not_reach() -> None:
     assert 0.3 < np.abs(gain).max() * abs(at_rest[0]) <= 0.705
 
 
+def test_a_reference_does_not_shake_what_the_model_leaves_out() -> None:
+    """A laser's steps come through the feedforward, up to any frequency."""
+    made = design(model("y"), Outer(forward_beyond=5.0), 1)
+    gain = made.loop.reference_system().response(np.linspace(200.0, 4_999.0, 2_000), RATE)
+    at_rest = plant_of(made.loop.model).response(np.zeros(1), RATE)
+    assert 1.0 < np.abs(gain).max() * abs(at_rest[0]) <= 5.02
+
+
 def test_a_tighter_bound_leaves_more_error() -> None:
     loose, tight = (design(model("z"), Outer(mistuning=0.0, max_sensitivity=bound), 2) for bound in (2.2, 1.2))
     assert tight.robustness.max_sensitivity <= 1.2 < loose.robustness.max_sensitivity <= 2.2
@@ -50,10 +58,10 @@ def test_a_tighter_bound_leaves_more_error() -> None:
 def test_what_is_left_is_that_of_the_closed_loop() -> None:
     made = design(model("z"), Outer(disturbance=20.0), 2)
     without, forward = made.loop.from_reference()
-    at = np.array([20.0])
-    followed = (without.response(at, RATE) + made.loop.forward * forward.response(at, RATE))[0]
-    loop = made.loop.system().then(plant_of(made.loop.model)).response(at / 10, RATE)[0]
-    assert made.left == pytest.approx(np.hypot(abs(1 - followed), abs(1 / (1 + loop))), rel=1e-6)
+    at = np.array([20.0, 60.0])
+    missed = np.abs(1 - without.response(at, RATE) - made.loop.forward * forward.response(at, RATE))
+    loop = made.loop.system().then(plant_of(made.loop.model)).response(np.array([2.0]), RATE)[0]
+    assert made.left == pytest.approx(np.linalg.norm([missed[0], missed[1] / 3, abs(1 / (1 + loop))]), rel=1e-6)
 
 
 def test_a_mistuned_plant_is_the_one_whose_modes_are_elsewhere() -> None:
@@ -67,7 +75,9 @@ def test_a_mistuned_plant_is_the_one_whose_modes_are_elsewhere() -> None:
 
 
 def test_bounds_that_cannot_be_kept_are_named() -> None:
-    with pytest.raises(ValueError, match=r"axis 3: none of \d+ outer loops .* nearest has gain .* are 0.03, 1.1, and"):
+    with pytest.raises(
+        ValueError, match=r"axis 3: none of \d+ outer loops .* nearest has gains .* are 0.03, 12, 1.1, and"
+    ):
         design(model("z"), Outer(beyond=(0.03,), max_sensitivity=1.1, delay=20, mistuning=0.3), 2)
 
 
@@ -81,7 +91,9 @@ def test_chosen_weights_make_the_loop_that_was_chosen() -> None:
 
 def test_chosen_weights_that_do_not_keep_the_bounds_are_refused_with_what_they_reach() -> None:
     chosen = design(model("z"), Outer(), 2)
-    with pytest.raises(ValueError, match=r"axis 3: the loop of \[weights\] .* Ms 1.\d\d, .* allowed are 1, 1.1, and"):
+    with pytest.raises(
+        ValueError, match=r"axis 3: the loop of \[weights\] .* Ms 1.\d\d, .* allowed are 1, 12, 1.1, and"
+    ):
         design(model("z"), Outer(max_sensitivity=1.1), 2, chosen.weights)
 
 
