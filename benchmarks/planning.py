@@ -1,6 +1,7 @@
 """The planners against the optimum, on random tables and in the thesis' scenarios: the tables of docs/planning.md.
 
-`python -m benchmarks.planning [two] [four] [slowdown] [slow] [training] [chapter7]`, all by default; some minutes.
+`python -m benchmarks.planning [two] [four] [slowdown] [slow] [training] [optimism] [chapter7]`, all by default;
+some minutes.
 """
 
 from collections.abc import Callable, Iterator
@@ -12,7 +13,7 @@ import numpy as np
 from benchmarks.page_table import put, table, words
 from benchmarks.planning_chapter_7 import chapter_7
 from benchmarks.planning_pockets import LIFT, draw
-from benchmarks.planning_uncertain import self_training, slow_side
+from benchmarks.planning_uncertain import optimism, self_training, slow_side
 from stagectl.planning.milling import mill, total
 from stagectl.planning.pocket import planner
 from stagectl.planning.problem import Pocket
@@ -90,6 +91,7 @@ PARTS: dict[str, Callable[[], Any]] = {
     "slowdown": slowdown,
     "slow": lambda: put(slow_side(), "planning.md", "slow side"),
     "training": lambda: put(self_training(), "planning.md", "self-training"),
+    "optimism": lambda: put(optimism(), "planning.md", "optimism"),
     "chapter7": lambda: put(chapter_7(), "planning.md", "chapter 7"),
 }
 

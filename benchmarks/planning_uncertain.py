@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from zlib import crc32
 
 import numpy as np
 
@@ -12,13 +13,15 @@ from stagectl.planning.exact import least_time
 from stagectl.planning.milling import Planner, mill, total
 from stagectl.planning.pocket import planner
 from stagectl.planning.problem import Pocket
-from stagectl.planning.rate_belief import unknown
+from stagectl.planning.rate_belief import MEASURED, UNKNOWN, Prior, RateBelief, measured, unknown
 from stagectl.planning.sequential import Rule, SequentialPlanner
 from stagectl.planning.uncertain import UncertainPlanner
 
 TABLES = 25
 SLOWDOWN = 1.4
 POCKETS = 3
+DRAWN = float("nan")
+"""For a degree of optimism."""
 TRAINING: dict[str, Callable[[Pocket], Planner]] = {
     "sequential, eta 2": lambda pocket: SequentialPlanner(pocket, {}),
     "sequential, eta 1.25": lambda pocket: SequentialPlanner(pocket, {}, Rule(eta=1.25)),
@@ -38,9 +41,43 @@ def slow_side() -> str:
 
 
 def _slowed(name: str, pocket: Pocket) -> float:
-    first = mill(pocket, planner(name, pocket))[0].cut.side
+    return _slowed_by(lambda each: planner(name, each), pocket)
+
+
+def _slowed_by(made: Callable[[Pocket], Planner], pocket: Pocket) -> float:
+    first = mill(pocket, made(pocket))[0].cut.side
     slow = replace(pocket, true={"theta": {first: SLOWDOWN}})
-    return total(mill(slow, planner(name, slow))) / least_time(slow) - 1.0
+    return total(mill(slow, made(slow))) / least_time(slow) - 1.0
+
+
+def optimism() -> str:
+    """Return the table of degrees of optimism, and of rates drawn from the belief."""
+    rng = np.random.default_rng(42)
+    known = [draw(rng, 12, 12, 2, "EWNS")[0] for _ in range(TABLES)]
+    strange = [draw(rng, 18, 18, 3, "EW")[0] for _ in range(TABLES)]
+    rows = []
+    for degree in (0.0, 0.25, 0.5, 1.0, DRAWN):
+        slow = np.mean([_slowed_by(lambda pocket, at=degree: _at(at, MEASURED, pocket), each) for each in known])
+        three = np.mean([_three(lambda pocket, at=degree: _at(at, UNKNOWN, pocket), each) for each in strange])
+        name = "drawn from the belief" if np.isnan(degree) else f"{degree:g} deviations below the median"
+        rows.append([name, f"{100 * slow:.2f}", f"{100 * three:.2f}"])
+    return table(["planned on rates", "a side 40 % slower, %", "three pockets, nothing known, %"], rows)
+
+
+class _DrawnBelief(RateBelief):
+    """Plans count on rates drawn anew after each segment: Thompson sampling."""
+
+    def hoped_for(self) -> np.ndarray:
+        """Draw rates, shape (ways x tool,), s per cell."""
+        rng = np.random.default_rng(crc32(self.mean.tobytes()))
+        return np.asarray(np.exp(rng.multivariate_normal(self.mean, self.covariance, method="eigh")))
+
+
+def _at(degree: float, prior: Prior, pocket: Pocket) -> Planner:
+    began = measured(pocket) if prior is MEASURED else unknown(pocket)
+    kind = _DrawnBelief if np.isnan(degree) else RateBelief
+    rate = np.exp(began.mean).reshape(-1, pocket.G)
+    return UncertainPlanner(pocket, kind(pocket, rate, replace(prior, optimism=0.0 if np.isnan(degree) else degree)))
 
 
 def self_training() -> str:

@@ -33,7 +33,12 @@ def test_the_optimum(benchmark: Any, rows: int, tool: int, feeds: str) -> None:
 
 @pytest.mark.parametrize(
     ("name", "rows", "tool", "feeds"),
-    [("sequential", 30, 3, "EW"), ("qlearning", 18, 2, "EW"), ("features", 18, 2, "EWNS")],
+    [
+        ("sequential", 30, 3, "EW"),
+        ("qlearning", 18, 2, "EW"),
+        ("features", 18, 2, "EWNS"),
+        ("uncertain", 18, 2, "EWNS"),
+    ],
 )
 def test_a_decision_after_a_duration_that_was_not_expected(
     benchmark: Any, name: str, rows: int, tool: int, feeds: str
