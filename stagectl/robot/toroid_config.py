@@ -40,7 +40,7 @@ class Feedback(Section):
     robot: float = setting(0.5, "s", "wanted of the robot that corrects alone, setup B", gt=0, le=100)
     stage_model: float = setting(0.005, "s", "time constant of the stage's closed loops", gt=0, le=1)
     stage: Three = setting((0.03, 0.05, 0.05), "s", "wanted of the stage, setup C, for x, y and z")
-    takeover: float = setting(1.0, "s", "in which the robot takes over from the stage", gt=0, le=100)
+    takeover: float = setting(0.5, "s", "in which the robot takes over from the stage", gt=0, le=100)
     saturated: float = setting(0.5, "s", "the stage at an end of its travel for longer is a fault", gt=0, le=1e3)
 
 
