@@ -10,15 +10,16 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from calibration.joint_clamping import session
 from calibration.joint_clamping.aside import Here
+from calibration.joint_clamping.extraction import extract
 from calibration.joint_clamping.measurement import ClampAborted
 from calibration.joint_clamping.requests import Requests
-from calibration.joint_clamping.results import LINK, RAW, TOOL, Clamped, of_recording
-from calibration.joint_clamping.session import clamped_arm, measure
+from calibration.joint_clamping.results import map_of, seen_tool, slope_over
+from calibration.joint_clamping.session import measure
+from calibration.joint_clamping.tracked_links import link_motion, tracked_axis
 from rigkit.stop import Stopped
 from tests.scenario.stepped_cell import SteppedCell
 
@@ -30,7 +31,7 @@ QUICK: dict[str, Any] = {
     "settle": 0.04,
     "turn": [100.0, 150.0, 60.0, 20.0, 18.0, 10.0],
     "proof": [50.0, 75.0, 25.0, 10.0, 9.0, 5.0],
-    "quiet": [8.0, 12.0, 8.0, 2.0, 2.0, 1.2],
+    "quiet": [40.0, 60.0, 20.0, 8.0, 8.0, 4.0],
     "pose": [0.0, 2.0, -8.0, 0.0, 32.0, 0.0],
 }
 """Motions two to five times as fast as a laboratory's."""
@@ -57,15 +58,18 @@ def test_a_joint_is_measured_and_a_pause_holds_the_arm(tmp_path: Path) -> None:
         "paused: the arm holds",
         "goes on",
     ]
-    arm, pose = clamped_arm(cell.config), np.radians(cell.config.clamping.pose)
-    result = of_recording(recorded[2], way, 2, Clamped(arm, pose, np.zeros((6, 6))))
-    assert set(result.models) == {RAW, TOOL, LINK}
-    raw, link = result.models[RAW], result.models[LINK]
-    truth, play = joints[0, 2], joints[2, 2]
+    found = map_of(recorded[2], 2)
+    raw, truth = extract(found, "piecewise linear"), joints[0, 2]
     assert raw.k_plus.high < 0.9 * truth
-    assert link.k_plus.low < truth < link.k_plus.high
-    assert link.k_plus.value == pytest.approx(truth, rel=0.2)  # two quick cycles
-    assert raw.backlash.value == pytest.approx(play, abs=0.02e-3)
+    assert raw.backlash.value == pytest.approx(joints[2, 2], abs=0.02e-3)
+    assert way is not None
+    axis = tracked_axis(way, 2)
+    assert axis is not None
+    motion = link_motion(recorded[2], axis, 2)
+    assert motion is not None
+    (slope,) = slope_over(motion[:, None], raw.spring_torque(found.angle) - raw.offset)
+    assert slope == pytest.approx(1 / raw.k_plus.value - 1 / truth, rel=0.3)  # two quick cycles
+    assert seen_tool(recorded[2]) is not None
     assert (tmp_path / "maps.html").exists()
     assert (tmp_path / "map-3.png").read_bytes().startswith(b"\x89PNG")
 
