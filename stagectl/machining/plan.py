@@ -125,7 +125,7 @@ class Plan:
         }
         cut = {"radius": toroid.radius, "feed": toroid.feed, "start": toroid.lead, "seconds": self.path.seconds}
         return {
-            "robot": robot | cell.simulator.options | cell.plants.robot_options,
+            "robot": cell.simulator.options | robot | cell.plants.robot_options,
             "cut": cut | cell.plants.cut_options,
             "tracker": {**cell.plants.tracker_options},
         }

@@ -5,7 +5,7 @@ import pytest
 
 from stagectl.machining.plan import AXES
 from stagectl.machining.run import Milled, paced
-from tests.stagectl.machining.short_cell import milled
+from tests.stagectl.machining.short_cell import milled, short
 
 
 @pytest.fixture(scope="module")
@@ -87,3 +87,9 @@ def comes_to_rest(done: Milled) -> None:
 
 def test_the_axes_are_named(cell: Milled) -> None:
     assert [f"cut_{axis}" for axis in AXES] == list(cell.recordings["surface"].names[:3])
+
+
+def test_the_toroids_arm_and_workpiece_win_over_those_of_other_experiments() -> None:
+    made = short("A", "simulator.options.arm=irb140", "simulator.options.payload=1.0", "simulator.options.seed=5")
+    options = made.plant_options()["robot"]
+    assert (options["arm"], options["payload"], options["seed"]) == ("kuka", 20.0, 5)
