@@ -242,7 +242,7 @@ EXAMPLES: dict[type[Block], Example] = {
     ),
     GuidedRobot: Example(lambda: GuidedRobot(arm="kuka"), rate=8_000.0),
     Toroid: Example(lambda: Toroid(seconds=0.5), rate=10_000.0),
-    TrackerView: Example(TrackerView, rate=20_000.0),
+    TrackerView: Example(lambda: TrackerView(delay=0.0), rate=300_000.0),
     WiredPort: Example(lambda: WiredPort(CellConfig(), np.zeros(6)), rate=250.0),
     WiredTracker: Example(lambda: WiredTracker(TrackerConfig(), print), rate=2_000.0),
     RelativePosition: Example(
