@@ -2,6 +2,7 @@
 
 from collections import deque
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 
@@ -107,7 +108,7 @@ class TrackerView(Block):
     def _look(self, tool: np.ndarray, workpiece: np.ndarray, orientation: np.ndarray) -> None:
         """See what is there now, and send it, unless it is lost on its way."""
         self._counter += 1
-        self._next = int(np.ceil(self._counter * self._rate / self.sample_rate))
+        self._next = ceil(self._counter * self._rate / self.sample_rate)
         time, draw = self._done / self._rate, self._rng.random(3)
         noise = self.noise * self._rng.standard_normal((2, 6)) / np.sqrt(SEEN)[:, None]
         spread = np.sqrt(self._rng.chisquare(FREEDOM) / FREEDOM)
