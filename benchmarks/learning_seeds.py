@@ -39,8 +39,12 @@ ARRAY = (
     "audio.loopback_output=5",
     "audio.loopback_input=5",
 )
-LAWS = {"kalman": (), "stretch": ("adaptation.stretch=true",), "thesis": ("learning.law=thesis",)}
-"""`stretch` is kalman with that part of it on."""
+LAWS = {
+    "kalman": (),
+    "steady": ("adaptation.stretch=false", "adaptation.variation=false"),
+    "thesis": ("learning.law=thesis",),
+}
+"""`steady` is kalman without what moves in it: stretch and variation."""
 THE_THESIS = "thesis, its stepped sine"
 """The thesis' law after the thesis' own half hour of characterisation; on the default plant only."""
 

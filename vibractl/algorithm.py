@@ -16,6 +16,7 @@ from vibractl.rollback import Rollback
 from vibractl.shot import Shot
 from vibractl.stretch import Stretch
 from vibractl.transfer_matrix import contraction, norm
+from vibractl.variation import Variation, swings_of
 from vibractl.warm_start import Check, KnownDrive
 from vibractl.watch import Trouble, Watch
 
@@ -89,11 +90,13 @@ class Algorithm:
         self.number = self._learned = 0
         self.lines = law.start.copy()
         self.decisions: list[Decision] = []
-        self._filter = LineFilter(law.matrix.response, law.matrix.variance, parts.walk, parts.doubt, self._neighbours)
+        model, linked = law.matrix, parts.model and self._neighbours > 0
+        swings = swings_of(model.inputs) if parts.variation and linked else None
+        variation = None if swings is None else Variation(model.frequency, swings)
+        self._filter = LineFilter(model.response, model.variance, parts.walk, parts.doubt, self._neighbours, variation)
         self._inverse = law.inverse
         self._rollback = Rollback() if parts.rollback else None
-        follows = parts.stretch and parts.model and self._neighbours > 0
-        self._stretch = Stretch(law.matrix.frequency, law.matrix.response) if follows else None
+        self._stretch = Stretch(model.frequency, model.response) if parts.stretch and linked else None
         self._watch = Watch(law, self._watching, self._limit) if self._watching.on else None
         self._running: Reidentification | None = None
         self._checking = Check(self._known, law.reference, self._limit) if self._known else None
@@ -120,8 +123,7 @@ class Algorithm:
 
     def explained(self, drive: np.ndarray) -> np.ndarray:
         """Return G U (lines, outputs), m/s^2 s, of lines U (lines, inputs), V s."""
-        product: np.ndarray = (self.response @ drive[..., None])[..., 0]
-        return product
+        return self._filter.explained(drive)
 
     @property
     def purpose(self) -> str:
@@ -177,16 +179,25 @@ class Algorithm:
         learned = self._open > 0
         expected = float(np.linalg.norm(self.error_bound[learned]))
         self._choose_gain(shot, error)
-        self.lines = update(shot.drive, self._inverse, error, self.gain)
-        if self._stretch is not None:
-            coming = self._stretch.coming() @ shot.drive[..., None]
-            self.lines = self.lines - (self._open > 0)[:, None] * (self._inverse @ coming)[..., 0]
+        self.lines = self._next(shot, error)
         back = self._rollback and self._rollback.judged(self.number, shot.drive, error[learned], expected)
         if back:
             self.lines = back.lines
             self.decisions.append(Decision("rollback", {"to_shot": back.shot, "error_db": tidy(back.growth_db)}))
         self._before = shot
         self._learned += 1
+
+    def _next(self, shot: Shot, error: np.ndarray) -> np.ndarray:
+        """Return the drive that is believed to take `gain` of the error away, and what the modes will do until then."""
+        coming = np.zeros_like(error)
+        if self._stretch is not None:
+            coming = (self._stretch.coming() @ shot.drive[..., None])[..., 0]
+        if self._before is None or not self._filter.varies:
+            drive = update(shot.drive, self._inverse, error, self.gain)
+            return drive if self._stretch is None else update(drive, self._inverse, -coming, self._open)
+        change = self._filter.step_for(self.gain[:, None] * error - coming, self._inverse * self._open[:, None, None])
+        following: np.ndarray = shot.drive + change
+        return following
 
     def _intervened(self, watch: Watch, trouble: Trouble, shot: Shot, error: np.ndarray) -> bool:
         """Begin to reidentify a band, or freeze it when that has been done often enough; say whether it has begun."""
@@ -246,6 +257,7 @@ class Algorithm:
         share = self._disturbance.change(change, shot.response)
         moved = (self._parts.drift * np.abs(self.explained(shot.drive))) ** 2
         spilt = (self._parts.spill * np.abs(self.explained(step))) ** 2
+        spilt = spilt + self._parts.scatter**2 * self._filter.around(step)
         noise = self._disturbance.power(shot.noise + before.noise, power, share)
         noise = noise + smoothed(moved + spilt, self._reach)
         if self._stretch is not None:

@@ -115,7 +115,9 @@ class Adaptation(Section):
     drift: float = setting(0.005, "1", "part of G U that changes from shot to shot by itself", ge=0, le=1)
     spill: float = setting(0.2, "1", "part of a step that comes out at other lines", ge=0, le=2)
     coupling: float = setting(4.0, "1", "how many times a change of the strong lines changes distortion", ge=0, le=20)
-    stretch: bool = setting(False, "", "follow modes that go on moving, and drive the next shot for where they will be")
+    scatter: float = setting(0.1, "1", "part of a step, re G around it, that comes out at other lines", ge=0, le=2)
+    variation: bool = setting(True, "", "follow how G differs at the ends of a shot, and swings between them")
+    stretch: bool = setting(True, "", "follow modes that go on moving, and drive the next shot for where they will be")
     cautious: bool = setting(True, "", "learn less where the error is mostly noise, or follows the strong lines")
     rollback: bool = setting(True, "", "go back to the best shot when the error has grown twice")
 

@@ -2,16 +2,28 @@
 
 import numpy as np
 
+from vibractl.disturbance import smoothed
+from vibractl.variation import Variation, solved
+
 SURE = 1e-6
 """Of its size: no model is surer of G."""
+AT_ENDS, IN_SWINGS = 0.5, 0.1
+"""Of G around a line: by how much it may be another one at the ends of a shot, and in each of its swings."""
+WANDER = 0.1
+"""Of that: how far it walks between two shots."""
+AROUND = 25
+"""Lines to each side that are around a line."""
+BATCH = 128
+"""Lines at a time, so that what is computed of them stays near the processor."""
 
 
 class LineFilter:
     """Follows G line by line from how responses change with drives.
 
-    The state of output o at a line is row o of G.  Between shots it walks at random by `walk` of its size; a change of
-    drive dU and of response dY measures it, dY_o = dU^T g_o + v, at the line itself and at its neighbours, whose own G
-    may differ by as much as is believed now.
+    The state of output o at a line is row o of G, and beside it, where G varies while a shot lasts, the rows of its
+    variations.  Between shots G walks at random by `walk` of its size; a change of drive dU and of response dY measures
+    it, dY_o = dU^T g_o + v, at the line itself and at its neighbours, whose own G may differ by as much as is believed
+    now.
 
     Parameters
     ----------
@@ -24,15 +36,55 @@ class LineFilter:
         Added to the model's own uncertainty at the start: G while a sweep is on its way is not G on average.
     neighbours : int, >= 0
         Lines to each side that measure G as well.
+    variation : Variation, optional
+        G is steady without it.
     """
 
-    def __init__(self, response: np.ndarray, variance: np.ndarray, walk: float, doubt: float, neighbours: int) -> None:
-        self.response = response.copy()
+    def __init__(
+        self,
+        response: np.ndarray,
+        variance: np.ndarray,
+        walk: float,
+        doubt: float,
+        neighbours: int,
+        variation: Variation | None = None,
+    ) -> None:
         self._walk, self._neighbours = walk, neighbours
-        lines, outputs, inputs = response.shape
-        self.covariance = np.zeros((lines, outputs, inputs, inputs), complex)
-        self._inputs = np.arange(inputs)
+        self._variation = variation
+        lines, outputs, self._inputs = response.shape
+        parts, self._beside = len(variation.weights) if variation else 0, np.zeros((lines, outputs, 0))
+        others = np.zeros((lines, outputs, parts * self._inputs), complex)
+        self._rows = np.concatenate([response, others], axis=2)
+        self.covariance = np.zeros((lines, outputs, *2 * self._rows.shape[2:]), complex)
         self._add(variance + ((doubt**2 + SURE**2) * self._size())[..., None])
+        if parts:
+            share = np.repeat([AT_ENDS] * 2 + [IN_SWINGS] * (parts - 2), self._inputs)
+            self._beside = share**2 * smoothed(self._size(), AROUND)[..., None]
+            np.einsum("...ii->...i", self.covariance)[..., self._inputs :] = self._beside
+
+    @property
+    def response(self) -> np.ndarray:
+        """G on average while a shot lasts, (lines, outputs, inputs), m/s^2 per V."""
+        return self._rows[..., : self._inputs]
+
+    @property
+    def varies(self) -> bool:
+        """Whether G may vary while a shot lasts."""
+        return self._variation is not None
+
+    def explained(self, drive: np.ndarray) -> np.ndarray:
+        """Return what a drive (lines, inputs), V s, is believed to make, (lines, outputs), m/s^2 s."""
+        product: np.ndarray = (self._rows @ self._parts(drive)[..., None])[..., 0]
+        return product
+
+    def step_for(self, wanted: np.ndarray, inverse: np.ndarray) -> np.ndarray:
+        """Return the change of drive that is believed to change the response as wanted, see `variation.solved`."""
+
+        def adjoint(response: np.ndarray) -> np.ndarray:
+            parts = np.einsum("loi,lo->li", self._rows.conj(), response)
+            return self._variation.gathered(parts) if self._variation else parts
+
+        return solved(self.explained, adjoint, inverse, wanted)
 
     def forget(self, lines: np.ndarray, doubt: float) -> None:
         """Doubt the rows of some lines, bool (lines,), by `doubt` of their size."""
@@ -51,30 +103,56 @@ class LineFilter:
             E |v|^2 of what else changes the response.
         """
         self._add((self._walk**2 * self._size())[..., None])
+        np.einsum("...ii->...i", self.covariance)[..., self._inputs :] += WANDER**2 * self._beside
         reach = np.arange(-self._neighbours, self._neighbours + 1)
         near = np.clip(np.arange(len(step))[:, None] + reach, 0, len(step) - 1)
-        steps, difference = step[near], self.response[near] - self.response[:, None]
-        weight = 1.0 / (noise[near] + np.abs(np.einsum("lwi,lwoi->lwo", steps, difference)) ** 2)
-        surprise = change[near] - np.einsum("lwi,loi->lwo", steps, self.response)
-        information = np.einsum("lwi,lwo,lwj->loij", steps.conj(), weight, steps)
-        self.covariance = np.linalg.inv(np.linalg.inv(self.covariance) + information)
-        pull = np.einsum("lwi,lwo,lwo->loi", steps.conj(), weight, surprise)
-        self.response = self.response + (self.covariance @ pull[..., None])[..., 0]
+        believed, parts = self.response, self._parts(step)
+        self._rows = self._rows.copy()
+        for first in range(0, len(step), BATCH):
+            lines = slice(first, first + BATCH)
+            seen = near[lines]
+            difference = believed[seen] - believed[lines, None]
+            spoilt = noise[seen] + np.abs(np.einsum("lwi,lwoi->lwo", step[seen], difference)) ** 2
+            self._correct(lines, parts[seen], change[seen], spoilt)
+
+    def _correct(self, lines: slice, steps: np.ndarray, change: np.ndarray, noise: np.ndarray) -> None:
+        """Correct some lines by what they and their neighbours show, (lines, neighbours, inputs or outputs)."""
+        rows, covariance, steps = self._rows[lines], self.covariance[lines], steps[:, None]
+        surprise = change.swapaxes(-1, -2) - (steps @ rows[..., None])[..., 0]
+        shared = covariance @ steps.conj().swapaxes(-1, -2)
+        expected = steps @ shared
+        window = np.arange(steps.shape[2])
+        expected[..., window, window] += noise.swapaxes(-1, -2)
+        pull = shared @ np.linalg.inv(expected)
+        covariance = covariance - pull @ shared.conj().swapaxes(-1, -2)
+        self.covariance[lines] = 0.5 * (covariance + covariance.conj().swapaxes(-1, -2))
+        self._rows[lines] = rows + (pull @ surprise[..., None])[..., 0]
 
     def shift(self, change: np.ndarray) -> None:
         """Let G be another one by `change`, (lines, outputs, inputs), m/s^2 per V, and as certain as before."""
-        self.response = self.response + change
+        self._rows = self._rows.copy()
+        self._rows[..., : self._inputs] += change
 
     def spread(self, step: np.ndarray) -> np.ndarray:
         """Return E |dU^T (g_hat - g)|^2, (lines, outputs), (m/s^2 s)^2, of a step dU (lines, inputs), V s."""
-        power: np.ndarray = np.einsum("li,loij,lj->lo", step, self.covariance, step.conj()).real
+        parts = self._parts(step)[:, None, :, None]
+        power: np.ndarray = (parts.swapaxes(-1, -2) @ self.covariance @ parts.conj())[..., 0, 0].real
         return power
+
+    def around(self, step: np.ndarray) -> np.ndarray:
+        """Return |dU|^2 times |G|^2 around each line, (lines, outputs), (m/s^2 s)^2: large in notches, too."""
+        square = (np.abs(self.response) ** 2).reshape(len(step), -1)
+        power: np.ndarray = smoothed(square, AROUND).reshape(self.response.shape) @ (np.abs(step) ** 2)[..., None]
+        return power[..., 0]
 
     @property
     def variance(self) -> np.ndarray:
         """E |G_hat - G|^2 of each element, shape (lines, outputs, inputs), (m/s^2 per V)^2."""
-        diagonal: np.ndarray = self.covariance[..., self._inputs, self._inputs].real
-        return diagonal
+        diagonal: np.ndarray = np.einsum("...ii->...i", self.covariance).real
+        return diagonal[..., : self._inputs].copy()
+
+    def _parts(self, drive: np.ndarray) -> np.ndarray:
+        return self._variation.parts(drive) if self._variation else drive
 
     def _size(self) -> np.ndarray:
         """Return the mean square element of each row, (lines, outputs)."""
@@ -82,4 +160,5 @@ class LineFilter:
         return square
 
     def _add(self, variance: np.ndarray) -> None:
-        self.covariance[..., self._inputs, self._inputs] += variance
+        diagonal = np.einsum("...ii->...i", self.covariance)  # a view
+        diagonal[..., : self._inputs] += variance

@@ -58,7 +58,7 @@ def test_with_every_part_off_it_is_the_law_of_the_thesis_bit_for_bit() -> None:
     assert np.abs(np.diff(drives["thesis"], axis=0)).max(axis=(1, 2)).min() > 0
 
 
-@pytest.mark.parametrize("part", ["model", "cautious"])
+@pytest.mark.parametrize("part", ["model", "cautious", "stretch", "variation"])
 def test_each_part_changes_the_drives(part: str) -> None:
     true = modal(2, 2)
     law = law_of(matrix_of(1.3 * true))

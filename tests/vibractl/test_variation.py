@@ -1,0 +1,132 @@
+"""A vibrator whose G is another one at each moment of a shot."""
+
+import numpy as np
+import pytest
+
+from tests.vibractl.line_plant import LinePlant, law_of, matrix_of, modal
+from vibractl.algorithm import Algorithm
+from vibractl.config import Adaptation, Watch
+from vibractl.line_filter import LineFilter
+from vibractl.shot import Shot
+from vibractl.variation import Variation, solved
+
+FREQUENCY = np.arange(15.0, 215.0)
+
+
+def spectra(seed: int, *shape: int) -> np.ndarray:
+    """Return complex noise."""
+    rng = np.random.default_rng(seed)
+    drawn: np.ndarray = rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
+    return drawn
+
+
+def made_by(variation: Variation, rows: np.ndarray, drive: np.ndarray) -> np.ndarray:
+    """Return the response of G and its variations, `rows` (lines, outputs, parts x inputs)."""
+    response: np.ndarray = (rows @ variation.parts(drive)[..., None])[..., 0]
+    return response
+
+
+def test_weights_are_of_mean_zero_so_that_g_is_what_it_is_on_average() -> None:
+    """A line is heard at others of the weighed drives, and not at its own."""
+    drive = np.zeros((200, 1), complex)
+    drive[100] = 1.0
+    weighed = Variation(FREQUENCY, 3).parts(drive)[:, 1:]
+    assert np.abs(weighed[100]).max() < 1e-12
+    assert np.abs(weighed[[97, 98, 99, 101, 102, 103]]).max(axis=0).min() > 0.02
+
+
+def test_a_swing_of_n_periods_moves_a_line_by_n() -> None:
+    drive = np.zeros((200, 1), complex)
+    drive[100] = 1.0
+    cosine = Variation(FREQUENCY, 3).parts(drive)[:, 1 + 2 + 4]
+    expected = np.zeros(200)
+    expected[[97, 103]] = 0.5
+    np.testing.assert_allclose(np.abs(cosine), expected, atol=1e-9)
+
+
+def test_gathering_is_the_adjoint_of_parting() -> None:
+    variation = Variation(FREQUENCY, 4)
+    drive, parts = spectra(1, 200, 2), spectra(2, 200, 22)
+    assert np.vdot(parts, variation.parts(drive)) == pytest.approx(np.vdot(variation.gathered(parts), drive))
+
+
+def varying(size: float) -> tuple[Variation, np.ndarray]:
+    """Return a G of about 1 with a deep notch at line 100, and variations of `size`."""
+    variation = Variation(FREQUENCY, 2)
+    steady = 0.02 + np.abs(np.arange(200) - 100.0) / 20
+    rows = np.concatenate([steady[:, None, None], size * np.ones((200, 1, 6))], axis=2).astype(complex)
+    return variation, rows
+
+
+def test_a_notch_that_hears_its_neighbours_more_than_itself_is_solved() -> None:
+    """Line by line the error there grows."""
+    variation, rows = varying(0.1)
+    inverse = 1 / rows[..., :1]
+    wanted = spectra(3, 200, 1)
+    plain = (inverse @ wanted[..., None])[..., 0]
+    notch = slice(95, 106)
+    assert np.linalg.norm((wanted - made_by(variation, rows, plain))[notch]) > np.linalg.norm(wanted[notch])
+
+    def adjoint(response: np.ndarray) -> np.ndarray:
+        return variation.gathered(np.einsum("loi,lo->li", rows.conj(), response))
+
+    found = solved(lambda drive: made_by(variation, rows, drive), adjoint, inverse, wanted)
+    assert np.linalg.norm((wanted - made_by(variation, rows, found))[notch]) < 0.3 * np.linalg.norm(wanted[notch])
+
+
+def test_nothing_wanted_moves_nothing() -> None:
+    variation, rows = varying(0.06)
+    found = LineFilter(rows[..., :1], np.full((200, 1, 1), 0.01), 0.01, 0.1, 2, variation)
+    step = found.step_for(np.zeros((200, 1), complex), 1 / rows[..., :1])
+    np.testing.assert_array_equal(step, 0.0)
+
+
+def test_a_line_that_is_kept_is_not_moved_for_its_neighbours() -> None:
+    variation, rows = varying(0.06)
+    found = LineFilter(rows[..., :1], np.full((200, 1, 1), 0.01), 0.01, 0.1, 2, variation)
+    inverse = 1 / rows[..., :1]
+    inverse[50:60] = 0.0
+    step = found.step_for(spectra(3, 200, 1), inverse)
+    assert np.abs(step[50:60]).max() == 0.0
+    assert np.abs(step[60:]).min() > 0.0
+
+
+def test_the_filter_finds_variations_and_tells_them_from_g() -> None:
+    variation, rows = varying(0.1)
+    found = {}
+    for known in (variation, None):
+        filtered = LineFilter(rows[..., :1], np.full((200, 1, 1), 1e-4), 1e-3, 0.0, 4, known)
+        for shot in range(25):
+            step = spectra(10 + shot, 200, 1)
+            filtered.observe(step, made_by(variation, rows, step), np.full((200, 1), 1e-6))
+        step = spectra(9, 200, 1)
+        found[known is variation] = np.linalg.norm(made_by(variation, rows, step) - filtered.explained(step))
+    assert found[True] < 0.2 * found[False]
+
+
+class VaryingPlant(LinePlant):
+    """At its ends, and with one swing, its G is another one by half and by a fifth."""
+
+    other: np.ndarray
+
+    def shot(self, drive: np.ndarray) -> Shot:
+        variation = Variation(np.arange(len(drive)) + 15.0, 1)
+        weighed = variation.parts(drive).reshape(len(drive), 5, -1)[:, 1:]
+        beside = np.einsum("loi,lji,j->lo", self.other, weighed, [0.5, 0.5, 0.2, 0.2])
+        plain = super().shot(drive)
+        return Shot(drive, plain.response + beside, plain.noise)
+
+
+def test_a_learning_that_follows_variations_leaves_less_error() -> None:
+    true = modal(2, 2)
+    left = []
+    for varies in (False, True):
+        law = law_of(matrix_of(true))
+        algorithm = Algorithm(law, Adaptation(variation=varies), Watch(), -40.0)
+        plant = VaryingPlant(true, law, distortion=0.1)
+        plant.other = np.roll(plant.response, 1, axis=1)
+        for _ in range(12):
+            shot = plant.shot(algorithm.lines)
+            algorithm.step(shot)
+        left.append(float(np.linalg.norm(law.reference - shot.response)))
+    assert left[1] < 0.5 * left[0]
