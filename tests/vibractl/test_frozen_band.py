@@ -1,6 +1,7 @@
 """A band whose response is another one in every shot: it is frozen and told of once, and the rest goes on."""
 
 import numpy as np
+from scipy.ndimage import binary_dilation
 
 from tests.vibractl.line_plant import LinePlant, law_of, matrix_of, modal
 from vibractl.algorithm import Algorithm, Decision
@@ -27,6 +28,10 @@ class RestlessPlant(LinePlant):
         return super().shot(drive)
 
 
+NEAR = 10
+"""Lines to each side that a band's own restlessness reaches."""
+
+
 def test_a_band_that_will_not_converge_is_frozen_and_told_of_once_and_the_rest_goes_on() -> None:
     true = modal(2, 2)
     law = law_of(matrix_of(true))
@@ -48,7 +53,8 @@ def test_a_band_that_will_not_converge_is_frozen_and_told_of_once_and_the_rest_g
     assert len(at_first) <= 4
     assert np.mean(frozen[plant.band]) > 0.9
     np.testing.assert_array_equal(drives[-1][frozen], drives[-2][frozen])
-    elsewhere = np.abs(law.reference - plant.shot(algorithm.lines).response)[~frozen & ~plant.band]
+    heard = binary_dilation(plant.band, iterations=NEAR)
+    elsewhere = np.abs(law.reference - plant.shot(algorithm.lines).response)[~frozen & ~heard]
     assert elsewhere.max() < 1e-3 * np.abs(law.reference).max()
 
 

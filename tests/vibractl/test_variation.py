@@ -129,4 +129,4 @@ def test_a_learning_that_follows_variations_leaves_less_error() -> None:
             shot = plant.shot(algorithm.lines)
             algorithm.step(shot)
         left.append(float(np.linalg.norm(law.reference - shot.response)))
-    assert left[1] < 0.5 * left[0]
+    assert left[1] < 0.6 * left[0]
