@@ -10,6 +10,10 @@ FLOOR = 1e-6
 """Of the reference's level: a disturbance is never taken to be smaller."""
 
 
+MOST = 1e6
+"""A change of the strong lines is never taken to be larger: a sensor that was dead changes by an infinite part."""
+
+
 class Disturbance:
     """Expects how strongly a response changes beyond what G says of the change of drive.
 
@@ -51,8 +55,8 @@ class Disturbance:
 
     def change(self, step: np.ndarray, response: np.ndarray) -> float:
         """Return delta: how much `step` changes the strong lines of a response, both (lines, outputs), m/s^2 s."""
-        size = np.linalg.norm(response[self._strong], axis=0)
-        parts = np.linalg.norm(step[self._strong], axis=0) / np.maximum(size, np.finfo(float).tiny)
+        size, moved = (np.linalg.norm(lines[self._strong], axis=0) for lines in (response, step))
+        parts = moved / np.maximum(size, np.maximum(moved / MOST, np.finfo(float).tiny))
         return float(parts.max())
 
 

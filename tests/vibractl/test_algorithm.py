@@ -15,6 +15,7 @@ from vibractl.config import Adaptation, RigConfig, Watch
 from vibractl.law import Law
 from vibractl.learner import Learner
 from vibractl.setup import setup
+from vibractl.shot import Shot
 from vibractl.transfer_matrix import norm
 
 OFF = ("model=false", "doubt=0.0", "cautious=false", "rollback=false")
@@ -56,6 +57,15 @@ def test_with_every_part_off_it_is_the_law_of_the_thesis_bit_for_bit() -> None:
     drives = {law: np.array([each.lines for each in learners(17, CHIRP, *laws[law])]) for law in laws}
     np.testing.assert_array_equal(drives["kalman"], drives["thesis"])
     assert np.abs(np.diff(drives["thesis"], axis=0)).max(axis=(1, 2)).min() > 0
+
+
+def test_shots_in_which_nothing_is_heard_leave_drives_that_are_numbers() -> None:
+    law = law_of(matrix_of(modal(2, 2)))
+    algorithm, silence = Algorithm(law, Adaptation(), Watch(on=True), -40.0), np.zeros_like(law.reference)
+    for _ in range(4):
+        algorithm.step(Shot(algorithm.lines, silence, np.abs(silence)))
+        assert np.isfinite(algorithm.lines).all()
+        assert np.isfinite(algorithm.error_bound).all()
 
 
 @pytest.mark.parametrize("part", ["model", "cautious", "stretch", "variation"])
