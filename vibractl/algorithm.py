@@ -94,7 +94,7 @@ class Algorithm:
         swings = swings_of(model.inputs) if parts.variation and linked else None
         variation = None if swings is None else Variation(model.frequency, swings)
         self._filter = LineFilter(model.response, model.variance, parts.walk, parts.doubt, self._neighbours, variation)
-        self._inverse = law.inverse
+        self._inverse, self._weight = law.inverse, np.array(law.settings.weights or np.ones(model.outputs))
         self._rollback = Rollback() if parts.rollback else None
         self._stretch = Stretch(model.frequency, model.response) if parts.stretch and linked else None
         self._watch = Watch(law, self._watching, self._limit) if self._watching.on else None
@@ -195,7 +195,8 @@ class Algorithm:
         if self._before is None or not self._filter.varies:
             drive = update(shot.drive, self._inverse, error, self.gain)
             return drive if self._stretch is None else update(drive, self._inverse, -coming, self._open)
-        change = self._filter.step_for(self.gain[:, None] * error - coming, self._inverse * self._open[:, None, None])
+        wanted, inverse = self.gain[:, None] * error - coming, self._inverse * self._open[:, None, None]
+        change = self._filter.step_for(wanted, inverse, self._weight)
         following: np.ndarray = shot.drive + change
         return following
 

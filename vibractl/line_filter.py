@@ -77,14 +77,14 @@ class LineFilter:
         product: np.ndarray = (self._rows @ self._parts(drive)[..., None])[..., 0]
         return product
 
-    def step_for(self, wanted: np.ndarray, inverse: np.ndarray) -> np.ndarray:
+    def step_for(self, wanted: np.ndarray, inverse: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """Return the change of drive that is believed to change the response as wanted, see `variation.solved`."""
 
         def adjoint(response: np.ndarray) -> np.ndarray:
             parts = np.einsum("loi,lo->li", self._rows.conj(), response)
             return self._variation.gathered(parts) if self._variation else parts
 
-        return solved(self.explained, adjoint, inverse, wanted)
+        return solved(self.explained, adjoint, inverse, wanted, weight)
 
     def forget(self, lines: np.ndarray, doubt: float) -> None:
         """Doubt the rows of some lines, bool (lines,), by `doubt` of their size."""

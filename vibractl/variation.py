@@ -73,11 +73,12 @@ def solved(
     adjoint: Callable[[np.ndarray], np.ndarray],
     inverse: np.ndarray,
     wanted: np.ndarray,
+    weight: np.ndarray,
 ) -> np.ndarray:
     """Find the change of drive that changes the response as wanted, where each line is heard at others, too.
 
-    Conjugate gradients on the least squares || wanted - respond(G^+ z) ||, from z = wanted on: where a line's own part
-    is smaller than what it hears of others, as in a deep notch, G^+ line by line would not converge.
+    Conjugate gradients on the least squares || W (wanted - respond(G^+ z)) ||, from z = wanted on: where a line's own
+    part is smaller than what it hears of others, as in a deep notch, G^+ line by line would not converge.
 
     Parameters
     ----------
@@ -88,6 +89,8 @@ def solved(
     inverse : complex array, shape (lines, inputs, outputs), V per m/s^2
         G^+; 0 on lines whose drive stays.
     wanted : complex array, shape (lines, outputs), m/s^2 s
+    weight : array, shape (outputs,), 1
+        W, those of G^+.
 
     Returns
     -------
@@ -95,17 +98,17 @@ def solved(
     """
     turned = inverse.conj().swapaxes(-1, -2)
     answer = wanted
-    left = wanted - respond(_applied(inverse, answer))
-    slope = _applied(turned, adjoint(left))
+    left = weight * (wanted - respond(_applied(inverse, answer)))
+    slope = _applied(turned, adjoint(weight * left))
     direction, steepness = slope, np.vdot(slope, slope).real
     for _ in range(ROUNDS):
-        made = respond(_applied(inverse, direction))
+        made = weight * respond(_applied(inverse, direction))
         power = np.vdot(made, made).real
         if power == 0.0:
             break
         answer = answer + steepness / power * direction
         left = left - steepness / power * made
-        slope = _applied(turned, adjoint(left))
+        slope = _applied(turned, adjoint(weight * left))
         before, steepness = steepness, np.vdot(slope, slope).real
         direction = slope + steepness / before * direction
     return _applied(inverse, answer)

@@ -19,11 +19,13 @@ RATE = 44_100
 ROOT = Path(__file__).parents[2]
 
 SESSION = """
+import signal
 import sys
 import numpy as np
 from vibractl.audio import Line
 from vibractl.config import Audio, RigConfig, Simulator
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
 log = {"file": sys.argv[1], "capacity": 30 * 44_100}
 config = RigConfig(
     audio=Audio(isolated=True),

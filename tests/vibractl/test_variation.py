@@ -70,14 +70,14 @@ def test_a_notch_that_hears_its_neighbours_more_than_itself_is_solved() -> None:
     def adjoint(response: np.ndarray) -> np.ndarray:
         return variation.gathered(np.einsum("loi,lo->li", rows.conj(), response))
 
-    found = solved(lambda drive: made_by(variation, rows, drive), adjoint, inverse, wanted)
+    found = solved(lambda drive: made_by(variation, rows, drive), adjoint, inverse, wanted, np.ones(1))
     assert np.linalg.norm((wanted - made_by(variation, rows, found))[notch]) < 0.3 * np.linalg.norm(wanted[notch])
 
 
 def test_nothing_wanted_moves_nothing() -> None:
     variation, rows = varying(0.06)
     found = LineFilter(rows[..., :1], np.full((200, 1, 1), 0.01), 0.01, 0.1, 2, variation)
-    step = found.step_for(np.zeros((200, 1), complex), 1 / rows[..., :1])
+    step = found.step_for(np.zeros((200, 1), complex), 1 / rows[..., :1], np.ones(1))
     np.testing.assert_array_equal(step, 0.0)
 
 
@@ -86,7 +86,7 @@ def test_a_line_that_is_kept_is_not_moved_for_its_neighbours() -> None:
     found = LineFilter(rows[..., :1], np.full((200, 1, 1), 0.01), 0.01, 0.1, 2, variation)
     inverse = 1 / rows[..., :1]
     inverse[50:60] = 0.0
-    step = found.step_for(spectra(3, 200, 1), inverse)
+    step = found.step_for(spectra(3, 200, 1), inverse, np.ones(1))
     assert np.abs(step[50:60]).max() == 0.0
     assert np.abs(step[60:]).min() > 0.0
 

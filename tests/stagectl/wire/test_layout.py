@@ -53,7 +53,7 @@ def test_a_frame_under_another_identifier_is_garbled() -> None:
 
 def test_a_value_that_is_no_choice_is_garbled() -> None:
     frame = messages.STAGE_HEARTBEAT.pack(0, 9, 0, 0)
-    with pytest.raises(GarbledError, match=r"state is 9, must be one of \[0, 1, 2, 3\]"):
+    with pytest.raises(GarbledError, match=r"state is 9, must be one of \[0, 1, 2, 3, 4\]"):
         messages.STAGE_HEARTBEAT.unpack(frame)
 
 
