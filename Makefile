@@ -25,7 +25,7 @@ run: setup       ## the main job: identify and learn on the simulated vibrator, 
 	$(BIN)/vibractl run --model $(RUN_FOLDER)/model.h5 --reference chirp:40:90:5 --shots 30 --out $(RUN_FOLDER)/run
 
 test: setup packages  ## the tests, without the slow ones and those that need a rig
-	$(BIN)/pytest -q -m "not rig and not slow"
+	$(BIN)/pytest -q -n 2 --dist loadfile -m "not rig and not slow"
 
 check: setup     ## ruff, mypy, import contracts
 	$(BIN)/ruff check
