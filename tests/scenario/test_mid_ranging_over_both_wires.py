@@ -3,7 +3,9 @@
 Guards against a live run that works in process alone, and against one end that moves on when the other has gone.
 """
 
+from os import sched_yield
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -57,6 +59,9 @@ def test_a_fault_of_the_robot_sends_the_stage_to_mid_travel_and_keeps_what_was_r
     ):
         with pytest.raises(LiveFault, match="the tool is asked to move at .* m/s, must be <= 0.25 m/s") as fault:
             run_axes("mvpc", cell_of(stepped, tmp_path / "can"), {"": Scenario("jump", wave)})
+        until = monotonic() + PATIENT
+        while node.processor.state is State.FOLLOWING and monotonic() < until:  # it has yet to read that it is to stop
+            sched_yield()
         assert node.processor.state in (State.RAMPING, State.HOLDING)
     (recorded,) = fault.value.recorded
     assert 100 <= len(recorded.data) < 225
