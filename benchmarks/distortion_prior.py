@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 
-from benchmarks.identification import found_by
+from benchmarks.learning_seeds import identified
 from firmware_sim.plants.vibrator import VibratorPlant
 from rigkit import config as rig_file
 from vibractl.config import RigConfig
@@ -52,7 +52,9 @@ def main(seeds: list[int]) -> None:
     rows: dict[str, list[np.ndarray]] = {"simulated": [], "drawn": []}
     for seed in seeds:
         settings = ("learning.law=kalman", f"simulator.options.seed={seed}")
-        made = setup(rig_file.load(None, RigConfig, settings), found_by(("method=multisine",), seed).matrix, False)
+        made = setup(
+            rig_file.load(None, RigConfig, settings), identified((f"simulator.options.seed={seed}",)).matrix, False
+        )
         rows["simulated"].append(simulated(made, seed))
         rows["drawn"].append(drawn(made, seed))
     print("from Hz  " + " ".join(f"{edge:6d}" for edge in EDGES[:-1]))

@@ -7,31 +7,27 @@ stated variance, against that truth and against the one around the calibration's
 objective holds, with `law = "thesis", start = "inverse", gains = [0.5]`, and with the default law.
 """
 
-import tempfile
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from benchmarks.direct import met, shots
+from benchmarks.learning_seeds import identified
 from benchmarks.on_all_cores import over_seeds
 from benchmarks.page_table import put, table, words
 from benchmarks.vibrator_truth import QUIET, RECORDS, linearised
-from calibration.experiment import RawFolder
-from calibration.vibrator import Calibration, calibrate
 from calibration.vibrator_multisine import flat_design
 from rigkit import config as rig_file
-from tests.calibration.linear_vibrator import emitter
 from vibractl.config import RigConfig
 from vibractl.setup import setup
 from vibractl.transfer_matrix import TransferMatrix, norm
 
 METHODS = {
     "stepped sine": (),
-    "multisine, 8 records": ("method=multisine",),
-    "multisine, 4 records": ("method=multisine", "records=4"),
-    "multisine, quiet": ("method=multisine", "quiet=true"),
-    "both": ("method=both",),
+    "multisine, 8 records": ("characterisation.method=multisine",),
+    "multisine, 4 records": ("characterisation.method=multisine", "characterisation.records=4"),
+    "multisine, quiet": ("characterisation.method=multisine", "characterisation.quiet=true"),
+    "both": ("characterisation.method=both",),
 }
 SEEDS = range(1, 11)
 BANDS = ((15, 100), (100, 200), (200, 400), (400, 650))
@@ -40,13 +36,6 @@ FIRST, LAST = 75, 3250
 FREQUENCY = np.arange(FIRST, LAST + 1) * 0.2
 SHOTS = 20
 FIXED_GAIN = ("learning.law=thesis", "learning.start=inverse", "learning.gains=[0.5]")
-
-
-def found_by(method: tuple[str, ...], seed: int) -> Calibration:
-    """Calibrate a fresh vibrator."""
-    config = rig_file.load(None, RigConfig, [f"characterisation.{text}" for text in method])
-    with tempfile.TemporaryDirectory() as folder, RawFolder(Path(folder)) as raw:
-        return calibrate(config, raw, emitter(seed))
 
 
 def learned(matrix: TransferMatrix, seed: int, *settings: str) -> tuple[float, np.ndarray]:
@@ -103,7 +92,8 @@ class Outcome:
 
 def of_seed(seed: int) -> dict[str, Outcome]:
     """Measure one vibrator in every way."""
-    found = {name: found_by(method, seed) for name, method in METHODS.items()}
+    own = f"simulator.options.seed={seed}"
+    found = {name: identified((own, *settings)) for name, settings in METHODS.items()}
     at_work = truth_at_work(seed, found["multisine, 8 records"].matrix)
     at_preload = truth_at_preload(seed)
     outcomes = {}

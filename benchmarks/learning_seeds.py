@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks.direct import Machine, met, shots
 from benchmarks.on_all_cores import over_seeds
-from benchmarks.page_table import put, table, words
+from benchmarks.page_table import put, table, told, words
 from calibration.experiment import RawFolder
 from calibration.vibrator import Calibration, calibrate
 from rigkit import config as rig_file
@@ -148,7 +148,7 @@ def row(plant: str, law: str, runs: list[Outcome]) -> list[str]:
     """Return a row of the table: medians, and the worst seed in brackets."""
     shot, refused = [run.shot for run in runs], sum(run.refused for run in runs)
     never = f"{sum(map(np.isinf, shot))} of {len(runs)}" + (f", {refused} at the guard" if refused else "")
-    cells = [plant, law, f"{runs[0].seconds:.0f}", _shot(float(np.median(shot))), _shot(max(shot)), never]
+    cells = [plant, law, f"{runs[0].seconds:.0f}", told(float(np.median(shot))), told(max(shot)), never]
     for name in ("early", "end", "early_from_reference", "end_from_reference"):
         ratios = [getattr(run, name) for run in runs]
         cells.append(f"{np.median(ratios):.0f} ({min(ratios):.1f})")
@@ -168,15 +168,11 @@ def main(wanted: list[str], seeds: list[int]) -> None:
             for law in laws:
                 runs = [of_laws[law] for of_laws in of_seeds]
                 rows.append(row(name, law, runs))
-                told = (f"{seed}: {_shot(run.shot)}" for seed, run in zip(asked, runs, strict=True))
-                print(f"{name}, {law};", *told, flush=True)
+                runs_told = (f"{seed}: {told(run.shot)}" for seed, run in zip(asked, runs, strict=True))
+                print(f"{name}, {law};", *runs_told, flush=True)
     head = ["plant", "law", "identified in, s", "shot, median", "worst", f"never in {SHOTS}"]
     head += [f"IAE: first / best by shot {EARLY}", "first / last", f"scaled reference / by {EARLY}", "... / last"]
     put(table([*head, "errors within bound, %"], rows), "learning.md", "learning seeds")
-
-
-def _shot(number: float) -> str:
-    return "never" if np.isinf(number) else f"{number:g}"
 
 
 if __name__ == "__main__":

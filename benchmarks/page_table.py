@@ -7,6 +7,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 DOCS = Path(__file__).parents[1] / "docs"
 FLAG = "--write"
 
@@ -32,6 +34,16 @@ def replaced(page: str, name: str, text: str) -> str:
         raise ValueError(f"the page must have {begin.strip()} and {end} once each")
     before, rest = page.split(begin)
     return f"{before}{begin}{text}\n{end}{rest.split(end)[1]}"
+
+
+def told(value: float, form: str = "g", never: str = "never") -> str:
+    """Return a figure as text; an infinite one is a shot that never came."""
+    return never if np.isinf(value) else format(value, form)
+
+
+def spread(values: Sequence[float], form: str = "g") -> str:
+    """Return the median, and the largest in brackets."""
+    return f"{told(float(np.median(values)), form)} ({told(max(values), form)})" if values else "-"
 
 
 def words() -> list[str]:

@@ -7,12 +7,10 @@ are calibrated by multisine; `vibractl predict` sees the model and the rig file 
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from benchmarks.direct import met, shots
 from benchmarks.learning_seeds import identified
 from benchmarks.on_all_cores import over_seeds
-from benchmarks.page_table import put, table, words
+from benchmarks.page_table import put, table, told, words
 from rigkit import config as rig_file
 from vibractl.config import RigConfig
 from vibractl.predict.learning import forecast
@@ -22,6 +20,7 @@ from vibractl.setup import setup
 LAWS = ("kalman", "thesis")
 SEEDS = range(1, 11)
 NEAR = 3
+BEYOND = "beyond 30"
 
 
 @dataclass(frozen=True)
@@ -63,14 +62,12 @@ def main(seeds: list[int]) -> None:
         head += [f"{law}: predicted, median", "10 to 90 %", "observed"]
         of_law = [of[number] for of in found]
         for row, each in zip(rows, of_law, strict=True):
-            row += [_told(each.middle), f"{_told(each.low)} to {_told(each.high)}", _told(each.observed)]
+            shots_of = (each.low, each.middle, each.high, each.observed)
+            low, middle, high, observed = (told(shot, never=BEYOND) for shot in shots_of)
+            row += [middle, f"{low} to {high}", observed]
         near, within = (sum(getattr(each, name) for each in of_law) for name in ("near", "within"))
         last += [f"{near} of {len(seeds)} within {NEAR} shots", f"{within} of {len(seeds)}", ""]
     put(table(head, [*rows, last]), "predict.md", "prediction")
-
-
-def _told(shot: float) -> str:
-    return "beyond 30" if np.isinf(shot) else f"{shot:g}"
 
 
 if __name__ == "__main__":

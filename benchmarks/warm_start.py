@@ -13,7 +13,7 @@ import numpy as np
 from benchmarks.direct import Machine, shots
 from benchmarks.learning_seeds import identified
 from benchmarks.on_all_cores import over_seeds
-from benchmarks.page_table import put, table, words
+from benchmarks.page_table import put, spread, table, told, words
 from rigkit import config as rig_file
 from vibractl.config import RigConfig
 from vibractl.quality import holds_from
@@ -115,18 +115,9 @@ def row(case: Case, law: str, runs: list[tuple[Run, Run]]) -> list[str]:
     loud = [max(worst for worst, level in zip(each.over, each.levels, strict=True) if level < 1.0) for each in warm]
     full = [next(worst for worst, level in zip(each.over, each.levels, strict=True) if level == 1.0) for each in warm]
     first = [each.over[0] for each in cold]
-    cells = [case.name, law, _spread([each.met for each in cold]), _spread([each.met for each in warm])]
+    cells = [case.name, law, spread([each.met for each in cold]), spread([each.met for each in warm])]
     cells += [f"{len(refused)} of {len(runs)}" + (f" ({where} dB)" if where else "")]
-    return [*cells, *(_spread(levels, ".0f") for levels in (loud, full, first))]
-
-
-def _spread(values: list[float], form: str = "g") -> str:
-    middle, worst = float(np.median(values)), max(values)
-    return f"{_told(middle, form)} ({_told(worst, form)})"
-
-
-def _told(value: float, form: str) -> str:
-    return "never" if np.isinf(value) else format(value, form)
+    return [*cells, *(spread(levels, ".0f") for levels in (loud, full, first))]
 
 
 def every_case(seed: int, law: str) -> list[tuple[Run, Run]]:
@@ -140,8 +131,8 @@ def main(laws: list[str], seeds: list[int]) -> None:
         of_cases = zip(*over_seeds(every_case, seeds, law=law), strict=True)
         for case, runs in zip(CASES, of_cases, strict=True):
             rows.append(row(case, law, list(runs)))
-            told = (f"{seed}: {_told(warm.met, 'g')}" for seed, (_, warm) in zip(seeds, runs, strict=True))
-            print(f"{case.name}, {law}, warm;", *told, flush=True)
+            runs_told = (f"{seed}: {told(warm.met)}" for seed, (_, warm) in zip(seeds, runs, strict=True))
+            print(f"{case.name}, {law}, warm;", *runs_told, flush=True)
     head = ["case", "law", "shot, cold", "warm", "refused"]
     head += ["over the limit, dB: check below 0 dB", "first whole shot, warm", "... cold"]
     put(table(head, rows), "library.md", "warm start")

@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks.direct import met, shots
 from benchmarks.learning_seeds import SHOT, identified
 from benchmarks.on_all_cores import over_seeds
-from benchmarks.page_table import put, table, words
+from benchmarks.page_table import put, spread, table, words
 from rigkit import config as rig_file
 from vibractl.config import RigConfig
 from vibractl.quality import decibels
@@ -91,18 +91,14 @@ def row(widths: float, runs: list[dict[object, Outcome]]) -> list[str]:
     return [
         f"{widths:g}",
         f"{len(alarmed)} of {len(runs)}",
-        _spread([run.found[0] - ONSET for run in alarmed]),
-        _spread(bands),
+        spread([run.found[0] - ONSET for run in alarmed]),
+        spread(bands),
         f"{max(spent, default=0):g}",
         f"{max((level for run in seen for level in run.chirp), default=-np.inf):.1f}",
-        _spread([ratio for run in seen for ratio in run.before], ".1f"),
-        _spread([ratio for run in seen for ratio in run.after], ".1f"),
+        spread([ratio for run in seen for ratio in run.before], ".1f"),
+        spread([ratio for run in seen for ratio in run.after], ".1f"),
         *(f"{kept}; {', '.join(of)}" for kept, of in zip(lasting, (outside, outside_alone), strict=True)),
     ]
-
-
-def _spread(values: list[float] | list[int], form: str = "g") -> str:
-    return f"{np.median(values):{form}} ({max(values):{form}})" if values else "-"
 
 
 def main(seeds: list[int]) -> None:

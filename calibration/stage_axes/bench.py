@@ -66,6 +66,11 @@ class ExcitedAxis(Protocol):
         """
 
 
+def centre_of(config: StageConfig, loop: Pid | None) -> float:
+    """Return the middle of a drive: the rest voltage, V, or where a loop is excited that of its references, m."""
+    return config.limits.rest_voltage if loop is None else sum(config.limits.extension) / 2
+
+
 @dataclass(frozen=True)
 class Bench:
     """The stage that the rig file names, with one axis excited and the others at their rest voltage.
@@ -88,8 +93,7 @@ class Bench:
     @property
     def centre(self) -> float:
         """What the drive deviates from: the rest voltage, V, or the middle of the extension's references, m."""
-        limits = self.config.limits
-        return limits.rest_voltage if self.loop is None else sum(limits.extension) / 2
+        return centre_of(self.config, self.loop)
 
     @property
     def depends(self) -> dict[str, str]:

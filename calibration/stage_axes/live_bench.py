@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calibration.stage_axes.bench import centre_of
 from stagectl.config import StageConfig
 from stagectl.link.excitation import Heard, SamplesLost, excited
 from stagectl.link.stage_link import StageLink
@@ -61,8 +62,7 @@ class LiveBench:
     @property
     def centre(self) -> float:
         """What the drive deviates from: the rest voltage, V, or the middle of the extension's references, m."""
-        limits = self.config.limits
-        return limits.rest_voltage if self.loop is None else sum(limits.extension) / 2
+        return centre_of(self.config, self.loop)
 
     @property
     def depends(self) -> dict[str, str]:

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from stagectl.planning.exact import least_time
+from stagectl.planning.pocket import check, plan
 from stagectl.planning.problem import Pocket, milling_types
 
 EXAMPLE: dict[str, Any] = {
@@ -30,6 +32,17 @@ def random_pocket(rng: np.random.Generator, rows: int, cols: int, tool: int, fee
     return Pocket(
         rows, cols, tool, feeds, rate, closed, rng.uniform(0.0, 1.0), rng.uniform(0.0, 0.3), **lifts, theta=theta
     )
+
+
+def check_random_paths(planner: str, rng: np.random.Generator, rows: int) -> None:
+    """Demand that a planner's paths are legal, complete and not below the optimum, on pockets of all kinds."""
+    for seed, (tool, feeds, closed) in enumerate(
+        (tool, feeds, closed) for tool in (2, 3) for feeds in ("EW", "EWNS") for closed in (True, False)
+    ):
+        pocket = random_pocket(rng, rows, 7, tool, feeds, closed)
+        verdict = check(pocket, plan(pocket, planner, seed))
+        assert verdict.complete
+        assert verdict.total >= least_time(pocket) - 1e-9
 
 
 Uncut = tuple[int, int, int, int]

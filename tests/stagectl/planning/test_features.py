@@ -10,7 +10,7 @@ from stagectl.planning.exact import least_time
 from stagectl.planning.features import FeaturesPlanner
 from stagectl.planning.milling import mill, total
 from stagectl.planning.pocket import check, plan
-from tests.stagectl.planning.pockets import figure_8_8, random_pocket
+from tests.stagectl.planning.pockets import check_random_paths, figure_8_8, random_pocket
 
 
 def test_random_tables_are_milled_nearly_in_the_least_time() -> None:
@@ -30,14 +30,7 @@ def test_figure_8_8_turns_when_every_segment_takes_longer_to_begin() -> None:
 
 
 def test_its_paths_are_legal_whatever_is_drawn_and_never_below_the_optimum() -> None:
-    rng = np.random.default_rng(2)
-    for seed, (tool, feeds, closed) in enumerate(
-        (tool, feeds, closed) for tool in (2, 3) for feeds in ("EW", "EWNS") for closed in (True, False)
-    ):
-        pocket = random_pocket(rng, 8, 7, tool, feeds, closed)
-        verdict = check(pocket, plan(pocket, "features", seed))
-        assert verdict.complete
-        assert verdict.total >= least_time(pocket) - 1e-9
+    check_random_paths("features", np.random.default_rng(2), rows=8)
 
 
 def test_the_weight_of_the_time_still_to_be_spent_is_learned() -> None:

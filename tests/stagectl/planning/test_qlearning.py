@@ -12,7 +12,7 @@ from stagectl.planning.pocket import check, plan
 from stagectl.planning.problem import Pocket
 from stagectl.planning.qlearning import QLearningPlanner
 from stagectl.planning.strips import untouched
-from tests.stagectl.planning.pockets import EXAMPLE, figure_8_8, random_pocket
+from tests.stagectl.planning.pockets import EXAMPLE, check_random_paths, figure_8_8, random_pocket
 
 
 def test_nearly_every_random_table_is_milled_in_the_least_time() -> None:
@@ -32,14 +32,7 @@ def test_the_worked_example_takes_23_80_seconds() -> None:
 
 
 def test_its_paths_are_legal_whatever_is_drawn_and_never_below_the_optimum() -> None:
-    rng = np.random.default_rng(4)
-    for seed, (tool, feeds, closed) in enumerate(
-        (tool, feeds, closed) for tool in (2, 3) for feeds in ("EW", "EWNS") for closed in (True, False)
-    ):
-        pocket = random_pocket(rng, 10, 7, tool, feeds, closed)
-        verdict = check(pocket, plan(pocket, "qlearning", seed))
-        assert verdict.complete
-        assert verdict.total >= least_time(pocket) - 1e-9
+    check_random_paths("qlearning", np.random.default_rng(4), rows=10)
 
 
 def test_where_lifts_are_slow_it_finds_the_optimum() -> None:
