@@ -44,10 +44,13 @@ peers: setup     ## identification against other packages, which it installs: a 
 	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[peers]'
 	$(BIN)/python -m benchmarks.identification_peers
 
-docs: setup      ## regenerate what is generated: docs/rig.toml, docs/stage.toml, docs/cell.toml, stagectl/stage.dbc
+docs: setup      ## regenerate what is generated: docs/*.toml, docs/config-reference/, stagectl/stage.dbc
 	$(BIN)/vibractl example-config > docs/rig.toml
 	$(BIN)/stagectl example-config > docs/stage.toml
 	$(BIN)/stagectl example-cell > docs/cell.toml
+	$(BIN)/python -m rigkit.config_reference vibractl.config:RigConfig rig.toml > docs/config-reference/rig.md
+	$(BIN)/python -m rigkit.config_reference stagectl.config:StageConfig stage.toml > docs/config-reference/stage.md
+	$(BIN)/python -m rigkit.config_reference stagectl.robot.config:CellConfig cell.toml > docs/config-reference/cell.md
 	$(BIN)/python -c 'import sys; from stagectl.wire.dbc import dbc_text; sys.stdout.write(dbc_text())' > stagectl/stage.dbc
 
 clean:           ## remove .venv, caches and builds

@@ -1,7 +1,7 @@
 """What a key of a rig file may hold, in words: for the comments of an example file and for errors."""
 
 from collections.abc import Sequence
-from typing import Any, Literal, get_args, get_origin
+from typing import Annotated, Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -49,7 +49,11 @@ def kind(annotation: Any) -> str:
         return " or ".join(value_text(choice) for choice in arguments)
     if origin is tuple:
         counted = "" if arguments[-1] is Ellipsis else f"{len(arguments)} "
-        return f"a list of {counted}{_MANY.get(arguments[0], 'values')}"
+        item, bounds = arguments[0], ""
+        if get_origin(item) is Annotated:
+            item, declared, *_ = get_args(item)
+            bounds = f" {_bounds(declared)}"
+        return f"a list of {counted}{_MANY.get(item, 'values')}{bounds}"
     if _is_table(annotation):
         return _ONE[dict]
     return _ONE.get(origin or annotation, str(annotation))
@@ -65,11 +69,21 @@ def wanted(field: FieldInfo) -> str:
     return ", ".join((f"{kind(field.annotation)} {_range(field)}".strip(), *_form(field)))
 
 
+def without_unit(field: FieldInfo) -> str:
+    """Say all that a key may hold but its unit, such as "a whole number >= 8000 and <= 192000"."""
+    return ", ".join((f"{kind(field.annotation)} {_bounds(field)}".strip(), *_form(field)))
+
+
 def unit(field: FieldInfo) -> str:
     """Return the unit a key was declared with, "" for none and for a pure number."""
+    name = declared_unit(field)
+    return "" if name == "1" else name
+
+
+def declared_unit(field: FieldInfo) -> str:
+    """Return the unit a key was declared with, "1" for a pure number, "" for none."""
     declared = field.json_schema_extra
-    name = declared.get("unit", "") if isinstance(declared, dict) else ""
-    return "" if name == "1" else str(name)
+    return str(declared.get("unit", "")) if isinstance(declared, dict) else ""
 
 
 def _is_table(annotation: Any) -> bool:
@@ -77,9 +91,13 @@ def _is_table(annotation: Any) -> bool:
 
 
 def _range(field: FieldInfo) -> str:
-    limited = ((sign, _limit(field, name)) for name, sign in _COMPARISONS)
-    bounds = " and ".join(f"{sign} {_number(bound)}" for sign, bound in limited if bound is not None)
+    bounds = _bounds(field)
     return f"{bounds or 'in'} {unit(field)}".strip() if bounds or unit(field) else ""
+
+
+def _bounds(field: FieldInfo) -> str:
+    limited = ((sign, _limit(field, name)) for name, sign in _COMPARISONS)
+    return " and ".join(f"{sign} {_number(bound)}" for sign, bound in limited if bound is not None)
 
 
 def _form(field: FieldInfo) -> list[str]:

@@ -17,7 +17,8 @@ from pathlib import Path
 
 import pytest
 
-from rigkit.config import example
+from rigkit.config import Section, example
+from rigkit.config_reference import reference
 from stagectl.config import StageConfig
 from stagectl.robot.config import CellConfig
 from tests.contract.source_tree import FOLDERS, PACKAGES, ROOT, Definition, definitions, imports, sources, tree
@@ -137,6 +138,15 @@ def test_the_rig_files_in_the_docs_are_those_the_programs_print() -> None:
     assert (ROOT / "docs/rig.toml").read_text() == example(RigConfig)
     assert (ROOT / "docs/stage.toml").read_text() == example(StageConfig)
     assert (ROOT / "docs/cell.toml").read_text() == example(CellConfig)
+
+
+@pytest.mark.parametrize(
+    ("name", "model"), [("rig.toml", RigConfig), ("stage.toml", StageConfig), ("cell.toml", CellConfig)]
+)
+def test_the_reference_of_a_rig_file_in_the_docs_is_up_to_date(name: str, model: type[Section]) -> None:
+    """`make docs` writes it."""
+    page = (ROOT / "docs/config-reference" / name).with_suffix(".md").read_text(encoding="utf-8")
+    assert page == reference(model, name)
 
 
 def _length(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
