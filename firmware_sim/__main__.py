@@ -100,7 +100,7 @@ def stage(
     bench = StageBench(
         place,
         image,
-        Settings(form=rig.link.form, silence=rig.link.silence, ramp=rig.limits.ramp),
+        Settings(form=rig.link.form, silence=rig.link.silence, hold=rig.link.hold, ramp=rig.limits.ramp),
         rig.laser,
         rig.stage.axes.index(laser_axis),
         mishaps,

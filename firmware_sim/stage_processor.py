@@ -64,7 +64,8 @@ class Settings:
     pace : "own" or "host"
         A block each millisecond of its own crystal; or, while it follows, one for each reference, however fast they
         come.
-    silence : float, s without host or reference that is a fault
+    silence : float, s without the host's heartbeat that is a fault
+    hold : float, s beyond `silence` for which the last reference is held before its absence is a fault
     ramp : float, s from anywhere to mid-travel
     ahead : int, blocks of references that wait before they are followed
     others_every : int, blocks from one extension and voltage to the next; 0 for none
@@ -73,6 +74,7 @@ class Settings:
     form: Literal["fd", "classic"] = "fd"
     pace: Literal["own", "host"] = "own"
     silence: float = messages.SILENCE
+    hold: float = messages.HOLD
     ramp: float = 0.1
     ahead: int = 2
     others_every: int = 10
@@ -108,7 +110,7 @@ class StageProcessor:
         self._queue = ReferenceQueue(settings.ahead if settings.pace == "own" else 1)
         self._store = ParameterStore(loops.commit)
         self._references = messages.REFERENCE if settings.form == "fd" else messages.SLOW_REFERENCE
-        self._stream = ReferenceStream(self._references, self._queue, settings.silence)
+        self._stream = ReferenceStream(self._references, self._queue, settings.silence + settings.hold)
         self._due = self._host = now
         self._longest_gap = 0.0
         self._answered: tuple[int, ...] = ()
@@ -247,7 +249,7 @@ class StageProcessor:
         return Result.DONE
 
     def _excite(self, argument: int, now: float) -> Result:
-        """Let an axis be excited; so much waits before it begins that what `silence` lets pass is not heard in it."""
+        """Let an axis be excited; so much waits before it begins that a wait that is no fault is not heard in it."""
         if self.state is not State.HOLDING or self.fault is not Fault.NONE:
             return Result.WRONG_STATE
         try:
@@ -258,7 +260,7 @@ class StageProcessor:
         except ValueError:
             return Result.REFUSED
         self.frames.shows_all = True
-        ahead = round(min(2 * self._settings.silence, messages.LONGEST_AHEAD) / PERIOD)
+        ahead = round(min(2 * (self._settings.silence + self._settings.hold), messages.LONGEST_AHEAD) / PERIOD)
         return self._start(messages.DRIVES[drive], ahead, State.EXCITED, now)
 
     def _acknowledge(self) -> Result:

@@ -6,7 +6,7 @@ from pydantic import model_validator
 
 from rigkit.config import Section, setting
 from stagectl.wire.bus_load import least_load
-from stagectl.wire.messages import SILENCE
+from stagectl.wire.messages import HOLD, SILENCE
 
 CLASS = r"^[\w.]+:\w+$"
 
@@ -23,8 +23,14 @@ class Link(Section):
     data_bitrate: int = setting(5_000_000, "bit/s", "of a CAN FD frame's data", ge=1_000_000, le=8_000_000)
     options: dict[str, Any] = setting({}, "", "more keywords the bus is built with, such as interface")
     origin: float = setting(225e-6, "m", "position that is zero on the wire: mid-travel", ge=-1e-2, le=1e-2)
-    silence: float = setting(SILENCE, "s", "without a sign of the stage that is a fault", ge=0.01, le=10)
+    silence: float = setting(SILENCE, "s", "without a heartbeat of the host that is a fault", ge=0.01, le=10)
+    hold: float = setting(HOLD, "s", "beyond silence, for which references, and the stage, may stay away", ge=0, le=10)
     patience: float = setting(2.0, "s", "for the stage to be heard at first, and to answer", ge=0.05, le=60)
+
+    @property
+    def stall(self) -> float:
+        """Time without references, or a heartbeat of the stage, that is a fault, s."""
+        return self.silence + self.hold
 
     @model_validator(mode="after")
     def _fits_on_the_bus(self) -> Self:

@@ -66,13 +66,13 @@ class Conversation:
         inbox, silence = self.inbox, now - self.inbox.heard
         inbox.counts.longest_silence = max(inbox.counts.longest_silence, silence)
         self._has_followed |= inbox.state is self._led
-        if not silence <= self._link.silence:
-            self.latch(f"the stage is silent for {silence:.3g} s, must be <= {self._link.silence:g} s")
+        if not silence <= self._link.stall:
+            self.latch(f"the stage is silent for {silence:.3g} s, must be <= {self._link.stall:g} s")
         elif inbox.fault is not Fault.NONE:
             self.latch(f"the stage reports {inbox.fault.name}")
         elif self._has_followed and inbox.state is not self._led:
             self.latch(f"the stage has stopped following by itself, it is {inbox.state.name}")
-        elif inbox.counts.longest_gap * PERIOD > self._link.silence:
+        elif inbox.counts.longest_gap * PERIOD > self._link.stall:
             self.latch(f"{inbox.counts.longest_gap} blocks from the stage are lost in a row")
 
     def lose(self, reason: str) -> None:

@@ -33,7 +33,7 @@ class StageLink:
     """The stage behind its bus: a context manager that holds the bus open, with the stage at mid-travel until `start`.
 
     Whatever goes wrong while the stage follows - adapter unplugged, stage silent, in fault or no longer following,
-    frames lost for longer than `silence`, a reference out of range - latches: the heartbeat says so, which sends the
+    frames lost for longer than `stall`, a reference out of range - latches: the heartbeat says so, which sends the
     stage to mid-travel, no reference goes out any more, the Blocks raise `LinkFault`, which stops their clock, and
     `reason` says why.  The adapter is opened again when it is back, but nothing starts again by itself: `acknowledge`,
     then `start`.
@@ -141,7 +141,7 @@ class StageLink:
         return inbox.rings[name], inbox.newest[name]
 
     def start(self) -> None:
-        """Let the stage follow the references, from mid-travel on; the first must come within its `silence`.
+        """Let the stage follow the references, from mid-travel on; the first must come within its `stall`.
 
         Raises
         ------
@@ -197,7 +197,7 @@ class StageLink:
         reason = self.reason or (self.stage_fault.name if self.stage_fault is not Fault.NONE else "")
         to_clear("the link to the stage", reason, by)
         heard = self._now() - self._conversation.inbox.heard
-        if not (self._carrier.is_up and heard <= max(self.link.silence, _AGAIN)):
+        if not (self._carrier.is_up and heard <= max(self.link.stall, _AGAIN)):
             raise LinkError(f"{by} cannot acknowledge yet: the stage on {self.link.channel} is not heard")
         if not self._until(lambda: self.state in (State.HOLDING, State.FAULT), self.link.patience):
             raise LinkError(f"{by} cannot acknowledge yet: the stage is {self.state.name}")

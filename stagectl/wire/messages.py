@@ -15,7 +15,9 @@ PERIOD = BLOCK / RATE
 HEARTBEAT = 0.005
 """s between heartbeats."""
 SILENCE = 0.020
-"""s without a heartbeat, or without a reference while following, after which the other end is given up."""
+"""s without a heartbeat of the host after which the stage goes to mid-travel."""
+HOLD = 0.030
+"""s beyond `SILENCE` for which references, and the stage's heartbeat, may stay away: a tty's stalls."""
 LONGEST_AHEAD = 0.2
 """s of an excitation that wait at the stage before it is played, at most."""
 

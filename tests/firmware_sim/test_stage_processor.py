@@ -71,14 +71,14 @@ def test_stop_brings_it_to_mid_travel_and_to_hold() -> None:
 
 
 def garble(bench: Bench) -> None:
-    for _ in range(30):
+    for _ in range(55):
         bench.say(messages.HOST_HEARTBEAT, HostState.STREAMING, 0, 0)
         bench.processor.receive(Frame(messages.REFERENCE.identifier, bytes(64), True), bench.now)
         bench.step(1e-3)
 
 
 def beat_only(bench: Bench) -> None:
-    for _ in range(30):
+    for _ in range(55):
         bench.say(messages.HOST_HEARTBEAT, HostState.STREAMING, 0, 0)
         bench.step(1e-3)
 
@@ -95,7 +95,7 @@ def latch_the_loops(bench: Bench) -> None:
 
 
 def lose_many(bench: Bench) -> None:
-    bench.refer(1e-5, skip=25)
+    bench.refer(1e-5, skip=55)
     bench.step(1e-3)
 
 

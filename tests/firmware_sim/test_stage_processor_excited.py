@@ -11,7 +11,7 @@ VOLTAGE_OF_Y = 256 * Drive.VOLTAGE + 1
 
 
 def excited() -> Bench:
-    bench = Bench(silence=0.02)
+    bench = Bench(silence=0.02, hold=0.0)
     assert bench.ask(Command.EXCITE, VOLTAGE_OF_Y)[1] == Result.DONE
     assert bench.excited == (Drive.VOLTAGE, 1)
     bench.stream(60, 4.0, layout=messages.VOLTAGE_DRIVE)
@@ -82,7 +82,7 @@ def test_a_host_that_is_lost_ends_it_at_rest_with_closed_loops(says: HostState |
 
 
 def test_references_of_positions_are_not_played_in_it() -> None:
-    bench = Bench(silence=0.02)
+    bench = Bench(silence=0.02, hold=0.0)
     bench.ask(Command.EXCITE, VOLTAGE_OF_Y)
     bench.stream(199)
     assert not np.any(bench.references)

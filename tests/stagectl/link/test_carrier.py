@@ -46,8 +46,8 @@ BEAT = message(messages.STAGE_HEARTBEAT.identifier, messages.STAGE_HEARTBEAT.pac
 
 
 def test_a_host_that_stood_still_reads_what_waits_before_it_takes_the_stage_for_silent() -> None:
-    assert listened([POSITION, BEAT, POSITION], stall=0.05).reason == ""
+    assert listened([POSITION, BEAT, POSITION], stall=0.08).reason == ""
 
 
 def test_a_stage_without_heartbeat_is_silent_whatever_else_it_sends() -> None:
-    assert listened([POSITION, POSITION], stall=0.05).reason.startswith("the stage is silent for 0.05 s")
+    assert listened([POSITION, POSITION], stall=0.08).reason.startswith("the stage is silent for 0.08 s")

@@ -66,10 +66,10 @@ def ask_too_much(talk: Talk) -> None:
 @pytest.mark.parametrize(
     ("go_wrong", "reason"),
     [
-        (lambda talk: talk.step(0.021), "the stage is silent for 0.021 s, must be <= 0.02 s"),
+        (lambda talk: talk.step(0.051), "the stage is silent for 0.051 s, must be <= 0.05 s"),
         (lambda talk: talk.beat(State.RAMPING, Fault.SENSOR_STUCK), "the stage reports SENSOR_STUCK"),
         (hold_by_itself, "the stage has stopped following by itself, it is HOLDING"),
-        (lambda talk: talk.measure(skip=21), "21 blocks from the stage are lost in a row"),
+        (lambda talk: talk.measure(skip=51), "51 blocks from the stage are lost in a row"),
         (lambda talk: talk.conversation.lose("the adapter has gone"), "the adapter has gone"),
         (ask_too_much, r"Reference: x is 0.0004 m in sample 0, must be within \+-0.00032767 m"),
     ],
