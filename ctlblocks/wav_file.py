@@ -12,13 +12,13 @@ LARGEST_WAV = 2**32 - 2**17
 """Bytes of samples beyond which the container is RF64: what four-byte lengths can say, less room for the header."""
 LONGEST_COMMENT = 50_000
 """Bytes.  libsndfile 1.2.2 drops a comment of more than 51 195 bytes in silence (and reads no more than 2045 back)."""
-_MARK = b'{"ctlblocks": 1, '
+MARK = b'{"ctlblocks": 1, '
 _PLAIN = {"FLOAT": "float32", "PCM_16": "float32", "PCM_24": "float32", "PCM_32": "float64", "DOUBLE": "float64"}
 
 
 def write(path: Path, data: np.ndarray, rate: float, about: dict[str, Any]) -> None:
     """Write samples, shape (frames, channels), float32 or float64, and `about`; ValueError where a WAV cannot."""
-    comment = _MARK.decode() + json.dumps(about)[1:]
+    comment = MARK.decode() + json.dumps(about)[1:]
     if len(comment) > LONGEST_COMMENT:
         raise ValueError(f"names, units and provenance take {len(comment)} bytes, must be <= {LONGEST_COMMENT}")
     if not rate.is_integer() or rate >= 2**31 or data.shape[1] > 1024:
@@ -47,7 +47,7 @@ def read(path: Path) -> tuple[np.ndarray, float, dict[str, Any]]:
         found, said = (*data.shape, file.samplerate), (size // align, channels, rate)
     if found != said:
         raise ValueError(f"samples, channels, samples/s are {found}, the header says {said}")
-    comment = chunks.get(b"LIST", b"").partition(_MARK)[2].partition(b"\0")[0]
+    comment = chunks.get(b"LIST", b"").partition(MARK)[2].partition(b"\0")[0]
     return data, float(rate), json.loads(b"{" + comment) if comment else {}
 
 

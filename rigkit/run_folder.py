@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from rigkit import atomic, line_file
+from rigkit.growing_wav import finish, unfinished
 from rigkit.json_text import json_text
 from rigkit.lock import FolderInUseError, Lock
 
@@ -146,6 +147,14 @@ class RunFolder:
             path.unlink()
         for name in (EVENTS, QUALITY):
             line_file.repair(self.path / name)
+        for growing in list(unfinished(self.path)):
+            finish(growing)
+
+
+def make_whole(path: Path) -> None:
+    """Finish the recordings that were growing when a run was killed; ValueError while it is still at work."""
+    if any(unfinished(path)):
+        RunFolder.open(path).close()
 
 
 def read_events(path: str | Path) -> list[dict[str, Any]]:

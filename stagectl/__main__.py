@@ -9,7 +9,7 @@ import typer
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, application, print_table, run, words, write_json
 from rigkit.progress import progress
-from rigkit.run_folder import RunFolder
+from rigkit.run_folder import RunFolder, make_whole
 from rigkit.stop import Stopped, stoppable
 from stagectl import session
 from stagectl.config import StageConfig
@@ -108,6 +108,8 @@ def _end(figures: dict[str, Any], path: Path, json: str | None) -> None:
     print_table(f"{path}: {figures['seconds']:g} s", head, rows, words(json))
     for axis, factor in figures.get("improvement", {}).items():
         print(f"{axis}: {factor:.1f} times better than uncompensated", file=words(json))
+    if figures.get("lost"):
+        print(f"{figures['lost']} samples are not recorded: the disk was too slow, or full", file=words(json))
     if (path / "report.html").exists():
         print(f"report: {path / 'report.html'}", file=words(json))
     write_json(json, figures)
@@ -149,6 +151,7 @@ def report_command(
 
     Example: `stagectl report RUN/ --png figures/`
     """
+    make_whole(path)
     figures = cell_report(path, png) if is_of_cell(path) else run_report(path, png)
     print(f"report: {path / 'report.html'}", file=words(json))
     write_json(json, figures)

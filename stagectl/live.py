@@ -4,17 +4,18 @@ from collections.abc import Callable
 from typing import Any
 
 from ctlblocks import Graph, Port, recording
-from ctlblocks.recording import Recording
-from ctlblocks.replay import Record, Replay
+from ctlblocks.recording import RecordingError
+from ctlblocks.replay import Replay
 from rigkit.provenance import now, software
 from rigkit.run_folder import RunFolder
+from rigkit.stream_recorder import Stream, StreamRecorder
 from stagectl.link.blocks import Newest, Receive, Send
 from stagectl.link.clock import run_linked
 from stagectl.link.priority import undisturbed
 from stagectl.link.stage_link import StageLink
 from stagectl.link.upload import upload
 from stagectl.reference import wanted_position
-from stagectl.session import RECORDING, summary
+from stagectl.session import RECORDED_LIVE, RECORDING, summary
 from stagectl.setup import Setup
 from stagectl.stage.inner_parameters import inner_parameters
 from stagectl.stage.loop import inner_loops
@@ -38,7 +39,7 @@ def run_live(folder: RunFolder, made: Setup, stopped: Callable[[], bool]) -> dic
     LinkError : the bus cannot be opened, the stage is not heard, or a fault has latched; its reason is in the events.
     """
     with StageLink(made.config.link, folder.event) as link:
-        graph, record = _graph(link, made)
+        graph, recorder = _graph(link, made, folder)
         folder.event("started", {"software": software(), "channel": made.config.link.channel})
         graph.prepare()
         if made.designs:
@@ -47,47 +48,51 @@ def run_live(folder: RunFolder, made: Setup, stopped: Callable[[], bool]) -> dic
             parameters |= inner_parameters(axes, inner_loops(made.config))
             folder.event("uploaded", {"crc": f"{upload(link, parameters):08x}"})
         try:
-            with undisturbed():
+            with undisturbed(), recorder:
                 link.start()
                 run_linked(graph, link, made.timeline.total // link.frames, stopped)
-                link.stop()  # writing takes longer than the stage waits for references
+                link.stop()  # finishing takes longer than the stage waits for references
         finally:
-            if record.position:
-                _keep(folder, made, record)
-    figures = summary(folder.path, made)
+            _keep(folder, made, recorder)
+    figures = summary(folder.path, made) | {"lost": recorder.lost}
     folder.summarise(figures)
     return figures
 
 
-def _graph(link: StageLink, made: Setup) -> tuple[Graph, Record]:
-    axes, times = len(made.config.stage.axes), made.timeline
+def _graph(link: StageLink, made: Setup, folder: RunFolder) -> tuple[Graph, StreamRecorder]:
+    axes, times = made.config.stage.axes, made.timeline
     wanted = wanted_position(made.config, times)
     graph = Graph(link.rate, link.frames)
-    ports = [Port(name, "V" if name == "voltage" else "m", axes) for name in _CHANNELS]
-    record = Record(ports, times.total)
+    ports = tuple(Port(name, "V" if name == "voltage" else "m", len(axes)) for name in RECORDED_LIVE)
+    names = tuple(f"{name}_{axis}" for name in RECORDED_LIVE for axis in axes)
+    about = {"rig": made.config.rig.name, "date": now(), "software": software()}
+    recorder = StreamRecorder(Stream(folder.path / f"{RECORDING}.wav", ports, names, about), folder.event)
     for name, block in (
         ("wanted", Replay(wanted, {"reference": wanted.names})),
         ("send", Send(link)),
         ("position", Receive(link)),
         ("extension", Newest(link, "extension")),
         ("voltage", Newest(link, "voltage")),
-        ("record", record),
+        ("record", recorder),
     ):
         graph.add(name, block)
     graph.connect("wanted.reference", "send.reference")
-    for name in _CHANNELS:
+    for name in RECORDED_LIVE:
         source = "wanted.reference" if name == "reference" else f"{name}.{name}"
         graph.connect(source, f"record.{name}")
-    return graph, record
+    return graph, recorder
 
 
-_CHANNELS = ("reference", "position", "extension", "voltage")
-
-
-def _keep(folder: RunFolder, made: Setup, record: Record) -> None:
-    kept, axes = record.recording(), made.config.stage.axes
-    names = tuple(f"{name}_{axis}" for name in _CHANNELS for axis in axes)
-    about = {"rig": made.config.rig.name, "date": now(), "software": software()}
-    path = folder.path / f"{RECORDING}.{made.config.session.recording}"
-    recording.write(path, Recording(names, kept.units, kept.rate, kept.data, about))
-    folder.event("recorded", {"recording": RECORDING, "samples": len(kept.data)})
+def _keep(folder: RunFolder, made: Setup, recorder: StreamRecorder) -> None:
+    """Convert what was recorded to the format that the rig file asks for."""
+    if not recorder.files:
+        return
+    if made.config.session.recording == "csv":
+        for path in recorder.files:
+            try:
+                recording.write(path.with_suffix(".csv"), recording.read(path))
+            except RecordingError as fault:
+                folder.event("kept_as_wav", {"recording": path.name, "text": str(fault)})
+            else:
+                path.unlink()
+    folder.event("recorded", {"recording": RECORDING, "samples": recorder.recorded, "lost": recorder.lost})

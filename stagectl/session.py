@@ -11,9 +11,10 @@ import numpy as np
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file
+from rigkit.disk_space import bytes_of, require
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder
-from stagectl.cell import Cell, simulated
+from stagectl.cell import MADE, SEEN, Cell, simulated
 from stagectl.config import StageConfig
 from stagectl.reference import wanted_position
 from stagectl.setup import Setup, setup
@@ -21,6 +22,8 @@ from stagectl.tracking import tracking
 
 RECORDING, UNCOMPENSATED = "recording", "uncompensated"
 """Names of a run's recordings, less the suffix."""
+RECORDED_LIVE = ("reference", "position", "extension", "voltage")
+"""What is recorded of a live run."""
 
 Tell = Callable[[str, int], None]
 
@@ -38,10 +41,12 @@ def create(path: Path, config: StageConfig, models: Sequence[Path]) -> tuple[Run
     Raises
     ------
     ValueError : models, reference and settings do not fit together, or the folder is in use; nothing is written.
+    OSError : there is no room on the disk for the recordings; nothing is written.
     """
     made = setup(config, models)
     wanted_position(config, made.timeline)
     made.compensation()
+    _require_space(path, made)
     folder = RunFolder.create(path, rig_file.dump(config))
     for axis, model in zip(config.stage.axes, models, strict=bool(models)):
         shutil.copyfile(model, folder.path / model_name(axis))
@@ -157,6 +162,17 @@ def error_of(record: Recording, made: Setup, wanted: str, measured: str) -> np.n
 def _measures(record: Recording, made: Setup, wanted: str, measured: str) -> dict[str, dict[str, float]]:
     error = error_of(record, made, wanted, measured)
     return {axis: asdict(tracking(column)) for axis, column in zip(made.config.stage.axes, error.T, strict=True)}
+
+
+def _require_space(path: Path, made: Setup) -> None:
+    """Refuse a run whose recordings the disk cannot hold."""
+    session, signals = made.config.session, len(SEEN) + len(MADE) + 1
+    suffixes: list[str] = [session.recording] * (1 + session.compare)
+    if session.live:
+        signals, suffixes = len(RECORDED_LIVE), ["wav"] * (session.recording == "csv") + [session.recording]
+    samples, channels = made.timeline.total, signals * len(made.config.stage.axes)
+    needed = sum(bytes_of(samples, channels, "float64", suffix) for suffix in suffixes)
+    require(path, needed, f"{samples / made.timeline.rate:g} s of {channels} channels")
 
 
 def _designed(made: Setup) -> Mapping[str, Any]:

@@ -103,7 +103,7 @@ def _begin(session: Session, json: str | None) -> None:
     """Learn from the first shot on; a run that comes to nothing leaves no folder."""
     try:
         _learn(session, session.config.session.shots, json)
-    except (AudioError, ValueError):
+    except (AudioError, ValueError, OSError):
         if session.untouched:
             session.folder.withdraw()
         raise

@@ -11,6 +11,7 @@ import numpy as np
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file
+from rigkit.disk_space import bytes_of, megabytes, require
 from rigkit.provenance import software
 from rigkit.run_folder import RunFolder, read_quality
 from vibractl.audio import Line
@@ -147,9 +148,11 @@ class Session:
         ------
         ValueError : the next drive would break a limit of the guard.
         AudioError : the audio has failed; what is recorded stays.
+        OSError : the disk has no room for the shots that are left, or fails; what is recorded stays.
         """
         if self.done >= shots:
             return
+        self._require_space(shots - self.done)
         seconds = self.learner.shot.total / self.learner.shot.rate
         with Line(self.config, seconds=seconds, on_discard=self._discarded) as line:
             self.folder.event("started", {"shot": self.done, "round_trip": line.round_trip, "software": software()})
@@ -167,6 +170,14 @@ class Session:
         figures = summary(read_quality(self.folder.path), self._made)
         self.folder.summarise(figures)
         return figures
+
+    def _require_space(self, shots: int) -> None:
+        """Refuse to begin what the disk cannot hold; a tenth more for what is kept of lines."""
+        audio = self.config.audio
+        sensors = len(audio.response_channels) + len(audio.far_field_channels)
+        channels = len(audio.drive_channels) + sensors + 1
+        a_shot = bytes_of(self.learner.shot.total, channels, "float32", self.config.session.recording)
+        require(self.folder.path, round(1.1 * shots * a_shot), f"{shots} shots of {megabytes(a_shot)}")
 
     def _shoot(self, line: Line) -> Marks:
         capture = line.emit(self.learner.drive)

@@ -4,9 +4,9 @@ from collections import deque
 
 import numpy as np
 
+from rigkit.ring import Ring
 from stagectl.link.account import Counts, Status
 from stagectl.link.capture import Capture
-from stagectl.link.ring import Ring
 from stagectl.wire import messages, samples
 from stagectl.wire.layout import GarbledError, Layout
 from stagectl.wire.messages import AXES, RATE, Fault, State

@@ -4,7 +4,7 @@ from collections import deque
 
 import numpy as np
 
-from stagectl.link.ring import Ring
+from rigkit.ring import Ring
 from stagectl.wire import messages, samples
 from stagectl.wire.layout import Layout
 from stagectl.wire.messages import AXES, BLOCK, RATE, Command, HostState

@@ -10,13 +10,13 @@ from typing import Self
 import numpy as np
 
 from rigkit.latch import to_clear
+from rigkit.ring import Ring
 from stagectl.link.account import Counts, Status
 from stagectl.link.bus import LinkError
 from stagectl.link.capture import Capture
 from stagectl.link.carrier import Carrier
 from stagectl.link.config import Link
 from stagectl.link.conversation import Conversation
-from stagectl.link.ring import Ring
 from stagectl.link.tell import Tell, nobody
 from stagectl.wire.bus_load import excited_load
 from stagectl.wire.messages import BLOCK, RATE, Command, Drive, Fault, HostState, Result, State

@@ -10,8 +10,8 @@ from typing import Self
 import numpy as np
 
 from ctlblocks.block import Block, Port
+from rigkit.ring import Ring
 from stagectl.link.bus import LinkError
-from stagectl.link.ring import Ring
 from stagectl.link.robot_stream import Requests, Stream
 from stagectl.robot.config import Robot
 from stagectl.robot.port import RobotPort

@@ -18,6 +18,7 @@ from firmware_sim.stage_excitation import Excitation
 from firmware_sim.stage_image import Held, StickingStage
 from firmware_sim.toroid_blocks import Toroid
 from firmware_sim.tracker_block import TrackerView
+from rigkit.stream_recorder import Stream, StreamRecorder
 from stagectl import config as stage
 from stagectl.deflection import DeflectionReference
 from stagectl.link.blocks import Excite, Newest, Receive, Send
@@ -182,6 +183,10 @@ def _report_pose(block: LiveSeen) -> None:
     block.pair.stage.signal("position")[1].fill(1e-6)
 
 
+def _hear(*_: object) -> None:
+    """Listen to no event."""
+
+
 EXAMPLES: dict[type[Block], Example] = {
     Sum: Example(lambda: Sum("+-", width=2)),
     Gain: Example(lambda: Gain(-2.5, width=2)),
@@ -190,6 +195,9 @@ EXAMPLES: dict[type[Block], Example] = {
     RateHold: Example(lambda: RateHold(40, width=2)),
     replay.Replay: Example(_replay),
     replay.Record: Example(lambda: replay.Record([Port("left"), Port("right", width=2)], 400)),
+    StreamRecorder: Example(
+        lambda: StreamRecorder(Stream(Path("x.wav"), (Port("left"), Port("right", width=2)), ("a", "b", "c")), _hear)
+    ),
     Guard: Example(lambda: Guard(Limits(ramp=0.002, rms=0.05), 2), start=Guard.open),
     Trial: Example(lambda: Trial(NOISE, 2, margin=50)),
     Learner: Example(_learner),

@@ -18,7 +18,7 @@ from rigkit import atomic
 from rigkit.run_folder import CONFIG, SUMMARY, RunFolder, read_events, read_quality
 
 SHOTS = 3
-CALLS = ("open", "write", "fsync", "replace", "ftruncate", "close", "mkdir", "unlink")
+CALLS = ("open", "write", "pwrite", "fsync", "replace", "rename", "ftruncate", "close", "mkdir", "unlink")
 
 
 def sound(number: int) -> bytes:
@@ -58,8 +58,8 @@ def kill_at(step: int) -> Callable[[], None]:
             nonlocal count
             count += 1
             if count == step:
-                if name == "write":
-                    call(arguments[0], arguments[1][: len(arguments[1]) // 2])
+                if name in ("write", "pwrite"):
+                    call(arguments[0], arguments[1][: len(arguments[1]) // 2], *arguments[2:])
                 os.kill(os.getpid(), signal.SIGKILL)
             return call(*arguments, **options)
 

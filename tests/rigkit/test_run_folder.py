@@ -9,8 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ctlblocks import recording
+from rigkit.growing_wav import Channels, GrowingWav
 from rigkit.lock import FolderInUseError
-from rigkit.run_folder import RunFolder, read_events, read_quality
+from rigkit.run_folder import RunFolder, make_whole, read_events, read_quality
 
 
 @pytest.fixture
@@ -76,6 +78,17 @@ def test_what_a_kill_left_is_swept_up_when_the_folder_is_opened(path: Path) -> N
     assert list((path / "shots").iterdir()) == []
     assert (path / "events.jsonl").read_bytes() == b'{"event": "shot"}\n'
     assert (path / "qc.csv").read_text() == "shot,iae\n0,1.5\n1,0.75\n"
+
+
+def test_a_recording_that_grew_when_its_run_was_killed_is_made_whole(path: Path) -> None:
+    with RunFolder.create(path, ""):
+        file = GrowingWav(path / "recording.wav", Channels(("a",), ("V",), 10_000.0, {}))
+        file.append(np.ones((100, 1)))
+        with pytest.raises(ValueError, match="is in use by process"):
+            make_whole(path)
+    make_whole(path)
+    assert (recording.read(path / "recording.wav").data == np.ones((100, 1))).all()
+    assert [entry.name for entry in path.glob("rec*")] == ["recording.wav"]
 
 
 def test_an_event_carries_the_time_in_utc_its_kind_and_its_fields(path: Path) -> None:

@@ -17,6 +17,7 @@ from stagectl.config import StageConfig
 from stagectl.replay import replay
 from stagectl.report import run_report
 from stagectl.scenario import scenario_settings
+from tests.rigkit.test_disk_space import leave
 from tests.stagectl.simulated_models import write_models
 
 QUICK = ["session.recording=wav", "session.lead=0.6", "outer.mistuning=0.0"]
@@ -114,6 +115,16 @@ def test_a_reference_outside_the_travel_is_refused_before_anything_is_written(tm
     recording.write(file, Recording(("x", "y", "z"), ("m",) * 3, 1_000.0, np.full((10, 3), 5e-4)))
     with pytest.raises(ValueError, match=r"0.0005 to 0.0005 m, must be within limits.travel 2e-05 to 0.00043 m"):
         finished(tmp_path, f"reference.signal={file}")
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_run_for_which_there_is_no_room_is_refused_before_anything_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    leave(200e6, monkeypatch)
+    config, models = rig_file.load(None, StageConfig, [*QUICK, "session.seconds=100"]), write_models(tmp_path)
+    with pytest.raises(OSError, match="100.8.* s of 21 channels may take 169.* MB, 200 MB are free"):
+        session.create(tmp_path / "run", config, models)
     assert not (tmp_path / "run").exists()
 
 

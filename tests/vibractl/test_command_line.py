@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.rigkit.test_disk_space import leave
 from tests.vibractl.linear_rig import linear_model
 from vibractl.__main__ import main
 
@@ -31,3 +32,16 @@ def test_a_run_that_cannot_start_is_one_line_and_leaves_nothing(
     assert len(errors) == 1
     assert words in errors[0]
     assert not out.exists()
+
+
+def test_a_run_for_which_there_is_no_room_is_one_line_and_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    leave(200e6, monkeypatch)
+    command = ["vibractl", "run", "--model", str(linear_model(tmp_path)), "--out", str(tmp_path / "run")]
+    monkeypatch.setattr("sys.argv", [*command, "--shots", "100", "--set", "audio.isolated=false"])
+    assert main() == 2
+    errors = [line for line in capsys.readouterr().err.splitlines() if "learning" not in line]
+    assert len(errors) == 1
+    assert "run: 100 shots of 4.941 MB may take 543.5 MB, 200 MB are free and 67.11 MB of it stay so" in errors[0]
+    assert not (tmp_path / "run").exists()
