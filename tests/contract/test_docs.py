@@ -29,7 +29,9 @@ LONGEST_FUNCTION = 40
 CONTRACT_LINES = 800
 
 DEVICES = {"sounddevice", "can", "serial", "socket"}
-EDGES = re.compile(r"firmware_sim/.*|vibractl/audio\.py|stagectl/link/(bus|slcan|robot_\w+)\.py|.*/__main__\.py")
+EDGES = re.compile(
+    r"firmware_sim/.*|rigkit/service/sockets\.py|vibractl/audio\.py|stagectl/link/(bus|slcan|robot_\w+)\.py|.*/__main__\.py"
+)
 
 _ENTRY = re.compile(r"^(\w+(?:, \w+)*) : (.+(?:\n +.+)*)", re.MULTILINE)
 _SHAPE = re.compile(

@@ -1,0 +1,178 @@
+"""What every request passes before anything looks at it: name, origin, rate, token and size."""
+
+import time
+from collections.abc import Awaitable, Callable, Mapping, MutableMapping
+from dataclasses import dataclass
+from typing import Any
+
+from rigkit.json_text import json_text
+from rigkit.service.access import Role, Tokens
+from rigkit.service.rate import Rates
+
+LARGEST_BODY = 65_536
+"""Bytes of a request."""
+BURST = 2.0
+"""s of the long-run rate that may come at once."""
+TOLD = 1.0, 20.0
+"""Refusals of one address that are told, a second in the long run, and at once."""
+STOP = "/api/stop"
+"""Is never too frequent."""
+TOKEN = "token."
+"""Begins the WebSocket subprotocol that carries the token, since a page can set no header there."""
+STREAM = "vibrostage.1"
+"""The subprotocol that is spoken."""
+
+Scope = MutableMapping[str, Any]
+Message = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[Message]]
+Send = Callable[[Message], Awaitable[None]]
+App = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+_HEADERS = {
+    "Content-Security-Policy": "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; "
+    "form-action 'none'; object-src 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cache-Control": "no-store",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+_ENCODED = [(name.lower().encode(), value.encode()) for name, value in _HEADERS.items()]
+
+
+class Refusal(Exception):
+    """A request that goes no further: HTTP status, and why."""
+
+    def __init__(self, status: int, why: str) -> None:
+        super().__init__(why)
+        self.status = status
+
+
+@dataclass(frozen=True)
+class Rules:
+    """What the gate goes by.
+
+    Parameters
+    ----------
+    names, origins : frozenset of str
+        What Host and Origin may be.
+    tokens : Tokens
+    rate : float, 1/s
+        Requests of one address.
+    is_open : callable(path) -> bool
+        Which paths need no token: the page itself, which holds nothing of the rig.
+    refused : callable(fields)
+        Told of every refusal.
+    """
+
+    names: frozenset[str]
+    origins: frozenset[str]
+    tokens: Tokens
+    rate: float
+    is_open: Callable[[str], bool]
+    refused: Callable[[Mapping[str, Any]], None]
+
+
+class Gate:
+    """An ASGI application in front of another; the role goes on in `scope["state"]["role"]`.
+
+    Parameters
+    ----------
+    app : ASGI application
+    rules : Rules
+    """
+
+    def __init__(self, app: App, rules: Rules) -> None:
+        self._app, self._rules = app, rules
+        self._requests = Rates(rules.rate, max(1.0, BURST * rules.rate))
+        self._told = Rates(*TOLD)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Let a request through, or refuse it."""
+        if scope["type"] == "lifespan":
+            await self._app(scope, receive, send)
+            return
+        try:
+            self._look_at(scope)
+        except Refusal as refusal:
+            await self._refuse(scope, send, refusal)
+            return
+        if scope["type"] == "websocket":
+            await self._app(scope, receive, send)
+            return
+        await self._app(scope, _capped(receive), _with_headers(send))
+
+    def _look_at(self, scope: Scope) -> None:
+        address, now = _address(scope), time.monotonic()
+        if scope["path"] != STOP and not self._requests.allows(address, now):
+            raise Refusal(429, "too many requests")
+        headers = {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
+        host, origin = headers.get("host", ""), headers.get("origin")
+        if host.lower() not in self._rules.names:
+            raise Refusal(403, f"the host {host[:80]!r} is not one of this daemon's names (daemon.hosts)")
+        if origin is not None and origin.lower() not in self._rules.origins:
+            raise Refusal(403, f"the origin {origin[:80]!r} is not a page of this daemon's")
+        if int(headers.get("content-length", "0") or 0) > LARGEST_BODY:
+            raise Refusal(413, f"a request of {headers['content-length']} bytes, must be <= {LARGEST_BODY}")
+        if scope["type"] == "http" and self._rules.is_open(scope["path"]):
+            return
+        role = self._role(scope, headers)
+        if scope["type"] == "http" and scope["method"] not in ("GET", "HEAD") and role != "operate":
+            raise Refusal(403, "this token may view; commands need the one that may operate")
+        scope.setdefault("state", {})["role"] = role
+
+    def _role(self, scope: Scope, headers: Mapping[str, str]) -> Role:
+        given = headers.get("authorization", "")
+        token = given[7:] if given[:7].lower() == "bearer " else ""
+        if scope["type"] == "websocket" and not token:
+            offered = (each.strip() for each in headers.get("sec-websocket-protocol", "").split(","))
+            token = next((each.removeprefix(TOKEN) for each in offered if each.startswith(TOKEN)), "")
+        role = self._rules.tokens.role(token)
+        if role is None:
+            raise Refusal(401, "the token is not this daemon's" if token else "there is no token")
+        return role
+
+    async def _refuse(self, scope: Scope, send: Send, refusal: Refusal) -> None:
+        address = _address(scope)
+        if self._told.allows(address, time.monotonic()):
+            fields = {"address": address, "path": scope["path"][:200], "status": refusal.status, "why": str(refusal)}
+            self._rules.refused(fields)
+        if scope["type"] == "websocket":
+            await send({"type": "websocket.close", "code": 1008, "reason": str(refusal)[:120]})
+            return
+        await answer(send, refusal.status, {"error": str(refusal)})
+
+
+async def answer(send: Send, status: int, told: Mapping[str, Any]) -> None:
+    """Send a whole answer of JSON."""
+    headers = [(b"content-type", b"application/json"), *_ENCODED]
+    if status == 401:
+        headers.append((b"www-authenticate", b"Bearer"))
+    await send({"type": "http.response.start", "status": status, "headers": headers})
+    await send({"type": "http.response.body", "body": json_text(told).encode()})
+
+
+def _address(scope: Scope) -> str:
+    return str(scope["client"][0]) if scope.get("client") else "socket"
+
+
+def _capped(receive: Receive) -> Receive:
+    """Cut off a body that turns out longer than it may be, whatever it said of itself."""
+    seen = 0
+
+    async def capped() -> Message:
+        nonlocal seen
+        message = await receive()
+        seen += len(message.get("body", b""))
+        return message if seen <= LARGEST_BODY else {"type": "http.disconnect"}
+
+    return capped
+
+
+def _with_headers(send: Send) -> Send:
+    async def sending(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            own = {name.lower() for name, _ in message.get("headers", ())}
+            message["headers"] = [*message.get("headers", ()), *(pair for pair in _ENCODED if pair[0] not in own)]
+        await send(message)
+
+    return sending

@@ -1,0 +1,75 @@
+"""What an edit of a rig file touches, so that the least is done for it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+from pydantic import BaseModel
+
+from rigkit.toml_text import key_text
+
+
+class Reach(IntEnum):
+    """How deep an edit goes, the least first."""
+
+    NOTHING = 0
+    """No value has changed."""
+    PARAMETERS = 1
+    """Values that are taken over while a procedure goes on."""
+    GRAPH = 2
+    """What is built anew, aside, and taken when it may be."""
+    DEVICES = 3
+    """What has to be closed and opened again."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """An edit of a rig file.
+
+    Parameters
+    ----------
+    keys : mapping of str to Reach
+        Every key whose value has changed.
+    done : str
+        What was done for it and when it holds, in a sentence.
+    """
+
+    keys: Mapping[str, Reach]
+    done: str = ""
+
+    @property
+    def reach(self) -> Reach:
+        """The deepest of them."""
+        return max(self.keys.values(), default=Reach.NOTHING)
+
+
+def change(old: BaseModel, new: BaseModel, reaches: Mapping[str, Reach]) -> Change:
+    """Compare two rig files.
+
+    Parameters
+    ----------
+    old, new : Section
+        Of one model.
+    reaches : mapping of str to Reach
+        How deep an edit of a table ("audio"), or of a key in it ("audio.attempts"), goes; the longer name counts.
+        What is not named is GRAPH.
+    """
+    return Change({key: _reach(key, reaches) for key in _differing(old.model_dump(), new.model_dump(), ())})
+
+
+def _differing(old: Mapping[str, Any], new: Mapping[str, Any], path: tuple[str, ...]) -> list[str]:
+    found: list[str] = []
+    for name in dict.fromkeys((*old, *new)):
+        before, after = old.get(name), new.get(name)
+        if isinstance(before, Mapping) and isinstance(after, Mapping):
+            found += _differing(before, after, (*path, name))
+        elif before != after or type(before) is not type(after):
+            found.append(key_text(*path, name))
+    return found
+
+
+def _reach(key: str, reaches: Mapping[str, Reach]) -> Reach:
+    parts = key.split(".")
+    names = (".".join(parts[:length]) for length in range(len(parts), 0, -1))
+    return next((reaches[name] for name in names if name in reaches), Reach.GRAPH)

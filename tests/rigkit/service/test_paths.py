@@ -1,0 +1,43 @@
+"""Paths from outside stay within."""
+
+from pathlib import Path
+
+import pytest
+
+from rigkit.service.paths import confined
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "../token",
+        "a/../../token",
+        "/etc/passwd",
+        "a//b",
+        ".lock",
+        "a/.hidden",
+        "",
+        ".",
+        "..",
+        "a/",
+        "a\0b",
+        "..\\token",
+    ],
+)
+def test_what_leads_out_or_is_hidden_is_refused(tmp_path: Path, text: str) -> None:
+    with pytest.raises(PermissionError):
+        confined(tmp_path, text)
+
+
+def test_a_link_that_leads_out_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "runs").mkdir()
+    (tmp_path / "token").write_text("secret")
+    (tmp_path / "runs" / "innocent").symlink_to(tmp_path / "token")
+    (tmp_path / "runs" / "folder").symlink_to(tmp_path)
+    for text in ("innocent", "folder/token"):
+        with pytest.raises(PermissionError, match="leads out"):
+            confined(tmp_path / "runs", text)
+
+
+def test_what_is_within_is_there(tmp_path: Path) -> None:
+    assert confined(tmp_path, "monday/shots/0000.wav") == tmp_path / "monday/shots/0000.wav"
