@@ -8,6 +8,7 @@ from rigkit.config import Section, setting
 from stagectl.link.config import CLASS, Link
 from stagectl.robot.clamp_config import Clamping
 from stagectl.robot.midranging.config import MidrangeConfig
+from stagectl.robot.milling.feed_config import ForceFeed
 from stagectl.robot.toroid_config import Feedback, Plants, Toroid
 
 Box = tuple[float, float, float]
@@ -95,3 +96,4 @@ class CellConfig(Section):
     toroid: Toroid = Field(default_factory=Toroid)
     feedback: Feedback = Field(default_factory=Feedback)
     plants: Plants = Field(default_factory=Plants)
+    force: ForceFeed = Field(default_factory=ForceFeed)

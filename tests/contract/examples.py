@@ -9,6 +9,7 @@ import numpy as np
 from ctlblocks import Block, Port, recording, replay
 from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
 from firmware_sim.clamped_robot import ClampedRobot
+from firmware_sim.feed_blocks import FedTool
 from firmware_sim.guided_robot import GuidedRobot
 from firmware_sim.macro_micro_blocks import MacroMicro
 from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, VibratorImpulseResponse
@@ -45,6 +46,9 @@ from stagectl.robot.midranging.live_pair import LivePair, LiveSeen, LiveSend
 from stagectl.robot.midranging.reference_governor import Governor
 from stagectl.robot.midranging.tuning import LoopModel, lambda_tuned
 from stagectl.robot.midranging.valve_position import ValvePosition, ValvePositionAxis
+from stagectl.robot.milling.feed_config import ForceFeed
+from stagectl.robot.milling.feed_force import FeedForce
+from stagectl.robot.milling.nominal_velocity import nominal_velocity
 from stagectl.robot.port import RobotPort
 from stagectl.robot.port_blocks import JointCommand, JointReport, PoseCommand, PoseReport
 from stagectl.robot.program import MotorTorque, RobotProgram, TorqueSignals
@@ -258,5 +262,7 @@ EXAMPLES: dict[type[Block], Example] = {
     ),
     StageReference: Example(lambda: StageReference((2e-5, 4.3e-4), 0.1, ("x", "y", "z"), lambda _: None), rate=250.0),
     Standstill: Example(Standstill, rate=250.0),
+    FedTool: Example(FedTool, rate=250.0),
+    FeedForce: Example(lambda: FeedForce(ForceFeed(force=0.1), nominal_velocity(250.0)), rate=250.0),
     Segments: Example(lambda: Segments(POCKET, lambda: planner("exact", POCKET)), rate=250.0),
 }

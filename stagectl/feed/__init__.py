@@ -1,0 +1,1 @@
+"""Milling with force-controlled feed: `stagectl force`."""

@@ -1,0 +1,52 @@
+"""The table of the robot cell's file that force-controlled feed reads."""
+
+from typing import Literal
+
+from rigkit.config import Section, setting
+
+
+class ForceFeed(Section):
+    """Force-controlled feed: what force is wanted, what is known before, how quickly it learns, and its limits."""
+
+    force: float = setting(10.0, "N", "wanted: of the horizontal force on the tool", gt=0, le=1e3)
+    stiffness: float = setting(75e3, "N/m", "K_f, of tool, robot and workpiece together", ge=1e3, le=1e7)
+    kappa: float = setting(4e-4, "m/(N s)", "first guess of the rate of removal for a force", ge=1e-5, le=0.1)
+    beta: float = setting(0.5, "", "first guess of the force across the feed over that against it", ge=-5, le=5)
+    kappa_deviation: float = setting(2e-3, "m/(N s)", "standard deviation of that guess, at each segment", gt=0, le=1)
+    beta_deviation: float = setting(0.5, "", "standard deviation of that guess, at each segment", gt=0, le=10)
+    kappa_drift: float = setting(1e-4, "m/(N s)", "by which kappa wanders in a second", gt=0, le=1)
+    beta_drift: float = setting(0.1, "", "by which beta wanders in a second", gt=0, le=10)
+    force_noise: float = setting(0.15, "N", "standard deviation of the force sensor's noise", gt=0, le=100)
+    velocity_noise: float = setting(3e-4, "m/s", "standard deviation of the velocity's noise", gt=0, le=0.1)
+    activation: float = setting(
+        2.0, "", "control begins when both deviations are below so many times what they come to", gt=1, le=100
+    )
+    start: Literal["gentle", "constant"] = setting(
+        "gentle", "", "until then: the feed rises until there is force enough, or is `initial`, as in the thesis"
+    )
+    initial: float = setting(15e-3, "m/s", "highest feed before control", gt=0, le=0.2)
+    approach: float = setting(3e-3, "m/s", "gentle: feed to begin with", gt=0, le=0.2)
+    rise: float = setting(0.05, "m/s^2", "gentle: by which it rises", gt=0, le=10)
+    enough: float = setting(0.5, "", "gentle: until this share of the force wanted is there", gt=0, le=1)
+    contact: float = setting(1.0, "N", "the tool touches, and is learned from, beyond that force", gt=0, le=100)
+    lost: float = setting(0.1, "s", "without half of that, contact is lost", ge=0.004, le=10)
+    highest: float = setting(0.1, "m/s", "feed", gt=0, le=0.25)
+    acceleration: float = setting(2.0, "m/s^2", "of the feed wanted", gt=0, le=100)
+    overload: float = setting(80.0, "N", "force at which the tool retreats", gt=0, le=1e3)
+    blind: float = setting(0.02, "s", "without a valid force the tool retreats", ge=0.004, le=1)
+    retreat: float = setting(0.02, "m/s", "speed of a retreat, back along the segment", gt=0, le=0.2)
+    distance: float = setting(2e-3, "m", "of a retreat", gt=0, le=0.1)
+    integral: float = setting(
+        0.05, "s", "outer loop: time in which the integral weighs as the force itself", gt=0, le=10
+    )
+    effort: float = setting(
+        1.0, "", "outer loop: weight of the feed, as the force it makes at the integral's frequency", gt=0, le=1e3
+    )
+    adapted: bool = setting(True, "", "outer loop: gains follow kappa and beta, else they are those of the first guess")
+    velocity_integral: float = setting(0.05, "s", "inner loop: as `integral`, of velocity", gt=0, le=10)
+    velocity_effort: float = setting(
+        1.0, "", "inner loop: weight of the reference beside that of the velocity", gt=0, le=1e3
+    )
+    doubt: float = setting(
+        0.3, "", "inner loop: rms noise at the model's input over that of its innovations", ge=0, le=100
+    )
