@@ -6,10 +6,10 @@ from typing import Annotated
 
 import typer
 
-from calibration.foreign_record import read_channels
 from calibration.hysteresis import PLAYS, Settings, fit
 from calibration.hysteresis_report import FIT_HEAD, Judged, fit_rows, hysteresis_figures, hysteresis_report, judged
 from rigkit.command import JsonOption, print_table, words, write_json
+from rigkit.foreign_record import read_channels
 from rigkit.provenance import now, software
 from stagectl.stage.hysteresis_file import write_hysteresis
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from scipy.signal.windows import tukey
 
-from ctlblocks import recording
+from rigkit.foreign_record import read_signals
 
 LONGEST = 60.0
 """s, longest reference of one shot."""
@@ -111,7 +111,7 @@ def _numbers(text: str, rest: str, count: int, rate: float) -> list[float]:
 
 
 def _from_file(path: Path, text: str, rate: float, outputs: int, step: int) -> Reference:
-    data = recording.read(path, rate=rate).data
+    data = read_signals(path, rate).data
     frames, width = data.shape
     if width not in (1, outputs):
         wanted = "1 channel" if outputs == 1 else f"1 or {outputs} channels"

@@ -5,7 +5,6 @@ from typing import Annotated, cast
 
 import typer
 
-from calibration.foreign_record import read_channels
 from calibration.identification.report import (
     CANDIDATE_HEAD,
     FIT_HEAD,
@@ -20,6 +19,7 @@ from calibration.identification.report import (
 from calibration.identification.workflow import Identification, Method, identify_recording
 from ctlblocks.recording import Recording
 from rigkit.command import JsonOption, print_table, words, write_json
+from rigkit.foreign_record import read_channels
 from stagectl.model_file import write_model
 
 

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from calibration.foreign_record import read_channels
 from calibration.joint_clamping.results import LINK, JointResult, of_map
 from calibration.joint_clamping.torque_map import TorqueMap
+from rigkit.foreign_record import read_channels
 
 ANGLES = {"rad": 1.0, "mrad": 1e-3, "urad": 1e-6, "deg": 0.017453292519943295, "1": 1.0}
 TORQUES = {"N m": 1.0, "Nm": 1.0, "N*m": 1.0, "mN m": 1e-3, "1": 1.0}

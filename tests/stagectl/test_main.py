@@ -51,6 +51,7 @@ def test_a_run_ends_with_a_table_figures_and_a_report_and_can_be_replayed(
         (["--set", "outer.bandwith=3"], "bandwidth"),
         (["--scenario", "turning"], "scenario is 'turning', must be one of milling-x, milling-y, milling-z"),
         (["--live", "--scenario", "milling-x"], "--scenario is for the simulator"),
+        (["--live", "--set", "link.channel=/dev/ttyNONE"], "cannot open link.channel '/dev/ttyNONE'"),
     ],
 )
 def test_a_mistake_is_one_line_and_status_2_and_leaves_no_folder(

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ctlblocks.recording import read
+from rigkit.foreign_record import read_signals
 
 PERIOD, AMPLITUDE = 4.0, 2e-3
 """s and m of the square wave of both simulations: its steps saturate the inner control signal."""
@@ -72,7 +72,10 @@ def scenario(name: str, rate: float) -> Scenario:
         return Scenario(name, wave, {"gains": GAINS}, PERIOD)
     if Path(name).suffix.lower() not in (".csv", ".wav"):
         raise ValueError(f"scenario is {name!r}, must be table-3.1, {', '.join(SECONDS)}, or a CSV or WAV file")
-    return Scenario(Path(name).stem, read(name, rate=rate, channels=1).data[:, 0].astype(np.float64))
+    found = read_signals(Path(name), rate)
+    if len(found.names) != 1:
+        raise ValueError(f"{name}: channels are {', '.join(found.names)}, must be 1")
+    return Scenario(Path(name).stem, found.data[:, 0].astype(np.float64))
 
 
 def scenarios(name: str, rate: float) -> dict[str, Scenario]:
@@ -91,7 +94,7 @@ def scenarios(name: str, rate: float) -> dict[str, Scenario]:
     if name == TOROID:
         return {axis: Scenario(TOROID, wanted) for axis, wanted in zip("yz", toroid(rate).T, strict=True)}
     if Path(name).suffix.lower() in (".csv", ".wav"):
-        found = read(name, rate=rate)
+        found = read_signals(Path(name), rate)
         if found.data.shape[1] > 1:
             return {
                 axis: Scenario(Path(name).stem, found.select([axis]).data[:, 0].astype(float)) for axis in found.names

@@ -6,9 +6,9 @@ import h5py
 import numpy as np
 import pytest
 
-from calibration.foreign_record import read_channels
 from ctlblocks import recording
 from ctlblocks.recording import Recording, RecordingError
+from rigkit.foreign_record import read_channels
 
 DATA = np.arange(12.0).reshape(6, 2)
 
@@ -116,5 +116,5 @@ def test_what_is_no_such_file_is_refused(tmp_path: Path) -> None:
 def test_a_rate_that_nobody_says_is_asked_for(tmp_path: Path) -> None:
     path = tmp_path / "data.csv"
     path.write_text("u,y\n1,2\n3,4\n")
-    with pytest.raises(RecordingError, match="give it with --rate"):
+    with pytest.raises(RecordingError, match="does not say its rate"):
         read_channels(path, ["u"], None)

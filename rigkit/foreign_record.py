@@ -51,6 +51,31 @@ def read_channels(path: Path, channels: Sequence[str], rate: float | None) -> Re
     return found
 
 
+def read_signals(path: Path, rate: float | None = None) -> Recording:
+    """Read all of a CSV or WAV file but a column of time.
+
+    Parameters
+    ----------
+    path : Path
+        As for `read_channels`, but no HDF5.
+    rate : float or None, samples/s
+        None: what the file says.
+
+    Raises
+    ------
+    RecordingError : a file that is not there or not whole, no rate or another one, nothing but time.
+    """
+    if not path.is_file():
+        raise RecordingError(f"{path}: there is no such file")
+    found = _from_table(path, rate)
+    if rate is not None and not abs(found.rate - rate) <= STEADY * rate:
+        raise RecordingError(f"{path}: {found.rate:.9g} samples/s, must be {rate:.9g}")
+    signals = [name for name in found.names if name.lower() not in TIME]
+    if not signals:
+        raise RecordingError(f"{path}: holds nothing but {', '.join(found.names)}")
+    return found.select(signals)
+
+
 def _named(path: Path, found: Recording, channel: str) -> str:
     """Return the name of a channel given by name or number."""
     if channel in found.names:
@@ -122,7 +147,7 @@ def _rate(path: Path, names: Sequence[str], data: np.ndarray, rate: float | None
     timed = [number for number, name in enumerate(names) if name.lower() in TIME]
     if not timed:
         if rate is None:
-            raise RecordingError(f"{path}: does not say its rate; give it with --rate")
+            raise RecordingError(f"{path}: does not say its rate: give that, or a column of time in s")
         return rate
     time = data[:, timed[0]]
     period = float(time[-1] - time[0]) / (len(time) - 1)
@@ -143,7 +168,7 @@ def _from_hdf5(path: Path, channels: Sequence[str], rate: float | None) -> Recor
         said_lengths = ", ".join(f"{name} {length}" for name, length in lengths.items())
         raise RecordingError(f"{path}: the datasets have different lengths, {said_lengths}")
     if said is None and rate is None:
-        raise RecordingError(f"{path}: does not say its rate; give it with --rate")
+        raise RecordingError(f"{path}: does not say its rate: give that, or a column of time in s")
     try:
         found = float(np.asarray(rate if said is None else said).item())
     except (ValueError, TypeError):
