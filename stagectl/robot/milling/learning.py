@@ -1,0 +1,144 @@
+"""Iterative learning control of a milled path, (5.8) and (5.11): one law, whatever the error was measured with."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stagectl.models import InnovationModel
+from stagectl.robot.milling.axis_model import AxisModel, robot_response
+from stagectl.robot.milling.model_inverse import Inverse, inverse
+from stagectl.robot.milling.zero_phase import filtered, low_pass
+
+AXES = 3
+
+
+@dataclass(frozen=True, eq=False)
+class ProcessModel:
+    """What milling adds to the robot: f = G_M y_n and d = G_K f.
+
+    Parameters
+    ----------
+    force : InnovationModel, three inputs and outputs
+        G_M, from the tool's position (m) to the force on it (N).
+    compliance : InnovationModel, three inputs and outputs
+        G_K, from the force on the tool (N) to its deflection (m).
+
+    Source
+    ------
+    Sörnmo 2015, eq. (5.1).
+    """
+
+    force: InnovationModel
+    compliance: InnovationModel
+
+    def __post_init__(self) -> None:
+        """Refuse models of other signals."""
+        for name, model in (("force", self.force), ("compliance", self.compliance)):
+            if (model.inputs, model.outputs) != (AXES, AXES):
+                raise ValueError(f"the {name} model is {model.outputs} x {model.inputs}, must be 3 x 3")
+
+    def coupling(self, frequency: np.ndarray) -> np.ndarray:
+        """Return G_K G_M, complex, shape (bins, 3, 3), 1, at frequencies, shape (bins,), Hz."""
+        found: np.ndarray = self.compliance.frequency_response(frequency) @ self.force.frequency_response(frequency)
+        return found
+
+    def deflection(self, force: np.ndarray, rate: float) -> np.ndarray:
+        """Return G_K f over a whole trial, shape (N, 3), m, for the force on the tool, shape (N, 3), N.
+
+        Parameters
+        ----------
+        force : array, shape (N, 3), N
+        rate : float, samples/s
+        """
+        return filtered(force, rate, self.compliance.frequency_response)
+
+
+@dataclass(frozen=True, eq=False)
+class LearningLaw:
+    """u_{k+1} = u_k + Q L (I - G_K G_M) e_k.
+
+    Without a process it is the law of free space (5.8), with one that of milling (5.11).  Methods 1 to 3 share it and
+    differ in e alone.
+
+    Parameters
+    ----------
+    axes : three AxisModel
+        G_R of x, y and z.
+    process : ProcessModel or None
+    cutoff : float, Hz
+        Of Q, a low-pass without phase.
+    highest : float, Hz
+        Nothing is learned above, since no model knows anything there.
+    gain : float, 1
+        Factor on the correction; 1 for all of it at once.
+    kind : "regularised" or "mirrored"
+        How L inverts G_R.
+    epsilon : float, 1
+        Of the regularised inverse.
+
+    Source
+    ------
+    Sörnmo 2015, eqs (5.8) and (5.11).
+    """
+
+    axes: tuple[AxisModel, ...]
+    process: ProcessModel | None = None
+    cutoff: float = 10.0
+    highest: float = 25.0
+    gain: float = 1.0
+    kind: Inverse = "regularised"
+    epsilon: float = 1e-3
+
+    def step(self, frequency: np.ndarray) -> np.ndarray:
+        """Return Q L (I - G_K G_M), complex, shape (bins, 3, 3), 1, at frequencies, shape (bins,), Hz."""
+        passed = self.gain * low_pass(frequency, self.cutoff, highest=self.highest)
+        rows = np.stack([inverse(axis, frequency, self.kind, self.epsilon) for axis in self.axes], axis=-1)
+        found: np.ndarray = (passed[:, None] * rows)[..., None] * (np.eye(AXES) - self._coupling(frequency))
+        return found
+
+    def plant(self, frequency: np.ndarray) -> np.ndarray:
+        """Return (I - G_K G_M)^-1 G_R of (5.10), complex, shape (bins, 3, 3), 1, at frequencies, shape (bins,), Hz."""
+        found: np.ndarray = np.linalg.solve(
+            np.eye(AXES) - self._coupling(frequency), robot_response(self.axes, frequency)
+        )
+        return found
+
+    def _coupling(self, frequency: np.ndarray) -> np.ndarray:
+        if self.process is None:
+            return np.zeros((len(frequency), AXES, AXES), complex)
+        return self.process.coupling(frequency)
+
+
+def update(sent: np.ndarray, error: np.ndarray, law: LearningLaw) -> np.ndarray:
+    """Return the path to send in the next trial, u_{k+1}, shape (N, 3), m.
+
+    Parameters
+    ----------
+    sent : array, shape (N, 3), m
+        u_k, the path sent in this one.
+    error : array, shape (N, 3), m
+        e_k, sample by sample beside it.
+    law : LearningLaw
+
+    Raises
+    ------
+    ValueError : lengths that differ, or a value that is not finite.
+    """
+    sent, error = np.asarray(sent, float), np.asarray(error, float)
+    if sent.shape != error.shape:
+        raise ValueError(f"the path sent has shape {sent.shape} and the error {error.shape}, must be alike")
+    return np.asarray(sent + filtered(error, law.axes[0].rate, law.step))
+
+
+def predicted(position: np.ndarray, change: np.ndarray, law: LearningLaw) -> np.ndarray:
+    """Return where the tool is to go in the next trial, shape (N, 3), m, by (5.10).
+
+    Parameters
+    ----------
+    position : array, shape (N, 3), m
+        y_n of this trial, measured or estimated.
+    change : array, shape (N, 3), m
+        u_{k+1} - u_k.
+    law : LearningLaw
+    """
+    return np.asarray(position + filtered(change, law.axes[0].rate, law.plant))
