@@ -38,6 +38,8 @@ class GuidedRobot(RobotOptions, Block):
     mute : float, s, when it begins to be silent
     mute_for : float, s
     trip : float, s, when torque supervision puts the brakes on
+    run : int
+        Which run of the same arm: from 1 on the sensors' noise is another.
 
     Others: those of `RobotOptions`.
     """
@@ -47,6 +49,7 @@ class GuidedRobot(RobotOptions, Block):
     mute: float = option(NEVER, "s", 0.0)
     mute_for: float = option(0.02, "s", 0.0)
     trip: float = option(NEVER, "s", 0.0)
+    run: int = option(0, "", 0)
 
     def __post_init__(self) -> None:
         """Refuse what is out of range, and lay out the ports."""
@@ -60,6 +63,8 @@ class GuidedRobot(RobotOptions, Block):
     def prepare(self, rate: float, frames: int) -> None:
         """Put it at rest where it starts."""
         self.plant = RobotPlant(rate=rate, **chosen(self, RobotOptions))
+        if self.run:
+            self.plant.renew_noise(self.run)
         start = np.array(self.start, float) if len(self.start) else self.plant.home
         gears, setup = draw_gear_error(self.seed, self.gear_error), GuidedMotion()
         self.plant.place(start + (gears[:, 0] * np.sin(gears[:, 1] * start + gears[:, 2])).sum(axis=0))

@@ -44,6 +44,8 @@ class TrackerView(Block):
     lost, unseen : float, 0 to 1, part of the samples
     blind, blind_for : float, s, when it begins to see nothing, and for how long
     jump_at, jump : float, s and m, when an LED of the workpiece is taken for another, and how far off that is
+    run : int
+        Which run beside the same cameras: from 1 on noise and losses are others, the volume's warp is not.
     """
 
     seed: int = option(1, "", 0)
@@ -57,6 +59,7 @@ class TrackerView(Block):
     blind_for: float = option(1.0, "s", 0.0)
     jump_at: float = option(NEVER, "s", 0.0)
     jump: float = option(5e-3, "m", 0.0, 1.0)
+    run: int = option(0, "", 0)
 
     def __post_init__(self) -> None:
         """Refuse what is out of range, and lay out the ports."""
@@ -73,6 +76,8 @@ class TrackerView(Block):
         wave = self._rng.standard_normal((3, WAVES, 3))
         wave *= 2 * np.pi / self._rng.uniform(*LENGTHS, (3, WAVES, 1)) / np.linalg.norm(wave, axis=2, keepdims=True)
         self._warp = wave, self._rng.uniform(0, 2 * np.pi, (3, WAVES)), self.warp * np.sqrt(2 / WAVES)
+        if self.run:
+            self._rng = np.random.default_rng([self.seed, 440, self.run])
         self._rate, self._late = rate, round(self.delay * rate)
         self._done, self._counter, self._next = 0, 0, 0
         self._sent: deque[tuple[int, np.ndarray]] = deque()

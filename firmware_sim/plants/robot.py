@@ -111,6 +111,10 @@ class RobotPlant(RobotOptions):
         self._drives[1] = load
         place(parts.state[LINK], parts.tilt, parts.links, self.tool, self._shown)
 
+    def renew_noise(self, run: int) -> None:
+        """Draw the sensors' noise of another run of the same arm."""
+        self._random[:] = np.random.default_rng([self.seed, 1, run]).integers(1, 2**63, 1, np.uint64)
+
     def run(
         self,
         reference: np.ndarray,

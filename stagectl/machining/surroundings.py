@@ -52,7 +52,7 @@ def recorded(recordings: Mapping[str, Recording]) -> Surroundings:
             parts += [("laser", "tracker", LASER), ("plant", "stage", PLATE)]
         sources = {} if plan.has_stage else dict(_no_stage(graph))
         for name, recording, signals in parts:
-            graph.add(name, _played(recordings[recording], signals), EVERY[recording])
+            graph.add(name, played(recordings[recording], signals), EVERY[recording])
             sources |= {signal.name: (f"{name}.{signal.name}", False) for signal in signals}
         return sources
 
@@ -93,5 +93,6 @@ def _no_stage(graph: Graph) -> dict[str, tuple[str, bool]]:
     return {"position": ("still.base", False), "absolute": ("still.base", False)}
 
 
-def _played(record: Recording, signals: tuple[Signal, ...]) -> Replay:
+def played(record: Recording, signals: tuple[Signal, ...]) -> Replay:
+    """Return what plays signals of a recording, a port each."""
     return Replay(record, {signal.name: signal.channels for signal in signals})

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from stagectl.robot.arm import Arm
-from stagectl.robot.kinematics import forward, jacobian
+from stagectl.robot.kinematics import forward
+from stagectl.robot.tool_path import joints_at, ramped
 from stagectl.robot.toroid_config import Toroid
 
-ROUNDS = 6
-"""Of Newton's method; from the middle of the circle three leave nothing to see."""
 TAIL = 0.5
 """s, at rest after the circle."""
 
@@ -44,15 +43,8 @@ class ToroidPath:
 
     def way(self, time: np.ndarray) -> np.ndarray:
         """Return how far along the circle the tool is, m, at times, shape (n,), s: same shape."""
-        toroid = self.toroid
-        ramp = min(toroid.ramp, self.length / toroid.feed)
-        since = np.clip(np.asarray(time) - toroid.lead, 0.0, self.end - toroid.lead)
-        left = self.end - toroid.lead - since
-        way = since - 0.5 * ramp
-        begun, ending = since < ramp, left < ramp
-        way[begun] = _eased(since[begun], ramp)
-        way[ending] = self.length / toroid.feed - _eased(left[ending], ramp)
-        return np.asarray(toroid.feed * way)
+        toroid, seconds = self.toroid, self.length / self.toroid.feed
+        return np.asarray(toroid.feed * ramped(np.asarray(time) - toroid.lead, seconds, min(toroid.ramp, seconds)))
 
     def wanted(self, time: np.ndarray) -> np.ndarray:
         """Return where the tool is to be in the workpiece, shape (n, 3), m, at times, shape (n,), s."""
@@ -73,23 +65,4 @@ class ToroidPath:
         ValueError : the arm does not reach it within its limits.
         """
         home = np.array(self.toroid.home)
-        middle, wanted = forward(arm, home), self.wanted(time)
-        angle = np.tile(home, (len(wanted), 1))
-        for _ in range(ROUNDS):
-            now = forward(arm, angle)
-            gap = np.concatenate(
-                [middle[:3, 3] - wanted - now[:, :3, 3], _turn(now[:, :3, :3], middle[:3, :3])], axis=1
-            )
-            angle += np.linalg.solve(jacobian(arm, angle), gap[..., None])[..., 0]
-        arm.refuse_outside(angle)
-        return angle
-
-
-def _eased(time: np.ndarray, ramp: float) -> np.ndarray:
-    """Return the way, s at full feed, after so long (s) of a raised-cosine ramp of the feed: same shape."""
-    return np.asarray(0.5 * (time - ramp / np.pi * np.sin(np.pi * time / ramp)))
-
-
-def _turn(now: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """Return the small rotation from orientations (n, 3, 3) to another (3, 3): shape (n, 3), rad."""
-    return np.asarray(0.5 * np.cross(now, wanted[None], axisa=1, axisb=1, axisc=1).sum(axis=2))
+        return joints_at(arm, home, forward(arm, home)[:3, 3] - self.wanted(time))

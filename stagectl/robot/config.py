@@ -9,6 +9,7 @@ from stagectl.link.config import CLASS, Link
 from stagectl.robot.clamp_config import Clamping
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.milling.feed_config import ForceFeed
+from stagectl.robot.pocket_config import Learning, Pocket
 from stagectl.robot.toroid_config import Feedback, Plants, Toroid
 
 Box = tuple[float, float, float]
@@ -97,3 +98,5 @@ class CellConfig(Section):
     feedback: Feedback = Field(default_factory=Feedback)
     plants: Plants = Field(default_factory=Plants)
     force: ForceFeed = Field(default_factory=ForceFeed)
+    pocket: Pocket = Field(default_factory=Pocket)
+    learning: Learning = Field(default_factory=Learning)

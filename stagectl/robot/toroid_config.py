@@ -53,6 +53,10 @@ class Plants(Section):
     robot_options: dict[str, Any] = setting({}, "", "keywords it is built with, beside simulator.options")
     cut: str = setting("firmware_sim.toroid_blocks:Toroid", "", "module:Class of the cut's Block", pattern=CLASS)
     cut_options: dict[str, Any] = setting({}, "", "keywords it is built with")
+    pocket: str = setting(
+        "firmware_sim.milling_blocks:PocketCut", "", "module:Class of the pocket's Block", pattern=CLASS
+    )
+    pocket_options: dict[str, Any] = setting({}, "", "keywords it is built with")
     tracker: str = setting(
         "firmware_sim.tracker_block:TrackerView", "", "module:Class of the tracker's Block", pattern=CLASS
     )

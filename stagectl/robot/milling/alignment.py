@@ -88,7 +88,7 @@ def _smooth(signal: np.ndarray, rate: float) -> np.ndarray:
 
 
 def _mismatch(reference: np.ndarray, late: np.ndarray, step: float, shortest: int) -> float:
-    """Return the mean square of what is left between them at a shift of `step` samples; infinite with little overlap."""
+    """Return the mean square of what is left between them, shifted by `step` samples; infinite with little overlap."""
     first, last = max(0, int(np.ceil(-step))), min(len(reference), int(np.floor(len(late) - 1 - step)) + 1)
     if last - first < shortest:
         return float(np.inf)

@@ -4,32 +4,43 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stagectl.robot.milling.axis_model import diagonal
 from stagectl.robot.milling.learning import AXES, LearningLaw
 
 LINES = 400
 """Frequencies looked at."""
+LEAST = 0.01
+"""Of Q and the gain, from which on a frequency counts as learned."""
 
 
 @dataclass(frozen=True, eq=False)
 class Doubt:
-    """How far off the models may be.
+    """What else the robot and the process may be than their models.
 
     Parameters
     ----------
     frequency : array, shape (bins,), Hz, rising
-    robot : array, shape (bins, 3), 1
-        |G_R - its model| of each direction: measured response against model, and its uncertainty.
+    robot : complex array, shape (bins, 3), 1
+        G_R of each direction as it was measured, without a model.
+    spread : array, shape (bins, 3), 1
+        How far off that may be.
     process : float, 1
         Part of G_K G_M by which it may be larger or smaller.
     """
 
     frequency: np.ndarray
     robot: np.ndarray
+    spread: np.ndarray
     process: float
 
-    def of_robot(self, frequency: np.ndarray) -> np.ndarray:
-        """Return the doubt about G_R at frequencies, shape (bins,), Hz: shape (bins, 3); beyond the ends as there."""
-        return np.stack([np.interp(frequency, self.frequency, each) for each in self.robot.T], axis=-1)
+    def at(self, frequency: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return response and spread, both of shape (bins, 3), at frequencies, shape (bins,), Hz; at rest it is 1."""
+        known = np.concatenate([[0.0], self.frequency])
+        responses = np.concatenate([np.ones((1, AXES)), self.robot])
+        spreads = np.concatenate([np.zeros((1, AXES)), self.spread])
+        found = [np.stack([np.interp(frequency, known, each) for each in side.T], axis=-1) for side in (
+            responses.real, responses.imag, spreads)]  # fmt: skip
+        return found[0] + 1j * found[1], found[2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +84,8 @@ class Contraction:
 def contraction(law: LearningLaw, doubt: Doubt | None = None) -> Contraction:
     """Hold a law against the models, and against all that they might be instead.
 
-    Looked at are frequencies from rest to `law.highest`; above, nothing is learned and errors stay as they are.
+    Looked at are frequencies at which at least a hundredth of an error is learned; where it is less, errors stay as
+    they are.
 
     Parameters
     ----------
@@ -92,21 +104,22 @@ def contraction(law: LearningLaw, doubt: Doubt | None = None) -> Contraction:
 
     Departs
     -------
-    The doubt about G_R comes in by the triangle inequality, that about G_K G_M by its ends.
+    P is that of the measured response as well as that of the models; the response's spread comes in by the triangle
+    inequality, the doubt about G_K G_M by its ends.
     """
     frequency = np.linspace(0.0, law.highest, LINES)
-    step, plant = law.step(frequency), law.plant(frequency)
-    factor = _largest(np.eye(AXES) - plant @ step)
+    frequency = frequency[law.passed(frequency) >= LEAST]
+    step = law.step(frequency)
+    factor = _largest(np.eye(AXES) - law.plant(frequency) @ step)
     if doubt is None:
         return Contraction(frequency, factor, factor)
-    robot = np.stack([axis.response(frequency) for axis in law.axes], axis=-1)
-    coupling = np.zeros_like(plant) if law.process is None else law.process.coupling(frequency)
+    robot, spread = doubt.at(frequency)
+    coupling = np.zeros_like(step) if law.process is None else law.process.coupling(frequency)
     bound = factor
     for share in (1.0 - doubt.process, 1.0, 1.0 + doubt.process):
         milled = np.linalg.inv(np.eye(AXES) - share * coupling)
-        missed = _largest(np.eye(AXES) - (milled * robot[:, None, :]) @ step)
-        unsure = _largest(milled * doubt.of_robot(frequency)[:, None, :]) * _largest(step)
-        bound = np.maximum(bound, missed + unsure)
+        missed = _largest(np.eye(AXES) - milled @ diagonal(list(robot.T)) @ step)
+        bound = np.maximum(bound, missed + _largest(milled * spread[:, None, :]) * _largest(step))
     return Contraction(frequency, factor, bound)
 
 

@@ -89,11 +89,16 @@ class LearningLaw:
     kind: Inverse = "regularised"
     epsilon: float = 1e-3
 
+    def passed(self, frequency: np.ndarray) -> np.ndarray:
+        """Return Q times the gain, real, shape (bins,), 1, at frequencies, shape (bins,), Hz."""
+        return self.gain * low_pass(frequency, self.cutoff, highest=self.highest)
+
     def step(self, frequency: np.ndarray) -> np.ndarray:
         """Return Q L (I - G_K G_M), complex, shape (bins, 3, 3), 1, at frequencies, shape (bins,), Hz."""
-        passed = self.gain * low_pass(frequency, self.cutoff, highest=self.highest)
         rows = np.stack([inverse(axis, frequency, self.kind, self.epsilon) for axis in self.axes], axis=-1)
-        found: np.ndarray = (passed[:, None] * rows)[..., None] * (np.eye(AXES) - self._coupling(frequency))
+        found: np.ndarray = (self.passed(frequency)[:, None] * rows)[..., None] * (
+            np.eye(AXES) - self._coupling(frequency)
+        )
         return found
 
     def plant(self, frequency: np.ndarray) -> np.ndarray:

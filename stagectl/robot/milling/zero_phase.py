@@ -1,4 +1,4 @@
-"""Filters over a whole trial, forwards and backwards in time alike: zero phase, inverses, and whatever has a response."""
+"""Filters over a whole trial, forwards and backwards in time alike: without phase, inverses, any response."""
 
 from collections.abc import Callable
 

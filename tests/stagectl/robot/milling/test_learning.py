@@ -63,7 +63,12 @@ def test_all_methods_learn_the_same_where_their_models_are_exact() -> None:
 
 def test_a_method_says_what_it_lacks() -> None:
     trial = TrialSignals(square(), square())
-    for method, words in ((1, "what the tracker saw"), (2, "a measured force"), (3, "motor torques"), (4, "method is 4")):
+    for method, words in (
+        (1, "what the tracker saw"),
+        (2, "a measured force"),
+        (3, "motor torques"),
+        (4, "method is 4"),
+    ):
         with pytest.raises(ValueError, match=words):
             tool_position(trial, method, RATE, None, None)
 
@@ -90,20 +95,22 @@ def test_a_law_that_diverges_on_a_robot_is_refused_before_it_runs_there() -> Non
         sent = update(sent, error, by)
     assert sizes[1] > sizes[0]
     assert sizes[2] > sizes[1]
-    frequency = np.linspace(0.0, 25.0, 50)
-    off = 2.0 * np.abs(np.stack([each.response(frequency) for each in by.axes], axis=-1))
-    found = contraction(by, Doubt(frequency, off, 0.0))
+    frequency = np.linspace(0.5, 25.0, 50)
+    measured = 3.0 * np.stack([each.response(frequency) for each in by.axes], axis=-1)
+    found = contraction(by, Doubt(frequency, measured, np.zeros((50, 3)), 0.0))
     with pytest.raises(ValueError, match="lower learning.gain or learning.cutoff"):
         found.refuse_divergence()
 
 
 def test_doubt_only_widens_the_bound() -> None:
     by = law(process=process())
-    frequency = np.array([0.0, 25.0])
     exact = contraction(by)
-    unsure = contraction(by, Doubt(frequency, np.full((2, 3), 0.02), 0.3))
+    frequency = np.linspace(0.5, 25.0, 200)
+    measured = np.stack([each.response(frequency) for each in by.axes], axis=-1)
+    unsure = contraction(by, Doubt(frequency, measured, np.full((200, 3), 0.02), 0.3))
     assert (unsure.bound >= exact.factor - 1e-12).all()
     assert unsure.worst > exact.worst
+    assert unsure.is_monotone
 
 
 def test_paths_and_errors_of_different_length_are_refused() -> None:

@@ -10,7 +10,7 @@ RATE = 250.0
 
 
 def axis(delay: int = 2, zero: float = -1.6) -> AxisModel:
-    """A lightly damped mode of 12 Hz behind a low-pass and a delay; a zero outside the unit circle by default."""
+    """Return a mode of 12 Hz behind a low-pass and a delay; with a zero outside the unit circle by default."""
     pole = 0.93 * np.exp(2j * np.pi * 12.0 / RATE)
     a = np.real(np.poly([0.7, pole, pole.conjugate()]))
     b = np.array([1.0, -zero - 0.2, 0.2 * zero])
@@ -18,7 +18,7 @@ def axis(delay: int = 2, zero: float = -1.6) -> AxisModel:
 
 
 def process(stiffness: float = 3e5) -> ProcessModel:
-    """Force from speed (2 N a mm/s along x and y, some across), and springs with a lag of 30 ms."""
+    """Return force from speed (2 N a mm/s along x and y, some across), and springs with a lag of 30 ms."""
     lag = 0.9
     slope = 2e3 * RATE * (1 - lag)
     force = InnovationModel(
@@ -36,7 +36,7 @@ def _cross() -> np.ndarray:
 
 
 def square(rest: float = 1.5, side: float = 8e-3, seconds: float = 1.2) -> np.ndarray:
-    """A square in x and y with smooth sides, that rests at its ends: shape (N, 3), m."""
+    """Return a square in x and y with smooth sides, that rests at its ends: shape (N, 3), m."""
     ease = 0.5 - 0.5 * np.cos(np.pi * np.arange(round(seconds * RATE)) / round(seconds * RATE))
     corners = side * np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 0]])
     sides = [a + ease[:, None] * (b - a) for a, b in zip(corners, corners[1:], strict=False)]
