@@ -28,7 +28,8 @@ class GuidedRobot(RobotOptions, Block):
 
     Ports: `reference` (rad, 6), `force` (N, 3) and `moment` (N m, 3) on the tool in base axes in; `report` (1), how
     many it has sent, `motors` (1 while they are on), `motor_angle`, `planned_angle` (rad, 6) as reported, and of the
-    tool `position` (m, 3) and `orientation` (1, 4), a unit quaternion w x y z, out.  Reports come every 4 ms.
+    tool `position` (m, 3) and `orientation` (1, 4), a unit quaternion w x y z, and the motors' `torque` (N m, 6) at the
+    last report, seen from the arm's side of the gears, out.  Reports come every 4 ms.
 
     Parameters
     ----------
@@ -57,7 +58,7 @@ class GuidedRobot(RobotOptions, Block):
         self.inputs = (Port("reference", "rad", 6), Port("force", "N", 3), Port("moment", "N m", 3))
         self.outputs = (
             Port("report"), Port("motors"), Port("motor_angle", "rad", 6), Port("planned_angle", "rad", 6),
-            Port("position", "m", 3), Port("orientation", "1", 4),
+            Port("position", "m", 3), Port("orientation", "1", 4), Port("torque", "N m", 6),
         )  # fmt: skip
 
     def prepare(self, rate: float, frames: int) -> None:
@@ -73,8 +74,8 @@ class GuidedRobot(RobotOptions, Block):
         self._limits = np.exp(-2 * np.pi * setup.filter / rate), setup.speed / rate, gears
         self._room = [np.zeros((frames, width)) for width in (6, 6, 6, 6, 6, 6, 6, 7)]
         self._cycle, self._period, self._done = round(CYCLE * rate), 1.0 / rate, 0
-        self._last, self._reports, self._on, self._trips = np.zeros((2, 6)), 0.0, 1.0, round(self.trip * rate)
-        self._last[:] = start
+        self._last, self._reports, self._on, self._trips = np.zeros((3, 6)), 0.0, 1.0, round(self.trip * rate)
+        self._last[:2] = start
 
     def process(
         self,
@@ -87,9 +88,10 @@ class GuidedRobot(RobotOptions, Block):
         planned_angle: np.ndarray,
         position: np.ndarray,
         orientation: np.ndarray,
+        torque: np.ndarray,
     ) -> None:
         """Go on for one frame."""
-        driven, planned, error, wrench, angle, torque, link, pose = self._room
+        driven, planned, error, wrench, angle, drive, link, pose = self._room
         guide(reference, driven, planned, error, *self._guided, *self._limits)
         wrench[:, :3], wrench[:, 3:] = force, moment
         n = 0
@@ -99,12 +101,12 @@ class GuidedRobot(RobotOptions, Block):
                 self._on = float(not self.plant.tripped)
                 if self._done <= self._trips < self._done + self._cycle:
                     self.plant.trip(1)
-            self.plant.run(driven[now], wrench[now], angle[now], torque[now], link[now], pose[now])
+            self.plant.run(driven[now], wrench[now], angle[now], drive[now], link[now], pose[now])
             if self._done % self._cycle == 0 and not self._is_mute(self._done * self._period):
                 np.subtract(angle[n], error[n], out=self._last[0])
-                self._last[1], self._reports = planned[n], self._reports + 1.0
+                self._last[1], self._last[2], self._reports = planned[n], drive[n], self._reports + 1.0
             report[now], motors[now] = self._reports, self._on
-            motor_angle[now], planned_angle[now] = self._last
+            motor_angle[now], planned_angle[now], torque[now] = self._last
             self._done += now.stop - n
             n = now.stop
         position[:], orientation[:] = pose[:, :3], pose[:, 3:]

@@ -12,6 +12,7 @@ from firmware_sim.clamped_robot import ClampedRobot
 from firmware_sim.feed_blocks import FedTool
 from firmware_sim.guided_robot import GuidedRobot
 from firmware_sim.macro_micro_blocks import MacroMicro
+from firmware_sim.milling_blocks import PocketCut
 from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, VibratorImpulseResponse
 from firmware_sim.robot_blocks import RobotArm
 from firmware_sim.stage_blocks import Milling, PiezoStage
@@ -254,6 +255,9 @@ EXAMPLES: dict[type[Block], Example] = {
     ),
     GuidedRobot: Example(lambda: GuidedRobot(arm="kuka"), rate=8_000.0),
     Toroid: Example(lambda: Toroid(seconds=0.5), rate=10_000.0),
+    PocketCut: Example(
+        lambda: PocketCut(length=0.15, width=0.15, thickness=0.02, cell=5e-4, layer=5e-3), rate=10_000.0
+    ),
     TrackerView: Example(lambda: TrackerView(delay=0.0), rate=300_000.0),
     WiredPort: Example(lambda: WiredPort(CellConfig(), np.zeros(6)), rate=250.0),
     WiredTracker: Example(lambda: WiredTracker(TrackerConfig(), print), rate=2_000.0),

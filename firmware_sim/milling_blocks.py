@@ -1,0 +1,34 @@
+"""The cut in a block of material as a Block, for a cell in one graph."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ctlblocks.block import Block, Port
+from firmware_sim.plants.milling import PocketMilling, PocketOptions
+from firmware_sim.plants.options import chosen
+
+
+@dataclass(eq=False, kw_only=True)
+class PocketCut(PocketOptions, Block):
+    """A fresh block to mill after every `prepare`; `PocketMilling` says what it models.
+
+    Ports: `tool` (m, 3), where the tip really is in the base, in; `force` (N, 3) and `moment` (N m, 3) on the tool
+    about its tip, averaged over a turn, and `teeth_force` (N, 3), the force with its teeth, in axes of the base, out.
+    The block's top is level, its middle at `origin`.
+
+    Wire `force` and `moment` to a robot, `delayed`, and `teeth_force` to a force sensor.
+
+    Parameters: those of `PocketOptions`.
+    """
+
+    inputs = (Port("tool", "m", 3),)
+    outputs = (Port("force", "N", 3), Port("moment", "N m", 3), Port("teeth_force", "N", 3))
+
+    def prepare(self, rate: float, frames: int) -> None:
+        """Clamp it."""
+        self.plant = PocketMilling(rate, **chosen(self, PocketOptions))
+
+    def process(self, tool: np.ndarray, force: np.ndarray, moment: np.ndarray, teeth_force: np.ndarray) -> None:
+        """Go on for one frame."""
+        self.plant.run(tool, force, moment, teeth_force)

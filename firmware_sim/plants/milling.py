@@ -1,0 +1,186 @@
+"""Milling a block with an end mill: the force on the tool follows from what is really left of the block."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil, pi, tan
+
+import numpy as np
+
+from firmware_sim.plants import end_mill_kernel as mill
+from firmware_sim.plants import milling_kernel as kernel
+from firmware_sim.plants.cutting_force import MATERIALS
+from firmware_sim.plants.options import choice, option, refuse_wrong_options
+
+FASTEST_TURN = 2 * pi / 72
+"""rad by which the tool turns at most between two looks at its teeth."""
+HARDNESS = 0.03
+"""Relative standard deviation of the force from block to block, cut off at two of it; assumed."""
+DISH = np.deg2rad(2.0)
+"""rad, by which the edges below the tool are hollow: end mills have 1 to 3 degrees."""
+LARGEST = 2e7
+"""Points of the block."""
+
+
+@dataclass(eq=False, kw_only=True)
+class PocketOptions:
+    """Which block, which tool; defaults of Sörnmo 2015, sec. 5.3, with the spindle at its fastest.
+
+    Parameters
+    ----------
+    material : "al7075" or "al6082"
+    seed : int
+        Draws the block's hardness, and how tool and spindle stand at first.
+    tool : float, m, diameter
+    teeth : int
+    spindle : float, Hz
+    helix : float, rad
+    runout : float, m, by which the tool turns beside its own axis
+    wear : float, 1, scales the forces of the edges; 1 for a sharp tool
+    spread : float, 1, scales how far blocks differ
+    length, width, thickness : float, m, of the block, along x, y and z
+    cell, layer : float, m, of the block's grid
+    give : float, m/N, by which the tool moves at once for a force, at least: what the robot does within some samples
+    origin : sequence of float, m, 3, the middle of the block's top in the base
+
+    Raises
+    ------
+    ValueError : an option outside its range, by name.
+    """
+
+    material: str = choice(*MATERIALS)
+    seed: int = option(1, "", 0)
+    tool: float = option(6e-3, "m", 1e-3, 0.02)
+    teeth: int = option(2, "", 1, 8)
+    spindle: float = option(22_000 / 60, "Hz", 10.0, 1_000.0)
+    helix: float = option(0.5236, "rad", 0.0, 1.0)
+    runout: float = option(2e-6, "m", 0.0, 1e-4)
+    wear: float = option(1.0, "1", 0.0, 10.0)
+    spread: float = option(1.0, "1", 0.0, 3.0)
+    length: float = option(50e-3, "m", 1e-3, 0.5)
+    width: float = option(50e-3, "m", 1e-3, 0.5)
+    thickness: float = option(6e-3, "m", 1e-4, 0.05)
+    cell: float = option(1e-4, "m", 2e-5, 5e-4)
+    layer: float = option(2.5e-4, "m", 5e-5, 1e-2)
+    give: float = option(3e-6, "m/N", 0.0, 1e-4)
+    origin: Sequence[float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        """Refuse what is out of range."""
+        refuse_wrong_options(self)
+        if not (len(self.origin) == 3 and np.all(np.isfinite(self.origin))):
+            raise ValueError(f"simulator.options.origin is {self.origin!r}, must be 3 numbers, m")
+        points = self.length * self.width * self.thickness / (self.cell**2 * self.layer)
+        if points > LARGEST:
+            raise ValueError(
+                f"the block has {points:.3g} points, must be at most {LARGEST:.3g}: "
+                "simulator.options.length, width, thickness over cell, cell, layer"
+            )
+
+
+@dataclass(eq=False)
+class PocketMilling(PocketOptions):
+    """An end mill along -z, turning clockwise seen from above, in a block whose top is at z = 0.
+
+    What the tool reaches is gone, to some 0.1 um across walls and half a layer in depth; how much of each tooth cuts
+    follows from what is left, and the chip from the tool's speed as it is.  So slots, contours, finishing and cuts
+    through air behave, and a tool that gives way takes less.  A tooth's forces are those of `CuttingForce`, along its
+    helix; runout makes teeth differ.  Edges below the tool cut where it comes down more steeply than they are hollow.
+
+    Speed and mean force are found together, sample by sample, for a tool that gives way by `give` at once; else a robot
+    whose tool answers a force within some samples would shake.  With a softer tool than that choose a larger one.
+
+    It does not model: chatter (a chip does not know the wave that the tooth before has left), a tool that tilts or
+    bends, chips that are cut again, heat, built-up edges, size effects of thin chips, a floor that springs back; a
+    floor that is crossed again lower by less than half a layer is felt as new.
+
+    Parameters
+    ----------
+    rate : float, samples/s, 1000 to 1e5
+
+    Others: those of `PocketOptions`.
+
+    Source
+    ------
+    Altintas, Manufacturing Automation, 2nd ed., sec. 2.8; Sörnmo 2015, sec. 5.3.
+
+    Raises
+    ------
+    ValueError : an option outside its range, by name.
+    """
+
+    rate: float
+
+    def __post_init__(self) -> None:
+        """Clamp a fresh block, and draw what differs from one to the next."""
+        super().__post_init__()
+        if not 1_000 <= self.rate <= 1e5:
+            raise ValueError(f"rate is {self.rate!r} samples/s, must be 1000 to 100000 for the simulated cut")
+        rng = np.random.default_rng([self.seed, 5])
+        hardness = 1.0 + self.spread * HARDNESS * np.clip(rng.standard_normal(), -2, 2)
+        self._hardness = hardness * MATERIALS[self.material].table
+        self._hardness[1] *= self.wear
+        places = 2 * pi * (np.arange(self.teeth) / self.teeth) + rng.uniform(0, 2 * pi)
+        self._wobble = self.runout * np.cos(places)
+        self._origin = np.array(self.origin, float)
+        self._distance, self._grid = _fresh(self)
+        turn, tooth = 2 * pi * self.spindle / self.rate, 1.0 / (self.teeth * self.spindle)
+        self._given = np.zeros(mill.SETTINGS)
+        self._given[:] = [
+            0.5 * self.tool, self.teeth, turn, tan(self.helix), max(1, ceil(turn / FASTEST_TURN)), tooth, tan(DISH),
+            max(1, round(self.rate / self.spindle)), self.give, 1.0 / self.rate,
+        ]  # fmt: skip
+        angles = 2 * pi * (np.arange(mill.BINS) + 0.5) / mill.BINS
+        self._around = np.column_stack([np.cos(angles), np.sin(angles)])
+        self._state, self._turned = np.zeros(kernel.CELLS), np.zeros(mill.TURNED)
+        self._turned[mill.ANGLE] = rng.uniform(0, 2 * pi)
+        self._queue, self._motion = np.zeros((kernel.QUEUE, 4)), np.zeros((3, 3))
+        self._ring = np.zeros((int(self._given[mill.SPAN]), 3))
+        layers = self._distance.shape[2]
+        self._width, self._found = np.zeros((mill.BINS, 1 + layers)), np.zeros(layers)
+
+    def run(self, tool: np.ndarray, force: np.ndarray, moment: np.ndarray, teeth_force: np.ndarray) -> None:
+        """Go on for one frame.
+
+        Parameters
+        ----------
+        tool : array, shape (frames, 3), m
+            Where the tip really is, in axes of the base.
+        force, moment : arrays, shape (frames, 3), N and N m, filled in place
+            On the tool, about its tip, averaged over a turn of the spindle; axes of the base.
+        teeth_force : array, shape (frames, 3), N, filled in place
+            The force with its teeth, averaged over each sample.
+        """
+        kernel.run(
+            tool, self._origin, force, moment, teeth_force, self._distance, self._grid, self._hardness, self._wobble,
+            self._around, self._given, self._state, self._turned, self._queue, self._motion, self._ring, self._width,
+            self._found,
+        )  # fmt: skip
+
+    @property
+    def chips(self) -> float:
+        """The chips so far, m^3, as the teeth have cut them."""
+        return float(self._turned[mill.CHIPS])
+
+    @property
+    def taken(self) -> float:
+        """What is gone of the block, m^3; it lags the tool by `milling_kernel.LAG`."""
+        share = np.clip(0.5 - self._distance / self.cell, 0.0, 1.0)
+        inside = _fresh(self)[0] > 0.0
+        return float(share[inside].sum(dtype=float) * self.cell**2 * self._grid[1])
+
+    def section(self, depth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return x, y (m) and, shape (y, x), how far each point is from the walls at `depth` (m): > 0 in material."""
+        layer = min(max(int(depth / self._grid[1]), 0), self._distance.shape[2] - 1)
+        rows, columns = self._distance.shape[:2]
+        x, y = np.arange(columns) * self.cell - self._grid[2], np.arange(rows) * self.cell - self._grid[3]
+        return x, y, self._distance[:, :, layer].copy()
+
+
+def _fresh(block: PocketOptions) -> tuple[np.ndarray, np.ndarray]:
+    """Return the distances to the block's own sides, shape (y, x, layers), m, float32, and the kernel's grid."""
+    columns, rows = (ceil(0.5 * side / block.cell) + 2 for side in (block.length, block.width))
+    layers = max(1, round(block.thickness / block.layer))
+    x, y = (np.arange(-n, n + 1) * block.cell for n in (columns, rows))
+    away = np.minimum(0.5 * block.length - np.abs(x)[None, :], 0.5 * block.width - np.abs(y)[:, None])
+    distance = np.repeat(away[:, :, None].astype(np.float32), layers, axis=2)
+    return distance, np.array([block.cell, block.thickness / layers, columns * block.cell, rows * block.cell])
