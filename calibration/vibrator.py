@@ -3,7 +3,7 @@
 import sys
 import threading
 from dataclasses import dataclass, field, replace
-from typing import Self
+from typing import Protocol, Self
 
 import numpy as np
 
@@ -18,7 +18,6 @@ from calibration.vibrator_multisine import refuse_unfit_multisine
 from calibration.vibrator_sweep import FEWEST, chosen_tones, longest_batch, refuse_unfit_sweep
 from rigkit import config as rig_file
 from rigkit.provenance import now, software
-from rigkit.stop import StopRequest
 from vibractl.audio import Line
 from vibractl.capture import Discarded
 from vibractl.config import RigConfig
@@ -63,6 +62,14 @@ class Calibration:
         return self.passes[-1]
 
 
+class Stoppable(Protocol):
+    """What says whether the calibration is to end."""
+
+    @property
+    def made(self) -> bool:
+        """Whether somebody has asked for it."""
+
+
 class LiveLine:
     """Emits over the audio line, which is opened when the first drive comes; a context manager that closes it.
 
@@ -71,13 +78,17 @@ class LiveLine:
     config : RigConfig
     raw : RawFolder
         Keeps the recordings that are discarded, in a folder of their own.
-    stop : StopRequest
+    stop : Stoppable
         Ramps the drive down in the middle of a batch when it is made.
+    mute_after : float, s
+        As for `Line`.
     """
 
-    def __init__(self, config: RigConfig, raw: RawFolder, stop: StopRequest) -> None:
+    def __init__(self, config: RigConfig, raw: RawFolder, stop: Stoppable, mute_after: float = 0.0) -> None:
         self._config, self._stop, self._discarded = config, stop, raw.path / DISCARDED
-        self._line: Line | None = None
+        self._mute_after = mute_after
+        self.line: Line | None = None
+        """Once a drive has come."""
 
     def __enter__(self) -> Self:
         """Wait for the first drive."""
@@ -85,8 +96,8 @@ class LiveLine:
 
     def __exit__(self, *fault: object) -> None:
         """Close the line, if it was opened."""
-        if self._line is not None:
-            self._line.__exit__(*fault)
+        if self.line is not None:
+            self.line.__exit__(*fault)
 
     def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Play `drive` (samples, drives) V; return what was emitted, and responses and far field: `experiment.Emit`.
@@ -95,16 +106,16 @@ class LiveLine:
         ------
         Stopped : it was asked for.
         """
-        if self._line is None:
+        if self.line is None:
             settings = self._config.characterisation
             longest = max(longest_batch(self._config), settings.run_in + settings.period + FADE)
-            line = Line(self._config, seconds=longest, on_discard=self._keep_discarded)
-            self._line = line.__enter__()
+            line = Line(self._config, seconds=longest, on_discard=self._keep_discarded, mute_after=self._mute_after)
+            self.line = line.__enter__()
         done = threading.Event()
-        watch = threading.Thread(target=self._stop_when_asked, args=(self._line, done), daemon=True)
+        watch = threading.Thread(target=self._stop_when_asked, args=(self.line, done), daemon=True)
         watch.start()
         try:
-            capture = self._line.emit(drive)
+            capture = self.line.emit(drive)
         finally:
             done.set()
             watch.join()

@@ -4,6 +4,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Protocol, TextIO
 
 from rich.console import Console
@@ -11,6 +12,8 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 
 SECONDS_BETWEEN_LINES = 10.0
 """At least, where the output is no terminal."""
+
+_TELL: ContextVar[Callable[[float, float, str], None] | None] = ContextVar("tell", default=None)
 
 
 class Meter(Protocol):
@@ -36,6 +39,10 @@ def progress(title: str, total: float, *, start: float = 0.0, stream: TextIO | N
     stream : text stream
         Where to; stderr unless given.
     """
+    tell = _TELL.get()
+    if tell is not None:
+        yield _ToldMeter(tell, title, total, start)
+        return
     stream = stream or sys.stderr
     if not stream.isatty():
         yield PlainMeter(title, total, start, stream, time.monotonic)
@@ -50,6 +57,16 @@ def progress(title: str, total: float, *, start: float = 0.0, stream: TextIO | N
     )
     with Progress(*columns, console=Console(file=stream)) as bar:
         yield _BarMeter(bar, title, total, start)
+
+
+@contextmanager
+def told_to(tell: Callable[[float, float, str], None]) -> Iterator[None]:
+    """Let `tell(done, total, note)` have the progress of every job in the block, in place of stderr; of this thread."""
+    before = _TELL.set(tell)
+    try:
+        yield
+    finally:
+        _TELL.reset(before)
 
 
 class PlainMeter:
@@ -84,6 +101,22 @@ class PlainMeter:
         """Print a line."""
         self._stream.write(f"{text}\n")
         self._stream.flush()
+
+
+class _ToldMeter:
+    """Progress that somebody else shows."""
+
+    def __init__(self, tell: Callable[[float, float, str], None], title: str, total: float, start: float) -> None:
+        self._tell, self._title, self._total = tell, title, total
+        self.show(start)
+
+    def show(self, done: float, note: str = "") -> None:
+        """Tell it."""
+        self._tell(done, self._total, note or self._title)
+
+    def say(self, text: str) -> None:
+        """Print a line."""
+        sys.stderr.write(f"{text}\n")
 
 
 class _BarMeter:

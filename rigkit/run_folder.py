@@ -4,7 +4,7 @@ import csv
 import io
 import json
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
@@ -33,6 +33,8 @@ class RunFolder:
 
     def __init__(self, path: Path, lock: Lock) -> None:
         self.path = path
+        self.listener: Callable[[str, Mapping[str, Any]], None] = lambda event, fields: None  # noqa: ARG005
+        """Told of each event once it is in the file."""
         self._lock = lock
 
     @classmethod
@@ -122,6 +124,7 @@ class RunFolder:
             raise ValueError(f"event {event}: a field is called {taken.pop()}, which the line has already")
         time = datetime.now(UTC).isoformat(timespec="milliseconds")
         line_file.append(self.path / EVENTS, json_text({"time": time, "event": event, **fields}))
+        self.listener(event, fields)
 
     def quality(self, row: Mapping[str, Any]) -> None:
         """Add a row to `qc.csv`, under a header of its keys.

@@ -19,9 +19,11 @@ from rigkit.command import (
 )
 from rigkit.progress import progress
 from rigkit.run_folder import RunFolder, read_quality
+from rigkit.service.command import add_daemon_commands
 from rigkit.stop import Stopped, stoppable
 from vibractl.audio_stream import AudioError
 from vibractl.config import RigConfig
+from vibractl.daemon.rig import Vibrator
 from vibractl.doctor.command import doctor_command
 from vibractl.export.command import export_command
 from vibractl.library.command import LibraryOption, TagOption, chosen_entry, library_app
@@ -38,6 +40,7 @@ app.command("export")(export_command)
 app.command("doctor")(doctor_command)
 app.command("predict")(predict_command)
 app.add_typer(library_app, name="library")
+add_daemon_commands(app, RigConfig, lambda config: config.daemon, Vibrator)
 
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")]
 

@@ -1,5 +1,6 @@
 """Live audio: one stream for the whole session, and recordings that are proved to be aligned, or repeated."""
 
+import math
 import time
 from collections.abc import Callable
 from typing import Protocol, Self
@@ -15,12 +16,15 @@ from vibractl.audio_stream import AudioError
 from vibractl.capture import Capture, Discarded, spoiled
 from vibractl.config import RigConfig
 from vibractl.guard import Violation, as_violation, violation
+from vibractl.levels import Levels, levels
 from vibractl.loopback import Loopback
 from vibractl.marker import Marker
 from vibractl.proof import LARGEST_ROUND_TRIP, Emission, Proof
 
 SECONDS = 40.0
 """Longest drive, unless the line is opened for another."""
+SIGNS = 0.03
+"""s that a waiting program may take from one sign of life to the next."""
 _STANDSTILL = 5.0
 """s without a callback after which the stream is given up."""
 
@@ -52,6 +56,8 @@ class Line:
         Longest drive that will be emitted.
     on_discard : callable(Discarded)
         Told of every recording that is thrown away, before the next attempt.
+    mute_after : float, s
+        The drive is at zero when this program has stood still for so long; 0 only when it has died.
 
     Raises
     ------
@@ -60,7 +66,12 @@ class Line:
     """
 
     def __init__(
-        self, config: RigConfig, *, seconds: float = SECONDS, on_discard: Callable[[Discarded], None] = lambda _: None
+        self,
+        config: RigConfig,
+        *,
+        seconds: float = SECONDS,
+        on_discard: Callable[[Discarded], None] = lambda _: None,
+        mute_after: float = 0.0,
     ) -> None:
         audio, limits = config.audio, config.limits
         if limits.peak > audio.output_full_scale:
@@ -71,7 +82,10 @@ class Line:
         self._proof: Proof = Loopback(audio) if audio.alignment == "loopback" else Marker(audio, limits)
         room = round((seconds + 10 * LARGEST_ROUND_TRIP) * audio.rate)  # the probe and markers need some, too
         sensors = len(audio.response_channels), len(audio.far_field_channels)
+        self.residual = math.nan
+        """Of the last recording: its largest difference from the session's delay, samples."""
         self._memory = Memory(len(audio.drive_channels), sensors[0], room, sensors[1])
+        self._memory.words[Word.PATIENCE] = round(1e9 * _patience(config, mute_after)) if mute_after else 0
         self._host: _Host = AudioProcess(config, self._memory) if audio.isolated else Engine(config, self._memory)
 
     def __enter__(self) -> Self:
@@ -91,6 +105,11 @@ class Line:
     def __exit__(self, *fault: object) -> None:
         """Ramp down and close the stream."""
         self._host.close()
+
+    @property
+    def levels(self) -> Levels:
+        """What is played and heard now; from any thread."""
+        return levels(self._memory, self._audio, self._limits)
 
     @property
     def round_trip(self) -> float:
@@ -185,13 +204,14 @@ class Line:
             raise
         if words[Word.LATCHED]:
             raise GuardLatched(f"the guard has latched: {as_violation(memory.latch)}; a person must clear it")
-        if words[Word.STOPPED]:
+        if words[Word.STOPPED] and not words[Word.MUTED]:
             raise Stopped("the emission was ramped down before its end, as asked")
 
     def _wait(self, word: Word, wanted: Word) -> None:
         words = self._memory.words
         callbacks, since = -1, time.monotonic()
         while words[word] != words[wanted]:
+            words[Word.SIGN] += 1
             self._host.serve()
             if words[Word.FAULT]:
                 raise AudioError(self._memory.text)
@@ -203,6 +223,7 @@ class Line:
     def _received(self, emission: Emission, samples: int) -> tuple[Capture, str]:
         memory, words = self._memory, self._memory.words
         evidence = self._proof.judge(emission, memory.response, memory.loopback)
+        self.residual = evidence.residual
         played = slice(emission.before, emission.before + samples)
         heard = slice(played.start + self._proof.whole, played.stop + self._proof.whole)
         capture = Capture(
@@ -217,4 +238,17 @@ class Line:
             output_xruns=int(words[Word.OUTPUT_XRUNS]),
             late=int(words[Word.LATE]),
         )
-        return capture, spoiled(capture, self._audio) or evidence.fault
+        muted = "muted: this program stood still for too long" if words[Word.MUTED] else ""
+        return capture, muted or spoiled(capture, self._audio) or evidence.fault
+
+
+def _patience(config: RigConfig, mute_after: float) -> float:
+    """Return for how long a drive goes on without a sign, s, so that it has faded to zero `mute_after` s after one."""
+    block = config.audio.blocksize / config.audio.rate
+    shortest = config.limits.ramp + 2 * block + SIGNS
+    if mute_after < shortest:
+        raise ValueError(
+            f"daemon.mute_after is {mute_after:g} s, must be >= {shortest:.3g} s: limits.ramp, two blocks of "
+            f"audio.blocksize and {SIGNS:g} s between two signs of life"
+        )
+    return mute_after - config.limits.ramp - 2 * block

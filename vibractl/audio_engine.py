@@ -75,6 +75,7 @@ class Engine:
         self._scaled = np.zeros_like(self._output)
         self._phase = _IDLE
         self._latest = 0  # ns, when the last callback began
+        self._sign, self._signed = 0, 0  # the program's last sign of life, and when it came, ns
         signals = memory.drive, memory.timing, memory.emitted, memory.response, memory.far_field, memory.loopback
         for array in signals:
             array.fill(0.0)  # maps every page now, not in the callback
@@ -196,6 +197,8 @@ class Engine:
             trial.rewind()
             self._phase = _PLAYING
         stop = words[Word.STOP] == words[Word.REQUEST]
+        if self._phase in (_OPENING, _PLAYING) and self._abandoned():
+            words[Word.MUTED], stop = 1, True
         if self._phase in (_OPENING, _PLAYING) and (stop or guard.latched or self._recorded):
             words[Word.STOPPED] = int(not self._recorded)
             guard.close()
@@ -205,14 +208,23 @@ class Engine:
             self._phase = _IDLE
             words[Word.DONE] = words[Word.REQUEST]
 
+    def _abandoned(self) -> bool:
+        """Whether the program has given no sign for longer than it may."""
+        words = self._words
+        if words[Word.SIGN] != self._sign:
+            self._sign, self._signed = int(words[Word.SIGN]), self._latest
+        silent = self._latest - self._signed
+        return bool(words[Word.PATIENCE]) and not self.stepped and bool(silent > words[Word.PATIENCE])
+
     @property
     def _recorded(self) -> bool:
         return self._phase == _PLAYING and self._trial.done
 
     def _begin(self) -> None:
         words, memory = self._words, self._memory
-        for word in (Word.STOPPED, Word.INPUT_XRUNS, Word.OUTPUT_XRUNS, Word.LATE):
+        for word in (Word.STOPPED, Word.MUTED, Word.INPUT_XRUNS, Word.OUTPUT_XRUNS, Word.LATE, Word.POSITION):
             words[word] = 0
+        self._signed = self._latest
         self._trial.load(memory.drive[: words[Word.DRIVE]], memory.response[: words[Word.FRAMES]])
         if words[Word.DRIVE]:
             self._guard.open()
@@ -232,3 +244,4 @@ class Engine:
             timed = min(max(int(words[Word.TIMING]) - position, 0), self._blocksize)
             outdata[:timed, to] = memory.timing[position : position + timed]
             memory.loopback[position : position + kept] = indata[:kept, back]
+        words[Word.POSITION] = position + kept

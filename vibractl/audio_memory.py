@@ -28,6 +28,10 @@ class Word(enum.IntEnum):
     """Times that a person, named in the text, has cleared the guard."""
     END = 6
     """1: ramp down and close the stream."""
+    SIGN = 17
+    """Moves on while the program waits for an emission: it is alive."""
+    PATIENCE = 18
+    """ns that the callback goes on playing without a sign; 0 for ever."""
     # the callback writes
     DONE = 7
     """Number of the last emission that has ended."""
@@ -45,6 +49,10 @@ class Word(enum.IntEnum):
     """1: the guard is shut by a violation."""
     CLEARED = 14
     """Times that the guard has been cleared."""
+    MUTED = 19
+    """1: that emission was ended since the program gave no sign."""
+    POSITION = 20
+    """Samples of this emission that have been recorded."""
     # the process that has the stream writes, or its callback
     FAULT = 15
     """1: the stream is of no more use, the text says why."""

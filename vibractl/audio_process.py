@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import time
+from multiprocessing.connection import wait
 
 from vibractl.audio_engine import POLL, Engine
 from vibractl.audio_memory import Memory, Word
@@ -106,7 +107,7 @@ def run(config: RigConfig, memory: Memory) -> None:
     parent = multiprocessing.parent_process()
     while not (words[Word.END] or words[Word.FAULT]) and parent is not None and parent.is_alive():
         engine.serve()
-        time.sleep(0.0 if engine.stepped else _REST)
+        wait([parent.sentinel], 0.0 if engine.stepped else _REST)  # its end wakes this at once
     engine.close()
     if words[Word.FAULT]:
         os._exit(1)  # what an interpreter does at its end hangs in PortAudio when the audio server is gone

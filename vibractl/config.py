@@ -6,6 +6,7 @@ from typing import Any, Literal, Self
 from pydantic import Field, model_validator
 
 from rigkit.config import Section, setting
+from rigkit.service.config import Daemon
 from vibractl.channel_map import collision
 
 Channels = tuple[int, ...]
@@ -203,6 +204,7 @@ class RigConfig(Section):
     quality: Quality = Field(default_factory=Quality)
     characterisation: Characterisation = Field(default_factory=Characterisation)
     simulator: Simulator = Field(default_factory=Simulator)
+    daemon: Daemon = Field(default_factory=Daemon)
 
     @model_validator(mode="after")
     def _has_a_channel_for_each(self) -> Self:

@@ -20,6 +20,7 @@ from vibractl.config import RigConfig
 from vibractl.learner import Learner
 from vibractl.library.entry import Entry, read_entry, write_entry
 from vibractl.model_file import read_far_field, read_model
+from vibractl.place import Place
 from vibractl.quality import FAINT, Judge, Marks, decibels
 from vibractl.quality_table import reduced, row_of, summary
 from vibractl.reference import is_file
@@ -117,10 +118,15 @@ class Session:
     ----------
     folder : RunFolder
     made : Setup
+    mute_after : float, s
+        As for `Line`.
     """
 
-    def __init__(self, folder: RunFolder, made: Setup) -> None:
+    def __init__(self, folder: RunFolder, made: Setup, mute_after: float = 0.0) -> None:
         self.folder, self.config, self._made = folder, made.config, made
+        self._mute_after = mute_after
+        self.line: Line | None = None
+        """While it is open, or after it has failed."""
         self.learner: Learner = made.learner()
         self._judges = [Judge(made, place) for place in made.places]
         self._before: tuple[np.ndarray, np.ndarray] | None = None
@@ -130,6 +136,11 @@ class Session:
     def done(self) -> int:
         """Shots recorded."""
         return self.learner.number
+
+    @property
+    def judged(self) -> Place:
+        """Where the objective must hold."""
+        return self._made.judged
 
     @property
     def note(self) -> str:
@@ -154,7 +165,8 @@ class Session:
             return
         self._require_space(shots - self.done)
         seconds = self.learner.shot.total / self.learner.shot.rate
-        with Line(self.config, seconds=seconds, on_discard=self._discarded) as line:
+        self.line = Line(self.config, seconds=seconds, on_discard=self._discarded, mute_after=self._mute_after)
+        with self.line as line:
             self.folder.event("started", {"shot": self.done, "round_trip": line.round_trip, "software": software()})
             try:
                 while self.done < shots and not stopped():
@@ -163,6 +175,7 @@ class Session:
             except BaseException as fault:
                 self.folder.event("failed", {"shot": self.done, "fault": type(fault).__name__, "text": str(fault)})
                 raise
+        self.line = None
         self.folder.event("stopped" if self.done < shots else "finished", {"shots": self.done})
 
     def summary(self) -> dict[str, Any]:

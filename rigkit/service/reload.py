@@ -1,13 +1,15 @@
 """What an edit of a rig file touches, so that the least is done for it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
 from rigkit.toml_text import key_text
+
+Model = TypeVar("Model", bound=BaseModel)
 
 
 class Reach(IntEnum):
@@ -56,6 +58,18 @@ def change(old: BaseModel, new: BaseModel, reaches: Mapping[str, Reach]) -> Chan
         What is not named is GRAPH.
     """
     return Change({key: _reach(key, reaches) for key in _differing(old.model_dump(), new.model_dump(), ())})
+
+
+def taken(old: Model, new: Model, keys: Iterable[str]) -> Model:
+    """Return `old` with the values that `new` has for `keys`."""
+    values, others = old.model_dump(), new.model_dump()
+    for key in keys:
+        *tables, name = key.split(".")
+        into, out_of = values, others
+        for table in tables:
+            into, out_of = into[table], out_of[table]
+        into[name] = out_of[name]
+    return type(old).model_validate(values)
 
 
 def _differing(old: Mapping[str, Any], new: Mapping[str, Any], path: tuple[str, ...]) -> list[str]:

@@ -69,11 +69,24 @@ def _reference(result: Result) -> np.ndarray:
 
 def _levels(result: Result, signal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return times from the reference's first sample, s, and magnitudes (frequencies, times, sides), 0 Hz to `TOP`."""
-    rate = result.rate
+    time, size = magnitudes(signal, result.rate, COLUMNS, ROW)
+    return time - result.made.shot.lead / result.made.shot.rate, size
+
+
+def magnitudes(signal: np.ndarray, rate: float, columns: int, row: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a spectrogram: its times (columns,), s, and magnitudes (frequencies, columns, sides), 0 Hz to `TOP`.
+
+    Parameters
+    ----------
+    signal : array, shape (samples, sides), any unit
+    rate : float, samples/s
+    columns : int
+        About so many.
+    row : float, Hz
+        Spacing of the frequencies.
+    """
     frames = round(WINDOW * rate)
-    hop = max(1, len(signal) // COLUMNS)
-    transform = ShortTimeFFT(blackmanharris(frames), hop, rate, mfft=round(rate / ROW))
+    hop = max(1, len(signal) // columns)
+    transform = ShortTimeFFT(blackmanharris(frames), hop, rate, mfft=round(rate / row))
     spectrum = np.abs(transform.stft(signal, axis=0))
-    time = transform.t(len(signal)) - result.made.shot.lead / result.made.shot.rate
-    kept = transform.f <= TOP
-    return time, np.moveaxis(spectrum[kept], 1, 2)
+    return transform.t(len(signal)), np.moveaxis(spectrum[transform.f <= TOP], 1, 2)

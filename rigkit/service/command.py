@@ -1,0 +1,164 @@
+"""The commands `daemon`, `status` and `stop` of a rig's command line."""
+
+import getpass
+import os
+import signal
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
+
+import typer
+from rich.console import Console
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from rigkit import config as rig_file
+from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
+from rigkit.config import Section
+from rigkit.lock import holder
+from rigkit.service.access import TOKENS, new_tokens
+from rigkit.service.client import Client, DaemonError
+from rigkit.service.config import Daemon
+from rigkit.service.daemon import LOCK, run
+from rigkit.service.rig import Rig
+
+Config = TypeVar("Config", bound=Section)
+
+_COLOURS = {"good": "green", "near": "yellow", "over": "red", "unknown": "dim", "free": ""}
+
+
+def add_daemon_commands(
+    app: typer.Typer, model: type[Config], own: Callable[[Config], Daemon], rig: Callable[[Callable[[], Config]], Rig]
+) -> None:
+    """Add the commands to a rig's command line.
+
+    Parameters
+    ----------
+    app : Typer
+    model : subclass of Section
+        What a whole rig file holds.
+    own : callable(config) -> Daemon
+        Its daemon's table.
+    rig : callable(load) -> Rig
+        Makes the rig; `load` reads the rig file again.
+    """
+    _add_daemon(app, model, own, rig)
+    _add_status(app, model, own)
+    _add_stop(app, model, own)
+
+
+def _add_daemon(
+    app: typer.Typer, model: type[Config], own: Callable[[Config], Daemon], rig: Callable[[Callable[[], Config]], Rig]
+) -> None:
+    @app.command("daemon")
+    def daemon_command(
+        config: ConfigOption = None,
+        settings: SetOption = None,
+        renew: Annotated[
+            bool, typer.Option("--new-tokens", help="Make new tokens; the old are worth nothing.")
+        ] = False,
+    ) -> None:
+        """Run as a service: states, page, API, metrics.  It begins DISARMED; Ctrl-C stops and ends.
+
+        Example: `daemon --config rig.toml`, then open its address in a browser
+        """
+
+        def load() -> Config:
+            return rig_file.load(config, model, settings or ())
+
+        table = own(load())
+        if renew:
+            Path(table.data).mkdir(parents=True, exist_ok=True)
+            new_tokens(Path(table.data) / TOKENS)
+        run(rig(load), table, _say)
+
+
+def _add_status(app: typer.Typer, model: type[Config], own: Callable[[Config], Daemon]) -> None:
+    @app.command("status")
+    def status_command(
+        config: ConfigOption = None,
+        settings: SetOption = None,
+        watch: Annotated[bool, typer.Option("--watch", help="Go on showing it until Ctrl-C.")] = False,
+        json: JsonOption = None,
+    ) -> None:
+        """Show how the daemon of this rig file stands; status 1 in FAULT.
+
+        Example: `status --config rig.toml --watch`
+        """
+        with Client.of(own(rig_file.load(config, model, settings or ()))) as client:
+            if watch:
+                _watch(client)
+            shown = client.snapshot()
+        Console(file=words(json)).print(_table(shown))
+        write_json(json, shown)
+        if shown["state"]["name"] == "FAULT":
+            raise typer.Exit(1)
+
+
+def _add_stop(app: typer.Typer, model: type[Config], own: Callable[[Config], Daemon]) -> None:
+    @app.command("stop")
+    def stop_command(
+        config: ConfigOption = None,
+        settings: SetOption = None,
+        why: Annotated[str, typer.Option(metavar="TEXT", help="For the event log.")] = "from the command line",
+    ) -> None:
+        """Bring the output to zero and disarm, whoever has control.  No emergency stop: that one cuts the mains.
+
+        Example: `stop --config rig.toml --why "smoke"`
+        """
+        table = own(rig_file.load(config, model, settings or ()))
+        try:
+            with Client.of(table) as client:
+                told = client.stop(getpass.getuser(), why)
+        except (DaemonError, OSError) as fault:
+            _stop_by_signal(Path(table.data), fault)
+            return
+        sys.stdout.write(f"stopped: {told['before']} -> {told['state']}\n")
+
+
+def _say(text: str) -> None:
+    sys.stderr.write(f"{text}\n")
+
+
+def _stop_by_signal(data: Path, fault: Exception) -> None:
+    """Stop without the web process, where that does not answer."""
+    process = holder(data / LOCK)
+    if process is None:
+        raise ValueError(f"no daemon runs in {data}/: {fault}")
+    os.kill(process, signal.SIGUSR1)
+    sys.stdout.write(f"process {process} was told to stop by a signal, since its page does not answer: {fault}\n")
+
+
+def _watch(client: Client) -> None:
+    """Show every snapshot until Ctrl-C."""
+    with Live(console=Console(), auto_refresh=False) as live:
+        try:
+            for shown in client.watch():
+                live.update(_table(shown), refresh=True)
+        except KeyboardInterrupt:
+            return
+
+
+def _table(shown: dict[str, Any]) -> Table:
+    state, procedure, control = shown["state"], shown["procedure"], shown["control"]
+    table = Table(title=f"{shown['program']} {shown['rig']}, {shown['time']}", show_header=False, box=None)
+    rows = {"state": f"{state['name']} since {state['since']}: {state['why']} ({state['who']})"}
+    rows["control"] = control["who"] if control else "nobody"
+    if procedure:
+        left = "" if procedure["seconds_left"] is None else f", {procedure['seconds_left']:.0f} s left"
+        done = f"{procedure['done']:g} of {procedure['total']:g} {procedure['unit']}{left}"
+        rows[procedure["title"]] = f"{done}; {procedure['note']}"
+    if shown["journal_fault"]:
+        rows["event log"] = shown["journal_fault"]
+    for name, told in rows.items():
+        table.add_row(Text(name), Text(told))
+    for gauge in shown["gauges"]:
+        value = "-" if gauge["value"] is None else f"{gauge['value']:.4g}"
+        bounds = " ".join(
+            f"{sign} {gauge[key]:.4g}" for sign, key in ((">=", "low"), ("<=", "high")) if gauge[key] is not None
+        )
+        text = Text(f"{value} {gauge['unit']}".removesuffix(" 1"), style=_COLOURS[gauge["verdict"]])
+        table.add_row(Text(gauge["title"]), text + Text(f"  {bounds}", style="dim"))
+    return table

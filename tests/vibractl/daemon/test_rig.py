@@ -1,0 +1,147 @@
+"""The vibrator's procedures under the daemon."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rigkit.run_folder import read_events, read_quality
+from rigkit.service.state import State
+from tests.rigkit.service.until import until
+from tests.vibractl.daemon.bench import Lab, lab_in
+from vibractl.config import RigConfig
+from vibractl.replay import replay
+from vibractl.session import setup_of
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Iterator[Lab]:
+    made = lab_in(tmp_path)
+    yield made
+    made.control.close(60)
+    made.control.journal.close()
+
+
+def test_a_run_is_learned_shown_and_reported_and_the_rig_stays_armed(lab: Lab) -> None:
+    lab.begin(run="one", shots=3)
+    lab.ended()
+    assert lab.state is State.ARMED, lab.control.machine.last.why
+    assert len(read_quality(lab.data / "runs" / "one")) == 3
+    assert (lab.data / "runs" / "one" / "report.html").is_file()
+    assert [event["shot"] for event in lab.events("shot")] == [0, 1, 2]
+    panels = lab.control.board
+    assert set(panels.revisions()) == {"convergence", "error", "spectrum", "certificate"} | {
+        f"{which}_spectrogram_response_{side}" for which in ("first", "last") for side in (1, 2)
+    }
+    worst = [trace for trace in panels.panel("convergence")["traces"] if trace["role"] == "measured"]
+    table = read_quality(lab.data / "runs" / "one")
+    for side, trace in enumerate(worst, start=1):
+        assert np.allclose(trace["y"], [float(row[f"worst_line_db_{side}"]) for row in table], atol=1e-4)
+    spectrum = panels.panel("spectrum")["traces"]
+    limit = float(spectrum[-1]["y"][0])
+    for side, trace in enumerate(spectrum[:-1], start=1):
+        assert trace["y"].max() - limit == pytest.approx(float(table[-1][f"worst_line_db_{side}"]), abs=1e-3)
+
+
+def test_gauges_tell_levels_against_the_limits_while_the_line_is_open(lab: Lab) -> None:
+    assert [gauge.name for gauge in lab.rig.gauges()] == ["disk_free"]
+    lab.begin(run="one", shots=1000)
+    lab.until_shot(2)
+    found = {gauge.name: gauge for gauge in lab.rig.gauges()}
+    lab.control.stop("Ada", "")
+    lab.ended()
+    assert found["drive_peak_1"].high == RigConfig().limits.peak
+    assert found["xruns"].value == 0
+    assert found["worst_line"].value is not None
+    assert abs(found["alignment"].value or 1.0) < 0.25
+
+
+def test_a_stop_ends_a_run_that_can_be_resumed_bit_for_bit(lab: Lab) -> None:
+    lab.begin(run="one", shots=1000)
+    lab.until_shot(2)
+    lab.control.stop("Ada", "smoke")
+    assert lab.state is State.DISARMED
+    lab.ended()
+    recorded = len(read_quality(lab.data / "runs" / "one"))
+    assert 2 <= recorded < 1000
+    lab.begin(run="one", resume=True, shots=recorded + 1)
+    lab.ended()
+    assert lab.state is State.ARMED, lab.control.machine.last.why
+    path = lab.data / "runs" / "one"
+    assert len(read_quality(path)) == recorded + 1
+    assert all(each.identical for each in replay(path, setup_of(path)))
+
+
+def test_a_run_that_is_held_is_silent_and_goes_on_with_the_next_shot(lab: Lab) -> None:
+    lab.begin(run="one", shots=1000)
+    lab.until_shot(1)
+    lab.control.hold(lab.key, "lunch")
+    until(lambda: lab.events("held"), 60)
+    assert lab.state is State.HOLD
+    assert [gauge.name for gauge in lab.rig.gauges() if gauge.name.startswith("drive")] == []
+    shots = lab.events("held")[0]["shot"]
+    lab.control.resume(lab.key, "back")
+    lab.until_shot(shots + 1)
+    lab.control.abort(lab.key, "enough")
+    lab.ended()
+    assert lab.state is State.ARMED, lab.control.machine.last.why
+    path = lab.data / "runs" / "one"
+    assert [int(row["shot"]) for row in read_quality(path)] == list(range(len(read_quality(path))))
+    assert len([event for event in read_events(path) if event["event"] == "started"]) == 2
+
+
+def test_what_a_run_lacks_is_a_fault_with_its_reason_and_leaves_no_folder(lab: Lab) -> None:
+    lab.begin(run="one", model="another.h5")
+    lab.ended()
+    assert lab.state is State.FAULT
+    assert "another.h5" in lab.control.machine.last.why
+    assert not (lab.data / "runs" / "one").exists()
+
+
+def test_a_reference_from_outside_the_data_folder_is_refused(lab: Lab) -> None:
+    lab.begin(reference="../secret.wav")
+    lab.ended()
+    assert lab.state is State.FAULT
+    assert "leads out of the data folder" in lab.control.machine.last.why
+
+
+def test_a_reload_that_changes_nothing_does_nothing(lab: Lab) -> None:
+    assert lab.control.reload(lab.key) == {"reach": "nothing", "keys": [], "done": ""}
+
+
+def test_a_bad_rig_file_is_refused_by_its_key_and_the_old_one_stays(lab: Lab) -> None:
+    before = lab.rig.config
+    lab.file.write_text("[limits]\npeak = -1.0\n")
+    with pytest.raises(ValueError, match=r"limits.peak is -1.0, must be > 0"):
+        lab.control.reload(lab.key)
+    assert lab.rig.config is before
+
+
+def test_more_shots_and_tighter_limits_reach_a_run_that_goes_on_and_what_it_learns_with_does_not(lab: Lab) -> None:
+    lab.begin(run="one", shots=1000)
+    lab.until_shot(1)
+    lab.edit("session.shots=6", "limits.peak=8.0", "learning.gains=[0.25]")
+    told = lab.control.reload(lab.key)
+    assert told["reach"] == "devices"
+    assert told["keys"] == ["learning.gains", "limits.peak", "session.shots"]
+    lab.ended()
+    path = lab.data / "runs" / "one"
+    assert len(read_quality(path)) >= 6
+    kept = setup_of(path).config
+    assert (kept.limits.peak, kept.learning.gains) == (8.0, (0.5,))
+    assert [event["event"] for event in read_events(path)].count("reloaded") == 1
+    assert all(each.identical for each in replay(path, setup_of(path)))
+    lab.begin(run="two", shots=1)
+    lab.ended()
+    assert setup_of(lab.data / "runs" / "two").config.learning.gains == (0.25,)
+
+
+def test_a_limit_that_the_drive_breaks_after_a_reload_is_a_fault(lab: Lab) -> None:
+    lab.begin(run="one", shots=1000)
+    lab.until_shot(1)
+    lab.edit("limits.peak=0.1")
+    lab.control.reload(lab.key)
+    lab.ended()
+    assert lab.state is State.FAULT
+    assert "limits.peak is 0.1 V" in lab.control.machine.last.why

@@ -1,0 +1,1 @@
+"""The vibrator under the daemon: its procedures, gauges and panels."""

@@ -1,0 +1,158 @@
+"""The vibrator as the daemon's rig."""
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Protocol
+
+from rigkit import config as rig_file
+from rigkit.config import resolve
+from rigkit.disk_space import RESERVE, free, refuse_full
+from rigkit.service.reload import Change, Reach, change
+from rigkit.service.rig import Desk, Procedure
+from rigkit.service.show import Gauge
+from vibractl.audio import Line
+from vibractl.config import RigConfig
+from vibractl.daemon.options import CalibrationOptions, RunOptions
+from vibractl.daemon.running import Running
+from vibractl.proof import SLIP
+
+CALIBRATION = "calibration.vibrator_procedure:CalibrationProcedure"
+"""Found when it is asked for: calibration stands above this package."""
+
+REACHES = {
+    "session.shots": Reach.PARAMETERS,
+    "limits": Reach.DEVICES,
+    "audio": Reach.DEVICES,
+    "simulator": Reach.DEVICES,
+    "audio.rate": Reach.GRAPH,
+    "audio.drive_channels": Reach.GRAPH,
+    "audio.response_channels": Reach.GRAPH,
+    "audio.far_field_channels": Reach.GRAPH,
+    "limits.ramp": Reach.GRAPH,
+}
+"""The learner knows rate, channels and ramp: with others it is another run."""
+
+
+class _UnderWay(Protocol):
+    """A procedure while it runs."""
+
+    @property
+    def line(self) -> Line | None:
+        """The audio line, while it is open."""
+
+
+class _Whole(_UnderWay, Protocol):
+    """One that has yet to run."""
+
+    def run(self) -> None:
+        """Run it to its end."""
+
+
+class Vibrator:
+    """A marine vibrator under the daemon.
+
+    Parameters
+    ----------
+    load : callable() -> RigConfig
+        Reads the rig file, with the settings laid over it; again at each reload.
+    """
+
+    program = "vibractl"
+
+    def __init__(self, load: Callable[[], RigConfig]) -> None:
+        self._load, self.config = load, load()
+        self.name = self.config.rig.name
+        self._under_way: _UnderWay | None = None
+        aborted = "This shot is played to its end and recorded, then the drive is silent and the rig stays armed."
+        paused = "This shot is played to its end and learned from; then the drive is silent until it goes on."
+        self.procedures: Sequence[Procedure] = (
+            Procedure("run", "Learning run", "run", "shots", True, paused, aborted, RunOptions, self._run),
+            Procedure(
+                "calibrate",
+                "Calibration",
+                "calibrate",
+                "records",
+                False,
+                "",
+                aborted,
+                CalibrationOptions,
+                self._calibrate,
+            ),
+        )
+
+    def gauges(self) -> Sequence[Gauge]:
+        """Return levels against limits, how the audio keeps up, and room on the disk."""
+        under_way = self._under_way
+        there = free(Path(self.config.daemon.data).absolute())
+        found = [Gauge("disk_free", "Room on the disk", there, "byte", low=RESERVE)]
+        if isinstance(under_way, Running):
+            found.append(Gauge("worst_line", "Worst line over the limit", under_way.worst_db, "dB", high=0.0))
+            found.append(Gauge("discarded", "Recordings discarded", under_way.discarded, "1"))
+        line = None if under_way is None else under_way.line
+        return found if line is None else [*found, *self._levels(line)]
+
+    def arm(self) -> None:
+        """See that there is an audio interface to open, and room to record."""
+        refuse_full(Path(self.config.daemon.data))
+        resolve(self.config.audio.stream)
+
+    def disarm(self) -> None:
+        """Nothing: the audio line is open while a procedure runs and no longer."""
+
+    def stop(self) -> None:
+        """Ramp down what is played."""
+        under_way = self._under_way
+        line = None if under_way is None else under_way.line
+        if line is not None:
+            line.stop()
+
+    def acknowledge(self, who: str) -> None:
+        """Nothing: a guard that has latched went with its audio process, and a new one is closed."""
+
+    def settings(self) -> str:
+        """Return the rig file in force."""
+        return rig_file.dump(self.config)
+
+    def reload(self) -> Change:
+        """Read the rig file again; a run that goes on takes what it can."""
+        new = self._load()
+        found = change(self.config, new, REACHES)
+        if found.reach is Reach.NOTHING:
+            return found
+        if new.daemon.data != self.config.daemon.data:
+            raise ValueError("daemon.data cannot change while the daemon runs")
+        under_way = self._under_way
+        self.config = new
+        done = under_way.take(new, found) if isinstance(under_way, Running) else "from the next procedure on"
+        own = any(key.startswith("daemon.") for key in found.keys)
+        return Change(found.keys, done + "; [daemon] when the daemon is started again" * own)
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+    def _levels(self, line: Line) -> Iterator[Gauge]:
+        limits = self.config.limits
+        now = line.levels
+        for side, (peak, rms) in enumerate(zip(now.drive_peak, now.drive_rms, strict=True), start=1):
+            yield Gauge(f"drive_peak_{side}", f"Drive {side}, peak", float(peak), "V", high=limits.peak)
+            yield Gauge(f"drive_rms_{side}", f"Drive {side}, rms", float(rms), "V", high=limits.rms)
+        full = self.config.audio.input_full_scale
+        for side, peak in enumerate(now.response_peak, start=1):
+            yield Gauge(f"response_peak_{side}", f"Response {side}, peak", float(peak), "m/s^2", high=full)
+        yield Gauge("alignment", "Alignment, last shot", line.residual, "samples", -SLIP, SLIP)
+        yield Gauge("xruns", "Callbacks with lost data, last shot", now.xruns, "1", high=0)
+        yield Gauge("late", "Late callbacks, last shot", now.late, "1")
+
+    def _run(self, desk: Desk, options: RunOptions) -> None:
+        self._follow(Running(self.config, options, desk))
+
+    def _calibrate(self, desk: Desk, options: CalibrationOptions) -> None:
+        out = Path(self.config.daemon.data) / options.model
+        self._follow(resolve(CALIBRATION)(self.config, out, desk))
+
+    def _follow(self, procedure: _Whole) -> None:
+        self._under_way = procedure
+        try:
+            procedure.run()
+        finally:
+            self._under_way = None

@@ -1,0 +1,147 @@
+"""The procedure that learns: a run shot by shot, which can pause between two shots and take up new settings there."""
+
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from rigkit import config as rig_file
+from rigkit.run_folder import CONFIG, RunFolder
+from rigkit.service.paths import confined
+from rigkit.service.reload import Change, Reach, taken
+from rigkit.service.rig import Desk
+from vibractl.audio import Line
+from vibractl.config import RigConfig
+from vibractl.daemon.options import RunOptions
+from vibractl.daemon.panels import Panels
+from vibractl.quality import Marks
+from vibractl.reference import is_file
+from vibractl.report import run_report
+from vibractl.session import Session, create, setup_of
+
+_TOLD = ("started", "stopped", "finished", "failed")
+"""Events of a run folder that the daemon tells by itself."""
+
+
+class Running:
+    """One run under the daemon.
+
+    Parameters
+    ----------
+    config : RigConfig
+    options : RunOptions
+    desk : Desk
+
+    Raises
+    ------
+    ValueError, OSError : settings, model and reference do not fit, or the disk has no room; no folder is made.
+    """
+
+    def __init__(self, config: RigConfig, options: RunOptions, desk: Desk) -> None:
+        self._desk, data = desk, Path(config.daemon.data)
+        self.worst_db: float | None = None
+        """The worst line of the last shot over the limit, dB."""
+        self.discarded = 0
+        self._waiting: RigConfig | None = None
+        desk.progress(0, options.shots or config.session.shots, "getting ready")
+        path = data / "runs" / (options.run or time.strftime("%Y%m%d-%H%M%S"))
+        if options.resume:
+            self._folder = RunFolder.open(path)
+        else:
+            self._folder, made = create(path, _asked(config, options, data), data / options.model)
+        try:
+            made = setup_of(path) if options.resume else made
+            self._folder.listener = self._heard
+            self._session = Session(self._folder, made, config.daemon.mute_after)
+        except BaseException:
+            self._folder.close()
+            raise
+        self.shots = options.shots or made.config.session.shots
+        self._panels = Panels(desk, made)
+
+    @property
+    def line(self) -> Line | None:
+        """The audio line, while it is open."""
+        return self._session.line
+
+    def take(self, new: RigConfig, change: Change) -> str:
+        """Take what may change while a run goes on, from another thread; say when it holds."""
+        now = [key for key, reach in change.keys.items() if reach is Reach.PARAMETERS]
+        if "session.shots" in now:
+            self.shots = new.session.shots
+        devices = [key for key, reach in change.keys.items() if reach is Reach.DEVICES]
+        if devices:
+            self._waiting = taken(self._session.config, new, devices)
+        parts = ["now" * bool(now), "the line is opened again after this shot" * bool(devices)]
+        if change.keys.keys() - set(now) - set(devices):
+            parts.append("the rest from the next run on, as this run's folder says what it was made with")
+        return "; ".join(filter(None, parts))
+
+    def run(self) -> None:
+        """Learn until the last shot, or until the desk says that it is to end; then write the report."""
+        with self._folder:
+            try:
+                self._learn()
+            except BaseException:
+                if self._session.untouched:
+                    self._folder.withdraw()
+                raise
+            if self._session.done:
+                self._desk.progress(self._session.done, self.shots, "writing the report")
+                self._desk.event("finished", {"run": self._folder.path.name, **self._session.summary()})
+                run_report(self._folder.path)
+
+    def _learn(self) -> None:
+        session, desk = self._session, self._desk
+        desk.progress(session.done, self.shots)
+        while session.done < self.shots and not desk.ending():
+            self._take_waiting()
+            desk.recording(True)
+            try:
+                session.run(self.shots, self._tell, self._pausing)
+            finally:
+                desk.recording(False)
+            if desk.held():
+                desk.event("held", {"shot": session.done})
+            desk.wait_while_held()
+
+    def _pausing(self) -> bool:
+        desk = self._desk
+        return desk.ending() or desk.held() or self._waiting is not None or self._session.done >= self.shots
+
+    def _tell(self, shot: int, marks: Marks) -> None:
+        learner = self._session.learner
+        self.worst_db = float(marks.worst_line_db.max())
+        self._desk.progress(shot + 1, self.shots, f"objective {marks.reason}")
+        self._desk.event("shot", {"shot": shot, "worst_line_db": self.worst_db, "objective": marks.reason})
+        heard = learner.far_field if self._session.judged.is_far else learner.response[: learner.shot.total]
+        self._panels.draw(shot, marks, heard, learner.algorithm)
+
+    def _heard(self, event: str, fields: Mapping[str, Any]) -> None:
+        self.discarded += event == "discarded"
+        if event not in _TOLD:
+            self._desk.event(event, fields)
+
+    def _take_waiting(self) -> None:
+        """Put the settings that need the line opened again in force, and keep them with the run."""
+        new, self._waiting = self._waiting, None
+        if new is None:
+            return
+        kept = rig_file.load(self._folder.path / CONFIG, RigConfig)
+        changed = {name: getattr(new, name) for name in ("audio", "limits", "simulator")}
+        self._session.config = new
+        self._folder.write(CONFIG, rig_file.dump(kept.model_copy(update=changed)))
+        self._folder.event("reloaded", {"settings": rig_file.dump(new.audio) + rig_file.dump(new.limits)})
+
+
+def _asked(config: RigConfig, options: RunOptions, data: Path) -> RigConfig:
+    """Return the settings with what the options lay over them."""
+    reference, watch = config.reference, config.watch
+    if options.reference:
+        signal = options.reference
+        if is_file(signal):
+            signal = str(confined(data, signal))
+        reference = reference.model_copy(update={"signal": signal})
+    if options.watch:
+        watch = watch.model_copy(update={"on": True})
+    return config.model_copy(update={"reference": reference, "watch": watch})
