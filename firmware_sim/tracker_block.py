@@ -13,7 +13,7 @@ from firmware_sim.tracker import LEDS, TrackerFaults
 
 SEEN = np.array([3, 4])
 """LEDs on the spindle and on the workpiece [Sörnmo 2015, sec. 2.2]."""
-FREEDOM = 3 * SEEN - 6
+FREEDOM = (3 * SEEN - 6).tolist()
 """Of their residuals."""
 PARTS = slice(0, 1), slice(1, 2), slice(2, 9), slice(9, 16), slice(16, 18), slice(18, 20)
 """Of what is sent: counter, stamp, both poses, LEDs, residuals."""
@@ -81,7 +81,7 @@ class TrackerView(Block):
         self._rate, self._late = rate, round(self.delay * rate)
         self._done, self._counter, self._next = 0, 0, 0
         self._sent: deque[tuple[int, np.ndarray]] = deque()
-        self._shown = np.zeros(20)
+        self._shown, self._draws = np.zeros(20), np.zeros(12 + sum(FREEDOM))
 
     def process(
         self,
@@ -115,8 +115,9 @@ class TrackerView(Block):
         self._counter += 1
         self._next = ceil(self._counter * self._rate / self.sample_rate)
         time, draw = self._done / self._rate, self._rng.random(3)
-        noise = self.noise * self._rng.standard_normal((2, 6)) / np.sqrt(SEEN)[:, None]
-        spread = np.sqrt(self._rng.chisquare(FREEDOM) / FREEDOM)
+        self._rng.standard_normal(out=self._draws)
+        noise = self.noise * self._draws[:12].reshape(2, 6) / np.sqrt(SEEN)[:, None]
+        misfits = np.split(self._draws[12:], FREEDOM[:1])  # Generator.chisquare of an array keeps memory at each call
         if draw[0] < self.lost:
             return
         told = np.zeros(20)
@@ -131,7 +132,7 @@ class TrackerView(Block):
             _turn(pose[3:], 0.5 * turn)
         is_blind = self.blind <= time < self.blind + self.blind_for
         told[16:18] = np.where((draw[1:] < self.unseen) | is_blind, LEDS - 1, SEEN)
-        told[18:] = self.noise * spread
+        told[18:] = [self.noise * np.sqrt(misfit @ misfit / len(misfit)) for misfit in misfits]
         self._sent.append((self._done + self._late, told))
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from rigkit.event_table import event_table
 from rigkit.figure_style import styled
 from rigkit.report import Fact, Report, Section, Table
 from rigkit.run_folder import read_events
@@ -70,7 +71,7 @@ def _sections(result: Result, figures: dict[str, Any], events: list[dict[str, An
     yield Section("Drives", plots=(drive_plot(result),), tables=(headroom_table(result),))
     if result.made.designs:
         yield Section("Loops", plots=(sensitivity_plot(result),), tables=(_loop_table(result),))
-    yield Section("Events", tables=(_event_table(events),))
+    yield Section("Events", tables=(event_table(events),))
 
 
 def _error_table(figures: dict[str, Any]) -> Table:
@@ -109,15 +110,3 @@ def _loop_table(result: Result) -> Table:
         "crossover, Hz",
     )
     return Table(head, tuple(rows))
-
-
-def _event_table(events: list[dict[str, Any]]) -> Table:
-    rows = tuple(
-        (
-            event["time"][:19].replace("T", " "),
-            event["event"],
-            ", ".join(f"{key} {value}" for key, value in event.items() if key not in ("time", "event")),
-        )
-        for event in events
-    )
-    return Table(("time, UTC", "event", "particulars"), rows)

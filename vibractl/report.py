@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from rigkit.event_table import event_table
 from rigkit.figure_style import styled
 from rigkit.report import Fact, Report, Section, Table
 from rigkit.run_folder import read_events
@@ -152,16 +153,3 @@ def shot_table(result: Result) -> Table:
         told = (form.format(float(cell)) if cell else "–" for cell, form in cells)
         rows.append((row["shot"], row["verdict"], *told))
     return Table(head, tuple(rows))
-
-
-def event_table(events: list[dict[str, Any]]) -> Table:
-    """Return a row for each event of the run."""
-    rows = []
-    for event in events:
-        told = (
-            f"{key} {value:.6g}" if isinstance(value, float) else f"{key} {value}"
-            for key, value in event.items()
-            if key not in ("time", "event")
-        )
-        rows.append((event["time"][:19].replace("T", " "), event["event"], ", ".join(told)))
-    return Table(("time, UTC", "event", "particulars"), tuple(rows))

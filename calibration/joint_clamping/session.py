@@ -1,6 +1,5 @@
 """A clamping experiment in its folder, over the wires or on the simulated arm: only what is not recorded yet."""
 
-import gc
 import sys
 import time
 from collections.abc import Sequence
@@ -26,6 +25,7 @@ from rigkit import atomic
 from rigkit.config import resolve
 from stagectl.link.bus import LinkError
 from stagectl.link.clock import run_linked
+from stagectl.link.priority import undisturbed
 from stagectl.robot.arm import Arm
 from stagectl.robot.clamp_config import clamp_procedure
 from stagectl.robot.clamp_port import GuidedArm
@@ -133,17 +133,15 @@ def _run_live(cell: CellConfig, search: ClampSearch, folder: Path, tell: Tell, a
             raise LinkError(f"no torque signals come from {host}:{cell.robot.signals} within {patience:g} s")
         robot = GuidedArm(port, program, signals, links)
         run = ClampRun(robot, search, RATE, folder, tell, asked, work, every_cycle=True)
-        gc.collect()
-        gc.freeze()  # what is there already need not be looked through while the robot waits
-        stack.callback(gc.unfreeze)
-        begin_motion(port, asks)
-        port.start()
-        try:
-            run_linked(run.graph, port, sys.maxsize, run.look)
-        except LinkError as fault:
-            raise ClampAborted(f"{port.reason or fault}; {run.where}") from fault
-        finally:
-            port.stop()
+        with undisturbed():
+            begin_motion(port, asks)
+            port.start()
+            try:
+                run_linked(run.graph, port, sys.maxsize, run.look)
+            except LinkError as fault:
+                raise ClampAborted(f"{port.reason or fault}; {run.where}") from fault
+            finally:
+                port.stop()
         if port.reason:
             raise ClampAborted(f"{port.reason}; {run.where}")
         run.finish()

@@ -17,8 +17,10 @@ COLOUR = dict(zip(SETUPS, COLOURS, strict=False))
 """Of every setup."""
 RING = 5.0
 """Radius of the circle in the polar plot over the largest deviation."""
+RING_LABELS = 60.0
+"""Degrees, where the rings beside it are labelled."""
 POINTS = 4_000
-"""Drawn of a line."""
+"""Drawn of a line, about."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,14 +47,18 @@ def polar_plot(runs: list[Run]) -> Plot:
     largest = max(float(np.abs(run.milled.radial).max()) for run in drawn if run.milled)
     for run in drawn:
         assert run.milled is not None
-        step = max(1, len(run.milled.angle) // POINTS)
-        size = 1e6 * (run.milled.radial[::step] + RING * largest)
-        axes.plot(run.milled.angle[::step], size, color=COLOUR[run.plan.setup], linewidth=0.9, label=run.plan.setup)
+        at = _drawn(run.milled.radial)
+        size = 1e6 * (run.milled.radial[at] + RING * largest)
+        axes.plot(run.milled.angle[at], size, color=COLOUR[run.plan.setup], linewidth=0.9, label=run.plan.setup)
     around = np.linspace(0, 2 * np.pi, 361)
     axes.plot(around, np.full(361, 1e6 * RING * largest), label="as it is to be", **LIMIT)
     axes.set_rlim(0, 1e6 * (RING + 1.1) * largest)
-    axes.set_rticks([1e6 * (RING + part) * largest for part in (-1, 0, 1)])
-    axes.set_yticklabels([f"{1e6 * part * largest:+.0f} µm" for part in (-1, 0, 1)])
+    ring = _round(largest)
+    axes.set_rticks([1e6 * (RING * largest + part * ring) for part in (-1, 1)])
+    axes.set_yticklabels([f"{1e6 * part * ring:+.3g} µm" for part in (-1, 1)])
+    axes.set_rlabel_position(RING_LABELS)
+    for label in axes.get_yticklabels():
+        label.set(ha="center", bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0})
     axes.legend(loc="center")
     return Plot(
         figure, "Deviation of the outer contour around the circle, from y (0°) to z (90°, where the cut begins)."
@@ -106,6 +112,19 @@ def travel_plot(runs: list[Run]) -> Plot:
 
 
 def _along(axes: Axes, run: Run, signal: np.ndarray) -> None:
-    step = max(1, len(signal) // POINTS)
-    way = 1e3 * STEP * np.arange(len(signal))
-    axes.plot(way[::step], 1e6 * signal[::step], color=COLOUR[run.plan.setup], linewidth=0.8, label=run.plan.setup)
+    at, setup = _drawn(signal), run.plan.setup
+    axes.plot(1e3 * STEP * at, 1e6 * signal[at], color=COLOUR[setup], linewidth=0.8, label=setup)
+
+
+def _drawn(signal: np.ndarray) -> np.ndarray:
+    """Return which points of a line, shape (points,), are drawn: of each span the lowest and the highest."""
+    span = max(1, 2 * len(signal) // POINTS)
+    spans = signal[: len(signal) // span * span].reshape(-1, span)
+    first = span * np.arange(len(spans))
+    return np.unique(np.concatenate([first + spans.argmin(axis=1), first + spans.argmax(axis=1)]))
+
+
+def _round(size: float) -> float:
+    """Return the largest of 1, 2 and 5 times a power of ten that is no larger than a size > 0."""
+    power = 10.0 ** np.floor(np.log10(size))
+    return float(power * max(each for each in (1, 2, 5) if each * power <= size))

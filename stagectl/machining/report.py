@@ -5,10 +5,12 @@ from pathlib import Path
 from typing import Any
 
 from rigkit import atomic
+from rigkit.event_table import event_table
 from rigkit.figure_style import styled
 from rigkit.json_text import json_text
 from rigkit.report import Fact, Report, Section, Table
 from rigkit.run_folder import SUMMARY, read_events
+from stagectl.machining.event_text import event_text
 from stagectl.machining.figures import Run, deviation_plot, polar_plot, surface_plot, travel_plot
 from stagectl.machining.session import figures, milled_contour, read_back
 
@@ -76,9 +78,4 @@ def _sections(path: Path, rows: list[dict[str, Any]], runs: list[Run]) -> Iterat
     with_stage = [run for run in runs if run.plan.has_stage]
     if with_stage:
         yield Section("Travel", plots=(travel_plot(with_stage),))
-    events = tuple(
-        (each["time"][:19].replace("T", " "), each["event"], ", ".join(
-            f"{key} {value}" for key, value in each.items() if key not in ("time", "event")))
-        for each in read_events(path)
-    )  # fmt: skip
-    yield Section("Events", tables=(Table(("time, UTC", "event", "particulars"), events),))
+    yield Section("Events", tables=(event_table(read_events(path), event_text),))

@@ -16,7 +16,7 @@ from vibractl.figures.result import read_result
 from vibractl.figures.spectrogram import spectrogram_plot
 from vibractl.figures.tracking import tracking_plot
 from vibractl.model_file import write_model
-from vibractl.report import event_table, run_report, shot_table
+from vibractl.report import run_report, shot_table
 from vibractl.session import Session, create
 from vibractl.transfer_matrix import TransferMatrix
 
@@ -163,8 +163,3 @@ def test_the_shots_table_has_a_row_a_shot_and_a_dash_for_what_is_not_known(mimo:
     assert [row[0] for row in table.rows] == ["0", "1", "2", "3"]
     assert table.rows[0][repeat] == "–"
     assert float(table.rows[1][repeat]) < 0
-
-
-def test_an_event_is_told_with_its_particulars() -> None:
-    event = {"time": "2026-11-21T13:23:37.198+00:00", "event": "discarded", "shot": 4, "reason": "an xrun"}
-    assert event_table([event]).rows == (("2026-11-21 13:23:37", "discarded", "shot 4, reason an xrun"),)

@@ -1,6 +1,5 @@
 """A live run of mid-ranging: the robot over its port, whose report is the clock, and the stage over its link."""
 
-import gc
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 
@@ -10,6 +9,7 @@ from ctlblocks import Block, Graph
 from ctlblocks.recording import Recording
 from stagectl.link.bus import LinkError
 from stagectl.link.clock import run_linked
+from stagectl.link.priority import undisturbed
 from stagectl.link.stage_link import StageLink
 from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging.live_pair import LivePair, LiveSeen, LiveSend
@@ -75,12 +75,10 @@ def run_live(
         graph.add("seen", LiveSeen(pair))
         graph.add("send", LiveSend(pair, config.session.smoothing))
         record = wire(graph, made, whole, {name: (f"seen.{name}", False) for name in MEASURED}, "send")
-        gc.collect()
-        gc.freeze()  # what is there already need not be looked through while the robot waits
-        stack.callback(gc.unfreeze)
-        _start(pair, cell)
         try:
-            run_linked(graph, pair.robot, len(whole), stopped)
+            with undisturbed():
+                _start(pair, cell)
+                run_linked(graph, pair.robot, len(whole), stopped)
         except LinkError as fault:
             raise LiveFault(str(fault), split(record, axes, 0) if record.position else []) from fault
     if record.position <= lead:

@@ -1,0 +1,32 @@
+"""The events of the cell's runs in words, for their report."""
+
+from typing import Any
+
+from rigkit.event_table import particulars
+from stagectl.machining.plan import SETUPS
+
+
+def event_text(event: dict[str, Any]) -> str:
+    """Return what an event of a run, a line of its `events.jsonl`, says, as a sentence or two."""
+    match event["event"]:
+        case "started":
+            setup = event["setup"]
+            return f"Setup {setup}, {SETUPS.get(setup, 'unknown')}, with {event['software']}."
+        case "ended":
+            return " ".join(_end(event))
+        case _ if set(event) == {"time", "event", "reason"}:
+            return f"Held: {event['reason']}."
+    return particulars(event)
+
+
+def _end(event: dict[str, Any]) -> list[str]:
+    why = f"held: {event['reason']}" if event["reason"] else "without a fault"
+    said = [f"Setup {event['setup']}, after {event['seconds']:g} s, {why}."]
+    for name, counts in event["tracker"].items():
+        received = counts["received"]
+        wrong = ", ".join(f"{count} {what}" for what, count in counts.items() if count and what != "received")
+        said.append(f"Of the {name} {received} samples came{': ' + wrong if wrong else ''}.")
+    if "samples_at_end" in event:
+        count = event["samples_at_end"]
+        said.append(f"The stage was asked beyond its travel in {count} sample{'' if count == 1 else 's'} of 4 ms.")
+    return said
