@@ -108,8 +108,9 @@ def _from_table(path: Path, rate: float | None) -> Recording:
     data = np.array([_numbers(path, number, line, between, len(names)) for number, line in rows[has_names:]])
     heads = [name.strip().removesuffix("]").partition("[") for name in names]
     plain, units = tuple(head.strip() for head, _, _ in heads), tuple(unit.strip() or "1" for _, _, unit in heads)
+    sampled = _rate(path, plain, data, rate)
     try:
-        return Recording(plain, units, _rate(path, plain, data, rate), data)
+        return Recording(plain, units, sampled, data)
     except RecordingError as fault:
         raise RecordingError(f"{path}: {fault}") from None
 

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 
-from ctlblocks import Block, Graph, Port
+from ctlblocks import Graph, Port
 from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
 from ctlblocks.replay import Record, Replay
-from rigkit.config import resolve
 from stagectl.config import StageConfig
 from stagectl.deflection import DeflectionReference
+from stagectl.named_block import named_block
 from stagectl.setup import Setup
 from stagectl.stage.loop import Stage
 
@@ -105,8 +105,8 @@ def simulated(config: StageConfig) -> Seen:
 
     def seen(graph: Graph) -> dict[str, tuple[str, bool]]:
         options = config.simulator
-        graph.add("plant", _block(options.plant, options.options))
-        graph.add("surroundings", _block(options.surroundings, options.surroundings_options))
+        graph.add("plant", named_block(options.plant, options.options))
+        graph.add("surroundings", named_block(options.surroundings, options.surroundings_options))
         for name in ("force", "base"):
             graph.connect(f"surroundings.{name}", f"plant.{name}")
         graph.connect("guard.voltage", "plant.voltage")
@@ -124,13 +124,3 @@ def recorded(record: Recording, config: StageConfig) -> Seen:
         return {name: (f"recorded.{name}", False) for name in SEEN}
 
     return seen
-
-
-def _block(name: str, options: dict[str, object]) -> Block:
-    try:
-        made = resolve(name)(**options)
-    except TypeError as fault:
-        raise ValueError(f"{name} does not take these options: {fault}") from None
-    if not isinstance(made, Block):
-        raise ValueError(f"{name} makes a {type(made).__name__}, must be a Block")
-    return made

@@ -114,6 +114,13 @@ class Outer(Section):
     disturbance: float = setting(
         30.0, "Hz", "what moves so fast is to be followed, and pushes that change a tenth as fast", gt=0, le=2_000
     )
+    push: float = setting(
+        0.0,
+        "1",
+        "part by which pushes that ring count, at the frequency that answers most: > 0 where a cut answers vibrations",
+        ge=0,
+        le=10,
+    )
     reach: float = setting(200.0, "Hz", "the models hold up to here", gt=0, le=50_000)
     beyond: PerAxis = setting(
         (1.0,), "1", "largest gain of the controller from there on, re the plant at rest", min_length=1

@@ -23,24 +23,25 @@ def in_poses(cell: CellConfig, given: Sequence[str], file: Path | None) -> list[
     ------
     ValueError : a pose that is none, by its text; the same pose twice.
     """
-    texts = [*given]
+    texts, where = [*given], "--pose"
     if file is not None:
         with file.open(encoding="utf-8", newline="") as lines:
             texts += [",".join(row) for row in csv.reader(lines) if row and not row[0].lstrip().startswith("#")]
+        where = f"{'--pose or ' if given else ''}{file}"
         if not texts:
             raise ValueError(f"--poses {file}: has no line with a pose")
-    poses = [_pose(text, len(cell.clamping.pose)) for text in texts] or [cell.clamping.pose]
+    poses = [_pose(text, len(cell.clamping.pose), where) for text in texts] or [cell.clamping.pose]
     twice = [pose for place, pose in enumerate(poses) if pose in poses[:place]]
     if twice:
         raise ValueError(f"the pose {twice[0]} deg is given twice, must be another each time")
     return [cell.model_copy(update={"clamping": cell.clamping.model_copy(update={"pose": pose})}) for pose in poses]
 
 
-def _pose(text: str, joints: int) -> tuple[float, ...]:
+def _pose(text: str, joints: int, where: str) -> tuple[float, ...]:
     try:
         pose = tuple(float(part) for part in text.split(","))
     except ValueError:
         pose = ()
     if len(pose) != joints or not all(map(math.isfinite, pose)):
-        raise ValueError(f"a pose is {text!r}, must be {joints} finite numbers with commas between them, deg")
+        raise ValueError(f"{where}: a pose is {text!r}, must be {joints} finite numbers with commas between them, deg")
     return pose

@@ -22,10 +22,10 @@ from calibration.joint_clamping.requests import Requests
 from ctlblocks import Block, recording
 from ctlblocks.recording import Recording
 from rigkit import atomic
-from rigkit.config import resolve
 from stagectl.link.bus import LinkError
 from stagectl.link.clock import run_linked
 from stagectl.link.priority import undisturbed
+from stagectl.named_block import named_block
 from stagectl.robot.arm import Arm
 from stagectl.robot.clamp_config import clamp_procedure
 from stagectl.robot.clamp_port import GuidedArm
@@ -37,6 +37,7 @@ from stagectl.robot.port import RobotPort, arm_of
 from stagectl.robot.program import RobotProgram, TorqueSignals, begin_motion
 from stagectl.wire.egm import RATE
 
+NOTE = "config.json"
 LATE_TICKS = 2
 """Ticks that may be late at once: one more is a fault of the port."""
 
@@ -69,7 +70,7 @@ def measure(
     ClampAborted : something went wrong; what was recorded is kept.
     Stopped : it was asked to.
     """
-    _belongs(folder, cell)
+    _refuse_another(folder, cell)
     left = missing(folder, joints)
     if left:
         search = ClampSearch(clamp_procedure(cell.clamping, clamped_arm(cell), left))
@@ -79,17 +80,26 @@ def measure(
     return found, recording.read(way) if way.exists() else None
 
 
-def _belongs(folder: Path, cell: CellConfig) -> None:
-    """Note in the folder what it was recorded with, or compare."""
-    folder.mkdir(parents=True, exist_ok=True)
-    note, text = folder / "config.json", cell.model_dump_json(indent=1)
-    if note.exists() and note.read_text(encoding="utf-8") != text:
+def _refuse_another(folder: Path, cell: CellConfig) -> None:
+    """Refuse a folder that was recorded with another configuration."""
+    note = folder / NOTE
+    if note.exists() and note.read_text(encoding="utf-8") != _told(cell):
         raise ValueError(f"{folder} was recorded with another configuration; choose another name for the model")
-    atomic.write(note, text)
+
+
+def _note(folder: Path, cell: CellConfig) -> None:
+    """Make the folder, and note in it what it is recorded with: once everything is there that a recording wants."""
+    folder.mkdir(parents=True, exist_ok=True)
+    atomic.write(folder / NOTE, _told(cell))
+
+
+def _told(cell: CellConfig) -> str:
+    return cell.model_dump_json(indent=1)
 
 
 def _run_simulated(cell: CellConfig, search: ClampSearch, folder: Path, tell: Tell, asked: Requests) -> None:
     run = ClampRun(simulated_robot(cell), search, RATE, folder, tell, asked, Here(), every_cycle=False)
+    _note(folder, cell)
     while not run.look():
         run.graph.tick()
     run.finish()
@@ -100,13 +110,7 @@ def simulated_robot(cell: CellConfig) -> Block:
     simulator = cell.simulator
     given = {"arm": cell.robot.arm, "tool": cell.robot.tool, "softness": cell.clamping.softness}
     given |= {"clamp": simulator.clamp, "clamp_turn": simulator.clamp_turn, "slip": simulator.slip}
-    try:
-        made = resolve(simulator.clamped)(**{**given, **simulator.options})
-    except TypeError as fault:
-        raise ValueError(f"{simulator.clamped} does not take these options: {fault}") from None
-    if not isinstance(made, Block):
-        raise ValueError(f"{simulator.clamped} makes a {type(made).__name__}, must be a Block")
-    return made
+    return named_block(simulator.clamped, {**given, **simulator.options})
 
 
 def _run_live(cell: CellConfig, search: ClampSearch, folder: Path, tell: Tell, asked: Requests) -> None:
@@ -117,7 +121,7 @@ def _run_live(cell: CellConfig, search: ClampSearch, folder: Path, tell: Tell, a
             "robot: soft servo and clamp are asked for there, and torques come from there"
         )
     _refuse_haste(cell, search)
-    cell = cell.model_copy(update={"robot": cell.robot.model_copy(update={"mode": "joints"})})
+    given, cell = cell, cell.model_copy(update={"robot": cell.robot.model_copy(update={"mode": "joints"})})
     _compile(search)
     with ExitStack() as stack:
         work = stack.enter_context(aside(nothing))
@@ -133,6 +137,7 @@ def _run_live(cell: CellConfig, search: ClampSearch, folder: Path, tell: Tell, a
             raise LinkError(f"no torque signals come from {host}:{cell.robot.signals} within {patience:g} s")
         robot = GuidedArm(port, program, signals, links)
         run = ClampRun(robot, search, RATE, folder, tell, asked, work, every_cycle=True)
+        _note(folder, given)
         with undisturbed():
             begin_motion(port, asks)
             port.start()

@@ -9,9 +9,8 @@ from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
-from stagectl.config import StageConfig
 from stagectl.machining import session
-from stagectl.machining.plan import RATE, SETUPS, designs_of, plan
+from stagectl.machining.plan import RATE, SETUPS, designs_of, plan, stage_of
 from stagectl.machining.report import HEAD, PAGE, cell_report, table_rows
 from stagectl.machining.run import Conduct, offline, paced
 from stagectl.machining.surroundings import refuse_wrong_plants
@@ -40,9 +39,7 @@ def cell(
 
     Example: `stagectl cell --setup all --config cell.toml --out RUN/ --png figures/`
     """
-    files = session.Files(
-        rig_file.load(config, CellConfig, settings or []), rig_file.load(stage, StageConfig), model or ()
-    )
+    files = session.Files(rig_file.load(config, CellConfig, settings or []), stage_of(stage), model or ())
     pace = paced if is_paced else offline
     setups = list(SETUPS) if setup == ALL else [setup]
     designs = designs_of(files.stage, files.models) if any(each.startswith("C") for each in setups) else []

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from rigkit import config as rig_file
 from stagectl.config import StageConfig
 from stagectl.machining.nominal_stage import nominal_model
 from stagectl.machining.toroid_path import ToroidPath
@@ -31,6 +32,8 @@ SETUPS = {
 TOUCH_OFF = 0.6, 0.1
 """s from the beginning, and before the end of the lead: in between everything stands still and is averaged."""
 AXES = ("x", "y", "z")
+PUSHED = ("outer.push=0.1",)
+"""Of a stage without a file of its own."""
 LOOKS = 100
 """Points of the path that are looked at before a run: the robot reaches them."""
 RATE = 10_000.0
@@ -151,6 +154,14 @@ def plan(setup: str, cell: CellConfig, stage: StageConfig, designs: Sequence[Des
     made = Plan(setup, cell_of(cell), stage, tuple(designs))
     made.path.joints(made.arm, np.linspace(0.0, made.path.end, LOOKS))
     return made
+
+
+def stage_of(file: Path | None) -> StageConfig:
+    """Read the stage's own file; where there is none, all is as by default, but for loops that damp what a cut shakes.
+
+    The force of a cut answers the tool's vibrations, those of the stage's modes too.
+    """
+    return rig_file.load(file, StageConfig, () if file is not None else PUSHED)
 
 
 def designs_of(stage: StageConfig, models: Sequence[Path] = ()) -> list[Design]:

@@ -2,12 +2,12 @@
 
 from collections.abc import Callable, Mapping
 
-from ctlblocks import Block, Graph
+from ctlblocks import Graph
 from ctlblocks.recording import Recording
 from ctlblocks.replay import Replay
-from rigkit.config import resolve
 from stagectl.machining.plan import Plan
 from stagectl.machining.recorded import EVERY, LASER, PLATE, QUICK, ROBOT, SLOW, TRACKER, Signal
+from stagectl.named_block import named_block
 from stagectl.still import Still
 
 Sources = Mapping[str, tuple[str, bool]]
@@ -19,9 +19,9 @@ Surroundings = Callable[[Graph, Plan], Sources]
 def simulated(graph: Graph, plan: Plan) -> Sources:
     """Add the plants that the cell's file names."""
     options, plants = plan.plant_options(), plan.cell.plants
-    graph.add("robot", block(plants.robot, options["robot"]), QUICK)
-    graph.add("milling", block(plants.cut, options["cut"]))
-    graph.add("camera", block(plants.tracker, options["tracker"]), QUICK)
+    graph.add("robot", named_block(plants.robot, options["robot"]), QUICK)
+    graph.add("milling", named_block(plants.cut, options["cut"]))
+    graph.add("camera", named_block(plants.tracker, options["tracker"]), QUICK)
     graph.connect("port.reference", "robot.reference", delayed=True)
     for name in ("force", "moment"):
         graph.connect(f"milling.{name}", f"robot.{name}", delayed=True)
@@ -62,26 +62,24 @@ def recorded(recordings: Mapping[str, Recording]) -> Surroundings:
 def refuse_wrong_plants(plan: Plan) -> None:
     """Build the plants that the files name once, so that a wrong option is a ValueError before anything is written."""
     options, plants = plan.plant_options(), plan.cell.plants
-    for name, given in ((plants.robot, "robot"), (plants.cut, "cut"), (plants.tracker, "tracker")):
-        block(name, options[given])
+    for kind in ("robot", "cut", "tracker"):
+        try:
+            named_block(getattr(plants, kind), options[kind])
+        except ValueError as fault:
+            raise ValueError(_as_given(str(fault), f"{kind}_options", getattr(plants, f"{kind}_options"))) from None
     if plan.has_stage:
-        block(plan.stage.simulator.plant, plan.stage.simulator.options)
+        named_block(plan.stage.simulator.plant, plan.stage.simulator.options)
 
 
-def block(name: str, options: dict[str, object]) -> Block:
-    """Build the block that a file names; ValueError where it does not take these options, or is none."""
-    try:
-        made = resolve(name)(**options)
-    except TypeError as fault:
-        raise ValueError(f"{name} does not take these options: {fault}") from None
-    if not isinstance(made, Block):
-        raise ValueError(f"{name} makes a {type(made).__name__}, must be a Block")
-    return made
+def _as_given(fault: str, table: str, given: Mapping[str, object]) -> str:
+    """Return what is wrong with an option under the name by which it was given."""
+    name = fault.removeprefix("simulator.options.").partition(" ")[0]
+    return fault.replace("simulator.options.", f"plants.{table}.", 1) if name in given else fault
 
 
 def _stage(graph: Graph, plan: Plan) -> dict[str, tuple[str, bool]]:
     simulator = plan.stage.simulator
-    graph.add("plant", block(simulator.plant, simulator.options))
+    graph.add("plant", named_block(simulator.plant, simulator.options))
     graph.connect("guard.voltage", "plant.voltage")
     graph.connect("milling.plate_force", "plant.force")
     graph.connect("milling.face", "plant.base")

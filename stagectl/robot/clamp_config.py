@@ -59,6 +59,11 @@ def clamp_procedure(clamping: Clamping, arm: Arm, joints: Sequence[int]) -> Clam
     ValueError : limits that do not fit together or to the arm.
     """
     per_joint = ("softness", "speed", "torque", "turn", "proof", "quiet", "travel", "reach", "search_step")
+    for name in (*per_joint, "pose", "leave"):
+        if len(getattr(clamping, name)) != arm.joints:
+            raise ValueError(
+                f"clamping.{name} has {len(getattr(clamping, name))} numbers, must be {arm.joints}, one a joint"
+            )
     limits = ClampLimits(
         **{name: np.array(getattr(clamping, name)) for name in per_joint},
         approach=clamping.approach,

@@ -88,16 +88,28 @@ class ClampLimits:
         for field in fields(self):
             values = np.asarray(getattr(self, field.name), float)
             if not (np.isfinite(values).all() and (values > 0).all()):
-                raise ValueError(f"{field.name} is {getattr(self, field.name)}, must be finite and > 0")
+                raise ValueError(f"clamping.{field.name} is {_said(values)}, must be finite and > 0")
         if not (self.softness < 1).all():
-            raise ValueError(f"softness is {self.softness}, must be < 1")
+            raise ValueError(f"clamping.softness is {_said(self.softness)}, must be < 1")
         for less, more in (("quiet", "proof"), ("turn", "torque"), ("search_step", "reach")):
-            if not (getattr(self, less) < getattr(self, more)).all():
-                raise ValueError(f"{less} is {getattr(self, less)}, must be < {more}, {getattr(self, more)}")
-        if not (self.proof <= self.turn).all():
-            raise ValueError(f"proof is {self.proof}, must be <= turn, {self.turn}")
+            self._refuse_unless((getattr(self, less) < getattr(self, more)).all(), f"{less} < {more}")
+        self._refuse_unless((self.proof <= self.turn).all(), "proof <= turn")
         if self.cycles < 2:
-            raise ValueError(f"cycles is {self.cycles}, must be >= 2")
+            raise ValueError(f"clamping.cycles is {self.cycles}, must be >= 2")
+
+    def _refuse_unless(self, holds: np.bool, rule: str) -> None:
+        """Refuse two limits that are not in the order of `rule`, such as "quiet < proof"."""
+        name, sign, other = rule.split()
+        if not holds:
+            raise ValueError(
+                f"clamping.{name} is {_said(getattr(self, name))}, must be {sign} clamping.{other}, "
+                f"{_said(getattr(self, other))}"
+            )
+
+
+def _said(values: np.ndarray) -> str:
+    """Return numbers, one or one a joint, as a person writes them."""
+    return ", ".join(f"{value:g}" for value in np.ravel(values))
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from rigkit.latch import to_clear
 from stagectl.link.bus import LinkError
 from stagectl.link.robot_datagrams import Datagrams
 from stagectl.link.tell import Tell, nobody
-from stagectl.robot.arm import Arm, irb140, read_arm
+from stagectl.robot.arm import Arm, ArmError, irb140, read_arm
 from stagectl.robot.config import CellConfig
 from stagectl.robot.conversation import PortState, ReportCounts, RobotConversation
 from stagectl.robot.guard import CommandGuard
@@ -28,7 +28,11 @@ def arm_of(config: CellConfig) -> Arm:
     name = config.robot.arm
     if name == "irb140":
         return irb140()
-    return read_arm(Path(str(files("stagectl.robot").joinpath("kuka.toml"))) if name == "kuka" else name)
+    if name == "kuka":
+        return read_arm(str(files("stagectl.robot").joinpath("kuka.toml")))
+    if not Path(name).is_file():
+        raise ArmError(f"the arm is {name!r}, must be irb140, kuka, or an arm's file")
+    return read_arm(name)
 
 
 class RobotPort:

@@ -39,7 +39,7 @@ class Design:
         Ms where natural frequencies are off by `Outer.mistuning` either way, or not.
     left : float, 1
         What is left of a reference that moves at `Outer.disturbance`, of one `FASTER` and smaller, and of a push that
-        changes `SLOWER`: root of the sum of their squares.
+        changes `SLOWER`, and `Outer.push` of the answer to a push that rings: root of the sum of their squares.
     """
 
     loop: StateFeedback

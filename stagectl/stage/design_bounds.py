@@ -9,6 +9,8 @@ from stagectl.stage.sensitivity import frequencies, is_stable
 from stagectl.stage.state_feedback import StateFeedback
 from stagectl.stage.state_space import StateSpace
 
+NEAR = np.geomspace(0.85, 1.0 / 0.85, 41)
+"""Of a resonance's frequency: where pushes are looked at, since a loop moves it."""
 SLOWER, FASTER = 10.0, 3.0
 """How many times slower than `Outer.disturbance` pushes are; how many times faster, and smaller, references are too."""
 
@@ -72,6 +74,8 @@ class Looks:
         self._late = np.exp(-2j * np.pi * self._frequency * outer.delay / rate)
         beyond = np.geomspace(outer.reach, rate / 2, 30) if outer.reach < rate / 2 else np.zeros(0)
         self._few = np.append(beyond, outer.disturbance * np.array([FASTER, 1.0, 1.0 / SLOWER]))
+        self._ringing = _around_resonances(plants[0], rate) if outer.push > 0 else np.zeros(0)
+        self._ringing_responses = plants[0].response(self._ringing, rate)
         self._at_rest = abs(plants[0].response(np.zeros(1), rate)[0])
         self._few_responses = plants[0].response(self._few, rate)
 
@@ -81,9 +85,15 @@ class Looks:
         sensitivity = 1.0 / (1.0 + feedback[-3:] * self._few_responses[-3:])
         forward = loop.reference_system().response(self._few, self._rate)
         missed = np.abs(1.0 - forward[-3:] * self._few_responses[-3:] * sensitivity)
-        left = np.linalg.norm([missed[0] / FASTER, missed[1], abs(sensitivity[2])])
+        left = np.linalg.norm([missed[0] / FASTER, missed[1], abs(sensitivity[2]), self._push(loop)])
         gains = (float(np.abs(each[:-3]).max(initial=0.0)) * self._at_rest for each in (feedback, forward))
         return Reached(*gains), float(left)
+
+    def _push(self, loop: StateFeedback) -> float:
+        """Return the largest answer to a push at the plant's input, re the plant at rest, times `Outer.push`."""
+        plant = self._ringing_responses
+        answer = plant / (1.0 + loop.system().response(self._ringing, self._rate) * plant)
+        return float(self._outer.push * np.abs(answer).max(initial=0.0) / self._at_rest)
 
     def reached(self, loop: StateFeedback, beyond: Reached) -> Reached:
         """Return what a loop reaches on all plants, above `Outer.reach` as found already."""
@@ -102,6 +112,13 @@ class Looks:
             mistuned_sensitivity=float(nearest.max()),
             answer=float(np.abs(answer).max()),
         )
+
+
+def _around_resonances(plant: StateSpace, rate: float) -> np.ndarray:
+    """Return frequencies at and around the plant's resonances, shape (bins,), Hz."""
+    poles = np.linalg.eigvals(plant.A).astype(complex)
+    natural = np.abs(np.log(poles[poles.imag > 0])) * rate / (2 * np.pi)
+    return np.asarray(np.unique(np.outer(natural, NEAR)))
 
 
 def of_axis(values: PerAxis, axis: int) -> float:

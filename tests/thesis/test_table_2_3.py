@@ -4,8 +4,7 @@ from typing import Any
 
 import pytest
 
-from stagectl.config import StageConfig
-from stagectl.machining.plan import SETUPS, designs_of, plan
+from stagectl.machining.plan import SETUPS, designs_of, plan, stage_of
 from stagectl.machining.recorded import recordings
 from stagectl.machining.run import Conduct, mill
 from stagectl.machining.session import figures
@@ -17,7 +16,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.timeout(1_200)]
 
 @pytest.fixture(scope="module")
 def rows() -> dict[str, dict[str, Any]]:
-    stage, found = StageConfig(), {}
+    stage, found = stage_of(None), {}
     designs = designs_of(stage)
     for setup in SETUPS:
         made = plan(setup, CellConfig(), stage, designs)
@@ -34,9 +33,9 @@ def test_the_circles_are_in_the_order_of_table_2_3(rows: dict[str, dict[str, Any
 
 
 def test_the_surface_of_c_is_no_worse_than_that_of_a(rows: dict[str, dict[str, Any]]) -> None:
-    """7 um each [Sörnmo 2015, tab. 2.3]; of what is shorter than 2.5 mm the stage adds some of its own."""
+    """7 um each [Sörnmo 2015, tab. 2.3]; what is shorter than 2.5 mm as well."""
     assert rows["C"]["surface_std"] <= rows["A"]["surface_std"]
-    assert rows["C"]["roughness"] <= 1.5 * rows["A"]["roughness"]
+    assert rows["C"]["roughness"] <= rows["A"]["roughness"]
 
 
 def test_the_stage_meets_its_ends_without_mid_ranging_and_never_with_it(rows: dict[str, dict[str, Any]]) -> None:

@@ -14,6 +14,7 @@ from rigkit.command import ConfigOption, JsonOption, SetOption, application, pri
 from rigkit.provenance import now, software
 from rigkit.run_folder import RunFolder
 from rigkit.stop import stoppable
+from stagectl.link.bus import LinkError
 from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging.axes import Runs, all_figures, run_axes
 from stagectl.robot.midranging.controllers import CONTROLLERS
@@ -83,12 +84,21 @@ def _run(
     kept: dict[str, str],
     stopped: Callable[[], bool],
 ) -> Runs:
-    """Run it; of a live run that a fault ends, what was recorded until then is kept as well."""
+    """Run it; of a live run that a fault ends, what was recorded until then is kept as well.
+
+    One that comes to nothing, for a setting or a wire, leaves no folder.
+    """
     try:
         return run_axes(kept["controller"], cell, chosen, stopped)
     except LiveFault as fault:
+        if not fault.recorded:
+            folder.withdraw()
+            raise
         _write(folder, dict(zip(chosen, fault.recorded, strict=False)), kept | {"fault": str(fault)})
         folder.event("fault", {"text": str(fault)})
+        raise
+    except (LinkError, ValueError):
+        folder.withdraw()
         raise
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ctlblocks.recording import Recording
 from rigkit.foreign_record import read_signals
 
 PERIOD, AMPLITUDE = 4.0, 2e-3
@@ -20,6 +21,8 @@ SECONDS = {"thesis-1": 28.0, "thesis-2": 24.0}
 RADIUS, FEED, RAMP = 35e-3, 5e-3, 1.0
 """m of the toroid's path, m/s along it, and s in which that begins and ends [Sörnmo 2015, section 2.4]."""
 TOROID = "toroid"
+FURTHEST = 10.0
+"""m, of a reference in a file."""
 HALF_STEP, STEPS = 4.5, 6
 """s of each step of Table 3.1, and how many there are, up and down in turn."""
 
@@ -71,8 +74,10 @@ def scenario(name: str, rate: float) -> Scenario:
             return Scenario(name, wave + SLOPE * time, options, PERIOD)
         return Scenario(name, wave, {"gains": GAINS}, PERIOD)
     if Path(name).suffix.lower() not in (".csv", ".wav"):
-        raise ValueError(f"scenario is {name!r}, must be table-3.1, {', '.join(SECONDS)}, or a CSV or WAV file")
-    found = read_signals(Path(name), rate)
+        raise ValueError(
+            f"scenario is {name!r}, must be table-3.1, {', '.join(SECONDS)}, {TOROID}, or a CSV or WAV file"
+        )
+    found = _wanted(Path(name), rate)
     if len(found.names) != 1:
         raise ValueError(f"{name}: channels are {', '.join(found.names)}, must be 1")
     return Scenario(Path(name).stem, found.data[:, 0].astype(np.float64))
@@ -94,12 +99,24 @@ def scenarios(name: str, rate: float) -> dict[str, Scenario]:
     if name == TOROID:
         return {axis: Scenario(TOROID, wanted) for axis, wanted in zip("yz", toroid(rate).T, strict=True)}
     if Path(name).suffix.lower() in (".csv", ".wav"):
-        found = read_signals(Path(name), rate)
+        found = _wanted(Path(name), rate)
         if found.data.shape[1] > 1:
             return {
                 axis: Scenario(Path(name).stem, found.select([axis]).data[:, 0].astype(float)) for axis in found.names
             }
     return {"": scenario(name, rate)}
+
+
+def _wanted(file: Path, rate: float) -> Recording:
+    """Read the reference in a file; ValueError where it is none, in m."""
+    found = read_signals(file, rate)
+    for channel, unit, samples in zip(found.names, found.units, found.data.T, strict=True):
+        if unit not in ("m", "1"):  # "1": a file that names no unit
+            raise ValueError(f"{file}: channel {channel} is in {unit}, must be in m")
+        furthest = abs(samples).max(initial=0.0)
+        if not furthest <= FURTHEST:
+            raise ValueError(f"{file}: channel {channel} goes {furthest:g} m far, must stay within {FURTHEST:g} m")
+    return found
 
 
 def toroid(rate: float) -> np.ndarray:

@@ -7,7 +7,7 @@ import numpy as np
 from ctlblocks import Block, Graph
 from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
-from rigkit.config import resolve
+from stagectl.named_block import named_block
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.scenario import Scenario
 from stagectl.robot.midranging.wiring import MEASURED, refuse_unready, split, wire
@@ -50,10 +50,4 @@ def _pair(config: MidrangeConfig, options: dict[str, Any]) -> Block:
         given["gains"] = tuple((time + lead, gain) for time, gain in given["gains"])
     if "disturbed_at" in given:
         given["disturbed_at"] += lead
-    try:
-        made = resolve(config.simulator.plant)(**given)
-    except TypeError as fault:
-        raise ValueError(f"{config.simulator.plant} does not take these options: {fault}") from None
-    if not isinstance(made, Block):
-        raise ValueError(f"{config.simulator.plant} makes a {type(made).__name__}, must be a Block")
-    return made
+    return named_block(config.simulator.plant, given)

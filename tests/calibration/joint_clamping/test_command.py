@@ -94,6 +94,20 @@ def test_an_abort_says_why_and_a_stop_where_it_stands(tmp_path: Path) -> None:
         measure(CellConfig(), (0,), tmp_path / "two", lambda _: None, stopped())
 
 
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (("simulator.options.backlash=-1",), "simulator.options.backlash is -1, must be"),
+        (("clamping.live=true",), r"robot.commands is 0 and robot.signals 0, must be ports"),
+    ],
+)
+def test_what_cannot_begin_leaves_no_folder(tmp_path: Path, settings: tuple[str, ...], message: str) -> None:
+    cell = load(None, CellConfig, ["robot.commands=0", "robot.signals=0", *settings])
+    with pytest.raises(ValueError, match=message):
+        measure(cell, (0,), tmp_path / "raw", print, Requests())
+    assert not (tmp_path / "raw").exists()
+
+
 def test_a_file_that_holds_no_joints_is_refused(tmp_path: Path) -> None:
     (tmp_path / "joints.h5").write_bytes(b"no")
     with pytest.raises(ModelFileError):

@@ -27,7 +27,7 @@ def test_poses_come_from_the_command_line_then_from_a_file_or_else_from_the_cell
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        (["1,2,3"], "a pose is '1,2,3', must be 6 finite numbers"),
+        (["1,2,3"], "--pose: a pose is '1,2,3', must be 6 finite numbers"),
         (["1,2,3,4,5,x"], "must be 6 finite numbers"),
         (["1,2,3,4,5,nan"], "must be 6 finite numbers"),
         (["1,2,3,4,5,6", "1,2,3,4,5,6.0"], "is given twice"),

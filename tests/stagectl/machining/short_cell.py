@@ -4,7 +4,7 @@ from functools import cache
 
 from rigkit import config as rig_file
 from stagectl.config import StageConfig
-from stagectl.machining.plan import Plan, designs_of, plan
+from stagectl.machining.plan import PUSHED, Plan, designs_of, plan
 from stagectl.machining.recorded import recordings
 from stagectl.machining.run import Advance, Conduct, Milled, mill, offline
 from stagectl.machining.surroundings import simulated
@@ -12,7 +12,7 @@ from stagectl.robot.config import CellConfig
 from stagectl.stage.design import Design
 
 SHORT = ("toroid.lead=1.0", "toroid.turn=0.005", "toroid.ramp=0.1")
-STAGE = rig_file.load(None, StageConfig, ["outer.mistuning=0.0"])
+STAGE = rig_file.load(None, StageConfig, [*PUSHED, "outer.mistuning=0.0"])
 
 
 @cache

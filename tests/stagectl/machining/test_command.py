@@ -37,7 +37,12 @@ def test_a_run_ends_with_a_table_figures_and_a_report_and_can_be_replayed(
     [
         (["--setup", "D"], "setup is 'D', must be one of A, B, C, C-fixed"),
         (["--setup", "A", "--set", "toroid.feed=1"], "toroid.feed is 1, must be >= 0.001 and <= 0.05 m/s"),
-        (["--setup", "A", "--set", "plants.robot_options.gear_error=-1"], "gear_error is -1, must be 0 to 10"),
+        (
+            ["--setup", "A", "--set", "plants.robot_options.gear_error=-1"],
+            "plants.robot_options.gear_error is -1, must be 0 to 10",
+        ),
+        (["--setup", "A", "--set", "simulator.options.seed=-1"], "simulator.options.seed is -1, must be"),
+        (["--setup", "A", "--set", "toroid.arm=puma"], "the arm is 'puma', must be irb140, kuka, or an arm's file"),
         (["--setup", "A", "--set", "plants.cut_options.speed=1"], "does not take these options"),
         (["--setup", "A", "--set", "toroid.home=[0, 0, 0, 0, 2.18, 0]"], "joint 5 is at"),
         (["--setup", "C", "--model", "x.h5"], "there are 1 model files, must be one for each of the axes x, y, z"),

@@ -232,8 +232,8 @@ def test_every_motion_is_told_in_words_before_any_is_made() -> None:
     [
         ({"speed": np.full(6, np.nan)}, "speed is .*nan.*, must be finite and > 0"),
         ({"softness": np.full(6, 1.0)}, "softness .* must be < 1"),
-        ({"turn": np.full(6, 500.0)}, "turn is .* must be < torque"),
-        ({"proof": np.full(6, 190.0)}, "proof is .* must be <= turn"),
+        ({"turn": np.full(6, 500.0)}, "turn is .* must be < clamping.torque"),
+        ({"proof": np.full(6, 190.0)}, "proof is .* must be <= clamping.turn"),
         ({"cycles": 1}, "cycles is 1, must be >= 2"),
         ({"travel": np.full(5, 0.01)}, r"travel has shape \(5,\), must be \(6,\)"),
     ],

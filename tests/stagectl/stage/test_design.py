@@ -64,6 +64,20 @@ def test_what_is_left_is_that_of_the_closed_loop() -> None:
     assert made.left == pytest.approx(np.linalg.norm([missed[0], missed[1] / 3, abs(1 / (1 + loop))]), rel=1e-6)
 
 
+def test_pushes_that_count_leave_a_loop_that_rings_less_and_hardly_more_error() -> None:
+    """A push at the input, at any frequency, on the plant that the loop is made for."""
+    plant, frequency = plant_of(model("y")), np.linspace(20.0, 200.0, 4_000)
+    largest = []
+    for push in (0.0, 0.1):
+        made = design(model("y"), Outer(push=push), 1)
+        response = plant.response(frequency, RATE)
+        answer = response / (1 + made.loop.system().response(frequency, RATE) * response)
+        largest.append(np.abs(answer).max() / abs(plant.response(np.zeros(1), RATE)[0]))
+        error = made.left if push == 0.0 else np.sqrt(made.left**2 - (push * largest[-1]) ** 2)
+        assert error < 0.75
+    assert largest[1] < 0.6 * largest[0]
+
+
 def test_a_mistuned_plant_is_the_one_whose_modes_are_elsewhere() -> None:
     A, B, C = mechanics("x", 1.05)
     moved = mistuned(plant_of(model("x")), 1.05)

@@ -9,6 +9,7 @@ import pytest
 from ctlblocks.recording import Recording, read, write
 from rigkit import config as rig_file
 from stagectl.__main__ import app
+from stagectl.link.bus import LinkError
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.controllers import controller
 from stagectl.robot.midranging.measures import iae
@@ -77,7 +78,7 @@ def test_the_table_is_a_list_of_rows(tmp_path: Path, monkeypatch: pytest.MonkeyP
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--scenario", "thesis-3"], "scenario is 'thesis-3', must be table-3.1, thesis-1, thesis-2, or"),
+        (["--scenario", "thesis-3"], "scenario is 'thesis-3', must be table-3.1, thesis-1, thesis-2, toroid, or"),
         (
             ["--scenario", "thesis-1", "--controller", "pid"],
             "controller is 'pid', must be one of aimc",
@@ -98,6 +99,26 @@ def test_the_table_is_a_list_of_rows(tmp_path: Path, monkeypatch: pytest.MonkeyP
 def test_what_cannot_be_done_is_refused_in_a_line(arguments: list[str], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         _run(*arguments)
+
+
+@pytest.mark.parametrize(
+    ("unit", "size", "message"),
+    [("V", 1e-3, "channel wanted is in V, must be in m"), ("m", 1.5e3, "goes 1500 m far, must stay within 10 m")],
+)
+def test_a_reference_of_another_unit_or_far_too_large_is_refused(
+    tmp_path: Path, unit: str, size: float, message: str
+) -> None:
+    file = tmp_path / "wanted.csv"
+    write(file, Recording(("wanted",), (unit,), 250.0, np.full((10, 1), size)))
+    with pytest.raises(ValueError, match=message):
+        _run("--scenario", str(file))
+
+
+def test_a_live_run_whose_wire_cannot_be_had_leaves_no_folder(tmp_path: Path) -> None:
+    wire, out = f"link.channel={tmp_path}/can", tmp_path / "run"
+    with pytest.raises(LinkError, match="cannot open link.channel"):
+        _run("--scenario", "thesis-1", "--live", "--set", wire, "--out", str(out))
+    assert not out.exists()
 
 
 def test_feeding_the_slow_loop_forward_takes_it_out_of_the_error() -> None:
