@@ -9,8 +9,8 @@ from ctlblocks import Graph, Port
 from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
 from ctlblocks.replay import Record, Replay
-from stagectl.machining.surroundings import block
 from stagectl.models import InnovationModel
+from stagectl.named_block import named_block
 from stagectl.robot.milling.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force import FeedForce
 from stagectl.wire.egm import RATE
@@ -47,7 +47,7 @@ def run_process(
         raise ValueError(f"seconds is {seconds:g}, must be >= {1.0 / RATE:g}")
     samples = round(seconds * RATE)
     graph, controller = Graph(RATE), FeedForce(settings, model)
-    graph.add("process", block(plant, dict(options or {})))
+    graph.add("process", named_block(plant, dict(options or {})))
     graph.add("always", Replay(Recording(("one",), ("1",), RATE, np.ones((samples, 1))), {"one": ("one",)}))
     graph.add("force", controller)
     graph.connect("force.reference", "process.asked")
