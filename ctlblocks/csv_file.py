@@ -37,7 +37,8 @@ def read(path: Path) -> tuple[np.ndarray, float, dict[str, Any]]:
             except ValueError:
                 column = len(values) - done
                 raise ValueError(f"row {number}, column {column + 1}: {cells[column]!r}, must be a number") from None
-            if len(cells) != len(heads) or "_" in line or (first["frames"] and line[-1] != "\n"):  # float() takes 1_0
+            whole = line.isascii() and "_" not in line and (line[-1] == "\n" or not first["frames"])  # float takes 1_0
+            if len(cells) != len(heads) or not whole:
                 raise ValueError(f"row {number}: {line[:40]!r}, must be {len(heads)} numbers and the end of a line")
     data = np.frombuffer(values).reshape(-1, max(len(heads), 1))
     if len(data) != (first["frames"] or len(data)):

@@ -104,6 +104,8 @@ def _from_table(path: Path, rate: float | None) -> Recording:
     between = _separator(rows[0][1])
     first = _cells(rows[0][1], between)
     has_names = not all(map(_is_number, first))
+    if has_names and any(_is_number(cell) and not cell.isdecimal() for cell in first):
+        raise RecordingError(f"{path}: row {rows[0][0]} is {rows[0][1][:60]!r}, must be names, or numbers")
     names = first if has_names else [f"channel_{number + 1}" for number in range(len(first))]
     data = np.array([_numbers(path, number, line, between, len(names)) for number, line in rows[has_names:]])
     heads = [name.strip().removesuffix("]").partition("[") for name in names]
@@ -130,7 +132,7 @@ def _is_number(cell: str) -> bool:
         float(cell)
     except ValueError:
         return False
-    return "_" not in cell
+    return cell.isascii() and "_" not in cell  # float() takes 1_0, and the digits of every script
 
 
 def _numbers(path: Path, row: int, line: str, between: str | None, width: int) -> list[float]:
@@ -150,6 +152,8 @@ def _rate(path: Path, names: Sequence[str], data: np.ndarray, rate: float | None
         if rate is None:
             raise RecordingError(f"{path}: does not say its rate: give that, or a column of time in s")
         return rate
+    if len(data) < 2:
+        raise RecordingError(f"{path}: has 1 row of numbers, must have at least 2 to tell the rate")
     time = data[:, timed[0]]
     period = float(time[-1] - time[0]) / (len(time) - 1)
     if not (period > 0 and np.abs(np.diff(time) - period).max() <= UNEVEN * period):

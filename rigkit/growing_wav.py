@@ -175,13 +175,12 @@ def finish(growing: Path) -> Path | None:
     Raises
     ------
     OSError : it cannot be written; it is as it was.
+    ValueError : its header is damaged; it is as it was.
     """
     size = growing.stat().st_size
     with _named(growing), growing.open("rb+") as file:
-        head = file.read(_LONGEST_HEADER)
-        start = _start(head)
-        frame = int.from_bytes(head[32:34], "little")
-        frames = (size - start) // frame if start and frame else 0
+        start, frame = _places(growing, file.read(_LONGEST_HEADER))
+        frames = (size - start) // frame if start else 0
         if frames:
             file.truncate(start + frames * frame)
             _say_lengths(file.fileno(), start, frames, frame)
@@ -222,9 +221,14 @@ def _say_lengths(handle: int, start: int, frames: int, frame: int) -> None:
     os.pwrite(handle, struct.pack("<I", start + content - 8), _LENGTH)
 
 
-def _start(head: bytes) -> int:
-    """Return where the samples begin, 0 where the header is not whole."""
-    if len(head) < _FORMAT.size or head[:4] != b"RIFF":
-        return 0
-    after_list = _FORMAT.size + 8 + int.from_bytes(head[_FORMAT.size + 4 : _FORMAT.size + 8], "little")
-    return after_list + 8 if head[after_list : after_list + 4] == b"data" else 0
+def _places(growing: Path, head: bytes) -> tuple[int, int]:
+    """Return where the samples begin, and the bytes of a frame; (0, 1) where the header was cut off."""
+    if len(head) < _FORMAT.size:
+        return 0, 1
+    riff, _, wave, form, *_, frame, _, fact, _, _ = _FORMAT.unpack_from(head)
+    start = _FORMAT.size + 16 + int.from_bytes(head[_FORMAT.size + 4 : _FORMAT.size + 8], "little")
+    is_cut = len(head) < min(start, _LONGEST_HEADER)
+    has_samples = is_cut or head[start - 8 : start - 4] == b"data"
+    if (riff, wave, form, fact) != (b"RIFF", b"WAVE", b"fmt ", b"fact") or not (frame and has_samples):
+        raise ValueError(f"{growing}: its header is damaged; it is left as it is")
+    return (0, 1) if is_cut else (start, frame)

@@ -7,7 +7,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from rigkit.atomic import replacing
+from rigkit.sealed_file import UNREADABLE, opened, sealed, whole
 
 _PROVENANCE = "provenance."
 
@@ -42,7 +42,7 @@ class ModelFile:
 
 def write_model_file(path: Path, content: ModelFile) -> None:
     """Write `content` to `path`, whole or not at all."""
-    with replacing(path) as partial, h5py.File(partial, "w") as file:
+    with sealed(path) as file:
         file.attrs["format"] = content.format
         for name, array in content.arrays.items():
             dataset = file.create_dataset(name, data=array)
@@ -61,18 +61,18 @@ def read_model_file(
 
     Raises
     ------
-    ModelFileError : no such file, no readable HDF5, another kind of model, or something is missing.
+    ModelFileError : no such file, no readable HDF5, another kind of model, something is missing, or it was changed.
     """
     if not path.is_file():
         raise ModelFileError(f"{path}: no such model file")
     try:
-        with h5py.File(path, "r") as file:
+        with opened(path) as file:
             if (found := file.attrs.get("format")) != expected:
                 raise ModelFileError(f"{path}: format is {found!r}, must be {expected!r}")
             arrays = [*arrays, *(name for name in optional if name in file)]
             return ModelFile(
                 expected,
-                arrays={name: np.asarray(file[name]) for name in arrays},
+                arrays={name: whole(file[name]) for name in arrays},
                 units={name: str(file[name].attrs["unit"]) for name in arrays if "unit" in file[name].attrs},
                 words={name: _words(file.attrs[name]) for name in words},
                 provenance={
@@ -81,8 +81,10 @@ def read_model_file(
                     if name.startswith(_PROVENANCE)
                 },
             )
-    except (OSError, KeyError, RuntimeError, TypeError) as fault:
-        raise ModelFileError(f"{path}: not a readable model file ({fault})") from None
+    except ModelFileError:
+        raise
+    except UNREADABLE as fault:
+        raise ModelFileError(f"{path}: not a readable model file ({' '.join(str(fault).split())})") from None
 
 
 def _words(value: object) -> str | tuple[str, ...]:

@@ -14,6 +14,7 @@ _PATIENCE = 0.5
 """s for an adapter to take a command."""
 _STANDARD, _EXTENDED = 3, 8
 """Digits of an identifier."""
+_BITS = {_STANDARD: 11, _EXTENDED: 29}
 
 
 class SlcanBus(slcanBus):
@@ -80,6 +81,7 @@ class SlcanBus(slcanBus):
             identifier = int(line[1 : 1 + digits], 16)
             data = bytes.fromhex(line[2 + digits :].decode("ascii"))
             complete = len(data) == CAN_FD_DLC[int(line[1 + digits : 2 + digits], 16)]
+            complete &= 0 <= identifier < 1 << _BITS[digits]
         except (ValueError, IndexError):
             complete = False
         if not complete:

@@ -10,7 +10,7 @@ import soundfile
 
 from ctlblocks import recording
 from ctlblocks.wav_file import LARGEST_WAV
-from rigkit.growing_wav import GROWING, Channels, GrowingWav, finish, unfinished
+from rigkit.growing_wav import GROWING, Channels, GrowingWav, finish
 from tests.rigkit.failing_calls import every_fault
 from tests.rigkit.killed_stream import check, grow
 
@@ -81,11 +81,19 @@ def test_what_a_wav_cannot_hold_is_refused_before_a_file_is_made(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_is_no_growing_wav_is_taken_away_by_finish(tmp_path: Path) -> None:
-    """Nothing of value is in it: its header was not written."""
-    (tmp_path / f"x{GROWING}").write_bytes(b"RIFF\0\0")
-    assert [finish(path) for path in unfinished(tmp_path)] == [None]
-    assert list(tmp_path.iterdir()) == []
+def test_a_header_that_was_cut_off_is_taken_away_and_one_that_is_damaged_is_left(tmp_path: Path) -> None:
+    header, growing = CHANNELS.header(), tmp_path / f"x{GROWING}"
+    for length in range(len(header) + CHANNELS.frame):
+        growing.write_bytes((header + NOISE[:1].tobytes())[:length])
+        assert finish(growing) is None
+        assert list(tmp_path.iterdir()) == []
+    for place in (0, 8, 12, 32, 36, len(header) - 8):
+        damaged = bytearray(header + NOISE.tobytes())
+        damaged[place] = 0
+        growing.write_bytes(damaged)
+        with pytest.raises(ValueError, match=r"x\.part\.wav: its header is damaged; it is left as it is"):
+            finish(growing)
+        assert growing.read_bytes() == damaged
 
 
 def test_a_call_that_fails_is_an_error_that_names_the_file_and_leaves_no_part_of_one(

@@ -62,3 +62,20 @@ def test_a_file_of_another_program_is_refused(tmp_path: Path) -> None:
         file["gain"] = [1.0]
     with pytest.raises(ModelFileError, match="format is None"):
         read_model_file(tmp_path / "m.h5", "a model 1", ["gain"])
+
+
+def test_a_byte_changed_anywhere_is_told_before_the_file_is_used(tmp_path: Path) -> None:
+    path = tmp_path / "m.h5"
+    write_model_file(path, CONTENT)
+    content = path.read_bytes()
+    for place in (0, 20, 512, 600, len(content) // 2, len(content) - 1):
+        path.write_bytes(content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :])
+        with pytest.raises(ModelFileError, match=r"m\.h5: not a readable model file \((was changed|is no HDF5)"):
+            read_model_file(path, "a model 1", ["gain"])
+
+
+def test_a_file_of_an_older_program_has_no_checksum_and_is_read(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "m.h5", "w") as file:
+        file.attrs["format"] = "a model 1"
+        file["gain"] = [1.0]
+    assert read_model_file(tmp_path / "m.h5", "a model 1", ["gain"]).arrays["gain"] == [1.0]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from rigkit.model_file import ModelFileError
+from rigkit.sealed_file import seal
 from stagectl.model_file import read_model, write_model
 from tests.stagectl.test_models import resonant
 
@@ -61,6 +62,7 @@ def damaged(path: Path, fault: str) -> None:
             case "A is a group":
                 del file["A"]
                 file.create_group("A")
+    seal(path)
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from rigkit.model_file import ModelFileError
+from rigkit.sealed_file import seal
 from vibractl.far_field import FarField, delayed
 from vibractl.model_file import read_far_field, read_model, write_model
 from vibractl.transfer_matrix import TransferMatrix
@@ -65,6 +66,7 @@ def test_a_far_field_that_does_not_fit_is_refused(tmp_path: Path) -> None:
             del file[name]
             if value is not None:
                 file[name] = value
+        seal(path)
         with pytest.raises(ModelFileError, match=said):
             read_far_field(path)
 

@@ -4,10 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import h5py
 import numpy as np
 
-from rigkit import atomic
+from rigkit.sealed_file import UNREADABLE, opened, sealed, whole
 
 FORMAT = "vibrostage learned drive 1"
 UNITS = {
@@ -113,7 +112,7 @@ class Entry:
 
 def write_entry(path: Path, entry: Entry) -> None:
     """Write an entry, whole or not at all."""
-    with atomic.replacing(path) as partial, h5py.File(partial, "w") as file:
+    with sealed(path) as file:
         file.attrs["format"] = FORMAT
         for name, unit in UNITS.items():
             told = unit.replace("m/s^2", entry.about["unit"])
@@ -134,13 +133,13 @@ def read_entry(path: Path) -> Entry:
     if not path.is_file():
         raise EntryError(f"{path}: there is no such entry")
     try:
-        with h5py.File(path, "r") as file:
+        with opened(path) as file:
             if file.attrs.get("format") != FORMAT:
                 raise EntryError(f"format is {file.attrs.get('format')!r}, must be {FORMAT!r}")
-            parts = {name: np.asarray(file[name]) for name in UNITS}
+            parts = {name: whole(file[name]) for name in UNITS}
             about, tags = ({key: str(text) for key, text in file[name].attrs.items()} for name in ("about", "tags"))
             return Entry(about=about, tags=tags, **parts)
     except EntryError as fault:
         raise EntryError(f"{path}: {fault}") from None
-    except (OSError, KeyError, RuntimeError, TypeError, AttributeError) as fault:  # h5py's, of a damaged file
+    except UNREADABLE as fault:
         raise EntryError(f"{path}: not a readable entry ({' '.join(str(fault).split())})") from None

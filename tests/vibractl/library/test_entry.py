@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from rigkit import atomic
+from rigkit.sealed_file import seal
 from tests.vibractl.library.entries import entry_for
 from vibractl.library.entry import UNITS, Entry, EntryError, read_entry, write_entry
 
@@ -75,10 +76,12 @@ def test_another_format_and_a_file_that_lacks_a_part_are_refused(tmp_path: Path,
     write_entry(tmp_path / "a.h5", entry)
     with h5py.File(tmp_path / "a.h5", "r+") as file:
         del file["variance"]
+    seal(tmp_path / "a.h5")
     with pytest.raises(EntryError, match="not a readable entry"):
         read_entry(tmp_path / "a.h5")
     with h5py.File(tmp_path / "a.h5", "r+") as file:
         file.attrs["format"] = "vibrostage transfer matrix 1"
+    seal(tmp_path / "a.h5")
     with pytest.raises(EntryError, match="format is 'vibrostage transfer matrix 1', must be"):
         read_entry(tmp_path / "a.h5")
     with pytest.raises(EntryError, match="there is no such entry"):
