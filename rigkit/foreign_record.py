@@ -3,11 +3,10 @@
 import csv
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
-import h5py
 import numpy as np
 
+from rigkit.foreign_hdf5 import read_hdf5
 from ctlblocks import recording
 from ctlblocks.recording import Recording, RecordingError
 
@@ -42,7 +41,7 @@ def read_channels(path: Path, channels: Sequence[str], rate: float | None) -> Re
     if not path.is_file():
         raise RecordingError(f"{path}: there is no such file")
     if path.suffix.lower() in HDF5:
-        found = _from_hdf5(path, channels, rate)
+        found = read_hdf5(path, channels, rate)
     else:
         found = _from_table(path, rate)
         found = found.select([_named(path, found, channel) for channel in channels])
@@ -159,50 +158,3 @@ def _rate(path: Path, names: Sequence[str], data: np.ndarray, rate: float | None
     if not (period > 0 and np.abs(np.diff(time) - period).max() <= UNEVEN * period):
         raise RecordingError(f"{path}: {names[timed[0]]!r} does not rise in even steps, must be sampled evenly")
     return rate if rate is not None and abs(period * rate - 1) <= STEADY else 1 / period
-
-
-def _from_hdf5(path: Path, channels: Sequence[str], rate: float | None) -> Recording:
-    try:
-        with h5py.File(path, "r") as file:
-            columns = [_dataset(path, file, channel) for channel in channels]
-            said = file.attrs.get("rate", next((own for *_, own in columns if own is not None), None))
-    except OSError as fault:
-        raise RecordingError(f"{path}: is no HDF5 file, or a damaged one ({str(fault).splitlines()[0]})") from None
-    lengths = {name: len(values) for name, values, *_ in columns}
-    if len(set(lengths.values())) > 1:
-        said_lengths = ", ".join(f"{name} {length}" for name, length in lengths.items())
-        raise RecordingError(f"{path}: the datasets have different lengths, {said_lengths}")
-    if said is None and rate is None:
-        raise RecordingError(f"{path}: does not say its rate: give that, or a column of time in s")
-    try:
-        found = float(np.asarray(rate if said is None else said).item())
-    except (ValueError, TypeError):
-        raise RecordingError(f"{path}: its rate is {said!r}, must be a number of samples/s") from None
-    data = np.array([values for _, values, *_ in columns]).T
-    if not (finite := np.isfinite(data).all(axis=1)).all():
-        raise RecordingError(f"{path}: sample {int(finite.argmin())} is not finite")
-    names, units = zip(*((name, unit) for name, _, unit, _ in columns), strict=True)
-    try:
-        return Recording(names, units, found, data)
-    except RecordingError as fault:
-        raise RecordingError(f"{path}: {fault}") from None
-
-
-def _dataset(path: Path, file: Any, channel: str) -> tuple[str, np.ndarray, str, Any]:
-    """Return name, samples, unit and rate of one channel."""
-    place, _, column = channel.partition(":")
-    dataset = file.get(place)
-    if not isinstance(dataset, h5py.Dataset) or dataset.ndim not in (1, 2) or dataset.dtype.kind not in "fiu":
-        there: list[str] = []
-        file.visititems(lambda name, item: there.append(name) if isinstance(item, h5py.Dataset) else None)
-        raise RecordingError(
-            f"{path}: no dataset {place!r} of numbers in one or two dimensions; there are {', '.join(there)}"
-        )
-    table = dataset[()].astype(float)
-    table = table[:, None] if table.ndim == 1 else table
-    if not column and table.shape[1] == 1:
-        column = "1"
-    if not (column.isdecimal() and 1 <= int(column) <= table.shape[1]):
-        raise RecordingError(f"{path}: {channel!r} must name one of {table.shape[1]} columns, as {place}:1")
-    unit = dataset.attrs.get("unit", dataset.attrs.get("units", "1"))
-    return channel, table[:, int(column) - 1], str(unit), dataset.attrs.get("rate")

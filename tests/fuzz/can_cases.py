@@ -2,6 +2,7 @@
 
 import math
 import random
+from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -66,13 +67,13 @@ def _sound(layout: Layout, chance: random.Random) -> bytes:
 
 
 def _damaged(sound: bytes, chance: random.Random) -> tuple[bytes, bool]:
-    """Change a frame; and whether it is by bits that lie close together."""
+    """Change a frame; say whether by bits alone that lie close together in the order in which they are sent."""
     data = bytearray(sound)
     match chance.randrange(4):
         case 0:
             length = BURST[len(sound)]
             burst = (chance.getrandbits(length) | 1) << chance.randrange(8 * len(sound) - length + 1)
-            return (int.from_bytes(sound, "little") ^ burst).to_bytes(len(sound), "little"), True
+            return (int.from_bytes(sound) ^ burst).to_bytes(len(sound)), True
         case 1:
             return bytes(data[: chance.randrange(len(data))]), False
         case 2:
@@ -106,7 +107,7 @@ def _check(layout: Layout, data: bytes, found: Any) -> None:
 def _as_new(adapter: SlcanBus) -> None:
     """Make an adapter without a port."""
     adapter.garbled, adapter._rest, adapter._is_shutdown = 0, b"", True  # noqa: SLF001
-    adapter._frames = __import__("collections").deque()  # noqa: SLF001
+    adapter._frames = deque()  # noqa: SLF001
     adapter.serialPortOrig = _Port()
 
 
