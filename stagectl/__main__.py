@@ -14,6 +14,7 @@ from rigkit.run_folder import EVENTS, RunFolder, make_whole
 from rigkit.stop import Stopped, stoppable
 from stagectl import session
 from stagectl.config import StageConfig
+from stagectl.export import export
 from stagectl.link.bus import LinkError
 from stagectl.link.stage_link import StageLink
 from stagectl.live import run_live
@@ -188,6 +189,7 @@ def acknowledge_command(
 app.command("midrange")(midrange)
 app.command("cell")(cell)
 app.command("plan")(plan)
+app.command("export")(export)
 
 
 def main() -> int:

@@ -12,7 +12,10 @@ from vibractl.export.run import FORMATS, export_run
 def export_command(
     path: Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")],
     formats: Annotated[
-        list[str] | None, typer.Option("--format", help="uff, segy, csv or mat; may be given many times; all without.")
+        list[str] | None,
+        typer.Option(
+            "--format", "--to", help="uff, segy, csv, mat, mcap or parquet; may be given many times; all without."
+        ),
     ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="PLACE", help="Folder, RUN/export without; or the file, for one format.")
@@ -20,7 +23,7 @@ def export_command(
     shots: Annotated[str | None, typer.Option(help="all, or as in 0,5,10-20; the first and the last without.")] = None,
     json: JsonOption = None,
 ) -> None:
-    """Write model, reference and shots of a run for other programs: UFF58, SEG-Y, CSV, MATLAB.
+    """Write model, reference and shots of a run for other programs: UFF58, SEG-Y, CSV, MATLAB, MCAP, Parquet.
 
     Example: `vibractl export RUN/ --format segy --shots all --out sweeps.sgy`
     """

@@ -1,10 +1,8 @@
 """What leaves a run folder in other formats: its model, its reference, and the shots that are asked for."""
 
-import importlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -85,6 +83,16 @@ class Content:
             raise ValueError(f"{path}: {len(record.data)} samples, must be {len(self.reference)}")
         return record.select([name for name in record.names if name != TIMING])
 
+    def recordings(self) -> Iterator[tuple[str, Recording]]:
+        """Read reference and shots one after the other: a name, and what it is with all that is known of it."""
+        about = self.about | {"reference_begins_at_sample": str(self.lead)}
+        units = ("m/s^2",) * len(self.sides)
+        yield "reference", Recording(self.reference_names, units, self.rate, self.reference, about)
+        for number in self.files:
+            record = self.shot(number)
+            said = {**about, "shot": str(number), **record.provenance}
+            yield f"shot-{number:04d}", Recording(record.names, record.units, record.rate, record.data, said)
+
 
 def read_content(path: Path, shots: str | None = None) -> Content:
     """Read a run folder.
@@ -156,18 +164,3 @@ def selected(shots: str | None, recorded: int) -> list[int]:
             raise ValueError(f"--shots asks for {part.strip()}, must rise within 0 to {recorded - 1}")
         wanted |= set(range(low, high + 1))
     return sorted(wanted)
-
-
-def optional(package: str) -> Any:
-    """Import a package that only an export needs.
-
-    Raises
-    ------
-    ValueError : it is not installed; it says how to install it.
-    """
-    try:
-        return importlib.import_module(package)
-    except ImportError as fault:
-        raise ValueError(
-            f"this format needs {package}, which is not there ({fault}): pip install vibrostage[export]"
-        ) from None

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from ctlblocks import recording
-from ctlblocks.recording import Recording
 from rigkit import atomic
+from rigkit.export.parquet_file import Column
 from vibractl import far_field
 from vibractl.export.content import Content
 from vibractl.model_file import UNITS
@@ -54,19 +54,14 @@ def write_csv(folder: Path, content: Content) -> list[Path]:
     -------
     list of Path
     """
-    written = [folder / "responses.csv", folder / "reference.csv"]
+    written = [folder / "responses.csv"]
     atomic.write(written[0], responses_text(content.matrix, content.about))
     if content.far is not None:
         written.append(folder / "far-field.csv")
         atomic.write(written[-1], responses_text(content.far.late, content.about, FAR_FIELD))
-    units = ("m/s^2",) * len(content.sides)
-    about = content.about | {"reference_begins_at_sample": str(content.lead)}
-    recording.write(written[1], Recording(content.reference_names, units, content.rate, content.reference, about))
-    for number in content.files:
-        record = content.shot(number)
-        written.append(folder / f"shot-{number:04d}.csv")
-        said = {**about, "shot": str(number), **record.provenance}
-        recording.write(written[-1], Recording(record.names, record.units, record.rate, record.data, said))
+    for name, record in content.recordings():
+        written.append(folder / f"{name}.csv")
+        recording.write(written[-1], record)
     return written
 
 
@@ -89,7 +84,26 @@ def responses_text(matrix: TransferMatrix, about: dict[str, str], kind: Kind = R
     -------
     str
     """
-    first = {
+    first = response_words(matrix, about, kind)
+    columns = response_columns(matrix, kind)
+    text = io.StringIO()
+    text.write(f"# {json.dumps(first)}\n")
+    csv.writer(text, lineterminator="\n").writerow([f"{each.name} [{each.unit}]" for each in columns])
+    for frequency, *cells in np.column_stack([each.values for each in columns]).tolist():
+        text.write(",".join([repr(frequency), *(f"{cell:.9g}" for cell in cells)]) + "\n")
+    return text.getvalue()
+
+
+def response_words(matrix: TransferMatrix, about: dict[str, str], kind: Kind = RESPONSES) -> dict[str, object]:
+    """Return what a file of responses says of them.
+
+    Parameters
+    ----------
+    matrix : TransferMatrix
+    about : dict
+    kind : Kind
+    """
+    return {
         "quantity": kind.quantity,
         "format": "RI",
         kind.outputs: matrix.outputs,
@@ -97,22 +111,26 @@ def responses_text(matrix: TransferMatrix, about: dict[str, str], kind: Kind = R
         "bins": len(matrix.frequency),
         "provenance": about | {name: text for name, text in matrix.provenance.items() if "\n" not in text},
     }
-    head, columns, units = ["frequency [Hz]"], [matrix.frequency], kind.units
+
+
+def response_columns(matrix: TransferMatrix, kind: Kind = RESPONSES) -> list[Column]:
+    """Return frequency, then real and imaginary part, variance and coherence of each element, a column each.
+
+    Parameters
+    ----------
+    matrix : TransferMatrix
+    kind : Kind
+    """
+    columns = [Column("frequency", "Hz", matrix.frequency)]
     for output in range(matrix.outputs):
         for drive in range(matrix.inputs):
             name = f"{kind.letter}_{output + 1}_{drive + 1}"
             element = matrix.response[:, output, drive]
             for part, unit, values in (
-                ("re", units["response"], element.real),
-                ("im", units["response"], element.imag),
-                ("variance", units["variance"], matrix.variance[:, output, drive]),
-                ("coherence", units["coherence"], matrix.coherence[:, output, drive]),
+                ("re", kind.units["response"], element.real),
+                ("im", kind.units["response"], element.imag),
+                ("variance", kind.units["variance"], matrix.variance[:, output, drive]),
+                ("coherence", kind.units["coherence"], matrix.coherence[:, output, drive]),
             ):
-                head.append(f"{name}_{part} [{unit}]")
-                columns.append(values)
-    text = io.StringIO()
-    text.write(f"# {json.dumps(first)}\n")
-    csv.writer(text, lineterminator="\n").writerow(head)
-    for frequency, *cells in np.column_stack(columns).tolist():
-        text.write(",".join([repr(frequency), *(f"{cell:.9g}" for cell in cells)]) + "\n")
-    return text.getvalue()
+                columns.append(Column(f"{name}_{part}", unit, values))
+    return columns

@@ -4,21 +4,36 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from rigkit import atomic
+from rigkit.export.mcap_file import write_mcap
 from vibractl.export.content import Content, read_content
 from vibractl.export.csv import write_csv
 from vibractl.export.mat import write_mat
+from vibractl.export.parquet import write_parquet
 from vibractl.export.segy import write_segy
 from vibractl.export.uff import write_uff
 
 FOLDER = "export"
 """Within the run folder, unless another place is named."""
+BESIDE = ("config.toml", "model.h5", "events.jsonl", "qc.csv", "summary.json")
+"""Files of a run that go along whole where a format takes them."""
+
+
+def write_mcap_of_run(path: Path, content: Content) -> None:
+    """Write reference and shots as MCAP, in place."""
+    topics = ((f"/{name}", record) for name, record in content.recordings())
+    beside = [file for name in BESIDE if (file := content.path / name).is_file()]
+    write_mcap(path, topics, content.about, beside)
+
+
 _WRITERS: dict[str, tuple[str, Callable[[Path, Content], None]]] = {
     "uff": ("run.uff", write_uff),
     "segy": ("run.sgy", write_segy),
     "mat": ("run.mat", write_mat),
+    "mcap": ("run.mcap", write_mcap_of_run),
 }
-FORMATS = (*_WRITERS, "csv")
-SUFFIXES = {"uff": (".uff", ".unv", ".bin"), "segy": (".sgy", ".segy"), "mat": (".mat",), "csv": ()}
+_FOLDERS: dict[str, Callable[[Path, Content], list[Path]]] = {"csv": write_csv, "parquet": write_parquet}
+FORMATS = (*_WRITERS, *_FOLDERS)
+SUFFIXES = {"uff": (".uff", ".unv", ".bin"), "segy": (".sgy", ".segy"), "mat": (".mat",), "mcap": (".mcap",)}
 """What the name of a single file may end in."""
 
 
@@ -51,15 +66,15 @@ def export_run(
         if name not in FORMATS:
             raise ValueError(f"--format is {name!r}, must be one of {', '.join(FORMATS)}")
     single = out is not None and out.suffix.lower() in [suffix for each in SUFFIXES.values() for suffix in each]
-    if out is not None and single and (len(formats) > 1 or out.suffix.lower() not in SUFFIXES[formats[0]]):
+    if out is not None and single and (len(formats) > 1 or out.suffix.lower() not in SUFFIXES.get(formats[0], ())):
         raise ValueError(f"--out is {out}, must be a folder for --format {', '.join(formats)}")
     content = read_content(path, shots)
     folder = path / FOLDER if out is None else out.parent if single else out
     folder.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []
     for name in formats:
-        if name == "csv":
-            written += write_csv(folder, content)
+        if name in _FOLDERS:
+            written += _FOLDERS[name](folder, content)
             continue
         file, write = _WRITERS[name]
         target = out if single and out is not None else folder / file

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from scipy.signal import firwin, resample_poly
 
-from vibractl.export.content import Content, optional
+from rigkit.export.optional import optional
+from vibractl.export.content import Content
 from vibractl.spectrum import DECIMATOR_BETA, DECIMATOR_CORNER
 
 INTERVALS_US = (2000, 1000, 500, 250, 125, 50)

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from vibractl.export.content import Content, optional
+from rigkit.export.optional import optional
+from vibractl.export.content import Content
 from vibractl.far_field import FarField
 
 TIME, AUTO_SPECTRUM, RESPONSE, COHERENCE = 1, 2, 4, 6

@@ -9,8 +9,9 @@ import pytest
 import soundfile
 
 from ctlblocks import recording
+from rigkit.export.optional import optional
 from tests.vibractl.export.exported_run import SHOTS, recorded_run
-from vibractl.export.content import optional, read_content, selected
+from vibractl.export.content import read_content, selected
 from vibractl.session import setup_of
 
 

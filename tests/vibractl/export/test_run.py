@@ -26,7 +26,9 @@ def test_every_format_goes_into_the_run_unless_told_otherwise(
 ) -> None:
     assert call(monkeypatch, run, "--json", "-") == 0
     files = json.loads(capsys.readouterr().out)["files"]
-    names = ["run.uff", "run.sgy", "run.mat", "responses.csv", "reference.csv", "shot-0000.csv", "shot-0002.csv"]
+    tables = ["responses", "reference", "shot-0000", "shot-0002"]
+    names = ["run.uff", "run.sgy", "run.mat", "run.mcap"]
+    names += [f"{table}.{suffix}" for suffix in ("csv", "parquet") for table in tables]
     assert files == [str(run / "export" / name) for name in names]
     assert sorted(file.name for file in (run / "export").iterdir()) == sorted(names)
 
@@ -52,9 +54,9 @@ def test_an_export_that_fails_leaves_what_was_there(run: Path, tmp_path: Path, m
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--format", "seg-y"], "--format is 'seg-y', must be one of uff, segy, mat, csv"),
+        (["--format", "seg-y"], "--format is 'seg-y', must be one of uff, segy, mat, mcap, csv, parquet"),
         (["--format", "csv", "--out", "OUT/run.mat"], "run.mat, must be a folder for --format csv"),
-        (["--out", "OUT/run.mat"], "run.mat, must be a folder for --format uff, segy, mat, csv"),
+        (["--out", "OUT/run.mat"], "run.mat, must be a folder for --format uff, segy, mat, mcap, csv, parquet"),
         (["--shots", "7", "--out", "OUT/x"], "--shots asks for 7, must rise within 0 to 2"),
     ],
 )
