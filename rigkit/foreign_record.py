@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from rigkit.foreign_hdf5 import read_hdf5
 from ctlblocks import recording
 from ctlblocks.recording import Recording, RecordingError
+from rigkit.foreign_hdf5 import read_hdf5
 
 TIME = ("t", "time", "zeit", "tid", "seconds")
 """Names, in small letters and without a unit, of a column that holds the time in seconds."""

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from calibration.foreign_record import TIME, read_channels
 from ctlblocks import recording
 from ctlblocks.recording import Recording, RecordingError
+from rigkit.foreign_record import TIME, read_channels
 from tests.fuzz.judge import is_accepted
 from tests.fuzz.mutation import mutated, of_text
 

@@ -10,8 +10,8 @@ from typing import Any
 import h5py
 import numpy as np
 
-from calibration.foreign_record import read_channels
 from ctlblocks.recording import Recording, RecordingError
+from rigkit.foreign_record import read_channels
 from rigkit.model_file import ModelFileError
 from stagectl import model_file as stage_file
 from stagectl.stage.hysteresis import HysteresisModel
