@@ -20,7 +20,7 @@ EVENTS = "events.jsonl"
 QUALITY = "qc.csv"
 SHOTS = "shots"
 SUMMARY = "summary.json"
-_LOCK = ".lock"
+LOCK = ".lock"
 
 
 class RunFolder:
@@ -55,7 +55,7 @@ class RunFolder:
         path = Path(path)
         _refuse_used(path)
         path.mkdir(parents=True, exist_ok=True)
-        folder = cls(path, Lock(path / _LOCK))
+        folder = cls(path, Lock(path / LOCK))
         try:
             _refuse_used(path)  # since another process may have been quicker
             (path / SHOTS).mkdir(exist_ok=True)
@@ -78,7 +78,7 @@ class RunFolder:
         path = Path(path)
         if not (path / CONFIG).is_file():
             raise ValueError(f"{path}/ is not the folder of a run: it has no {CONFIG}")
-        folder = cls(path, Lock(path / _LOCK))
+        folder = cls(path, Lock(path / LOCK))
         folder._sweep()
         return folder
 
@@ -194,7 +194,7 @@ def _counts_as_empty(entry: Path) -> bool:
     """Whether `create`, killed before the configuration was in its place, may have left this."""
     if entry.name == SHOTS and entry.is_dir():
         return not any(entry.iterdir())
-    return entry.name == _LOCK or atomic.is_leftover(entry)
+    return entry.name == LOCK or atomic.is_leftover(entry)
 
 
 def _csv_line(cells: Any) -> str:

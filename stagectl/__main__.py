@@ -10,6 +10,7 @@ import typer
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, application, print_table, run, words, write_json
 from rigkit.progress import progress
+from rigkit.retention_command import prune_command
 from rigkit.run_folder import EVENTS, RunFolder, make_whole
 from rigkit.stop import Stopped, stoppable
 from stagectl import session
@@ -190,6 +191,7 @@ app.command("midrange")(midrange)
 app.command("cell")(cell)
 app.command("plan")(plan)
 app.command("export")(export)
+app.command("prune")(prune_command)
 
 
 def main() -> int:

@@ -18,6 +18,7 @@ from rigkit.command import (
     write_json,
 )
 from rigkit.progress import progress
+from rigkit.retention_command import prune_command
 from rigkit.run_folder import RunFolder, read_quality
 from rigkit.service.command import add_daemon_commands
 from rigkit.stop import Stopped, stoppable
@@ -37,6 +38,7 @@ from vibractl.session import Session, create, settings_of, setup_of
 
 app = application("The marine vibrator learns, shot by shot, to emit the reference and nothing else.")
 app.command("export")(export_command)
+app.command("prune")(prune_command)
 app.command("doctor")(doctor_command)
 app.command("predict")(predict_command)
 app.add_typer(library_app, name="library")
