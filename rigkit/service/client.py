@@ -17,6 +17,8 @@ from rigkit.service.gate import STREAM
 
 SECONDS = 12.0
 """Longest wait for an answer."""
+STOP_SECONDS = 1.5
+"""Longest wait for the answer to a STOP, after which there are other ways."""
 
 
 class DaemonError(ValueError):
@@ -51,7 +53,7 @@ class Client:
         self._at = _reachable(address_of(address))
         self._token, self._scheme = token, "https" if certificate else "http"
         self._trusted = ssl.create_default_context(cafile=certificate) if certificate else None
-        self._key = ""
+        self._key, self._seconds = "", 0.0
         transport = httpx.HTTPTransport(uds=self._at.path or None, verify=self._trusted or False)
         self._http = httpx.Client(
             base_url=f"{self._scheme}://{self._host}",
@@ -74,8 +76,10 @@ class Client:
         """Close the connection; control, if there was any, stays until it runs out."""
         self._http.close()
 
-    def ask(self, method: str, path: str, body: Mapping[str, Any] | None = None, **query: Any) -> Any:
-        """Send one request and return what the answer holds.
+    def ask(
+        self, method: str, path: str, body: Mapping[str, Any] | None = None, seconds: float = SECONDS, **query: Any
+    ) -> Any:
+        """Send one request and return what the answer holds, which may take so many seconds.
 
         Raises
         ------
@@ -83,7 +87,7 @@ class Client:
         """
         headers = {"X-Control": self._key} if self._key else {}
         try:
-            answer = self._http.request(method, path, json=body, params=query or None, headers=headers)
+            answer = self._http.request(method, path, json=body, params=query or None, headers=headers, timeout=seconds)
             told = answer.json()
         except (httpx.HTTPError, ValueError) as fault:
             raise DaemonError(0, f"no answer from the daemon at {self._host or self._at.path}: {fault}") from None
@@ -105,7 +109,7 @@ class Client:
 
     def stop(self, who: str, why: str) -> dict[str, Any]:
         """Bring the output to zero and disarm, with or without control."""
-        return dict(self.ask("POST", "/api/stop", {"who": who, "why": why}))
+        return dict(self.ask("POST", "/api/stop", {"who": who, "why": why}, STOP_SECONDS))
 
     @contextmanager
     def control(self, who: str, over: bool = False) -> Iterator[Self]:
@@ -117,7 +121,8 @@ class Client:
         over : bool
             Take it over from whoever has it.
         """
-        self._key = self.ask("POST", "/api/control", {"who": who, "over": over})["key"]
+        lease = self.ask("POST", "/api/control", {"who": who, "over": over})
+        self._key, self._seconds = lease["key"], lease["seconds"]
         try:
             yield self
         finally:
@@ -141,7 +146,7 @@ class Client:
         return dict(self.ask("POST", "/api/reload"))
 
     def watch(self) -> Iterator[dict[str, Any]]:
-        """Yield snapshots as they come, the newest each time, for ever.
+        """Yield snapshots as they come, the newest each time, for ever; within `control` that keeps it.
 
         Raises
         ------
@@ -160,10 +165,17 @@ class Client:
                 for text in socket:
                     shown = json.loads(text)
                     socket.send(str(shown["tick"]))
+                    self._keep(shown)
                     yield shown
         except (WebSocketException, OSError) as fault:
             raise DaemonError(0, f"the stream of the daemon at {self._host} has ended: {fault}") from None
         raise DaemonError(0, f"the daemon at {self._host} has ended the stream")
+
+    def _keep(self, shown: Mapping[str, Any]) -> None:
+        """Renew control now and then."""
+        left = shown["control"]["seconds"] if self._key and shown["control"] else self._seconds
+        if left < self._seconds / 2:
+            self.ask("PUT", "/api/control")
 
     @property
     def _host(self) -> str:

@@ -108,6 +108,13 @@ class Service:
                 told = now
                 notify(f"WATCHDOG=1\nSTATUS={self.control.machine.state}")
 
+    def reload(self) -> None:
+        """Read the rig file again; what is wrong with it is in the event log."""
+        try:
+            self.control.reload_for("signal")
+        except (ValueError, OSError) as fault:
+            self.journal.add("reload refused", "signal", {"why": str(fault)})
+
     def _show(self, tick: int, late: int) -> None:
         self._slot.put(as_bytes(snapshot(self.control, tick, late, time.monotonic())))
 
@@ -135,7 +142,7 @@ class Service:
 
 
 def run(rig: Rig, settings: Daemon, say: Callable[[str], None]) -> None:
-    """Run a daemon until SIGTERM or Ctrl-C; SIGUSR1 is a STOP that needs no web process, SIGHUP nothing.
+    """Run a daemon until SIGTERM or Ctrl-C; SIGUSR1 is a STOP that needs no web process, SIGHUP a reload.
 
     Parameters
     ----------
@@ -153,8 +160,11 @@ def run(rig: Rig, settings: Daemon, say: Callable[[str], None]) -> None:
         def stop(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
             threading.Thread(target=service.control.stop, args=("signal", "SIGUSR1"), daemon=True).start()
 
-        before = {number: signal.signal(number, end) for number in (signal.SIGINT, signal.SIGTERM)}
-        before[signal.SIGUSR1] = signal.signal(signal.SIGUSR1, stop)
+        def reload(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
+            threading.Thread(target=service.reload, daemon=True).start()
+
+        handlers = {signal.SIGINT: end, signal.SIGTERM: end, signal.SIGUSR1: stop, signal.SIGHUP: reload}
+        before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
         try:
             say(f"{rig.program} daemon for {rig.name} at {settings.address}, DISARMED; Ctrl-C stops it and ends")
             service.run()

@@ -1,5 +1,9 @@
-"""Serve the demonstration: `python -m tests.rigkit.service.serve_demo FOLDER [ADDRESS]`, for looking at the page."""
+"""Serve the demonstration, for looking at the page: `python -m tests.rigkit.service.serve_demo FOLDER [SETTINGS]`.
 
+SETTINGS are those of the table `[daemon]`, as JSON.
+"""
+
+import json
 import sys
 from pathlib import Path
 
@@ -8,7 +12,7 @@ from rigkit.service.daemon import run
 from tests.rigkit.service.demo_rig import DemoRig
 
 if __name__ == "__main__":
-    address = sys.argv[2] if len(sys.argv) > 2 else "127.0.0.1:8787"
-    settings = Daemon(data=sys.argv[1], address=address)
-    sys.stderr.write(f"tokens: {Path(sys.argv[1]) / 'token'}\n")
+    folder, *more = sys.argv[1:]
+    settings = Daemon.model_validate_json(json.dumps({"data": folder} | (json.loads(more[0]) if more else {})))
+    sys.stderr.write(f"tokens: {Path(folder) / 'token'}\n")
     run(DemoRig(), settings, lambda text: sys.stderr.write(f"{text}\n"))

@@ -1,0 +1,106 @@
+"""The demonstration as a daemon of its own processes."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rigkit.service.access import TOKENS, Tokens, read_tokens
+from rigkit.service.client import Client, DaemonError
+from rigkit.service.config import Daemon
+from rigkit.service.daemon import EVENTS
+from rigkit.service.sockets import Listener
+from tests.rigkit.service.until import until
+
+ROOT = Path(__file__).parents[3]
+
+
+@dataclass
+class Served:
+    """A daemon that answers."""
+
+    settings: Daemon
+    process: subprocess.Popen[str]
+
+    @property
+    def tokens(self) -> Tokens:
+        return read_tokens(Path(self.settings.data) / TOKENS)
+
+    def client(self) -> Client:
+        return Client.of(self.settings)
+
+    def events(self) -> list[dict[str, Any]]:
+        """Read the event log from the disk, which needs no web process."""
+        lines = (Path(self.settings.data) / EVENTS).read_text().splitlines(keepends=True)
+        return [json.loads(line) for line in lines if line.endswith("\n")]
+
+    def named(self, event: str) -> list[dict[str, Any]]:
+        return [entry for entry in self.events() if entry["event"] == event]
+
+    @property
+    def web(self) -> int:
+        """Number of the web process."""
+        for pid in children(self.process.pid):
+            if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes():
+                return pid
+        raise AssertionError("there is no web process")
+
+    def begin(self, **options: Any) -> None:
+        """Arm and begin a demonstration, as Ada."""
+        with self.client() as client, client.control("Ada", over=True):
+            client.command("arm", "a test")
+            client.begin("demonstrate", **options)
+
+
+def children(pid: int) -> list[int]:
+    """Return the processes that a process has started."""
+    return [int(text) for text in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@contextmanager
+def served(folder: Path, environment: dict[str, str] | None = None, **settings: Any) -> Iterator[Served]:
+    """Start a daemon on a free port, or as `settings` say, and end it after the block."""
+    table = Daemon(data=str(folder), **{"address": f"127.0.0.1:{free_port()}", **settings})
+    command = [sys.executable, "-m", "tests.rigkit.service.serve_demo", str(folder), table.model_dump_json()]
+    process = subprocess.Popen(
+        command, cwd=ROOT, stderr=subprocess.PIPE, text=True, env={**os.environ, **(environment or {})}
+    )
+    made = Served(table, process)
+    try:
+        until(lambda: process.poll() is not None or answers(made), 60)
+        assert process.poll() is None, process.communicate()[1]
+        yield made
+    finally:
+        process.send_signal(signal.SIGCONT)
+        process.terminate()
+        process.communicate(timeout=40)
+
+
+def answers(daemon: Served) -> bool:
+    """Whether the page's process is there."""
+    try:
+        with daemon.client() as client:
+            return client.snapshot() is not None
+    except (DaemonError, OSError):
+        return False
+
+
+def listener() -> Listener:
+    """Return a datagram socket on a free port of this machine."""
+    made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    made.bind(("127.0.0.1", 0))
+    made.settimeout(20)
+    return made

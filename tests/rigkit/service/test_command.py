@@ -1,0 +1,105 @@
+"""`status` and `stop` at the shell, against a daemon that runs."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rigkit.service.daemon import LOCK
+from tests.rigkit.service.served import ROOT, Served, served
+from tests.rigkit.service.until import until
+
+PROGRAM = """
+import sys
+from pydantic import Field
+from rigkit.command import application, run
+from rigkit.config import Section
+from rigkit.service.command import add_daemon_commands
+from rigkit.service.config import Daemon
+from tests.rigkit.service.demo_rig import DemoRig
+
+class Rig(Section):
+    "A rig file."
+    daemon: Daemon = Field(default_factory=Daemon)
+
+app = application("A demonstration.")
+add_daemon_commands(app, Rig, lambda config: config.daemon, lambda load: DemoRig())
+sys.exit(run(app))
+"""
+
+
+@pytest.fixture(scope="module")
+def daemon(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    with served(tmp_path_factory.mktemp("lab"), lease=2.0) as made:
+        yield made
+
+
+def said(daemon: Served, *arguments: str) -> tuple[int, str, str]:
+    """Return status, standard output and standard error of a command."""
+    settings = (f"--set=daemon.{name}={getattr(daemon.settings, name)}" for name in ("address", "data"))
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, *arguments, *settings],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_the_status_is_told_to_people_and_programs(daemon: Served, tmp_path: Path) -> None:
+    status, out, _ = said(daemon, "status", "--json", str(tmp_path / "status.json"))
+    assert status == 0
+    assert "DISARMED" in out
+    assert "<= 1.05e-06" in out
+    assert json.loads((tmp_path / "status.json").read_text())["rig"] == "bench"
+
+
+def test_a_stop_at_the_shell_says_what_it_has_stopped(daemon: Served) -> None:
+    daemon.begin(steps=100_000, seconds=0.02)
+    assert said(daemon, "stop", "--why", "smoke")[:2] == (0, "stopped: RUNNING -> DISARMED\n")
+    assert daemon.named("stop")[-1]["why"] == "smoke"
+
+
+def test_a_stop_at_the_shell_reaches_a_daemon_whose_page_does_not_answer(daemon: Served) -> None:
+    until(lambda: daemon.named("end"))
+    daemon.begin(steps=100_000, seconds=0.02)
+    stops = len(daemon.named("stop"))
+    web = daemon.web
+    os.kill(web, signal.SIGKILL)
+    status, out, _ = said(daemon, "stop")
+    assert status == 0
+    assert f"process {daemon.process.pid} was told to stop by a signal" in out or "stopped: RUNNING" in out
+    until(lambda: len(daemon.named("stop")) > stops)
+
+
+def test_where_no_daemon_runs_that_is_said_in_one_line(tmp_path: Path) -> None:
+    with served(tmp_path) as gone:
+        pass
+    assert gone.process.returncode == 0
+    for command in ("stop", "status"):
+        status, _, error = said(gone, command)
+        assert status == 2
+        assert error.count("\n") == 1
+        assert "no daemon runs in" in error or "no answer from the daemon" in error
+    assert (tmp_path / LOCK).exists()
+
+
+def test_control_that_is_watched_with_lasts(daemon: Served) -> None:
+    """The lease is 2 s."""
+    with daemon.client() as client, client.control("Ada", over=True):
+        ticks = [shown["tick"] for shown, _ in zip(client.watch(), range(80), strict=False)]
+        assert ticks[-1] - ticks[0] >= 79
+        assert client.ask("PUT", "/api/control")["who"] == "Ada"
+
+
+def test_a_hangup_reloads_the_rig_file(daemon: Served) -> None:
+    daemon.process.send_signal(signal.SIGHUP)
+    until(lambda: daemon.named("reload"))
+    assert daemon.named("reload")[-1]["who"] == "signal"

@@ -1,0 +1,191 @@
+"""Who is kept out of a daemon that runs: each is refused, it is in the log, and nothing has changed."""
+
+import socket
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import ClientConnection, connect
+
+from rigkit.service.gate import STREAM, TOKEN
+from rigkit.service.stream import WINDOW
+from tests.rigkit.service.served import Served, served
+from tests.rigkit.service.until import until
+
+
+@pytest.fixture(scope="module")
+def daemon(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    folder = tmp_path_factory.mktemp("lab")
+    with served(folder, requests=1000.0, clients=3) as made:
+        (folder / "runs" / "one").mkdir()
+        (folder / "runs" / "one" / "report.html").write_text("<p>learned</p>")
+        (folder / "runs" / "one" / "secret").symlink_to(folder / "token")
+        yield made
+
+
+def base(daemon: Served) -> str:
+    return f"http://{daemon.settings.address}"
+
+
+def operating(daemon: Served) -> dict[str, str]:
+    return {"Authorization": f"Bearer {daemon.tokens.operate}"}
+
+
+@pytest.mark.parametrize(
+    ("headers", "status", "why"),
+    [
+        ({"Host": "evil.example"}, 403, "the host 'evil.example' is not one of"),
+        ({"Origin": "http://evil.example"}, 403, "the origin 'http://evil.example' is not"),
+        ({"Authorization": ""}, 401, "there is no token"),
+        ({"Authorization": "Bearer " + "old" * 14}, 401, "the token is not this daemon's"),
+        ({"Authorization": "view"}, 403, "this token may view"),
+    ],
+)
+def test_a_request_that_may_not_is_refused_and_told(
+    daemon: Served, headers: dict[str, str], status: int, why: str
+) -> None:
+    if headers.get("Authorization") == "view":
+        headers = {"Authorization": f"Bearer {daemon.tokens.view}"}
+    before = len(daemon.named("refused"))
+    answer = httpx.post(f"{base(daemon)}/api/control", json={"who": "Eve"}, headers={**operating(daemon), **headers})
+    assert answer.status_code == status
+    assert why in answer.json()["error"]
+    until(lambda: len(daemon.named("refused")) > before)
+    assert why in daemon.named("refused")[-1]["why"]
+    assert daemon.named("control") == []
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["../token", "%2e%2e/token", "one/../../token", "one/%2e%2e/%2e%2e/token", "one/secret", "/etc/passwd", ".lock"],
+)
+def test_no_path_leads_out_of_the_runs(daemon: Served, path: str) -> None:
+    request = httpx.Request("GET", f"{base(daemon)}/api/runs/x", headers=operating(daemon))
+    request.url = httpx.URL(f"{base(daemon)}").copy_with(raw_path=f"/api/runs/{path}".encode())
+    with httpx.Client() as client:
+        answer = client.send(request)
+    assert answer.status_code in (403, 404)
+    assert daemon.tokens.operate not in answer.text
+
+
+def test_a_file_of_a_run_is_given(daemon: Served) -> None:
+    answer = httpx.get(f"{base(daemon)}/api/runs/one/report.html", headers=operating(daemon))
+    assert (answer.status_code, answer.text) == (200, "<p>learned</p>")
+    assert httpx.get(f"{base(daemon)}/api/runs", headers=operating(daemon)).json() == ["one"]
+
+
+@pytest.mark.parametrize(
+    ("body", "status"),
+    [
+        (b"{}", 422),
+        (b'{"who": ""}', 422),
+        (b'{"who": "Ada\\n"}', 422),
+        (b'{"who": 3}', 422),
+        (b'{"who": "Ada", "extra": 1}', 422),
+        (b"not JSON", 422),
+        (b"[" * 50_000, 400),
+        (b"x" * 100_000, 413),
+    ],
+)
+def test_a_body_that_is_not_as_it_must_be_is_refused_in_one_line(daemon: Served, body: bytes, status: int) -> None:
+    headers = {**operating(daemon), "Content-Type": "application/json"}
+    answer = httpx.post(f"{base(daemon)}/api/control", content=body, headers=headers)
+    assert answer.status_code == status, answer.text
+    assert "\n" not in answer.json()["error"]
+
+
+def test_a_command_without_control_is_refused(daemon: Served) -> None:
+    answer = httpx.post(f"{base(daemon)}/api/arm", json={"why": "x"}, headers=operating(daemon))
+    assert (answer.status_code, answer.json()["error"]) == (403, "nobody has control; take control first")
+
+
+def stream(daemon: Served, **more: Any) -> ClientConnection:
+    wanted = {"subprotocols": [STREAM, TOKEN + daemon.tokens.view], "compression": None} | more
+    return connect(f"ws://{daemon.settings.address}/api/stream", **wanted)
+
+
+def drained(line: ClientConnection) -> list[str]:
+    """Return what comes until the daemon closes, which it must within 20 s of silence."""
+    received = []
+    try:
+        while True:
+            received.append(str(line.recv(timeout=20)))
+    except ConnectionClosed:
+        return received
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"origin": "http://evil.example"},
+        {"subprotocols": [STREAM]},
+        {"subprotocols": [STREAM, TOKEN + "old"]},
+    ],
+)
+def test_a_websocket_that_may_not_is_refused_before_it_is_one(daemon: Served, more: dict[str, Any]) -> None:
+    with pytest.raises(InvalidStatus) as refused:
+        stream(daemon, **more)
+    assert refused.value.response.status_code == 403
+
+
+def test_a_websocket_under_another_name_is_refused(daemon: Served) -> None:
+    host, port = daemon.settings.address.split(":")
+    offered: Any = [STREAM, TOKEN + daemon.tokens.view]
+    with socket.create_connection((host, int(port))) as line, pytest.raises(InvalidStatus) as refused:
+        connect(f"ws://evil.example:{port}/api/stream", subprotocols=offered, sock=line)
+    assert refused.value.response.status_code == 403
+
+
+def test_a_frame_of_a_megabyte_ends_the_stream(daemon: Served) -> None:
+    with stream(daemon) as line:
+        line.send("1" * 1_000_000)
+        drained(line)
+    assert line.close_code in (1009, 1006)
+
+
+def test_one_that_says_it_has_read_what_was_not_sent_is_closed(daemon: Served) -> None:
+    with stream(daemon) as line:
+        line.recv(timeout=20)
+        line.send("999999999")
+        drained(line)
+
+
+def test_one_that_does_not_say_that_it_reads_gets_a_few_snapshots_and_is_closed(daemon: Served) -> None:
+    before = len(daemon.named("dropped"))
+    with stream(daemon) as line:
+        assert len(drained(line)) <= WINDOW
+    until(lambda: len(daemon.named("dropped")) > before)
+    assert daemon.named("dropped")[-1]["why"] == "it has not read a snapshot for 1.5 s"
+
+
+def test_more_than_may_watch_are_sent_away_and_the_others_go_on(daemon: Served) -> None:
+    with ExitStack() as opened:
+        watching = [opened.enter_context(stream(daemon)) for _ in range(3)]
+        with pytest.raises(InvalidStatus):
+            stream(daemon)
+        assert all(each.recv(timeout=20) for each in watching)
+
+
+def test_nothing_of_all_this_has_changed_the_rig(daemon: Served) -> None:
+    with daemon.client() as client:
+        shown = client.snapshot()
+    assert (shown["state"]["name"], shown["control"]) == ("DISARMED", None)
+
+
+def test_the_description_of_the_api_is_published_and_names_every_way_in(daemon: Served) -> None:
+    described = httpx.get(f"{base(daemon)}/openapi.json").json()
+    assert {"/api/stop", "/api/arm", "/api/begin", "/api/panels/{name}", "/metrics"} <= described["paths"].keys()
+
+
+def test_a_second_daemon_on_the_same_data_or_address_is_refused_in_one_line(daemon: Served, tmp_path: Path) -> None:
+    with pytest.raises(AssertionError, match="is in use by process"), served(Path(daemon.settings.data)):
+        pass
+    with (
+        pytest.raises(AssertionError, match="where nobody can listen: Address already in use"),
+        served(tmp_path, address=daemon.settings.address),
+    ):
+        pass
