@@ -12,11 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
+from calibration.guided_arm import arm_with_tool
 from calibration.joint_clamping import advice_table
 from calibration.joint_clamping.full_stiffness import as_told
 from calibration.joint_clamping.requests import Requests
 from calibration.joint_clamping.results import WAYS, Clamped, of_recording
-from calibration.joint_clamping.session import clamped_arm, measure, simulated_robot
+from calibration.joint_clamping.session import measure, simulated_robot
 from calibration.joint_clamping.several_poses import experiment, whole_arm
 from rigkit.config import load
 from stagectl.robot.config import CellConfig
@@ -52,7 +53,7 @@ def one_arm(seed: int, clamp: tuple[str, ...]) -> list[tuple[str, float, float, 
     cell = load(None, CellConfig, [f"simulator.options.seed={seed}", "clamping.cycles=3", *clamp])
     with tempfile.TemporaryDirectory() as folder:
         recorded, way = measure(cell, (joint,), Path(folder), lambda _: None, Requests())
-    clamped = Clamped(clamped_arm(cell), np.radians(cell.clamping.pose), cell.clamping.environment)
+    clamped = Clamped(arm_with_tool(cell), np.radians(cell.clamping.pose), cell.clamping.environment)
     result, real = of_recording(recorded[joint], way, joint, clamped), truth(cell)[:, joint]
     return [
         (
@@ -86,7 +87,7 @@ def all_arms(arms: int) -> None:
 def several_poses(seed: int, count: int) -> None:
     """Print the compliances of one arm, found from all joints in several poses, over the true ones."""
     cell = load(None, CellConfig, [f"simulator.options.seed={seed}", "clamping.cycles=2", *ROOMY])
-    arm, experiments = clamped_arm(cell), []
+    arm, experiments = arm_with_tool(cell), []
     advised = advice_table.advice(cell, arm, range(arm.joints))
     poses = [np.degrees(each.pose) for each in advised[:: max(1, len(advised) // count)]][:count]
     for pose in poses:

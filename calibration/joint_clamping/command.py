@@ -8,6 +8,7 @@ from typing import Annotated, TextIO
 
 import typer
 
+from calibration.guided_arm import arm_with_tool
 from calibration.joint_clamping import advice_table
 from calibration.joint_clamping.full_stiffness import ArmStiffness
 from calibration.joint_clamping.joints_file import write_joints
@@ -16,7 +17,7 @@ from calibration.joint_clamping.recorded_map import recorded_map
 from calibration.joint_clamping.report import HEAD, figures, joints_report, rows
 from calibration.joint_clamping.requests import requests
 from calibration.joint_clamping.results import CLAMP, LINK, RAW, TOOL, Clamped, JointResult, of_recording
-from calibration.joint_clamping.session import clamped_arm, measure
+from calibration.joint_clamping.session import measure
 from calibration.joint_clamping.several_poses import experiment, stiffest, whole_arm
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
@@ -71,7 +72,7 @@ def joints_command(
         _finish([found], None, str(record), out, png, json)
         return
     cell = rig_file.load(config, CellConfig, [*(settings or []), *["clamping.live=true"] * live])
-    wanted = joint_numbers(joints, clamped_arm(cell).joints)
+    wanted = joint_numbers(joints, arm_with_tool(cell).joints)
     cells = in_poses(cell, pose or [], poses)
     if advise:
         _advise(cell, wanted, json)
@@ -85,13 +86,13 @@ def joints_command(
 
 
 def _advise(cell: CellConfig, joints: tuple[int, ...], json: str | None) -> None:
-    advised = advice_table.advice(cell, clamped_arm(cell), joints)
+    advised = advice_table.advice(cell, arm_with_tool(cell), joints)
     print_table("where to clamp", advice_table.HEAD, advice_table.rows(advised), words(json))
     write_json(json, advice_table.figures(advised))
 
 
 def _say_steps(cells: Sequence[CellConfig], joints: tuple[int, ...]) -> None:
-    steps = [step for each in cells for step in clamp_procedure(each.clamping, clamped_arm(each), joints).steps()]
+    steps = [step for each in cells for step in clamp_procedure(each.clamping, arm_with_tool(each), joints).steps()]
     for number, step in enumerate(steps, start=1):
         typer.echo(f"{number:3d}  {step.words}")
 
@@ -112,7 +113,7 @@ def _measured(
     cells: Sequence[CellConfig], joints: tuple[int, ...], out: Path, stream: TextIO, chosen: str
 ) -> tuple[list[JointResult], ArmStiffness | str | None]:
     """Measure in every pose; return all results, and what several poses say of the whole arm."""
-    arm, folder, several = clamped_arm(cells[0]), out.with_suffix(".raw"), len(cells) > 1
+    arm, folder, several = arm_with_tool(cells[0]), out.with_suffix(".raw"), len(cells) > 1
     for each in cells:
         clamp_procedure(each.clamping, arm, joints)  # refuses what does not fit before anything moves
     _tell(stream, f"pid {os.getpid()}: SIGUSR1 pauses, SIGUSR2 goes on, Ctrl-C aborts")

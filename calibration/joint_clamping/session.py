@@ -1,13 +1,11 @@
 """A clamping experiment in its folder, over the wires or on the simulated arm: only what is not recorded yet."""
 
-import sys
-import time
 from collections.abc import Sequence
-from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
 
+from calibration.guided_arm import arm_with_tool, lead, refuse_haste, wired_arm
 from calibration.joint_clamping.aside import Here, aside
 from calibration.joint_clamping.maps_page import nothing
 from calibration.joint_clamping.measurement import (
@@ -23,28 +21,13 @@ from ctlblocks import Block, recording
 from ctlblocks.recording import Recording
 from rigkit import atomic
 from stagectl.link.bus import LinkError
-from stagectl.link.clock import run_linked
-from stagectl.link.priority import undisturbed
 from stagectl.named_block import named_block
-from stagectl.robot.arm import Arm
 from stagectl.robot.clamp_config import clamp_procedure
-from stagectl.robot.clamp_port import GuidedArm
-from stagectl.robot.clamp_program import ClampProgram
 from stagectl.robot.clamp_search import ClampSearch
-from stagectl.robot.clamp_tracker import TrackedLinks
 from stagectl.robot.config import CellConfig
-from stagectl.robot.port import RobotPort, arm_of
-from stagectl.robot.program import RobotProgram, TorqueSignals, begin_motion
 from stagectl.wire.egm import RATE
 
 NOTE = "config.json"
-LATE_TICKS = 2
-"""Ticks that may be late at once: one more is a fault of the port."""
-
-
-def clamped_arm(cell: CellConfig) -> Arm:
-    """Return the arm with its tool: the last link goes as far as the clamp."""
-    return arm_of(cell).with_tool(cell.robot.tool)
 
 
 def measure(
@@ -73,7 +56,7 @@ def measure(
     _refuse_another(folder, cell)
     left = missing(folder, joints)
     if left:
-        search = ClampSearch(clamp_procedure(cell.clamping, clamped_arm(cell), left))
+        search = ClampSearch(clamp_procedure(cell.clamping, arm_with_tool(cell), left))
         (_run_live if cell.clamping.live else _run_simulated)(cell, search, folder, tell, asked)
     way = folder / APPROACH
     found = {joint: recording.read(folder / recording_name(joint)) for joint in joints}
@@ -115,55 +98,18 @@ def simulated_robot(cell: CellConfig) -> Block:
 
 def _run_live(cell: CellConfig, search: ClampSearch, folder: Path, tell: Tell, asked: Requests) -> None:
     """Run it with the robot's reports as the clock; whatever ends it, the robot is held where it is."""
-    if not (cell.robot.commands and cell.robot.signals):
-        raise ValueError(
-            f"robot.commands is {cell.robot.commands} and robot.signals {cell.robot.signals}, must be ports of the "
-            "robot: soft servo and clamp are asked for there, and torques come from there"
-        )
-    _refuse_haste(cell, search)
-    given, cell = cell, cell.model_copy(update={"robot": cell.robot.model_copy(update={"mode": "joints"})})
-    _compile(search)
-    with ExitStack() as stack:
-        work = stack.enter_context(aside(nothing))
-        port = stack.enter_context(RobotPort(cell, lambda _, fields: tell(f"fault: {fields.get('reason', '')}")))
-        peer = port.conversation.peer
-        host = peer[0] if peer is not None else cell.robot.listen
-        signals = stack.enter_context(TorqueSignals(cell.robot, host, time.monotonic))
-        asks = stack.enter_context(RobotProgram(cell.robot, host))
-        program = stack.enter_context(ClampProgram(asks, cell.clamping.softness, port.hold))
-        patience = cell.robot.patience
-        links = stack.enter_context(TrackedLinks(cell.tracker, patience=patience)) if cell.clamping.track else None
-        if not signals.wait(1, patience):
-            raise LinkError(f"no torque signals come from {host}:{cell.robot.signals} within {patience:g} s")
-        robot = GuidedArm(port, program, signals, links)
-        run = ClampRun(robot, search, RATE, folder, tell, asked, work, every_cycle=True)
-        _note(folder, given)
-        with undisturbed():
-            begin_motion(port, asks)
-            port.start()
-            try:
-                run_linked(run.graph, port, sys.maxsize, run.look)
-            except LinkError as fault:
-                raise ClampAborted(f"{port.reason or fault}; {run.where}") from fault
-            finally:
-                port.stop()
-        if port.reason:
-            raise ClampAborted(f"{port.reason}; {run.where}")
-        run.finish()
-
-
-def _refuse_haste(cell: CellConfig, search: ClampSearch) -> None:
-    """Refuse speeds at which a tick or two that come late, and then at once, would be too fast for `limits.speed`."""
     arm, clamping = search.procedure.arm, cell.clamping
-    most = cell.limits.speed * arm.speed / (LATE_TICKS + 1)
-    for name, speed in (("approach", np.full(arm.joints, clamping.approach)), ("speed", np.array(clamping.speed))):
-        wrong = np.flatnonzero(~(speed <= most))
-        if len(wrong):
-            joint = int(wrong[0])
-            raise ValueError(
-                f"clamping.{name} is {speed[joint]:g} rad/s for joint {joint + 1}, must be <= {most[joint]:.3g} rad/s: "
-                f"limits.speed over {LATE_TICKS + 1}, since references that come late come together"
-            )
+    approach = [clamping.approach] * arm.joints
+    refuse_haste(cell, arm, {"clamping.approach": approach, "clamping.speed": clamping.speed})
+    _compile(search)
+    with aside(nothing) as work, wired_arm(cell, clamping.track, tell) as robot:
+        run = ClampRun(robot, search, RATE, folder, tell, asked, work, every_cycle=True)
+        _note(folder, cell)
+        try:
+            lead(robot, run.graph, run.look)
+        except LinkError as fault:
+            raise ClampAborted(f"{fault}; {run.where}") from fault
+        run.finish()
 
 
 def _compile(search: ClampSearch) -> None:

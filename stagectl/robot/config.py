@@ -8,6 +8,7 @@ from rigkit.config import Section, setting
 from stagectl.link.config import CLASS, Link
 from stagectl.robot.clamp_config import Clamping
 from stagectl.robot.midranging.config import MidrangeConfig
+from stagectl.robot.milling.config import ForceEstimation, Friction
 from stagectl.robot.milling.feed_config import ForceFeed
 from stagectl.robot.pocket_config import Learning, Pocket
 from stagectl.robot.toroid_config import Feedback, Plants, Toroid
@@ -100,3 +101,5 @@ class CellConfig(Section):
     force: ForceFeed = Field(default_factory=ForceFeed)
     pocket: Pocket = Field(default_factory=Pocket)
     learning: Learning = Field(default_factory=Learning)
+    friction: Friction = Field(default_factory=Friction)
+    force_estimate: ForceEstimation = Field(default_factory=ForceEstimation)

@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from calibration.milling.sweep_block import Sweep
 from ctlblocks import Block, Port, recording, replay
 from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
 from firmware_sim.clamped_robot import ClampedRobot
@@ -49,6 +50,7 @@ from stagectl.robot.midranging.tuning import LoopModel, lambda_tuned
 from stagectl.robot.midranging.valve_position import ValvePosition, ValvePositionAxis
 from stagectl.robot.milling.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force import FeedForce
+from stagectl.robot.milling.force_model import ForceEstimate, ForceModel
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
 from stagectl.robot.port import RobotPort
 from stagectl.robot.port_blocks import JointCommand, JointReport, PoseCommand, PoseReport
@@ -69,6 +71,7 @@ from stagectl.still import Still
 from stagectl.wire.egm import Report, pack_report
 from stagectl.wire.messages import Drive
 from tests.contract.conformance import Example
+from tests.stagectl.robot.milling.torque_models import some_gravity, wide_friction
 from vibractl.algorithm import Algorithm
 from vibractl.audio_engine import DeviceInput
 from vibractl.config import Adaptation, Learning, Limits, Watch
@@ -239,6 +242,10 @@ EXAMPLES: dict[type[Block], Example] = {
     ),
     Send: Example(lambda: Send(StageLink(Link())), rate=10_000.0),
     Excite: Example(lambda: Excite(StageLink(Link()), Drive.VOLTAGE), rate=10_000.0),
+    ForceEstimate: Example(
+        lambda: ForceEstimate(ForceModel(irb140().with_tool(0.1), some_gravity(), wide_friction())), rate=250.0
+    ),
+    Sweep: Example(lambda: Sweep(np.full((300, 6), 0.1), np.ones(300), 1.0), rate=250.0),
     CartesianCorrection: Example(lambda: CartesianCorrection(irb140(), 0.1), rate=250.0),
     RobotArm: Example(RobotArm, rate=8_000.0),
     JointReport: Example(lambda: JointReport(_robot()), _report, 250.0),

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from calibration.guided_arm import arm_with_tool
 from calibration.joint_clamping import advice_table
 from calibration.joint_clamping.full_stiffness import Clamping
 from calibration.joint_clamping.poses import in_poses
-from calibration.joint_clamping.session import clamped_arm
 from calibration.joint_clamping.several_poses import whole_arm
 from stagectl.robot.config import CellConfig
 from stagectl.robot.kinematics import forward
@@ -46,7 +46,7 @@ def test_a_file_without_poses_is_refused(tmp_path: Path) -> None:
 
 def test_advice_stays_within_the_cells_limits_and_ranks_each_joint(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(advice_table, "CANDIDATES", 60)
-    arm = clamped_arm(CELL)
+    arm = arm_with_tool(CELL)
     found = advice_table.advice(CELL, arm, (0, 2))
     assert [each.joint for each in found] == [0, 0, 0, 2, 2, 2]
     assert found[0].measured_share >= found[1].measured_share >= found[2].measured_share
@@ -61,6 +61,6 @@ def test_advice_stays_within_the_cells_limits_and_ranks_each_joint(monkeypatch: 
 
 
 def test_too_few_experiments_say_what_is_wanted() -> None:
-    arm = clamped_arm(CELL)
+    arm = arm_with_tool(CELL)
     one = Clamping(np.radians(CELL.clamping.pose), 0, np.full(6, 1e-5))
     assert "1 experiments, must be more than 13 and with every joint" in str(whole_arm(arm, [one]))

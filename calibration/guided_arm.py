@@ -1,0 +1,106 @@
+"""An arm over its wires for an experiment: guided motion, the program beside it, torque signals, tracked links."""
+
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+
+import numpy as np
+
+from ctlblocks import Graph
+from stagectl.link.bus import LinkError
+from stagectl.link.clock import run_linked
+from stagectl.link.priority import undisturbed
+from stagectl.robot.arm import Arm
+from stagectl.robot.clamp_port import GuidedArm
+from stagectl.robot.clamp_program import ClampProgram
+from stagectl.robot.clamp_tracker import TrackedLinks
+from stagectl.robot.config import CellConfig
+from stagectl.robot.port import RobotPort, arm_of
+from stagectl.robot.program import RobotProgram, TorqueSignals, begin_motion
+
+LATE_TICKS = 2
+"""Ticks that may be late at once: one more is a fault of the port."""
+
+
+def arm_with_tool(cell: CellConfig) -> Arm:
+    """Return the arm with its tool: the last link goes as far as the tool's point."""
+    return arm_of(cell).with_tool(cell.robot.tool)
+
+
+@contextmanager
+def wired_arm(cell: CellConfig, track: bool, tell: Callable[[str], None]) -> Iterator[GuidedArm]:
+    """Open all wires of the robot that stands ready, and close them again; the robot is held when they are.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    track : bool
+        Whether the tracker is listened to as well.
+    tell : callable(str)
+        Told of faults.
+
+    Raises
+    ------
+    ValueError : the cell's file names no ports for program and torque signals.
+    LinkError : a wire that cannot be had.
+    """
+    robot = cell.robot
+    if not (robot.commands and robot.signals):
+        raise ValueError(
+            f"robot.commands is {robot.commands} and robot.signals {robot.signals}, must be ports of the robot: soft "
+            "servo and clamp are asked for there, and torques come from there"
+        )
+    cell = cell.model_copy(update={"robot": robot.model_copy(update={"mode": "joints"})})
+    with ExitStack() as stack:
+        port = stack.enter_context(RobotPort(cell, lambda _, fields: tell(f"fault: {fields.get('reason', '')}")))
+        peer = port.conversation.peer
+        host = peer[0] if peer is not None else robot.listen
+        signals = stack.enter_context(TorqueSignals(robot, host, time.monotonic))
+        asks = stack.enter_context(RobotProgram(robot, host))
+        program = stack.enter_context(ClampProgram(asks, cell.clamping.softness, port.hold))
+        links = stack.enter_context(TrackedLinks(cell.tracker, patience=robot.patience)) if track else None
+        if not signals.wait(1, robot.patience):
+            raise LinkError(f"no torque signals come from {host}:{robot.signals} within {robot.patience:g} s")
+        begin_motion(port, asks)
+        yield GuidedArm(port, program, signals, links)
+
+
+def lead(arm: GuidedArm, graph: Graph, over: Callable[[], bool]) -> None:
+    """Let the robot follow a graph's references, tick by tick with its reports, until `over`; then it is held.
+
+    Raises
+    ------
+    LinkError : a fault; the text is its reason.
+    """
+    with undisturbed():
+        try:
+            arm.port.start()
+            run_linked(graph, arm.port, sys.maxsize, over)
+        except LinkError as fault:
+            raise LinkError(arm.port.reason or str(fault)) from fault
+        finally:
+            arm.port.stop()
+    if arm.port.reason:
+        raise LinkError(arm.port.reason)
+
+
+def refuse_haste(cell: CellConfig, arm: Arm, speeds: Mapping[str, Sequence[float]]) -> None:
+    """Refuse speeds at which a tick or two that come late, and then at once, would be too fast for `limits.speed`.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    arm : Arm
+    speeds : mapping of str to numbers, rad/s
+        By their key in the cell's file; a number a joint.
+    """
+    most = cell.limits.speed * arm.speed / (LATE_TICKS + 1)
+    for name, speed in speeds.items():
+        wrong = np.flatnonzero(~(np.asarray(speed) <= most))
+        if len(wrong):
+            joint = int(wrong[0])
+            raise ValueError(
+                f"{name} is {speed[joint]:g} rad/s for joint {joint + 1}, must be <= {most[joint]:.3g} rad/s: "
+                f"limits.speed over {LATE_TICKS + 1}, since references that come late come together"
+            )

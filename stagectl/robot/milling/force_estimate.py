@@ -1,0 +1,149 @@
+"""The force on the tool from the torques of the motors, with every force that is as likely: (5.2)-(5.6)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stagectl.robot.milling import force_kernel as kernel
+
+TIE_BREAKS = {"centre": kernel.CENTRE, "minimum-norm": kernel.SMALLEST}
+"""Which of forces that are as likely is the estimate."""
+
+
+@dataclass(frozen=True, eq=False)
+class ForceEstimates:
+    """What a stack of torques says of the force on the tool, in base axes.
+
+    Parameters
+    ----------
+    force : array, shape (samples, parts), N, and N m behind
+        NaN where nothing is determined.
+    low, high : array, shape (samples, parts), N and N m
+        Each part over all forces that are as likely; infinite where nothing is determined.
+    unique : array of bool, shape (samples,)
+        Whether there is one such force only.
+    objective : array, shape (samples,), 1
+        Of (5.6), at its least: 0 where friction alone explains the torques.
+    """
+
+    force: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    unique: np.ndarray
+    objective: np.ndarray
+
+
+def estimate_force(
+    torque: np.ndarray,
+    jacobian: np.ndarray,
+    friction: np.ndarray,
+    covariance: np.ndarray,
+    tie_break: str = "centre",
+) -> ForceEstimates:
+    """Estimate the force on the tool; a moment there is taken to be none.
+
+    Parameters
+    ----------
+    torque : array, shape (samples, 6), N m
+        Of the motors, gravity's taken off: tau_bar of (5.5).
+    jacobian : array, shape (samples, 3 or 6, 6), m (and 1)
+        Of the tool's point; only its first three rows are used.
+    friction : array, shape (samples, 2, 6), N m
+        Lowest and highest torque of friction, the latter larger.
+    covariance : array, shape (6, 6), (N m)^2
+        R_e, positive definite.
+    tie_break : "centre" or "minimum-norm"
+        The force that takes friction least far from the middle of its ranges, over their widths; or the smallest one.
+        Either is one of those that are as likely.
+
+    Returns
+    -------
+    ForceEstimates, of three parts
+
+    Raises
+    ------
+    ValueError : shapes that do not fit, a tie-break there is not, an empty range, no covariance.
+
+    Source
+    ------
+    Sornmo 2015, eqs. (5.2)-(5.6).
+
+    Departs
+    -------
+    The force is the one on the tool, as a sensor there shows it, so that its torque is -J'f.  (5.6) as printed has more
+    unknowns than residuals: as a rule a whole set of forces makes it least, which `low` and `high` bound.
+    """
+    torque, jacobian, friction, covariance = _checked(torque, jacobian, friction, covariance)
+    if tie_break not in TIE_BREAKS:
+        raise ValueError(f"tie_break is {tie_break!r}, must be one of {', '.join(TIE_BREAKS)}")
+    samples = len(torque)
+    force, low, high = np.empty((3, samples, 3))
+    unique, objective = np.empty(samples, np.bool_), np.empty(samples)
+    work = np.zeros((kernel.ROWS, 6))
+    which = TIE_BREAKS[tie_break]
+    kernel.estimate_all(torque, jacobian, friction, covariance, which, force, low, high, unique, objective, work)
+    return ForceEstimates(force, low, high, unique, objective)
+
+
+def estimate_wrench(torque: np.ndarray, jacobian: np.ndarray, friction: np.ndarray) -> ForceEstimates:
+    """Estimate force and moment on the tool.
+
+    Six torques for six unknowns: any friction within its ranges goes with some wrench, so noise has nothing to explain,
+    the estimate is that of friction in the middle of its ranges, and there is never one only.
+
+    Parameters
+    ----------
+    torque : array, shape (samples, 6), N m
+    jacobian : array, shape (samples, 6, 6), m and 1
+    friction : array, shape (samples, 2, 6), N m
+        As for `estimate_force`.
+
+    Returns
+    -------
+    ForceEstimates, of six parts: force, then moment about the tool's point
+
+    Raises
+    ------
+    ValueError : shapes that do not fit, an empty range.
+
+    Source
+    ------
+    Sornmo 2015, eqs. (5.2)-(5.6); with the middle of the ranges it becomes (4.3).
+    """
+    torque, jacobian, friction, _ = _checked(torque, jacobian, friction, np.eye(6))
+    if jacobian.shape[1] != 6:
+        raise ValueError(f"jacobian has {jacobian.shape[1]} rows, must have 6 for force and moment")
+    fit = np.isfinite(torque).all(axis=1) & np.isfinite(jacobian).all(axis=(1, 2))
+    size = np.linalg.norm(jacobian, axis=2)
+    values = np.linalg.svd(jacobian[fit] / np.maximum(size[fit], 1e-300)[..., None], compute_uv=False)
+    fit[fit] = values[:, -1] > np.sqrt(kernel.SINGULAR)
+    force, low, high = np.full((3, len(torque), 6), np.nan)
+    low[:], high[:] = -np.inf, np.inf
+    inverse = -np.linalg.inv(jacobian[fit].swapaxes(1, 2))
+    middle, half = friction[fit].mean(axis=1), 0.5 * (friction[fit, 1] - friction[fit, 0])
+    force[fit] = (inverse @ (torque[fit] - middle)[..., None])[..., 0]
+    reach = (np.abs(inverse) @ half[..., None])[..., 0]
+    low[fit], high[fit] = force[fit] - reach, force[fit] + reach
+    return ForceEstimates(force, low, high, np.zeros(len(torque), bool), np.where(fit, 0.0, np.nan))
+
+
+def _checked(*given: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return the arguments of `estimate_force` as arrays for the kernel; refuse what does not fit together."""
+    torque, jacobian, friction, covariance = (np.ascontiguousarray(each, float) for each in given)
+    samples = len(torque)
+    if torque.shape != (samples, 6):
+        raise ValueError(f"torque has shape {torque.shape}, must be (samples, 6)")
+    if jacobian.shape not in ((samples, 3, 6), (samples, 6, 6)):
+        raise ValueError(f"jacobian has shape {jacobian.shape}, must be ({samples}, 3 or 6, 6)")
+    if friction.shape != (samples, 2, 6):
+        raise ValueError(f"friction has shape {friction.shape}, must be ({samples}, 2, 6)")
+    empty = np.argwhere(friction[:, 1] <= friction[:, 0])
+    if len(empty):
+        sample, joint = empty[0]
+        low, high = friction[sample, :, joint]
+        raise ValueError(f"friction of joint {joint + 1}, sample {sample}: {low:g} to {high:g} N m, must rise")
+    if covariance.shape != (6, 6) or not np.allclose(covariance, covariance.T):
+        raise ValueError(f"covariance has shape {covariance.shape}, must be (6, 6) and symmetric")
+    if not np.linalg.eigvalsh(covariance).min() > 0:
+        raise ValueError(f"covariance has the eigenvalue {np.linalg.eigvalsh(covariance).min():g}, must be > 0")
+    return torque, jacobian, friction, covariance

@@ -1,0 +1,197 @@
+"""The forces that explain a torque equally well: where six slabs |u - T f| <= 1 meet, edge by edge.
+
+A slab is what one joint's friction range leaves of the forces.  The set is bounded wherever T (6, 3) has full rank; its
+extremes are at the ends of its edges, and the point nearest to another one is inside, on a face or on an edge.
+"""
+
+import numpy as np
+from numba import njit
+
+JOINTS, PARTS = 6, 3
+SLACK = 1e-10
+"""Of a slab's half width, by which rounding may leave it."""
+PARALLEL = 1e-10
+"""Sine of an angle below which two faces make no edge."""
+
+EDGE, AT_FIRST, AT_SECOND, POINT, WAY, HALF, BY_FIRST, BY_SECOND, CROSSED, ROWS = range(10)
+"""Rows of `work` (9, 6): of an edge its direction, feet of it and a point; then a column for each slab that cuts it."""
+
+
+@njit(cache=True, nogil=True)
+def is_inside(force: np.ndarray, middle: np.ndarray, slab: np.ndarray) -> bool:
+    """Whether a force (3,) is in all slabs `slab` (6, 3) about `middle` (6,)."""
+    for j in range(JOINTS):
+        off = middle[j] - slab[j, 0] * force[0] - slab[j, 1] * force[1] - slab[j, 2] * force[2]
+        if not abs(off) <= 1.0 + SLACK:
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True)
+def widen(force: np.ndarray, low: np.ndarray, high: np.ndarray) -> None:
+    """Let the box from `low` to `high` (3,) hold a force (3,)."""
+    for k in range(PARTS):
+        low[k] = min(low[k], force[k])
+        high[k] = max(high[k], force[k])
+
+
+@njit(cache=True, nogil=True)
+def distance(force: np.ndarray, goal: np.ndarray, weight: np.ndarray) -> float:
+    """Return (f - goal)' weight (f - goal), `weight` (3, 3)."""
+    total = 0.0
+    for r in range(PARTS):
+        for c in range(PARTS):
+            total += (force[r] - goal[r]) * weight[r, c] * (force[c] - goal[c])
+    return total
+
+
+@njit(cache=True, nogil=True)
+def search_edges(
+    middle: np.ndarray,
+    slab: np.ndarray,
+    goal: np.ndarray,
+    weight: np.ndarray,
+    force: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    seek: bool,
+    work: np.ndarray,
+) -> None:
+    """Widen `low` and `high` (3,) by all edges; with `seek`, let `force` be the point of them nearest to `goal`.
+
+    `force` comes as a point of the set.
+    """
+    edge, first, second, point = work[EDGE], work[AT_FIRST], work[AT_SECOND], work[POINT][:PARTS]
+    nearest = distance(force, goal, weight) if seek else 0.0
+    for i in range(JOINTS):
+        for j in range(i + 1, JOINTS):
+            if not _edge(i, j, slab, edge, first, second):
+                continue
+            _crossings(i, j, middle, slab, work)
+            for corner in range(4):
+                at_i, at_j = 1.0 if corner % 2 else -1.0, 1.0 if corner // 2 else -1.0
+                start, end = _cut(at_i, at_j, work)
+                if start > end:
+                    continue
+                for along in (start, end):
+                    for k in range(PARTS):
+                        foot = (middle[i] - at_i) * first[k] + (middle[j] - at_j) * second[k]
+                        point[k] = foot + along * edge[k]
+                    widen(point, low, high)
+                if seek:
+                    _nearest_along(start - end, point, edge, goal, weight)
+                    away = distance(point, goal, weight)
+                    if away < nearest:
+                        nearest = away
+                        force[:] = point
+
+
+@njit(cache=True, nogil=True)
+def _edge(i: int, j: int, slab: np.ndarray, edge: np.ndarray, first: np.ndarray, second: np.ndarray) -> bool:
+    """Fill the direction (3,) in which two faces meet, a unit vector, and what each face's place adds to its foot."""
+    square_i = square_j = square = 0.0
+    for k in range(PARTS):
+        a, b = (k + 1) % PARTS, (k + 2) % PARTS
+        edge[k] = slab[i, a] * slab[j, b] - slab[i, b] * slab[j, a]
+        square += edge[k] ** 2
+        square_i += slab[i, k] ** 2
+        square_j += slab[j, k] ** 2
+    if square <= PARALLEL**2 * square_i * square_j:
+        return False
+    for k in range(PARTS):
+        a, b = (k + 1) % PARTS, (k + 2) % PARTS
+        first[k] = (slab[j, a] * edge[b] - slab[j, b] * edge[a]) / square
+        second[k] = (edge[a] * slab[i, b] - edge[b] * slab[i, a]) / square
+    size = 1.0 / np.sqrt(square)
+    for k in range(PARTS):
+        edge[k] *= size
+    return True
+
+
+@njit(cache=True, nogil=True)
+def _crossings(i: int, j: int, middle: np.ndarray, slab: np.ndarray, work: np.ndarray) -> None:
+    """Fill for each other slab: its way along the edge, half of it, and how that way moves with each face's side.
+
+    A slab along the edge has no such way: then what it leaves, and half its width.
+    """
+    edge, first, second = work[EDGE], work[AT_FIRST], work[AT_SECOND]
+    row = 0
+    for m in range(JOINTS):
+        if m == i or m == j:
+            continue
+        slope = by_first = by_second = size = 0.0
+        for k in range(PARTS):
+            slope += slab[m, k] * edge[k]
+            by_first += slab[m, k] * first[k]
+            by_second += slab[m, k] * second[k]
+            size += abs(slab[m, k])
+        is_crossed = abs(slope) > PARALLEL * size
+        scale = 1.0 / slope if is_crossed else 1.0
+        work[WAY, row] = scale * (middle[m] - middle[i] * by_first - middle[j] * by_second)
+        work[HALF, row] = abs(scale) * (1.0 + SLACK)
+        work[BY_FIRST, row], work[BY_SECOND, row] = scale * by_first, scale * by_second
+        work[CROSSED, row] = 1.0 if is_crossed else 0.0
+        row += 1
+
+
+@njit(cache=True, nogil=True)
+def _cut(at_i: float, at_j: float, work: np.ndarray) -> tuple[float, float]:
+    """Return from where to where an edge is in the set; the first number is larger where it is nowhere."""
+    start, end = -np.inf, np.inf
+    for row in range(JOINTS - 2):
+        way = work[WAY, row] + at_i * work[BY_FIRST, row] + at_j * work[BY_SECOND, row]
+        half = work[HALF, row]
+        if work[CROSSED, row] != 0.0:
+            start, end = max(start, way - half), min(end, way + half)
+        elif not abs(way) <= half:
+            return 1.0, 0.0
+        if start > end:
+            break
+    return (start, end) if start > -np.inf else (1.0, 0.0)
+
+
+@njit(cache=True, nogil=True)
+def _nearest_along(back: float, point: np.ndarray, edge: np.ndarray, goal: np.ndarray, weight: np.ndarray) -> None:
+    """Move `point` (3,), which is at the end of an edge, to where it is nearest to `goal`, by at least `back` <= 0."""
+    along = square = 0.0
+    for r in range(PARTS):
+        for c in range(PARTS):
+            along += edge[r] * weight[r, c] * (goal[c] - point[c])
+            square += edge[r] * weight[r, c] * edge[c]
+    move = min(max(along / square, back), 0.0)
+    for k in range(PARTS):
+        point[k] += move * edge[k]
+
+
+@njit(cache=True, nogil=True)
+def search_faces(
+    middle: np.ndarray,
+    slab: np.ndarray,
+    goal: np.ndarray,
+    inverse: np.ndarray,
+    weight: np.ndarray,
+    force: np.ndarray,
+    work: np.ndarray,
+) -> None:
+    """Let `force` be the point of the set's faces nearest to `goal`, if nearer; `inverse` is that of `weight`."""
+    pull, point = work[EDGE], work[POINT][:PARTS]
+    nearest = distance(force, goal, weight)
+    for i in range(JOINTS):
+        off = middle[i]
+        square = 0.0
+        for r in range(PARTS):
+            pull[r] = 0.0
+            for c in range(PARTS):
+                pull[r] += inverse[r, c] * slab[i, c]
+            off -= slab[i, r] * goal[r]
+            square += slab[i, r] * pull[r]
+        if square <= 0.0:
+            continue
+        for sign in (-1.0, 1.0):
+            for k in range(PARTS):
+                point[k] = goal[k] + pull[k] * (off - sign) / square
+            away = distance(point, goal, weight)
+            if away < nearest and is_inside(point, middle, slab):
+                nearest = away
+                for k in range(PARTS):
+                    force[k] = point[k]
