@@ -75,6 +75,7 @@ def lead(arm: GuidedArm, graph: Graph, over: Callable[[], bool]) -> None:
     """
     with undisturbed():
         try:
+            arm.port.wait(arm.port.skip() + 1, arm.port.patience)  # it may have been missed while garbage was collected
             arm.port.start()
             run_linked(graph, arm.port, sys.maxsize, over)
         except LinkError as fault:
