@@ -15,7 +15,7 @@ from firmware_sim.jack_client import JackClient
 from firmware_sim.laboratory import Laboratory, Wiring, plant_block
 from firmware_sim.plants.milling_disturbance import DEFLECTIONS
 from firmware_sim.robot_bench import MISHAPS as ROBOT_MISHAPS
-from firmware_sim.robot_bench import Addresses, RobotBench, cell_controller, robot_mishap
+from firmware_sim.robot_bench import Addresses, RobotBench, cell_controller, cell_force_box, robot_mishap
 from firmware_sim.stage_bench import StageBench
 from firmware_sim.stage_image import StageImage
 from firmware_sim.stage_processor import Settings
@@ -121,9 +121,10 @@ def robot(
         typer.Option(metavar="NAME@SECONDS", help=f"One of {', '.join(ROBOT_MISHAPS)}; may be given many times."),
     ] = None,
 ) -> None:
-    """Put a robot's controller behind UDP and TCP, and the optical tracker beside it, until Ctrl-C.
+    """Put a robot's controller behind UDP and TCP, and tracker and force sensor beside it, until Ctrl-C.
 
-    The file is the cell's, cell.toml: [robot] and [tracker] have the ports, [simulator] has the robot's options.
+    The file is the cell's, cell.toml: [robot], [tracker] and [force_sensor] have the ports, [simulator] the robot's
+    options, plants.force_sensor_options the sensor's.
     Example:
 
         firmware-sim robot --set simulator.options.seed=3 --fault blind@5 --fault see@6 &
@@ -133,7 +134,8 @@ def robot(
         cell.robot.listen, cell.robot.port, cell.robot.commands, cell.robot.signals, cell.tracker.port
     )
     mishaps = [robot_mishap(text) for text in fault or []]
-    bench = RobotBench(cell_controller(cell), addresses, cell.tracker.rate, mishaps=mishaps, log=log)
+    controller, force = cell_controller(cell), cell_force_box(cell)
+    bench = RobotBench(controller, addresses, cell.tracker.rate, mishaps=mishaps, log=log, force=force)
     stop = Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
@@ -142,6 +144,7 @@ def robot(
         "program": bench.program.address,
         "torque signals": bench.signals.address,
         "tracker": bench.tracker.address,
+        "force sensor": force.address,
     }
     bench.run(lambda: _say("\n".join(f"{name}: {host}:{port}" for name, (host, port) in lines.items())), stop)
 

@@ -1,4 +1,4 @@
-"""The simulated robot cell on its wires: guided motion over UDP, program, torque signals and tracker over TCP."""
+"""The simulated robot cell on its wires: guided motion and force over UDP; program, torques and tracker over TCP."""
 
 import contextlib
 import gc
@@ -13,6 +13,9 @@ from threading import Event
 
 import numpy as np
 
+from firmware_sim.force_box import MISHAPS as FORCE_MISHAPS
+from firmware_sim.force_box import ForceBox
+from firmware_sim.plants.force_sensor import ForceSensorPlant
 from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.plants.robot_run_kernel import write_pose
 from firmware_sim.robot_controller import RobotController
@@ -22,9 +25,9 @@ from stagectl.link.priority import real_time
 from stagectl.robot.config import CellConfig
 from stagectl.wire.egm import RATE
 
-MISHAPS = ("mute", "speak", "trip", "blind", "see", "hang-up", "led-jump", "slip")
+MISHAPS = ("mute", "speak", "trip", "blind", "see", "hang-up", "led-jump", "slip", *FORCE_MISHAPS)
 """What can be made to happen: the robot silent and back, its supervision tripped; the tracker blind and back, its line
-cut, an LED taken for another by 5 mm; the clamp opened by force."""
+cut, an LED taken for another by 5 mm; the clamp opened by force; and what `ForceBox` suffers."""
 _BASE, _TOOL = 0, 7
 _JUMP = np.array([5e-3, 0.0, 0.0])
 
@@ -76,8 +79,18 @@ def cell_controller(cell: CellConfig) -> RobotController:
     return RobotController(plant, clamp=clamp, slip_force=simulator.slip)
 
 
+def cell_force_box(cell: CellConfig) -> ForceBox:
+    """Return the force sensor's box that a cell's file describes; ValueError where it has no such option."""
+    sensor = cell.force_sensor
+    try:
+        plant = ForceSensorPlant(sensor.rate, **{"sample_rate": sensor.rate, **cell.plants.force_sensor_options})
+    except TypeError as fault:
+        raise ValueError(f"plants.force_sensor_options: {fault}") from None
+    return ForceBox(plant, sensor.host, sensor.port, sensor.counts)
+
+
 class RobotBench:
-    """Serves all four wires from one thread, each at its own time.
+    """Serves all wires from one thread, each at its own time.
 
     Parameters
     ----------
@@ -88,6 +101,8 @@ class RobotBench:
     mishaps : sequence of (s after the start, one of `MISHAPS`)
     log : Path or None
         Gets the torque signals as a CSV file, as a signal logger writes them.
+    force : ForceBox or None
+        The force sensor's, closed with the others.
     now : callable() -> float, s, a monotonic clock
     """
 
@@ -99,6 +114,7 @@ class RobotBench:
         faults: TrackerFaults | None = None,
         mishaps: Sequence[tuple[float, str]] = (),
         log: Path | None = None,
+        force: ForceBox | None = None,
         now: Callable[[], float] = time.monotonic,
     ) -> None:
         self.controller, self.camera = controller, TrackerCamera(self.poses, faults)
@@ -109,7 +125,7 @@ class RobotBench:
         self.program = TcpServer(addresses.host, addresses.program)
         self.signals = TcpServer(addresses.host, addresses.signals)
         self.tracker = TcpServer(addresses.host, addresses.tracker)
-        self._now, self._log_path = now, log
+        self.force, self._now, self._log_path = force, now, log
         self._looks, self._look_period = 0, 1 / tracker_rate
         self._to_come = sorted(mishaps)
 
@@ -134,8 +150,9 @@ class RobotBench:
         gc.collect()
         gc.freeze()
         with contextlib.ExitStack() as stack:
-            for each in (self.program, self.signals, self.tracker, self._socket):
-                stack.callback(each.close)
+            for each in (self.program, self.signals, self.tracker, self._socket, self.force):
+                if each is not None:
+                    stack.callback(each.close)
             log = stack.enter_context(self._log_path.open("w")) if self._log_path else None
             stack.enter_context(real_time())
             start, cycles = self._now(), 0
@@ -148,13 +165,13 @@ class RobotBench:
                     line = self.cycle(elapsed)
                     if log is not None:
                         log.write(line)
-                due = min(cycles / RATE, self._looks * self._look_period)
+                due = min(cycles / RATE, self._looks * self._look_period, self.force.due if self.force else math.inf)
                 wait = start + due - self._now()
                 if wait > 0:
                     select.select([self._socket], [], [], wait)
 
     def serve(self, elapsed: float) -> None:
-        """Take what has come from the host, answer the program's requests, and let the tracker look if it is due."""
+        """Take what has come from the host, answer the program; let tracker and force sensor see what is due."""
         with contextlib.suppress(BlockingIOError, ConnectionError):
             while True:
                 self.controller.receive(self._socket.recv(65_536))
@@ -164,6 +181,8 @@ class RobotBench:
             self._looks += 1
             self.tracker.received()
             self.tracker.send(self.camera.look(elapsed))
+        if self.force is not None:
+            self.force.serve(elapsed, self.controller.wrench)
 
     def cycle(self, elapsed: float) -> str:
         """Run one cycle of the controller, report to the host, and return the line of its signals."""
@@ -193,3 +212,5 @@ class RobotBench:
                 self.camera.jump = {_TOOL: _JUMP}
             case "slip":
                 self.controller.plant.release()
+            case _ if self.force is not None:
+                self.force.suffer(name)

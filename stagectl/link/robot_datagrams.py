@@ -41,15 +41,18 @@ class Datagrams:
     talk : Talk
     now : callable() -> float, s, a monotonic clock
     patience : float, s without a datagram after which the thread looks at the time
+    name : str, of the table in the cell's file
     """
 
-    def __init__(self, listen: str, port: int, talk: Talk, now: Callable[[], float], patience: float) -> None:
+    def __init__(
+        self, listen: str, port: int, talk: Talk, now: Callable[[], float], patience: float, name: str = "robot"
+    ) -> None:
         self.arrived = Condition()
         self._talk, self._now, self._patience = talk, now, patience
-        self._address = (listen, port)
+        self._address, self._name = (listen, port), name
         self._over = Event()
         self._asked: deque[tuple[Callable[[], None], Event]] = deque()
-        self._thread = Thread(target=self._run, name="robot", daemon=True)
+        self._thread = Thread(target=self._run, name=name, daemon=True)
 
     @property
     def address(self) -> tuple[str, int]:
@@ -64,7 +67,9 @@ class Datagrams:
             self._socket.bind(self._address)
         except OSError as fault:
             self._socket.close()
-            raise LinkError(f"robot.listen {listen}, robot.port {port} cannot be listened to: {fault}") from fault
+            raise LinkError(
+                f"{self._name}.listen {listen}, {self._name}.port {port} cannot be listened to: {fault}"
+            ) from fault
         self._address = self._socket.getsockname()
         self._bell, self._rope = socket.socketpair()
         for each in (self._socket, self._bell, self._rope):

@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 from rigkit.config import Section, setting
 from stagectl.link.config import CLASS, Link
 from stagectl.robot.clamp_config import Clamping
+from stagectl.robot.force_config import ForceSensor
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.milling.config import ForceEstimation, Friction
 from stagectl.robot.milling.feed_config import ForceFeed
@@ -91,6 +92,7 @@ class CellConfig(Section):
     robot: Robot = Field(default_factory=Robot)
     limits: RobotLimits = Field(default_factory=RobotLimits)
     tracker: Tracker = Field(default_factory=Tracker)
+    force_sensor: ForceSensor = Field(default_factory=ForceSensor)
     link: Link = Field(default_factory=Link)
     midranging: MidrangeConfig = Field(default_factory=MidrangeConfig)
     clamping: Clamping = Field(default_factory=Clamping)

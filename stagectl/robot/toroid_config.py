@@ -61,3 +61,7 @@ class Plants(Section):
         "firmware_sim.tracker_block:TrackerView", "", "module:Class of the tracker's Block", pattern=CLASS
     )
     tracker_options: dict[str, Any] = setting({}, "", "keywords it is built with")
+    force_sensor: str = setting(
+        "firmware_sim.force_sensor_block:ForceSensor", "", "module:Class of the force sensor's Block", pattern=CLASS
+    )
+    force_sensor_options: dict[str, Any] = setting({}, "", "keywords it is built with")

@@ -11,6 +11,7 @@ from ctlblocks import Block, Port, recording, replay
 from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
 from firmware_sim.clamped_robot import ClampedRobot
 from firmware_sim.feed_blocks import FedTool
+from firmware_sim.force_sensor_block import ForceSensor
 from firmware_sim.guided_robot import GuidedRobot
 from firmware_sim.macro_micro_blocks import MacroMicro
 from firmware_sim.milling_blocks import PocketCut
@@ -43,6 +44,8 @@ from stagectl.robot.clamp_program import ClampProgram
 from stagectl.robot.clamp_search import ClampSearch
 from stagectl.robot.config import CellConfig, Robot
 from stagectl.robot.config import Tracker as TrackerConfig
+from stagectl.robot.force_config import ForceSensor as ForceSensorConfig
+from stagectl.robot.force_line import ForceLine, MeasuredForce
 from stagectl.robot.midranging.internal_model import Estimation, InternalModel, InternalModelAxis
 from stagectl.robot.midranging.live_pair import LivePair, LiveSeen, LiveSend
 from stagectl.robot.midranging.reference_governor import Governor
@@ -56,6 +59,7 @@ from stagectl.robot.port import RobotPort
 from stagectl.robot.port_blocks import JointCommand, JointReport, PoseCommand, PoseReport
 from stagectl.robot.program import MotorTorque, RobotProgram, TorqueSignals
 from stagectl.robot.tracker import TrackedPose, TrackerLine
+from stagectl.robot.wired_force import WiredForce
 from stagectl.robot.wired_port import WiredPort
 from stagectl.robot.wired_tracker import WiredTracker
 from stagectl.stage.controller import PiezoController, StageController
@@ -169,6 +173,11 @@ def _sight(block: TrackedPose) -> None:
     block.line.inbox.seen = 0.0
 
 
+def _push(block: MeasuredForce) -> None:
+    block.line.inbox.wrench = np.full(6, 0.5)
+    block.line.inbox.seen = 0.0
+
+
 def _guided_arm() -> Block:
     port = _robot()
     port.conversation.guard.place(np.full(6, 0.1))
@@ -265,6 +274,9 @@ EXAMPLES: dict[type[Block], Example] = {
     PocketCut: Example(
         lambda: PocketCut(length=0.15, width=0.15, thickness=0.02, cell=5e-4, layer=5e-3), rate=10_000.0
     ),
+    ForceSensor: Example(lambda: ForceSensor(sample_rate=8_000.0), rate=8_000.0),
+    WiredForce: Example(lambda: WiredForce(ForceSensorConfig(), print), rate=500.0),
+    MeasuredForce: Example(lambda: MeasuredForce(ForceLine(ForceSensorConfig(), print, now=lambda: 1.0)), _push, 250.0),
     TrackerView: Example(lambda: TrackerView(delay=0.0), rate=300_000.0),
     WiredPort: Example(lambda: WiredPort(CellConfig(), np.zeros(6)), rate=250.0),
     WiredTracker: Example(lambda: WiredTracker(TrackerConfig(), print), rate=2_000.0),

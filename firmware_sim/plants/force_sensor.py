@@ -1,0 +1,168 @@
+"""A force sensor at a robot's wrist: what it makes of a wrench, and all that goes wrong with one."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from firmware_sim.plants.noise_kernel import NOISE_SCALE, four_uniforms
+from firmware_sim.plants.options import option, refuse_wrong_options
+
+NEVER = 1e9
+"""s, when nothing happens."""
+GAGE_OUT_OF_RANGE, ERROR = 1 << 27, 1 << 31
+"""Bits of its status, as ATI's: any error, and a strain gage at its end."""
+DONE, SAMPLE, NEXT, CELLS = range(4)
+"""Of `state`: samples of the plant, samples that it has sent, and at which of the plant the next is due."""
+
+
+@dataclass(eq=False, kw_only=True)
+class ForceSensorOptions:
+    """How good the sensor is, and what happens to it; defaults of a JR3 100M40A, 400 N and 40 N m.
+
+    Parameters
+    ----------
+    seed : int
+    sample_rate : float, samples/s
+    corner : float, Hz, of each of its two low-passes
+    noise, moment_noise : float, N and N m rms in each axis
+    bias, moment_bias : float, N and N m rms, what it shows of nothing
+    drift : float, N a minute, by which that moves; of the moments a tenth, N m
+    crosstalk : float, 1 rms, of each axis in each other; between force and moment over 0.1 m
+    range_force, range_moment : float, N and N m, where it saturates; along z twice the force
+    silent, silent_for : float, s, when it begins to send nothing, and for how long
+    stuck, stuck_for : float, s, when its gages go to their end, and for how long
+    step_at, step : float, s and N, when its force along y jumps, and how far
+    """
+
+    seed: int = option(1, "", 0)
+    sample_rate: float = option(500.0, "Hz", 10.0, 8_000.0)
+    corner: float = option(150.0, "Hz", 1.0, 10_000.0)
+    noise: float = option(0.15, "N", 0.0, 100.0)
+    moment_noise: float = option(0.01, "N m", 0.0, 10.0)
+    bias: float = option(5.0, "N", 0.0, 1_000.0)
+    moment_bias: float = option(0.5, "N m", 0.0, 100.0)
+    drift: float = option(0.3, "N", -1_000.0, 1_000.0)
+    crosstalk: float = option(0.005, "1", 0.0, 0.1)
+    range_force: float = option(400.0, "N", 1.0, 1e5)
+    range_moment: float = option(40.0, "N m", 0.1, 1e4)
+    silent: float = option(NEVER, "s", 0.0)
+    silent_for: float = option(NEVER, "s", 0.0)
+    stuck: float = option(NEVER, "s", 0.0)
+    stuck_for: float = option(NEVER, "s", 0.0)
+    step_at: float = option(NEVER, "s", 0.0)
+    step: float = option(20.0, "N", -1e4, 1e4)
+
+    def __post_init__(self) -> None:
+        """Refuse what is out of range."""
+        refuse_wrong_options(self)
+
+
+@dataclass(eq=False)
+class ForceSensorPlant(ForceSensorOptions):
+    """A wrench in, records out: filtered, with crosstalk, bias, drift and noise, and saturated.
+
+    It does not model: the weight and inertia of what hangs on it, axes that turn with the wrist, hysteresis, its own
+    softness and resonance.
+
+    Parameters
+    ----------
+    rate : float, samples/s, of the wrench, at least `sample_rate`
+
+    Others: those of `ForceSensorOptions`.
+
+    Source
+    ------
+    JR3 data sheet 100M40A: 400 N and 40 N m, 800 N along its axis; noise 0.15 N [Sörnmo 2015, sec. 7.3].
+
+    Raises
+    ------
+    ValueError : an option outside its range, by name.
+    """
+
+    rate: float
+
+    def __post_init__(self) -> None:
+        """Draw it."""
+        super().__post_init__()
+        if not self.sample_rate <= self.rate <= 1e6:
+            raise ValueError(f"rate is {self.rate!r} samples/s, must be {self.sample_rate:g} to 1e+06 for the sensor")
+        rng = np.random.default_rng([self.seed, 100])
+        arm = np.repeat([1.0, 0.1], 3)
+        self._mix = np.eye(6) + self.crosstalk * rng.standard_normal((6, 6)) * arm[:, None] / arm
+        size = np.repeat([self.bias, self.moment_bias], 3)
+        self._bias = size * rng.standard_normal(6)
+        self._drift = self.drift / 60 * arm * rng.choice([-1.0, 1.0], 6)
+        self._noise = np.repeat([self.noise, self.moment_noise], 3)
+        self.range = np.array([1.0, 1.0, 2.0, 0.1, 0.1, 0.1]) * self.range_force
+        self.range[3:] = self.range_moment
+        self._pole = 1.0 - np.exp(-2 * np.pi * self.corner / self.rate)
+        self._random = rng.integers(1, 2**63, 1, np.uint64)
+        self._state, self._low, self._shown = np.zeros(CELLS), np.zeros((2, 6)), np.zeros(8)
+
+    def run(self, wrench: np.ndarray, measured: np.ndarray, sample: np.ndarray, status: np.ndarray) -> None:
+        """Go on for one frame.
+
+        Parameters
+        ----------
+        wrench : array, shape (frames, 6), N and N m
+        measured : array, shape (frames, 6), N and N m, filled in place
+            The newest record's.
+        sample, status : arrays, shape (frames, 1), filled in place
+            Its number, 0 before the first; 0 for healthy, else bits.
+        """
+        events = np.array([self.silent, self.silent_for, self.stuck, self.stuck_for, self.step_at, self.step])
+        _run(
+            wrench, measured, sample, status, self._mix, self._bias, self._drift, self._noise, self.range, events,
+            self._pole, self.rate, self.sample_rate, self._random, self._state, self._low, self._shown,
+        )  # fmt: skip
+
+
+@njit(cache=True, nogil=True)
+def _run(  # type: ignore[no-untyped-def]
+    wrench,
+    measured,
+    sample,
+    status,
+    mix,
+    bias,
+    drift,
+    noise,
+    ends,
+    events,
+    pole,
+    rate,
+    sample_rate,
+    random,
+    state,
+    low,
+    shown,
+):
+    """Run one frame: `low` (2, 6) has the low-passes, `shown` (8,) the record sent last: wrench, number, status."""
+    for n in range(wrench.shape[0]):
+        for r in range(6):
+            low[0, r] += pole * (wrench[n, r] - low[0, r])
+            low[1, r] += pole * (low[0, r] - low[1, r])
+        if state[DONE] >= state[NEXT]:
+            time = state[DONE] / rate
+            state[SAMPLE] += 1.0
+            state[NEXT] = np.ceil(state[SAMPLE] * rate / sample_rate)
+            is_silent = events[0] <= time < events[0] + events[1]
+            is_stuck = events[2] <= time < events[2] + events[3]
+            told = 0.0
+            for r in range(6):
+                value = bias[r] + drift[r] * time + noise[r] * NOISE_SCALE * four_uniforms(random)
+                for c in range(6):
+                    value += mix[r, c] * low[1, c]
+                if r == 1 and time >= events[4]:
+                    value += events[5]
+                if is_stuck or abs(value) >= ends[r]:
+                    value, told = (ends[r] if value >= 0.0 else -ends[r]), float(GAGE_OUT_OF_RANGE + ERROR)
+                if not is_silent:
+                    shown[r] = value
+            if not is_silent:
+                shown[6], shown[7] = state[SAMPLE], told
+        for r in range(6):
+            measured[n, r] = shown[r]
+        sample[n, 0], status[n, 0] = shown[6], shown[7]
+        state[DONE] += 1.0
