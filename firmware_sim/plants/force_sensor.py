@@ -1,6 +1,7 @@
 """A force sensor at a robot's wrist: what it makes of a wrench, and all that goes wrong with one."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -58,6 +59,61 @@ class ForceSensorOptions:
         refuse_wrong_options(self)
 
 
+class Gages(NamedTuple):
+    """All arrays of a sensor.
+
+    Crosstalk `mix` (6, 6); bias, its speed, noise and ends of the range (6,), N and N m, a second; low-passes (2, 6);
+    `shown` (8,), the record sent last: wrench, number, status; `state`, and that of its noise.
+    """
+
+    mix: np.ndarray
+    bias: np.ndarray
+    drift: np.ndarray
+    noise: np.ndarray
+    ends: np.ndarray
+    low: np.ndarray
+    shown: np.ndarray
+    state: np.ndarray
+    random: np.ndarray
+
+
+@njit(cache=True, nogil=True)
+def _tell(time: float, step: float, is_stuck: bool, gages: Gages) -> None:
+    """Measure once, `step` N beside it along y."""
+    gages.shown[7] = 0.0
+    for r in range(6):
+        value = gages.bias[r] + gages.drift[r] * time + gages.noise[r] * NOISE_SCALE * four_uniforms(gages.random)
+        for c in range(6):
+            value += gages.mix[r, c] * gages.low[1, c]
+        if r == 1:
+            value += step
+        if is_stuck or abs(value) >= gages.ends[r]:
+            value, gages.shown[7] = (gages.ends[r] if value >= 0.0 else -gages.ends[r]), GAGE_OUT_OF_RANGE + ERROR
+        gages.shown[r] = value
+    gages.shown[6] = gages.state[SAMPLE]
+
+
+@njit(cache=True, nogil=True)
+def _run(wrench, measured, sample, status, events, pole, rate, sample_rate, gages):  # type: ignore[no-untyped-def]
+    """Run one frame; `events` (6,) has when it is silent, for how long, stuck, for how long, when it jumps, how far."""
+    low, state = gages.low, gages.state
+    for n in range(wrench.shape[0]):
+        for r in range(6):
+            low[0, r] += pole * (wrench[n, r] - low[0, r])
+            low[1, r] += pole * (low[0, r] - low[1, r])
+        if state[DONE] >= state[NEXT]:
+            time = state[DONE] / rate
+            state[SAMPLE] += 1.0
+            state[NEXT] = np.ceil(state[SAMPLE] * rate / sample_rate)
+            if not events[0] <= time < events[0] + events[1]:
+                is_stuck = events[2] <= time < events[2] + events[3]
+                _tell(time, events[5] if time >= events[4] else 0.0, is_stuck, gages)
+        for r in range(6):
+            measured[n, r] = gages.shown[r]
+        sample[n, 0], status[n, 0] = gages.shown[6], gages.shown[7]
+        state[DONE] += 1.0
+
+
 @dataclass(eq=False)
 class ForceSensorPlant(ForceSensorOptions):
     """A wrench in, records out: filtered, with crosstalk, bias, drift and noise, and saturated.
@@ -89,16 +145,15 @@ class ForceSensorPlant(ForceSensorOptions):
             raise ValueError(f"rate is {self.rate!r} samples/s, must be {self.sample_rate:g} to 1e+06 for the sensor")
         rng = np.random.default_rng([self.seed, 100])
         arm = np.repeat([1.0, 0.1], 3)
-        self._mix = np.eye(6) + self.crosstalk * rng.standard_normal((6, 6)) * arm[:, None] / arm
         size = np.repeat([self.bias, self.moment_bias], 3)
-        self._bias = size * rng.standard_normal(6)
-        self._drift = self.drift / 60 * arm * rng.choice([-1.0, 1.0], 6)
-        self._noise = np.repeat([self.noise, self.moment_noise], 3)
-        self.range = np.array([1.0, 1.0, 2.0, 0.1, 0.1, 0.1]) * self.range_force
-        self.range[3:] = self.range_moment
+        self.range = np.array([1.0, 1.0, 2.0, 1.0, 1.0, 1.0]) * np.repeat([self.range_force, self.range_moment], 3)
         self._pole = 1.0 - np.exp(-2 * np.pi * self.corner / self.rate)
-        self._random = rng.integers(1, 2**63, 1, np.uint64)
-        self._state, self._low, self._shown = np.zeros(CELLS), np.zeros((2, 6)), np.zeros(8)
+        self._gages = Gages(
+            mix=np.eye(6) + self.crosstalk * rng.standard_normal((6, 6)) * arm[:, None] / arm,
+            bias=size * rng.standard_normal(6), drift=self.drift / 60 * arm * rng.choice([-1.0, 1.0], 6),
+            noise=np.repeat([self.noise, self.moment_noise], 3), ends=self.range, low=np.zeros((2, 6)),
+            shown=np.zeros(8), state=np.zeros(CELLS), random=rng.integers(1, 2**63, 1, np.uint64),
+        )  # fmt: skip
 
     def run(self, wrench: np.ndarray, measured: np.ndarray, sample: np.ndarray, status: np.ndarray) -> None:
         """Go on for one frame.
@@ -112,57 +167,4 @@ class ForceSensorPlant(ForceSensorOptions):
             Its number, 0 before the first; 0 for healthy, else bits.
         """
         events = np.array([self.silent, self.silent_for, self.stuck, self.stuck_for, self.step_at, self.step])
-        _run(
-            wrench, measured, sample, status, self._mix, self._bias, self._drift, self._noise, self.range, events,
-            self._pole, self.rate, self.sample_rate, self._random, self._state, self._low, self._shown,
-        )  # fmt: skip
-
-
-@njit(cache=True, nogil=True)
-def _run(  # type: ignore[no-untyped-def]
-    wrench,
-    measured,
-    sample,
-    status,
-    mix,
-    bias,
-    drift,
-    noise,
-    ends,
-    events,
-    pole,
-    rate,
-    sample_rate,
-    random,
-    state,
-    low,
-    shown,
-):
-    """Run one frame: `low` (2, 6) has the low-passes, `shown` (8,) the record sent last: wrench, number, status."""
-    for n in range(wrench.shape[0]):
-        for r in range(6):
-            low[0, r] += pole * (wrench[n, r] - low[0, r])
-            low[1, r] += pole * (low[0, r] - low[1, r])
-        if state[DONE] >= state[NEXT]:
-            time = state[DONE] / rate
-            state[SAMPLE] += 1.0
-            state[NEXT] = np.ceil(state[SAMPLE] * rate / sample_rate)
-            is_silent = events[0] <= time < events[0] + events[1]
-            is_stuck = events[2] <= time < events[2] + events[3]
-            told = 0.0
-            for r in range(6):
-                value = bias[r] + drift[r] * time + noise[r] * NOISE_SCALE * four_uniforms(random)
-                for c in range(6):
-                    value += mix[r, c] * low[1, c]
-                if r == 1 and time >= events[4]:
-                    value += events[5]
-                if is_stuck or abs(value) >= ends[r]:
-                    value, told = (ends[r] if value >= 0.0 else -ends[r]), float(GAGE_OUT_OF_RANGE + ERROR)
-                if not is_silent:
-                    shown[r] = value
-            if not is_silent:
-                shown[6], shown[7] = state[SAMPLE], told
-        for r in range(6):
-            measured[n, r] = shown[r]
-        sample[n, 0], status[n, 0] = shown[6], shown[7]
-        state[DONE] += 1.0
+        _run(wrench, measured, sample, status, events, self._pole, self.rate, self.sample_rate, self._gages)

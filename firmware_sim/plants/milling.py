@@ -117,26 +117,20 @@ class PocketMilling(PocketOptions):
             raise ValueError(f"rate is {self.rate!r} samples/s, must be 1000 to 100000 for the simulated cut")
         rng = np.random.default_rng([self.seed, 5])
         hardness = 1.0 + self.spread * HARDNESS * np.clip(rng.standard_normal(), -2, 2)
-        self._hardness = hardness * MATERIALS[self.material].table
-        self._hardness[1] *= self.wear
+        strength = hardness * MATERIALS[self.material].table
+        strength[1] *= self.wear
         places = 2 * pi * (np.arange(self.teeth) / self.teeth) + rng.uniform(0, 2 * pi)
-        self._wobble = self.runout * np.cos(places)
-        self._origin = np.array(self.origin, float)
-        self._distance, self._grid = _fresh(self)
-        turn, tooth = 2 * pi * self.spindle / self.rate, 1.0 / (self.teeth * self.spindle)
-        self._given = np.zeros(mill.SETTINGS)
-        self._given[:] = [
-            0.5 * self.tool, self.teeth, turn, tan(self.helix), max(1, ceil(turn / FASTEST_TURN)), tooth, tan(DISH),
-            max(1, round(self.rate / self.spindle)), self.give, 1.0 / self.rate,
-        ]  # fmt: skip
+        turned = np.zeros(mill.TURNED)
+        turned[mill.ANGLE] = rng.uniform(0, 2 * pi)
         angles = 2 * pi * (np.arange(mill.BINS) + 0.5) / mill.BINS
-        self._around = np.column_stack([np.cos(angles), np.sin(angles)])
-        self._state, self._turned = np.zeros(kernel.CELLS), np.zeros(mill.TURNED)
-        self._turned[mill.ANGLE] = rng.uniform(0, 2 * pi)
-        self._queue, self._motion = np.zeros((kernel.QUEUE, 4)), np.zeros((3, 3))
-        self._ring = np.zeros((int(self._given[mill.SPAN]), 3))
-        layers = self._distance.shape[2]
-        self._width, self._found = np.zeros((mill.BINS, 1 + layers)), np.zeros(layers)
+        distance, grid = _fresh(self)
+        given, layers = _given(self), distance.shape[2]
+        self._cut = kernel.Cut(
+            origin=np.array(self.origin, float), distance=distance, grid=grid, hardness=strength,
+            wobble=self.runout * np.cos(places), around=np.column_stack([np.cos(angles), np.sin(angles)]), given=given,
+            state=np.zeros(kernel.CELLS), turned=turned, queue=np.zeros((kernel.QUEUE, 4)), motion=np.zeros((3, 3)),
+            ring=np.zeros((int(given[mill.SPAN]), 3)), width=np.zeros((mill.BINS, 1 + layers)), found=np.zeros(layers),
+        )  # fmt: skip
 
     def run(self, tool: np.ndarray, force: np.ndarray, moment: np.ndarray, teeth_force: np.ndarray) -> None:
         """Go on for one frame.
@@ -150,30 +144,37 @@ class PocketMilling(PocketOptions):
         teeth_force : array, shape (frames, 3), N, filled in place
             The force with its teeth, averaged over each sample.
         """
-        kernel.run(
-            tool, self._origin, force, moment, teeth_force, self._distance, self._grid, self._hardness, self._wobble,
-            self._around, self._given, self._state, self._turned, self._queue, self._motion, self._ring, self._width,
-            self._found,
-        )  # fmt: skip
+        kernel.run(tool, force, moment, teeth_force, self._cut)
 
     @property
     def chips(self) -> float:
         """The chips so far, m^3, as the teeth have cut them."""
-        return float(self._turned[mill.CHIPS])
+        return float(self._cut.turned[mill.CHIPS])
 
     @property
     def taken(self) -> float:
         """What is gone of the block, m^3; it lags the tool by `milling_kernel.LAG`."""
-        share = np.clip(0.5 - self._distance / self.cell, 0.0, 1.0)
+        share = np.clip(0.5 - self._cut.distance / self.cell, 0.0, 1.0)
         inside = _fresh(self)[0] > 0.0
-        return float(share[inside].sum(dtype=float) * self.cell**2 * self._grid[1])
+        return float(share[inside].sum(dtype=float) * self.cell**2 * self._cut.grid[1])
 
     def section(self, depth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return x, y (m) and, shape (y, x), how far each point is from the walls at `depth` (m): > 0 in material."""
-        layer = min(max(int(depth / self._grid[1]), 0), self._distance.shape[2] - 1)
-        rows, columns = self._distance.shape[:2]
-        x, y = np.arange(columns) * self.cell - self._grid[2], np.arange(rows) * self.cell - self._grid[3]
-        return x, y, self._distance[:, :, layer].copy()
+        layer = min(max(int(depth / self._cut.grid[1]), 0), self._cut.distance.shape[2] - 1)
+        rows, columns = self._cut.distance.shape[:2]
+        x, y = np.arange(columns) * self.cell - self._cut.grid[2], np.arange(rows) * self.cell - self._cut.grid[3]
+        return x, y, self._cut.distance[:, :, layer].copy()
+
+
+def _given(cut: PocketMilling) -> np.ndarray:
+    """Return the kernel's settings, shape (SETTINGS,)."""
+    turn = 2 * pi * cut.spindle / cut.rate
+    given = np.zeros(mill.SETTINGS)
+    given[:] = [
+        0.5 * cut.tool, cut.teeth, turn, tan(cut.helix), max(1, ceil(turn / FASTEST_TURN)),
+        1.0 / (cut.teeth * cut.spindle), tan(DISH), max(1, round(cut.rate / cut.spindle)), cut.give, 1.0 / cut.rate,
+    ]  # fmt: skip
+    return given
 
 
 def _fresh(block: PocketOptions) -> tuple[np.ndarray, np.ndarray]:

@@ -1,6 +1,7 @@
 """The compiled kernel of an end mill in a block: it takes material, touches what is left, and is pushed by that."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -82,60 +83,70 @@ def _touching(at, around, distance, grid, given, found):  # type: ignore[no-unty
     return touching / (4 * (BINS // 10))
 
 
-@njit(cache=True, nogil=True)
-def run(  # type: ignore[no-untyped-def]
-    tool,
-    origin,
-    force,
-    moment,
-    teeth_force,
-    distance,
-    grid,
-    hardness,
-    wobble,
-    around,
-    given,
-    state,
-    turned,
-    queue,
-    motion,
-    ring,
-    width,
-    found,
-):
-    """Run one frame; signals as in `PocketMilling.run`.
+class Cut(NamedTuple):
+    """All arrays of a cut.
 
-    `origin` (3,) is the middle of the block's top, m; `hardness` (2, 3) as `CuttingForce.table`; `motion` (3, 3) has
-    where the tool was (m), the force on it (N) and its speed along x and y (m/s), and `ring` (SPAN, 3) the moments on
-    it (N m); the others as the kernels above say.
+    `origin` (3,) is the middle of the block's top, m; `distance` and `grid` as in `workpiece_kernel`; `hardness` (2, 3)
+    as `CuttingForce.table`; `wobble` (teeth,), m; `around` (BINS, 2) has directions; `given` and `turned` as in
+    `end_mill_kernel`; `state` and `queue` (QUEUE, 4) as above; `motion` (3, 3) has where the tool was (m), the force on
+    it (N) and its speed along x and y (m/s), `ring` (SPAN, 3) the last moments on it (N m); `width` (BINS, 1 + layers)
+    and `found` (layers,) are room.
     """
+
+    origin: np.ndarray
+    distance: np.ndarray
+    grid: np.ndarray
+    hardness: np.ndarray
+    wobble: np.ndarray
+    around: np.ndarray
+    given: np.ndarray
+    state: np.ndarray
+    turned: np.ndarray
+    queue: np.ndarray
+    motion: np.ndarray
+    ring: np.ndarray
+    width: np.ndarray
+    found: np.ndarray
+
+
+@njit(cache=True, nogil=True)
+def _push(at, given_speed, cut, push, wrench):  # type: ignore[no-untyped-def]
+    """Fill `push` (7,) with the mean force, N, and `wrench` (6,) with force and moment of this sample's teeth."""
+    held, speed, given = cut.motion[1], cut.motion[2], cut.given
+    last = _engage(at, cut.around, cut.distance, cut.grid, given, cut.found, cut.width)
+    meet(given_speed, held, cut.around, cut.width, cut.hardness, given, push, speed)
+    flank = push[2]
+    faster = descent(given_speed, held, given, push, speed)
+    share = _touching(at, cut.around, cut.distance, cut.grid, given, cut.found) if faster > 0.0 else 0.0
+    twist = plunge(faster, share, cut.hardness, given, push)
+    turn(
+        last, at, speed, cut.around, cut.width, cut.hardness, cut.wobble, cut.grid[LAYER], given, cut.turned, wrench
+    )  # fmt: skip
+    wrench[2] += push[2] - flank
+    wrench[5] += twist
+
+
+@njit(cache=True, nogil=True)
+def run(tool: np.ndarray, force: np.ndarray, moment: np.ndarray, teeth_force: np.ndarray, cut: Cut) -> None:
+    """Run one frame; signals as in `PocketMilling.run`."""
     at, given_speed, wrench, push = np.empty(3), np.empty(3), np.empty(6), np.empty(7)
-    was, held, speed = motion[0], motion[1], motion[2]
-    span = int(given[SPAN])
+    was, held, given, span = cut.motion[0], cut.motion[1], cut.given, int(cut.given[SPAN])
     for n in range(tool.shape[0]):
-        done = int(state[DONE])
+        done = int(cut.state[DONE])
         for r in range(3):
-            at[r] = tool[n, r] - origin[r]
+            at[r] = tool[n, r] - cut.origin[r]
         if done == 0:
             was[:] = at
-            queue[0, :3] = at
+            cut.queue[0, :3] = at
         for r in range(3):
             given_speed[r] = (at[r] - was[r]) / given[PERIOD]
         was[:] = at
-        _take(at, distance, grid, given, state, queue)
-        last = _engage(at, around, distance, grid, given, found, width)
-        meet(given_speed, held, around, width, hardness, given, push, speed)
-        flank = push[2]
-        faster = descent(given_speed, held, given, push, speed)
-        share = _touching(at, around, distance, grid, given, found) if faster > 0.0 else 0.0
-        twist = plunge(faster, share, hardness, given, push)
-        turn(last, at, speed, around, width, hardness, wobble, grid[LAYER], given, turned, wrench)
-        wrench[2] += push[2] - flank
-        wrench[5] += twist
-        ring[done % span] = wrench[3:]
+        _take(at, cut.distance, cut.grid, given, cut.state, cut.queue)
+        _push(at, given_speed, cut, push, wrench)
+        cut.ring[done % span] = wrench[3:]
         for r in range(3):
             held[r] = push[r]
             force[n, r], teeth_force[n, r], moment[n, r] = push[r], wrench[r], 0.0
             for k in range(span):
-                moment[n, r] += ring[k, r] / span
-        state[DONE] += 1.0
+                moment[n, r] += cut.ring[k, r] / span
+        cut.state[DONE] += 1.0
