@@ -67,6 +67,25 @@ class RunFolder:
         return folder
 
     @classmethod
+    @contextmanager
+    def filled(cls, path: str | Path, config: str) -> Iterator[Self]:
+        """Make the folder of a new run, as `create` does, and give it to be filled; where that fails it is taken away.
+
+        What the block puts in it, such as models, is there when the run can be taken up.  The lock stays.
+        """
+        folder = cls.create(path, config)
+        try:
+            yield folder
+        except BaseException:
+            folder.withdraw()
+            raise
+
+    def take_in(self, source: Path, name: str) -> None:
+        """Copy a file into the folder, whole or not at all."""
+        with self.replacing(name) as copy:
+            shutil.copyfile(source, copy)
+
+    @classmethod
     def open(cls, path: str | Path) -> Self:
         """Take up the folder of a run that was stopped or killed, and sweep up what a kill left.
 

@@ -1,6 +1,5 @@
 """A run in its folder: the stage in closed loop with the plant in process, everything recorded, measured and kept."""
 
-import shutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -47,14 +46,14 @@ def create(path: Path, config: StageConfig, models: Sequence[Path]) -> tuple[Run
     wanted_position(config, made.timeline)
     made.compensation()
     _require_space(path, made)
-    folder = RunFolder.create(path, rig_file.dump(config))
-    for axis, model in zip(config.stage.axes, models, strict=bool(models)):
-        shutil.copyfile(model, folder.path / model_name(axis))
-    for axis, file in zip(config.stage.axes, config.inner.hysteresis, strict=bool(config.inner.hysteresis)):
-        shutil.copyfile(file, folder.path / f"hysteresis-{axis}.h5")
-    if config.reference.signal != "hold":
-        source = Path(config.reference.signal)
-        shutil.copyfile(source, folder.path / f"reference{source.suffix.lower()}")
+    with RunFolder.filled(path, rig_file.dump(config)) as folder:
+        for axis, model in zip(config.stage.axes, models, strict=bool(models)):
+            folder.take_in(model, model_name(axis))
+        for axis, file in zip(config.stage.axes, config.inner.hysteresis, strict=bool(config.inner.hysteresis)):
+            folder.take_in(Path(file), f"hysteresis-{axis}.h5")
+        if config.reference.signal != "hold":
+            source = Path(config.reference.signal)
+            folder.take_in(source, f"reference{source.suffix.lower()}")
     return folder, made
 
 

@@ -1,6 +1,5 @@
 """A run: shot after shot is emitted, recorded, judged and learned from, in a folder from which it can go on."""
 
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -61,18 +60,16 @@ def create(path: Path, config: RigConfig, model: Path, entry: Entry | None = Non
     if source is not None:
         name = REFERENCE + source.suffix.lower()
         kept = config.model_copy(update={"reference": config.reference.model_copy(update={"signal": name})})
-    folder = RunFolder.create(path, rig_file.dump(kept))
-    with folder.replacing(MODEL) as copy:
-        shutil.copyfile(model, copy)
-    if source is not None:
-        with folder.replacing(kept.reference.signal) as copy:
-            shutil.copyfile(source, copy)
-    save_wisdom(folder.path / WISDOM)
-    if entry is not None:
-        write_entry(folder.path / START, entry)
-        folder.event("library", {"entry": entry.name, "tags": dict(entry.tags), "run": entry.about["run"]})
-        if broken is not None:
-            folder.event("library_refused", {"entry": entry.name, "limit": str(broken)})
+    with RunFolder.filled(path, rig_file.dump(kept)) as folder:
+        folder.take_in(model, MODEL)
+        if source is not None:
+            folder.take_in(source, kept.reference.signal)
+        save_wisdom(folder.path / WISDOM)
+        if entry is not None:
+            write_entry(folder.path / START, entry)
+            folder.event("library", {"entry": entry.name, "tags": dict(entry.tags), "run": entry.about["run"]})
+            if broken is not None:
+                folder.event("library_refused", {"entry": entry.name, "limit": str(broken)})
     return folder, made
 
 

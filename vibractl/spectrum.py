@@ -1,12 +1,13 @@
 """Between time and the lines that are learned: planned real FFTs, decimation, and where FFTW's plans are kept."""
 
-import os
 from pathlib import Path
 
 import numpy as np
 import platformdirs
 import pyfftw
 from scipy.signal import firwin, upfirdn
+
+from rigkit import atomic
 
 DECIMATOR_REACH = 24
 """Taps of the decimator to each side, times its factor: 100 dB with the transition below."""
@@ -114,6 +115,4 @@ def load_wisdom(path: Path) -> bool:
 def save_wisdom(path: Path) -> None:
     """Keep the plans made so far."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}")
-    partial.write_bytes(pyfftw.export_wisdom()[0])
-    os.replace(partial, path)
+    atomic.write(path, pyfftw.export_wisdom()[0])

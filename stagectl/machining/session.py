@@ -1,6 +1,5 @@
 """Runs of the cell in their folder: everything recorded, measured and kept."""
 
-import shutil
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -49,10 +48,10 @@ class Files:
 
 def create(path: Path, files: Files) -> RunFolder:
     """Make the folder of new runs, with copies of all files; ValueError where something is in it already."""
-    folder = RunFolder.create(path, rig_file.dump(files.cell))
-    folder.write(STAGE, rig_file.dump(files.stage))
-    for axis, model in zip(AXES, files.models, strict=bool(files.models)):
-        shutil.copyfile(model, folder.path / model_name(axis))
+    with RunFolder.filled(path, rig_file.dump(files.cell)) as folder:
+        folder.write(STAGE, rig_file.dump(files.stage))
+        for axis, model in zip(AXES, files.models, strict=bool(files.models)):
+            folder.take_in(model, model_name(axis))
     return folder
 
 

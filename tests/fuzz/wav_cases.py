@@ -55,13 +55,13 @@ def growing_cases(folder: Path) -> Callable[[int], bool]:
 def _check(content: bytes, read: Recording) -> None:
     """Compare rate, channels and length with those of the file, and every sample that is a float."""
     chunks = _chunks(content)
-    kind, channels, rate, _, align, bits = struct.unpack("<HHIIHH", chunks[b"fmt "][:16])
+    kind, channels, rate, _, align, _ = struct.unpack("<HHIIHH", chunks[b"fmt "][:16])
     data = chunks[b"data"]
     assert read.rate == rate, f"{read.rate} samples/s of {rate}"
     assert read.data.shape == (len(data) // align, channels), f"{read.data.shape} of {len(data)} bytes"
     assert np.isfinite(read.data).all(), "NaN"
     if kind == 3:
-        assert read.data.tobytes() == np.frombuffer(data, f"<f{bits // 8}").tobytes(), "other samples"
+        assert read.data.tobytes() == np.frombuffer(data, f"<f{align // channels}").tobytes(), "other samples"
 
 
 def _chunks(content: bytes) -> dict[bytes, bytes]:

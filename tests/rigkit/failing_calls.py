@@ -44,16 +44,24 @@ class Failing:
 
 
 def every_fault(
-    work: Callable[[Path], object], folder: Path, patch: pytest.MonkeyPatch
+    work: Callable[[Path], object], folder: Path, patch: pytest.MonkeyPatch, stride: int = 1
 ) -> Iterator[tuple[Path, Exception | None]]:
     """Do `work` in folder after folder, a call of it failing; yield each folder and what `work` raised.
 
     For each kind of fault it ends with the pass in which nothing was left to fail.
+
+    Parameters
+    ----------
+    work : callable(Path)
+    folder : Path
+    patch : MonkeyPatch
+    stride : int
+        From a call that fails to the next one that does; each kind of fault begins with another.
     """
     calls, opened = {name: getattr(os, name) for name in CALLS}, io.open
     calls["fsync"] = os.fstat  # does nothing: some disks take 10 ms to sync
-    for number in FAULTS:
-        for step in range(1, 1_000):
+    for place_of_fault, number in enumerate(FAULTS):
+        for step in range(1 + place_of_fault * stride // len(FAULTS), 10_000, stride):
             failing, place, raised = Failing(step, number), folder / f"{number}-{step}", None
             place.mkdir()
             with patch.context() as patched:

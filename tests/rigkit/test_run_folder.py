@@ -80,6 +80,19 @@ def test_what_a_kill_left_is_swept_up_when_the_folder_is_opened(path: Path) -> N
     assert (path / "qc.csv").read_text() == "shot,iae\n0,1.5\n1,0.75\n"
 
 
+def test_a_folder_that_cannot_be_filled_is_taken_away(path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match="absent"), RunFolder.filled(path, "") as folder:
+        folder.take_in(path.parent / "absent.h5", "model.h5")
+    assert not path.exists()
+    (path.parent / "there.h5").write_bytes(b"model")
+    with RunFolder.filled(path, "") as folder:
+        folder.take_in(path.parent / "there.h5", "model.h5")
+    with pytest.raises(FolderInUseError, match="is in use by process"):
+        RunFolder.open(path)
+    folder.close()
+    assert (path / "model.h5").read_bytes() == b"model"
+
+
 def test_a_recording_that_grew_when_its_run_was_killed_is_made_whole(path: Path) -> None:
     with RunFolder.create(path, ""):
         file = GrowingWav(path / "recording.wav", Channels(("a",), ("V",), 10_000.0, {}))
