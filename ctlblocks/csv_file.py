@@ -37,11 +37,10 @@ def read(path: Path) -> tuple[np.ndarray, float, dict[str, Any]]:
             except ValueError:
                 column = len(values) - done
                 raise ValueError(f"row {number}, column {column + 1}: {cells[column]!r}, must be a number") from None
-            whole = line.isascii() and "_" not in line and (line[-1] == "\n" or not first["frames"])  # float takes 1_0
-            if len(cells) != len(heads) or not whole:
+            if len(cells) != len(heads) or not line.isascii() or "_" in line or (line[-1] != "\n" and first["frames"]):
                 raise ValueError(f"row {number}: {line[:40]!r}, must be {len(heads)} numbers and the end of a line")
     data = np.frombuffer(values).reshape(-1, max(len(heads), 1))
-    if len(data) != (first["frames"] or len(data)):
+    if first["frames"] not in (None, len(data)):
         raise ValueError(f"row 1 says {first['frames']} samples, there are {len(data)}")
     with np.errstate(over="ignore"):
         data = data.astype(first["dtype"])

@@ -85,7 +85,9 @@ def _check_theirs(content: bytes, rate: float | None, read: Recording) -> None:
     )
     table = np.array(_rows("\n".join(rows[named:]), separator, len(cells)))
     assert read.data.shape == (len(table), 2), f"{read.data.shape} of {table.shape}"
-    assert (read.data == table[:, :2]).all(), "other samples"
+    plain = [cell.partition("[")[0].strip() if named else "" for cell in cells]
+    columns = [plain.index(channel) if channel in plain else int(channel) - 1 for channel in ("1", "2")]
+    assert (read.data == table[:, columns]).all(), "other samples"
     timed = [n for n, cell in enumerate(cells) if named and cell.partition("[")[0].strip().lower() in TIME]
     period = np.diff(table[:, timed[0]]).mean() if timed else 1 / (rate or np.nan)
     assert abs(read.rate * period - 1) < 2e-3, f"{read.rate} samples/s"
