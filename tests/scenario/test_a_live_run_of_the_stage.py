@@ -7,13 +7,16 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from threading import Event
 
 import numpy as np
 import pytest
 
 from rigkit import config as rig_file
+from rigkit.growing_wav import GROWING
 from rigkit.run_folder import read_events
 from stagectl import live, session
+from stagectl.__main__ import main
 from stagectl.config import StageConfig
 from stagectl.link.stage_link import StageLink
 from stagectl.live import run_live
@@ -24,6 +27,8 @@ from tests.stagectl.simulated_models import write_models
 
 PATIENT = "link.silence=2"
 """s: a test's machine may be busy for longer than the 20 ms of a rig."""
+SOME = 1_500_000
+"""Bytes of a recording that is killed: a second and a half."""
 COMMAND = [sys.executable, "-m", "firmware_sim", "stage", "--pty", "--set", PATIENT, "--folder"]
 
 
@@ -58,3 +63,35 @@ def test_a_live_run_uploads_its_loops_follows_and_can_be_reported_but_not_replay
     run_report(folder.path)
     with pytest.raises(ValueError, match="nothing to replay here"):
         list(replay(folder.path, session.setup_of(folder.path)))
+
+
+@pytest.mark.slow
+def test_a_live_run_that_is_killed_can_be_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """All that was on the disk is there, until the last 50 ms."""
+    wire, models, run = tmp_path / "wire", write_models(tmp_path), tmp_path / "run"
+    settings = ["session.seconds=60", "session.recording=csv", "outer.mistuning=0.0", PATIENT, "link.patience=20"]
+    command = [sys.executable, "-m", "stagectl", "run", "--live", "--out", str(run)]
+    for text in (*settings, f"link.channel={wire}/can"):
+        command += ["--set", text]
+    for model in models:
+        command += ["--model", str(model)]
+    with subprocess.Popen([*COMMAND, str(wire)], cwd=ROOT, stdout=subprocess.PIPE, text=True) as bench:
+        assert bench.stdout is not None
+        assert bench.stdout.readline() == f"CAN adapter: {wire}/can\n"
+        try:
+            with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.DEVNULL) as process:
+                growing = run / f"{session.RECORDING}{GROWING}"
+                while process.poll() is None and (not growing.exists() or growing.stat().st_size < SOME):
+                    Event().wait(0.02)
+                process.kill()
+                size = growing.stat().st_size
+        finally:
+            bench.send_signal(signal.SIGINT)
+            assert bench.wait(20) == 0
+    monkeypatch.setattr("sys.argv", ["stagectl", "report", str(run)])
+    assert main() == 0
+    record = session.read_recording(run, session.RECORDING)
+    assert record is not None
+    assert size - 4_000 < record.data.nbytes <= size
+    np.testing.assert_allclose(record.data[-1_000:, 3:6].mean(axis=0), 225e-6, atol=2e-6)
+    assert not growing.exists()
