@@ -23,6 +23,7 @@ from vibractl.capture import Discarded
 from vibractl.config import RigConfig
 from vibractl.far_field import FarField
 from vibractl.shot_file import DISCARDED, keep_discarded
+from vibractl.supervision import ALONE, Supervision
 from vibractl.transfer_matrix import TransferMatrix
 
 STOP_POLL = 0.1
@@ -80,13 +81,13 @@ class LiveLine:
         Keeps the recordings that are discarded, in a folder of their own.
     stop : Stoppable
         Ramps the drive down in the middle of a batch when it is made.
-    mute_after : float, s
-        As for `Line`.
+    supervision : Supervision
+        Of the line.
     """
 
-    def __init__(self, config: RigConfig, raw: RawFolder, stop: Stoppable, mute_after: float = 0.0) -> None:
+    def __init__(self, config: RigConfig, raw: RawFolder, stop: Stoppable, supervision: Supervision = ALONE) -> None:
         self._config, self._stop, self._discarded = config, stop, raw.path / DISCARDED
-        self._mute_after = mute_after
+        self._supervision = supervision
         self.line: Line | None = None
         """Once a drive has come."""
 
@@ -109,7 +110,7 @@ class LiveLine:
         if self.line is None:
             settings = self._config.characterisation
             longest = max(longest_batch(self._config), settings.run_in + settings.period + FADE)
-            line = Line(self._config, seconds=longest, on_discard=self._keep_discarded, mute_after=self._mute_after)
+            line = Line(self._config, seconds=longest, on_discard=self._keep_discarded, supervision=self._supervision)
             self.line = line.__enter__()
         done = threading.Event()
         watch = threading.Thread(target=self._stop_when_asked, args=(self.line, done), daemon=True)

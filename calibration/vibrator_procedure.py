@@ -11,6 +11,7 @@ from rigkit.service.rig import Desk
 from vibractl.audio import Line
 from vibractl.config import RigConfig
 from vibractl.model_file import write_model
+from vibractl.supervision import Supervision
 
 
 class CalibrationProcedure:
@@ -22,15 +23,16 @@ class CalibrationProcedure:
     out : Path
         Model file to write; recordings and report go beside it.
     desk : Desk
+    supervision : Supervision
 
     Raises
     ------
     ValueError : it could not end in a model, or `out` is something else's.
     """
 
-    def __init__(self, config: RigConfig, out: Path, desk: Desk) -> None:
+    def __init__(self, config: RigConfig, out: Path, desk: Desk, supervision: Supervision) -> None:
         refuse_unfit(config)
-        self._config, self._out, self._desk = config, out, desk
+        self._config, self._out, self._desk, self._supervision = config, out, desk, supervision
         self._raw = RawFolder(raw_folder(out))
         self._live: LiveLine | None = None
 
@@ -54,7 +56,7 @@ class CalibrationProcedure:
         config, out = self._config, self._out
         self._desk.recording(True)
         with self._raw as raw:
-            with told_to(self._desk.progress), LiveLine(config, raw, self, config.daemon.mute_after) as self._live:
+            with told_to(self._desk.progress), LiveLine(config, raw, self, self._supervision) as self._live:
                 found = calibrate(config, raw, self._live.emit)
             self._desk.recording(False)
             write_model(out, found.matrix.described(seconds=f"{found.seconds:.1f}"), found.far)

@@ -20,6 +20,7 @@ from vibractl.levels import Levels, levels
 from vibractl.loopback import Loopback
 from vibractl.marker import Marker
 from vibractl.proof import LARGEST_ROUND_TRIP, Emission, Proof
+from vibractl.supervision import ALONE, Supervision
 
 SECONDS = 40.0
 """Longest drive, unless the line is opened for another."""
@@ -56,8 +57,7 @@ class Line:
         Longest drive that will be emitted.
     on_discard : callable(Discarded)
         Told of every recording that is thrown away, before the next attempt.
-    mute_after : float, s
-        The drive is at zero when this program has stood still for so long; 0 only when it has died.
+    supervision : Supervision
 
     Raises
     ------
@@ -71,7 +71,7 @@ class Line:
         *,
         seconds: float = SECONDS,
         on_discard: Callable[[Discarded], None] = lambda _: None,
-        mute_after: float = 0.0,
+        supervision: Supervision = ALONE,
     ) -> None:
         audio, limits = config.audio, config.limits
         if limits.peak > audio.output_full_scale:
@@ -85,8 +85,9 @@ class Line:
         self.residual = math.nan
         """Of the last recording: its largest difference from the session's delay, samples."""
         self._memory = Memory(len(audio.drive_channels), sensors[0], room, sensors[1])
-        self._memory.words[Word.PATIENCE] = round(1e9 * _patience(config, mute_after)) if mute_after else 0
-        self._host: _Host = AudioProcess(config, self._memory) if audio.isolated else Engine(config, self._memory)
+        self._memory.words[Word.PATIENCE] = round(1e9 * _patience(config, supervision.mute_after))
+        host = AudioProcess if audio.isolated else Engine
+        self._host: _Host = host(config, self._memory, supervision.faults)
 
     def __enter__(self) -> Self:
         """Open the stream and measure the round trip."""
@@ -243,7 +244,12 @@ class Line:
 
 
 def _patience(config: RigConfig, mute_after: float) -> float:
-    """Return for how long a drive goes on without a sign, s, so that it has faded to zero `mute_after` s after one."""
+    """Return for how long a drive goes on without a sign, s, so that it has faded to zero `mute_after` s after one.
+
+    0 is for ever, for both.
+    """
+    if not mute_after:
+        return 0.0
     block = config.audio.blocksize / config.audio.rate
     shortest = config.limits.ramp + 2 * block + SIGNS
     if mute_after < shortest:

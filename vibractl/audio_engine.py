@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ctlblocks.block import Block, Port
+from rigkit.faults import Faults, FaultTable
 from vibractl.audio_memory import Memory, Word
 from vibractl.audio_stream import open_stream
 from vibractl.config import RigConfig
@@ -42,6 +43,31 @@ class DeviceInput(Block):
         np.copyto(response, self.frame)
 
 
+class SpoiledInput:
+    """What a card hears, with faults put in on purpose.
+
+    Parameters
+    ----------
+    table : FaultTable
+        Of every input that the card is opened with.
+    rate : int, samples/s
+    frames : int, samples a callback
+    """
+
+    def __init__(self, table: FaultTable, rate: int, frames: int) -> None:
+        self._block = Faults(table, [1.0] * len(table.names))
+        self._block.prepare(float(rate), frames)
+        self._clean, self._faulty = np.zeros((2, frames, len(table.names)))
+        self._block.process(self._clean, self._faulty)  # compiles
+        self._block.prepare(float(rate), frames)
+
+    def spoiled(self, heard: np.ndarray) -> np.ndarray:
+        """Return a block (frames, inputs), full scale, as it is with the faults; valid until the next."""
+        np.copyto(self._clean, heard)
+        self._block.process(self._clean, self._faulty)
+        return self._faulty
+
+
 class Engine:
     """The stream, its callback and the graph behind it; told what to do through shared memory.
 
@@ -51,9 +77,11 @@ class Engine:
     ----------
     config : RigConfig
     memory : Memory
+    faults : FaultTable or None
+        Put into what the card hears.
     """
 
-    def __init__(self, config: RigConfig, memory: Memory) -> None:
+    def __init__(self, config: RigConfig, memory: Memory, faults: FaultTable | None = None) -> None:
         audio = config.audio
         self._memory, self._words = memory, memory.words
         self._drives = [channel - 1 for channel in audio.drive_channels]
@@ -73,6 +101,7 @@ class Engine:
         self._graph.prepare()
         self._output = self._graph.signal("guard.output")
         self._scaled = np.zeros_like(self._output)
+        self._faults = None if faults is None else SpoiledInput(faults, audio.rate, audio.blocksize)
         self._phase = _IDLE
         self._latest = 0  # ns, when the last callback began
         self._sign, self._signed = 0, 0  # the program's last sign of life, and when it came, ns
@@ -157,6 +186,8 @@ class Engine:
         if frames != self._blocksize:
             raise ValueError(f"the device asks for {frames} samples, must be audio.blocksize, {self._blocksize}")
         self._watch(status)
+        if self._faults is not None:
+            indata = self._faults.spoiled(indata)
         for column, channel in enumerate(self._responses):
             self._input.frame[:, column] = indata[:, channel]
         self._input.frame *= self._input_scale

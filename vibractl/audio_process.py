@@ -9,6 +9,7 @@ import sys
 import time
 from multiprocessing.connection import wait
 
+from rigkit.faults import FaultTable
 from vibractl.audio_engine import POLL, Engine
 from vibractl.audio_memory import Memory, Word
 from vibractl.audio_stream import AudioError
@@ -33,12 +34,13 @@ class AudioProcess:
     ----------
     config : RigConfig
     memory : Memory
+    faults : FaultTable or None
     """
 
-    def __init__(self, config: RigConfig, memory: Memory) -> None:
+    def __init__(self, config: RigConfig, memory: Memory, faults: FaultTable | None = None) -> None:
         self._memory = memory
         context = multiprocessing.get_context("spawn")
-        self._process = context.Process(target=run, args=(config, memory), name="audio", daemon=True)
+        self._process = context.Process(target=run, args=(config, memory, faults), name="audio", daemon=True)
 
     @property
     def pid(self) -> int | None:
@@ -80,20 +82,21 @@ class AudioProcess:
             self._process.join()
 
 
-def run(config: RigConfig, memory: Memory) -> None:
+def run(config: RigConfig, memory: Memory, faults: FaultTable | None) -> None:
     """Run the stream until the program wants its end, or is gone: the child process' whole life.
 
     Parameters
     ----------
     config : RigConfig
     memory : Memory
+    faults : FaultTable or None
     """
     words = memory.words
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the program, which then ramps down
     signal.signal(signal.SIGTERM, lambda *_: words.__setitem__(Word.END, 1))
     sys.setswitchinterval(_SWITCH)
     try:
-        engine = Engine(config, memory)
+        engine = Engine(config, memory, faults)
         gc.collect()
         gc.freeze()
         gc.disable()

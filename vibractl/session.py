@@ -26,6 +26,7 @@ from vibractl.reference import is_file
 from vibractl.setup import Setup, setup, warm_setup
 from vibractl.shot_file import DISCARDED, far_field_of, keep_discarded, recording_of, split
 from vibractl.spectrum import load_wisdom, save_wisdom
+from vibractl.supervision import ALONE, Supervision
 
 MODEL, WISDOM, REFERENCE, START = "model.h5", "fftw.wisdom", "reference", "start.h5"
 
@@ -115,13 +116,13 @@ class Session:
     ----------
     folder : RunFolder
     made : Setup
-    mute_after : float, s
-        As for `Line`.
+    supervision : Supervision
+        Of its line.
     """
 
-    def __init__(self, folder: RunFolder, made: Setup, mute_after: float = 0.0) -> None:
+    def __init__(self, folder: RunFolder, made: Setup, supervision: Supervision = ALONE) -> None:
         self.folder, self.config, self._made = folder, made.config, made
-        self._mute_after = mute_after
+        self._supervision = supervision
         self.line: Line | None = None
         """While it is open, or after it has failed."""
         self.learner: Learner = made.learner()
@@ -162,7 +163,7 @@ class Session:
             return
         self._require_space(shots - self.done)
         seconds = self.learner.shot.total / self.learner.shot.rate
-        self.line = Line(self.config, seconds=seconds, on_discard=self._discarded, mute_after=self._mute_after)
+        self.line = Line(self.config, seconds=seconds, on_discard=self._discarded, supervision=self._supervision)
         with self.line as line:
             self.folder.event("started", {"shot": self.done, "round_trip": line.round_trip, "software": software()})
             try:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from rigkit.faults import KINDS
 from rigkit.service.control import Control
 from rigkit.service.lease import Refused
 from rigkit.service.state import NotNow
@@ -34,6 +35,7 @@ class Commands:
             "abort": control.abort,
             "acknowledge": control.acknowledge,
             "reload": control.reload,
+            "inject": control.inject,
             "stop": control.stop,
             "panel": control.board.panel,
             "events": control.journal.since,
@@ -73,7 +75,10 @@ class Commands:
             }
             for each in rig.procedures
         ]
-        return {"program": rig.program, "rig": rig.name, "procedures": procedures}
+        sensors = [] if rig.faults is None else list(rig.faults.names)
+        kinds = list(KINDS) if sensors else []
+        told = {"program": rig.program, "rig": rig.name, "procedures": procedures}
+        return {**told, "fault_sensors": sensors, "fault_kinds": kinds}
 
     def _note(self, event: str, who: str, fields: Mapping[str, Any]) -> None:
         self._control.journal.add(event, who, fields)

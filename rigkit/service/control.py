@@ -12,7 +12,7 @@ from rigkit.config import Section
 from rigkit.config_fault import ConfigError, explained
 from rigkit.service.desk import Board, OpenDesk
 from rigkit.service.journal import Journal
-from rigkit.service.lease import Lease
+from rigkit.service.lease import Lease, Refused
 from rigkit.service.rig import Procedure, Rig
 from rigkit.service.state import ACTIVE, Event, Machine, NotNow, State
 from rigkit.stop import Stopped
@@ -142,6 +142,15 @@ class Control:
         self.journal.add("reload", who, told)
         return told
 
+    def inject(self, key: str, sensor: str, kind: str) -> Told:
+        """Put a fault into a sensor on purpose, or take it away by "none"; whatever the state."""
+        who, faults = self._commander(key), self.rig.faults
+        if faults is None:
+            raise Refused("faults on purpose are not allowed: daemon.faults is false")
+        faults.inject(sensor, kind)
+        self.journal.add("fault on purpose", who, {"sensor": sensor, "kind": kind})
+        return {"faults": faults.present()}
+
     def stop(self, who: str, why: str) -> Told:
         """Bring the output to zero and disarm: for anybody, with or without the lease, whatever goes on."""
         self.rig.stop()
@@ -187,8 +196,7 @@ class Control:
         except Stopped as end:
             why = str(end)
         except Exception as fault:
-            ours = isinstance(fault, ValueError | LookupError | OSError)
-            self.fault(str(fault) if ours else f"{type(fault).__name__}: {fault}", desk.procedure.name)
+            self.fault(_reason(fault), desk.procedure.name)
         with self.changing:
             armed = self.machine.state in ACTIVE
             if armed:
@@ -230,6 +238,16 @@ class Control:
         if name not in there:
             raise LookupError(f"there is no procedure {name!r}; there are {', '.join(there)}")
         return there[name]
+
+
+def _reason(fault: Exception) -> str:
+    """Say what has gone wrong, in one line; the kind of what is a slip of ours as well."""
+    match fault:
+        case OSError(filename=str() | None as place, strerror=str() as text):
+            return f"{place}: {text}" if place else text
+        case ValueError() | OSError():
+            return " ".join(str(fault).split())
+    return " ".join(f"{type(fault).__name__}: {fault}".split())
 
 
 def _checked(procedure: Procedure, options: Mapping[str, Any]) -> Section:

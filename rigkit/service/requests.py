@@ -43,6 +43,13 @@ class Begin(Strict):
     why: Reason = Field(default="", description="why")
 
 
+class Fault(Strict):
+    """A fault on purpose."""
+
+    sensor: str = Field(max_length=60, description="one of fault_sensors of /api/rig")
+    kind: str = Field(max_length=20, description="one of fault_kinds of /api/rig; none takes it away")
+
+
 class Error(BaseModel):
     """Why nothing was done, in one line."""
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
 from rigkit.config import Section
+from rigkit.faults import FaultTable
 from rigkit.service.reload import Change
 from rigkit.service.show import Gauge, Panel
 
@@ -79,6 +80,9 @@ class Rig(Protocol):
     """The program's name, such as "vibractl"."""
     name: str
     """The rig's name."""
+
+    faults: FaultTable | None
+    """Where faults are put into its sensors on purpose; None where `daemon.faults` does not allow it."""
 
     @property
     def procedures(self) -> Sequence[Procedure]:

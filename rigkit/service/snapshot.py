@@ -43,6 +43,7 @@ def snapshot(control: Control, tick: int, late: int, monotonic: float) -> dict[s
         "state": state,
         "allowed": allowed,
         "control": owner,
+        "faults": {} if control.rig.faults is None else control.rig.faults.present(),
         "recording": desk is not None and desk.is_recording,
         "procedure": procedure,
         "gauges": [gauge.plain() for gauge in control.rig.gauges()],

@@ -166,6 +166,11 @@ def _add_commands(app: FastAPI, ends: Ends) -> None:
         told = {"name": asked.procedure, "options": asked.options, "why": asked.why}
         return await _asked(ends.asking, "begin", key=key, **told)
 
+    @app.post("/api/fault")
+    async def fault(asked: requests.Fault, key: Key = "") -> JSONResponse:
+        """Put a fault into a sensor on purpose, where daemon.faults allows it."""
+        return await _asked(ends.asking, "inject", key=key, sensor=asked.sensor, kind=asked.kind)
+
     @app.post("/api/reload")
     async def reload(key: Key = "") -> JSONResponse:
         """Read the rig file again, and do the least for what has changed."""

@@ -22,6 +22,7 @@ from firmware_sim.stage_excitation import Excitation
 from firmware_sim.stage_image import Held, StickingStage
 from firmware_sim.toroid_blocks import Toroid
 from firmware_sim.tracker_block import TrackerView
+from rigkit.faults import KINDS, Faults, FaultTable
 from rigkit.stream_recorder import Stream, StreamRecorder
 from stagectl import config as stage
 from stagectl.deflection import DeflectionReference
@@ -90,6 +91,15 @@ from vibractl.trial import Trial
 
 POCKET = Pocket(6, 6, 2, "EW", dict.fromkeys(milling_types(2, "EW"), 1.0))
 NOISE = np.random.default_rng(7).standard_normal((400, 3))
+
+
+def _faults() -> Faults:
+    """Make a block with another fault on each channel, but those that are not numbers."""
+    kinds = [kind for kind in KINDS if kind not in ("nan", "inf")]
+    table = FaultTable(kinds)
+    for kind in kinds:
+        table.inject(kind, kind)
+    return Faults(table, [1.0] * len(kinds))
 
 
 def _replay() -> Block:
@@ -212,6 +222,7 @@ EXAMPLES: dict[type[Block], Example] = {
     RateHold: Example(lambda: RateHold(40, width=2)),
     replay.Replay: Example(_replay),
     replay.Record: Example(lambda: replay.Record([Port("left"), Port("right", width=2)], 400)),
+    Faults: Example(_faults),
     StreamRecorder: Example(
         lambda: StreamRecorder(Stream(Path("x.wav"), (Port("left"), Port("right", width=2)), ("a", "b", "c")), _hear)
     ),

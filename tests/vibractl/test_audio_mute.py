@@ -18,6 +18,7 @@ from vibractl.audio import Line
 from vibractl.audio_engine import Engine
 from vibractl.audio_memory import Memory, Word
 from vibractl.config import Audio, Limits, RigConfig
+from vibractl.supervision import Supervision
 
 ROOT = Path(__file__).parents[2]
 BLOCK, RATE = 512, 44_100
@@ -71,7 +72,7 @@ def test_without_patience_it_plays_on(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_time_that_cannot_be_kept_is_refused() -> None:
     with pytest.raises(ValueError, match=r"daemon.mute_after is 0.1 s, must be >= 0.143 s: limits.ramp, two blocks"):
-        Line(RigConfig(audio=Audio(blocksize=2048)), mute_after=0.1)
+        Line(RigConfig(audio=Audio(blocksize=2048)), supervision=Supervision(0.1))
 
 
 SESSION = """
@@ -79,11 +80,13 @@ import sys
 import numpy as np
 from vibractl.audio import Line
 from vibractl.config import Audio, RigConfig, Simulator
+from vibractl.supervision import Supervision
 
 log = {"file": sys.argv[1], "capacity": 60 * 44_100}
 plant = Simulator(plant="tests.vibractl.drive_log:DriveLog", speed=1.0, options=log)
 tell = lambda discarded: print(discarded.reason, flush=True)
-with Line(RigConfig(audio=Audio(isolated=True), simulator=plant), mute_after=0.5, on_discard=tell) as line:
+config = RigConfig(audio=Audio(isolated=True), simulator=plant)
+with Line(config, supervision=Supervision(0.5), on_discard=tell) as line:
     print(line._host.pid, flush=True)
     time = np.arange(20 * 44_100) / 44_100
     tones = 3 * np.sin(2 * np.pi * 50 * time) * np.sin(np.pi * time / 20)

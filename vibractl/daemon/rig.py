@@ -7,6 +7,7 @@ from typing import Protocol
 from rigkit import config as rig_file
 from rigkit.config import resolve
 from rigkit.disk_space import RESERVE, free, refuse_full
+from rigkit.faults import FaultTable
 from rigkit.service.reload import Change, Reach, change
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Gauge
@@ -15,6 +16,7 @@ from vibractl.config import RigConfig
 from vibractl.daemon.options import CalibrationOptions, RunOptions
 from vibractl.daemon.running import Running
 from vibractl.proof import SLIP
+from vibractl.supervision import Supervision, input_names
 
 CALIBRATION = "calibration.vibrator_procedure:CalibrationProcedure"
 """Found when it is asked for: calibration stands above this package."""
@@ -63,6 +65,7 @@ class Vibrator:
         self._load, self.config = load, load()
         self.name = self.config.rig.name
         self._under_way: _UnderWay | None = None
+        self.faults = FaultTable(input_names(self.config.audio)) if self.config.daemon.faults else None
         aborted = "This shot is played to its end and recorded, then the drive is silent and the rig stays armed."
         paused = "This shot is played to its end and learned from; then the drive is silent until it goes on."
         self.procedures: Sequence[Procedure] = (
@@ -123,6 +126,8 @@ class Vibrator:
             raise ValueError("daemon.data cannot change while the daemon runs")
         under_way = self._under_way
         self.config = new
+        if self.faults is not None and self.faults.names != input_names(new.audio):
+            self.faults = FaultTable(input_names(new.audio))
         done = under_way.take(new, found) if isinstance(under_way, Running) else "from the next procedure on"
         own = any(key.startswith("daemon.") for key in found.keys)
         return Change(found.keys, done + "; [daemon] when the daemon is started again" * own)
@@ -144,11 +149,14 @@ class Vibrator:
         yield Gauge("late", "Late callbacks, last shot", now.late, "1")
 
     def _run(self, desk: Desk, options: RunOptions) -> None:
-        self._follow(Running(self.config, options, desk))
+        self._follow(Running(self.config, options, desk, self._supervision()))
 
     def _calibrate(self, desk: Desk, options: CalibrationOptions) -> None:
         out = Path(self.config.daemon.data) / options.model
-        self._follow(resolve(CALIBRATION)(self.config, out, desk))
+        self._follow(resolve(CALIBRATION)(self.config, out, desk, self._supervision()))
+
+    def _supervision(self) -> Supervision:
+        return Supervision(self.config.daemon.mute_after, self.faults)
 
     def _follow(self, procedure: _Whole) -> None:
         self._under_way = procedure

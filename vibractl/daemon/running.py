@@ -18,6 +18,7 @@ from vibractl.quality import Marks
 from vibractl.reference import is_file
 from vibractl.report import run_report
 from vibractl.session import Session, create, setup_of
+from vibractl.supervision import Supervision
 
 _TOLD = ("started", "stopped", "finished", "failed")
 """Events of a run folder that the daemon tells by itself."""
@@ -31,13 +32,14 @@ class Running:
     config : RigConfig
     options : RunOptions
     desk : Desk
+    supervision : Supervision
 
     Raises
     ------
     ValueError, OSError : settings, model and reference do not fit, or the disk has no room; no folder is made.
     """
 
-    def __init__(self, config: RigConfig, options: RunOptions, desk: Desk) -> None:
+    def __init__(self, config: RigConfig, options: RunOptions, desk: Desk, supervision: Supervision) -> None:
         self._desk, data = desk, Path(config.daemon.data)
         self.worst_db: float | None = None
         """The worst line of the last shot over the limit, dB."""
@@ -52,7 +54,7 @@ class Running:
         try:
             made = setup_of(path) if options.resume else made
             self._folder.listener = self._heard
-            self._session = Session(self._folder, made, config.daemon.mute_after)
+            self._session = Session(self._folder, made, supervision)
         except BaseException:
             self._folder.close()
             raise

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from rigkit.config import Section, setting
+from rigkit.faults import FaultTable
 from rigkit.service.reload import Change
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Axis, Curves, Gauge, Image, Trace
@@ -27,7 +28,8 @@ class DemoRig:
 
     program, name = "demo", "bench"
 
-    def __init__(self) -> None:
+    def __init__(self, faults: bool = False) -> None:
+        self.faults = FaultTable(("travel", "force")) if faults else None
         self.output, self.armed, self.acknowledged_by = 0.0, False, ""
         self.stops = 0
         self.refuses_to_arm = ""

@@ -15,4 +15,4 @@ if __name__ == "__main__":
     folder, *more = sys.argv[1:]
     settings = Daemon.model_validate_json(json.dumps({"data": folder} | (json.loads(more[0]) if more else {})))
     sys.stderr.write(f"tokens: {Path(folder) / 'token'}\n")
-    run(DemoRig(), settings, lambda text: sys.stderr.write(f"{text}\n"))
+    run(DemoRig(settings.faults), settings, lambda text: sys.stderr.write(f"{text}\n"))
