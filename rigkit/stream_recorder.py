@@ -98,6 +98,8 @@ class StreamRecorder(Block):
         """Allocate, and count samples from 0; ValueError while it records, or where a WAV cannot hold it."""
         if self._thread is not None:
             raise ValueError(f"{self._stream.path} is being recorded, must be closed before it is prepared again")
+        if not 0 < self._stream.longest <= LARGEST_WAV:
+            raise ValueError(f"{self._stream.path}: longest is {self._stream.longest} bytes, must be <= {LARGEST_WAV}")
         self._channels = self._stream.channels(rate)
         self._channels.header()
         widths = [port.width for port in self.inputs]
@@ -160,11 +162,16 @@ class StreamRecorder(Block):
             self._thread = None
 
     def _work(self) -> None:
-        while not self._over.wait(PERIOD):
+        try:
+            while not self._over.wait(PERIOD):
+                self._drain()
             self._drain()
-        self._drain()
-        self._tell_lost()
-        self._end()
+            self._tell_lost()
+            self._end()
+        except Exception as fault:  # a slip of ours: told like a fault of the disk, and not in silence
+            self.fault = f"{type(fault).__name__}: {fault}"
+            self._say("recording_failed", {"fault": self.fault})
+            raise
 
     def _drain(self) -> None:
         """Write all that has come until now."""

@@ -163,10 +163,23 @@ def test_channels_that_do_not_fit_are_refused(tmp_path: Path) -> None:
     recorder = StreamRecorder(Stream(tmp_path / "x.wav", PORTS, ("a",)), Told())
     with pytest.raises(ValueError, match=r"x\.wav: 1 names, must be 2"):
         recorder.prepare(RATE, FRAMES)
+    with pytest.raises(ValueError, match=r"x\.wav: longest is 5000000000 bytes, must be <= 42948"):
+        prepared(tmp_path / "x.wav", Told(), longest=5_000_000_000)
+    recorder = StreamRecorder(Stream(tmp_path / "x.wav", PORTS, ("a", "b")), Told())
     with pytest.raises(ValueError, match="at 440.5 samples/s, must be"):
         recorder.prepare(440.5, FRAMES)
     with (recorder := prepared(tmp_path / "x.wav", Told())), pytest.raises(ValueError, match="is being recorded"):
         recorder.prepare(RATE, FRAMES)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_a_slip_of_the_program_in_the_writer_is_told_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(GrowingWav, "append", lambda *_: 1 / 0)
+    recorder = prepared(tmp_path / "x.wav", told := Told())
+    with recorder:
+        offer(recorder, 0, 1)
+        wait_until(lambda: recorder.fault == "ZeroDivisionError: division by zero")
+    assert told.names == ["recording_failed"]
 
 
 def test_whichever_call_fails_every_sample_is_on_the_disk_or_counted_as_lost(
