@@ -195,6 +195,6 @@ def _fill_pose(message: Any, pose: np.ndarray) -> None:
 def _pose(message: Any) -> np.ndarray:
     place, turn = message.pos, message.orient
     pose = np.array([place.x * _MM, place.y * _MM, place.z * _MM, turn.u0, turn.u1, turn.u2, turn.u3])
-    if not (np.isfinite(pose).all() and abs(np.linalg.norm(pose[3:]) - 1) < 1e-3):
+    if not (np.isfinite(pose).all() and abs(math.hypot(*pose[3:]) - 1) < 1e-3):
         raise GarbledError(f"a pose is {pose}, must be finite, with a unit quaternion")
     return pose

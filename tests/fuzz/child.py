@@ -22,6 +22,7 @@ KINDS = {
     "foreign": "tests.fuzz.csv_cases:foreign_cases",
     "toml": "tests.fuzz.toml_cases:cases",
     "can": "tests.fuzz.can_cases:cases",
+    "wires": "tests.fuzz.wire_cases:cases",
     "hdf5": "tests.fuzz.hdf5_cases:cases",
 }
 SECONDS, MEMORY = 1.0, 2**30

@@ -1,0 +1,132 @@
+"""Damaged datagrams and lines of robot, tracker, force sensor and laser sensor."""
+
+import random
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stagectl.link.laser_protocol import LONGEST_LINE, LaserError, Lines, Reading, reading, said
+from stagectl.wire import egm, force_sensor, tracker
+from stagectl.wire.layout import GarbledError
+from tests.fuzz.judge import Finding, is_accepted
+from tests.fuzz.mutation import mutated, of_bytes
+
+COUNTS = np.full(6, 1e6)
+_VALUE = re.compile(rb"[-+][0-9.]{7}")
+
+
+def cases(_: Path) -> Callable[[int], bool]:
+    """Return what takes the damaged bytes of a number, and says whether they passed for sound ones."""
+
+    def case(number: int) -> bool:
+        chance = random.Random(number)
+        return chance.choice((_report, _command, _tracked, _force, _request, _displacement))(chance)
+
+    return case
+
+
+def _damaged(sound: bytes, chance: random.Random) -> bytes:
+    return mutated(sound, chance, [sound, chance.randbytes(64)], of_bytes)
+
+
+def _numbers(chance: random.Random, count: int) -> np.ndarray:
+    return np.array([chance.uniform(-1, 1) for _ in range(count)])
+
+
+def _pose(chance: random.Random) -> np.ndarray:
+    turn = _numbers(chance, 4)
+    return np.concatenate([_numbers(chance, 3), turn / np.linalg.norm(turn)])
+
+
+def _report(chance: random.Random) -> bool:
+    sound = egm.pack_report(egm.Report(7, 1.0, _numbers(chance, 6), _numbers(chance, 6), _pose(chance)))
+    data = _damaged(sound, chance)
+
+    def check(found: egm.Report) -> None:
+        assert np.isfinite(found.joint_angle).all(), "joint_angle"
+        assert np.isfinite(found.planned_angle).all(), "planned_angle"
+        assert found.joint_angle.shape == found.planned_angle.shape == (6,)
+        _check_pose(found.pose)
+
+    return is_accepted(lambda: egm.unpack_report(data), check, GarbledError)
+
+
+def _command(chance: random.Random) -> bool:
+    wanted: dict[str, Any] = chance.choice(({"joint_angle": _numbers(chance, 6)}, {"pose": _pose(chance)}))
+    data = _damaged(egm.pack_command(egm.Command(7, 1.0, **wanted)), chance)
+
+    def check(found: egm.Command) -> None:
+        assert (found.joint_angle is None) != (found.pose is None), "both or nothing"
+        if found.joint_angle is not None:
+            assert found.joint_angle.shape == (6,)
+            assert np.isfinite(found.joint_angle).all(), "joint_angle"
+        if found.pose is not None:
+            assert np.isfinite(found.pose).all(), "pose"
+            _check_pose(found.pose)
+
+    return is_accepted(lambda: egm.unpack_command(data), check, GarbledError)
+
+
+def _check_pose(pose: np.ndarray) -> None:
+    is_there = np.isfinite(pose)
+    assert is_there.all() or not is_there.any(), f"pose {pose}"
+    assert not is_there.all() or abs(np.linalg.norm(pose[3:]) - 1) < 2e-3, f"pose {pose}"
+
+
+def _tracked(chance: random.Random) -> bool:
+    """Take two samples of which the second is damaged: the first is always heard, and the rest does not grow."""
+    sight = tracker.Sighting(7, 5, 1e-4, _pose(chance))
+    sound = tracker.pack_sample(tracker.Sample(7, 1.0, (sight,) * chance.randrange(1, 4)))
+    packets, found = tracker.Packets(), []
+    data = sound + _damaged(sound, chance)
+    is_accepted(lambda: found.extend(packets.take(data)), lambda _: None, ())
+    if not found or found[0].counter != 7:
+        raise Finding("the sample before the damaged one is not heard")
+    if len(packets._rest) > len(data):  # noqa: SLF001
+        raise Finding("the rest grows")
+    return len(found) > 1
+
+
+def _force(chance: random.Random) -> bool:
+    records = (force_sensor.Record(n, n, 0, _numbers(chance, 6)) for n in range(chance.randrange(1, 4)))
+    data = _damaged(b"".join(force_sensor.pack_record(each, COUNTS) for each in records), chance)
+
+    def check(found: list[force_sensor.Record]) -> None:
+        assert found, "nothing"
+        assert all(np.isfinite(each.wrench).all() and each.wrench.shape == (6,) for each in found), "wrench"
+
+    return is_accepted(lambda: force_sensor.unpack_records(data, COUNTS), check, GarbledError)
+
+
+def _request(chance: random.Random) -> bool:
+    data = _damaged(force_sensor.pack_request(chance.choice(list(force_sensor.Request)), 1), chance)
+
+    def check(found: tuple[force_sensor.Request, int]) -> None:
+        assert isinstance(found[0], force_sensor.Request)
+        assert found[1] >= 0
+
+    return is_accepted(lambda: force_sensor.unpack_request(data), check, GarbledError)
+
+
+def _displacement(chance: random.Random) -> bool:
+    sound = chance.choice((b"M1,", b"TG,2,")) + said(chance.choice((chance.uniform(-9, 9), np.nan, 1e9))) + b"\r"
+    lines = Lines().take(_damaged(sound, chance) + b"\r")
+    accepted = [_is_read(line) for line in lines]
+    return any(accepted)
+
+
+def _is_read(line: bytes) -> bool:
+    return is_accepted(lambda: reading(line), lambda found: _check_reading(found, line), LaserError)
+
+
+def _check_reading(found: Reading, line: bytes) -> None:
+    value = line.rpartition(b",")[2]
+    assert len(line) <= LONGEST_LINE, "a long line"
+    assert found.output in (1, 2), f"output {found.output}"
+    if np.isnan(found.displayed):
+        assert not _VALUE.fullmatch(value), f"NaN of {value!r}"
+    else:
+        assert found.displayed == float(value), f"{found.displayed} of {value!r}"
