@@ -7,6 +7,7 @@ import typer
 
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.disk_space import require
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
 from stagectl.machining import session
@@ -46,6 +47,7 @@ def cell(
     plans = [plan(each, files.cell, files.stage, designs) for each in setups]
     for made in plans:
         refuse_wrong_plants(made)
+    require(out, sum(map(session.room, plans)), f"{len(plans)} of the setups")
     with session.create(out, files) as folder, stoppable() as stop:
         for made in plans:
             with progress(f"setup {made.setup}", round(made.path.seconds * RATE)) as meter:

@@ -10,12 +10,13 @@ import numpy as np
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file
+from rigkit.disk_space import bytes_of
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder, read_events
 from stagectl.config import StageConfig
 from stagectl.machining.measures import Contour, accuracy, contour
 from stagectl.machining.plan import AXES, RATE, SETUPS, Plan, designs_of, plan
-from stagectl.machining.recorded import QUICK, recordings
+from stagectl.machining.recorded import EVERY, QUICK, recordings
 from stagectl.machining.run import Conduct, mill
 from stagectl.machining.surroundings import simulated
 from stagectl.robot.config import CellConfig
@@ -53,6 +54,19 @@ def create(path: Path, files: Files) -> RunFolder:
         for axis, model in zip(AXES, files.models, strict=bool(files.models)):
             folder.take_in(model, model_name(axis))
     return folder
+
+
+def room(made: Plan) -> int:
+    """Return the bytes that the recordings of a setup may take."""
+    return sum(
+        bytes_of(
+            round(made.path.seconds * RATE / EVERY[name]),
+            sum(signal.width for signal in signals),
+            "float64",
+            SUFFIXES[name],
+        )
+        for name, signals in recordings(made).items()
+    )
 
 
 def is_of_cell(path: Path) -> bool:
