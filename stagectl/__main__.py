@@ -1,7 +1,7 @@
 """The command line `stagectl`."""
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,6 +16,8 @@ from rigkit.stop import Stopped, stoppable
 from stagectl import session
 from stagectl.config import StageConfig
 from stagectl.export import export
+from stagectl.feed.command import force
+from stagectl.feed.folder import is_of_feed, replay_folder, report_folder
 from stagectl.link.bus import LinkError
 from stagectl.link.stage_link import StageLink
 from stagectl.live import run_live
@@ -24,7 +26,7 @@ from stagectl.machining.replay import replay_cell
 from stagectl.machining.report import cell_report
 from stagectl.machining.session import is_of_cell
 from stagectl.planning.command import plan
-from stagectl.replay import replay
+from stagectl.replay import Replayed, replay
 from stagectl.report import run_report
 from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging.command import midrange
@@ -138,7 +140,7 @@ def replay_command(
 
     Example: `stagectl replay RUN/`
     """
-    done = list(replay_cell(path) if is_of_cell(path) else replay(path, session.setup_of(path)))
+    done = list(_replayed(path))
     rows = [
         [each.recording, each.channel, "yes" if each.identical else "no", f"{each.difference:.3g} {each.unit}"]
         for each in done
@@ -155,6 +157,18 @@ def replay_command(
         raise typer.Exit(1)
 
 
+def _reported(path: Path, png: Path | None) -> Any:
+    if is_of_feed(path):
+        return report_folder(path, png)
+    return cell_report(path, png) if is_of_cell(path) else run_report(path, png)
+
+
+def _replayed(path: Path) -> Iterator[Replayed]:
+    if is_of_feed(path):
+        return replay_folder(path)
+    return replay_cell(path) if is_of_cell(path) else replay(path, session.setup_of(path))
+
+
 @app.command("report")
 def report_command(
     path: RunArgument,
@@ -166,7 +180,7 @@ def report_command(
     Example: `stagectl report RUN/ --png figures/`
     """
     make_whole(path)
-    figures = cell_report(path, png) if is_of_cell(path) else run_report(path, png)
+    figures = _reported(path, png)
     print(f"report: {path / 'report.html'}", file=words(json))
     write_json(json, figures)
 
@@ -192,6 +206,7 @@ app.command("cell")(cell)
 app.command("plan")(plan)
 app.command("export")(export)
 app.command("prune")(prune_command)
+app.command("force")(force)
 
 
 def main() -> int:

@@ -1,6 +1,6 @@
 """The simulation of Sörnmo 2015, fig. 7.5: force control against a process whose kappa and beta change with time."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -13,54 +13,133 @@ from stagectl.models import InnovationModel
 from stagectl.named_block import named_block
 from stagectl.robot.milling.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force import FeedForce
+from stagectl.robot.milling.feed_force_kernel import CONTROLLING
 from stagectl.wire.egm import RATE
 
 SEEN = (Port("velocity", "m/s"), Port("force", "N", 2))
 """What the controller is given of the process."""
 TRUE = (Port("true_force", "N", 2), Port("true_kappa", "m/(N s)"), Port("true_beta"))
 """What it is not."""
+SECONDS = 16.0
+"""s, of the simulation."""
+SETTLED, ENOUGH = 0.4, 0.05
+"""s after control has begun from which on errors are measured, and the part of the force within which it is settled."""
+
+Process = Callable[[Graph], None]
+"""Adds the process to a graph, under that name, and wires it to the controller, `force`."""
+
+
+def simulated(plant: str, options: Mapping[str, Any]) -> Process:
+    """Return what adds a simulated process.
+
+    Parameters
+    ----------
+    plant : str, "module:Class" of a Block with the ports of `firmware_sim.feed_blocks.FedTool`
+    options : mapping
+        Keywords it is built with.
+    """
+
+    def add(graph: Graph) -> None:
+        graph.add("process", named_block(plant, dict(options)))
+        graph.connect("force.reference", "process.asked")
+
+    return add
+
+
+def recorded(record: Recording) -> Process:
+    """Return what adds what a process was seen to do."""
+
+    def add(graph: Graph) -> None:
+        parts = {"velocity": ("velocity",), "force": ("force_1", "force_2")}
+        graph.add("process", Replay(record, parts))
+
+    return add
 
 
 def run_process(
-    settings: ForceFeed,
-    model: InnovationModel,
-    seconds: float,
-    plant: str = "firmware_sim.feed_blocks:FedTool",
-    options: Mapping[str, Any] | None = None,
+    settings: ForceFeed, model: InnovationModel, process: Process, seconds: float = SECONDS, is_true: bool = True
 ) -> Recording:
-    """Run the controller against a process, as fast as it goes; return all that it saw, made and did not know.
+    """Run the controller against a process, as fast as it goes; return all that it saw and made.
 
     Parameters
     ----------
     settings : ForceFeed
     model : InnovationModel
+    process : Process
     seconds : float, s
-    plant : str, "module:Class" of a Block with the ports of `firmware_sim.feed_blocks.FedTool`
-    options : mapping, optional
-        Keywords it is built with.
+    is_true : bool
+        Whether the process tells the truth as well, which the controller is not shown.
 
     Raises
     ------
-    ValueError : options that it does not take.
+    ValueError : options that the process does not take, or less than a sample.
     """
     if not seconds * RATE >= 1.0:
         raise ValueError(f"seconds is {seconds:g}, must be >= {1.0 / RATE:g}")
     samples = round(seconds * RATE)
     graph, controller = Graph(RATE), FeedForce(settings, model)
-    graph.add("process", named_block(plant, dict(options or {})))
-    graph.add("always", Replay(Recording(("one",), ("1",), RATE, np.ones((samples, 1))), {"one": ("one",)}))
     graph.add("force", controller)
-    graph.connect("force.reference", "process.asked")
+    process(graph)
+    graph.add("always", Replay(Recording(("one",), ("1",), RATE, np.ones((samples, 1))), {"one": ("one",)}))
+    is_late = is_true  # a simulated process shows the end of its sample, a recorded one what was seen
     for port in SEEN:
-        graph.connect(f"process.{port.name}", f"force.{port.name}", delayed=True)
+        graph.connect(f"process.{port.name}", f"force.{port.name}", delayed=is_late)
     for name in ("is_valid", "is_running"):
         graph.connect("always.one", f"force.{name}")
-    record = Record((*SEEN, *controller.outputs, *TRUE), samples)
+    record = Record((*SEEN, *controller.outputs, *(TRUE if is_true else ())), samples)
     graph.add("record", record)
-    for port in record.inputs:
-        is_seen = port not in controller.outputs
-        source = f"process.{port.name.removeprefix('true_') if port.unit != 'N' else port.name}"
-        graph.connect(source if is_seen else f"force.{port.name}", f"record.{port.name}", delayed=is_seen)
+    for port in controller.outputs:
+        graph.connect(f"force.{port.name}", f"record.{port.name}")
+    for port in SEEN:
+        graph.connect(f"process.{port.name}", f"record.{port.name}", delayed=is_late)
+    for port in TRUE if is_true else ():
+        name = port.name if port.unit == "N" else port.name.removeprefix("true_")
+        graph.connect(f"process.{name}", f"record.{port.name}", delayed=True)
     graph.prepare()
     run_offline(graph, samples)
-    return record.recording({"plant": plant})
+    return record.recording()
+
+
+def process_figures(record: Recording, force: float) -> dict[str, Any]:
+    """Return what a run comes to, other programs' keys.
+
+    Parameters
+    ----------
+    record : Recording
+        As `run_process` returns it, with the truth.
+    force : float, N
+        Wanted.
+
+    Returns
+    -------
+    dict
+        `activation` (s), `force_before` (N, largest until 0.1 s after it), `settled_after` (s, to 5 %), and from 0.4 s
+        after it on `mean_error`, `largest_error` (N), `kappa_error` (m/(N s)), `beta_error` (1), the last two rms;
+        null where control never began.
+    """
+    on = channel(record, "phase") == CONTROLLING
+    names = ("settled_after", "mean_error", "largest_error", "kappa_error", "beta_error")
+    true = np.hypot(channel(record, "true_force_1"), channel(record, "true_force_2"))
+    if not on.any():
+        return {"activation": None, "force_before": float(true.max())} | dict.fromkeys(names)
+    begun = int(np.argmax(on))
+    error, settled = true[begun:] - force, begun + round(SETTLED * record.rate)
+    window = np.abs(error[: round(2.5 * SETTLED * record.rate)])
+    outside = np.flatnonzero(window > ENOUGH * force)
+    late = true[settled:] - force
+    found: dict[str, Any] = {
+        "activation": begun / record.rate,
+        "force_before": float(true[: begun + round(0.1 * record.rate)].max()),
+        "settled_after": float((outside[-1] + 1) / record.rate) if len(outside) else 0.0,
+        "mean_error": float(late.mean()),
+        "largest_error": float(np.abs(late).max()),
+    }
+    for name in ("kappa", "beta"):
+        apart = (channel(record, name) - channel(record, f"true_{name}"))[settled:]
+        found[f"{name}_error"] = float(np.sqrt(np.mean(apart**2)))
+    return found
+
+
+def channel(record: Recording, name: str) -> np.ndarray:
+    """Return a channel of a recording, shape (samples,), in its unit."""
+    return record.select([name]).data[:, 0]

@@ -6,14 +6,17 @@ from typing import Annotated, Any
 import typer
 
 from rigkit import atomic
-from rigkit.command import JsonOption, print_table, words, write_json
+from rigkit import config as rig_file
+from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from stagectl.feed.session import simulated_pockets
 from stagectl.planning.exact import least_time
-from stagectl.planning.milling import Milled, mill, total
+from stagectl.planning.milling import Milled, Planner, mill, total
 from stagectl.planning.pocket import PLANNERS, UNTRAINED, Pocket, check, planner, untrained
 from stagectl.planning.pocket_file import read_path, read_pocket, write_path
 from stagectl.planning.report import TYPE_HEAD, learned_types, type_rows, write_report
 from stagectl.planning.segment_file import read_segments, write_segments
 from stagectl.planning.toolpath import Cutting, gcode, rapid
+from stagectl.robot.config import CellConfig
 
 PocketFile = Annotated[Path, typer.Argument(metavar="POCKET.json", help="The pocket, its tool and its costs.")]
 PathFile = Annotated[Path | None, typer.Argument(metavar="PATH.json", help="With --check: the path to look at.")]
@@ -31,6 +34,9 @@ GCode = Annotated[Path | None, typer.Option("--gcode", metavar="FILE", help="Wri
 Rapid = Annotated[Path | None, typer.Option("--rapid", metavar="FILE", help="Write it as a RAPID module.")]
 Cell = Annotated[float, typer.Option(help="Side of a cell, m, in G-code and RAPID.")]
 Depth = Annotated[float, typer.Option(help="Depth of the cut, m, in G-code and RAPID.")]
+Simulate = Annotated[
+    bool, typer.Option("--simulate", help="Mill with the force controlled, in the simulated cell; durations are those.")
+]
 Page = Annotated[Path | None, typer.Option("--report", metavar="FILE.html", help="Write paths, times and types.")]
 
 
@@ -50,6 +56,9 @@ def plan(
     cell: Cell = Cutting.cell,
     depth: Depth = Cutting.depth,
     page: Page = None,
+    simulate: Simulate = False,
+    config: ConfigOption = None,
+    settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
     """Plan the order in which a pocket is milled, or check a path: status 1 where it is illegal or leaves material.
@@ -65,7 +74,8 @@ def plan(
     made = untrained(planner_name, pocket) if untrained_planner else planner(planner_name, pocket, seed)
     for segment in read_segments(learn, pocket) if learn is not None else ():
         made.learn(segment)
-    done = [mill(pocket, made) for _ in range(pockets)]
+    cell_file = rig_file.load(config, CellConfig, settings or []) if simulate else None
+    done = _milled(pocket, made, pockets, cell_file)
     if record is not None:
         write_segments(record, done)
     if out is not None:
@@ -74,6 +84,13 @@ def plan(
         if file is not None:
             atomic.write(file, written(done[-1], pocket, cutting))
     _tell(done, pocket, planner_name, page, json)
+
+
+def _milled(pocket: Pocket, made: Planner, pockets: int, cell: CellConfig | None) -> list[list[Milled]]:
+    """Mill pockets at what is really paid, or in the simulated cell where there is a file of it."""
+    if cell is None:
+        return [mill(pocket, made) for _ in range(pockets)]
+    return simulated_pockets(cell, pocket, made, pockets)
 
 
 def _check(pocket: Pocket, path_file: Path, json: str | None) -> None:

@@ -106,6 +106,11 @@ class Segments(Block):
         else:
             self._values[:] = 0.0
 
+    @property
+    def name(self) -> str:
+        """The type of the segment that is to be milled, or nothing."""
+        return self._next.name if self._left else ""
+
     def _ask(self) -> None:
         cut = self.planner.choose(self._standing)
         self._next = finished(cut, self._standing, self._costs)

@@ -5,6 +5,7 @@ from typing import Any, Literal, Self
 from pydantic import Field, model_validator
 
 from rigkit.config import Section, setting
+from stagectl.feed.config import FeedPlants, SegmentTask
 from stagectl.link.config import CLASS, Link
 from stagectl.robot.clamp_config import Clamping
 from stagectl.robot.force_config import ForceSensor
@@ -105,3 +106,5 @@ class CellConfig(Section):
     learning: Learning = Field(default_factory=Learning)
     friction: Friction = Field(default_factory=Friction)
     force_estimate: ForceEstimation = Field(default_factory=ForceEstimation)
+    segments: SegmentTask = Field(default_factory=SegmentTask)
+    feed_plants: FeedPlants = Field(default_factory=FeedPlants)

@@ -10,7 +10,6 @@ from calibration.milling.sweep_block import Sweep
 from ctlblocks import Block, Port, recording, replay
 from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
 from firmware_sim.clamped_robot import ClampedRobot
-from firmware_sim.feed_blocks import FedTool
 from firmware_sim.force_sensor_block import ForceSensor
 from firmware_sim.guided_robot import GuidedRobot
 from firmware_sim.macro_micro_blocks import MacroMicro
@@ -52,10 +51,7 @@ from stagectl.robot.midranging.live_pair import LivePair, LiveSeen, LiveSend
 from stagectl.robot.midranging.reference_governor import Governor
 from stagectl.robot.midranging.tuning import LoopModel, lambda_tuned
 from stagectl.robot.midranging.valve_position import ValvePosition, ValvePositionAxis
-from stagectl.robot.milling.feed_config import ForceFeed
-from stagectl.robot.milling.feed_force import FeedForce
 from stagectl.robot.milling.force_model import ForceEstimate, ForceModel
-from stagectl.robot.milling.nominal_velocity import nominal_velocity
 from stagectl.robot.port import RobotPort
 from stagectl.robot.port_blocks import JointCommand, JointReport, PoseCommand, PoseReport
 from stagectl.robot.program import MotorTorque, RobotProgram, TorqueSignals
@@ -76,6 +72,7 @@ from stagectl.still import Still
 from stagectl.wire.egm import Report, pack_report
 from stagectl.wire.messages import Drive
 from tests.contract.conformance import Example
+from tests.contract.feed_examples import FEED_EXAMPLES
 from tests.stagectl.robot.milling.torque_models import some_gravity, wide_friction
 from vibractl.algorithm import Algorithm
 from vibractl.audio_engine import DeviceInput
@@ -296,7 +293,6 @@ EXAMPLES: dict[type[Block], Example] = {
     ),
     StageReference: Example(lambda: StageReference((2e-5, 4.3e-4), 0.1, ("x", "y", "z"), lambda _: None), rate=250.0),
     Standstill: Example(Standstill, rate=250.0),
-    FedTool: Example(FedTool, rate=250.0),
-    FeedForce: Example(lambda: FeedForce(ForceFeed(force=0.1), nominal_velocity(250.0)), rate=250.0),
     Segments: Example(lambda: Segments(POCKET, lambda: planner("exact", POCKET)), rate=250.0),
+    **FEED_EXAMPLES,
 }

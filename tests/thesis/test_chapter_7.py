@@ -11,12 +11,12 @@ import pytest
 from calibration.subspace.identify import identify
 from ctlblocks.recording import Recording
 from firmware_sim.plants.feed_process import FeedProcess
-from stagectl.feed.process_run import run_process
+from stagectl.feed.process_run import run_process, simulated
 from stagectl.models import InnovationModel
 from stagectl.robot.milling.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force import PHASES
 
-SECONDS, STEP_AT = 16.0, 6.0
+PLANT = "firmware_sim.feed_blocks:FedTool"
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def model() -> InnovationModel:
 
 
 def run(model: InnovationModel, seed: int = 1, **settings: Any) -> Recording:
-    return run_process(ForceFeed(**settings), model, SECONDS, options={"seed": seed})
+    return run_process(ForceFeed(**settings), model, simulated(PLANT, {"seed": seed}))
 
 
 def of(record: Recording, name: str) -> np.ndarray:
@@ -85,6 +85,6 @@ def test_where_control_never_begins_the_force_tends_to_42_n(model: InnovationMod
     """15 mm/s sqrt(1 + 0.5^2) / 0.4 mm/(N s) = 41.9 N."""
     options = {"kappa_swing": 0.0, "kappa_step": 0.0, "beta_swing": 0.0, "beta_step": 0.0}
     never = ForceFeed(start="constant", activation=1.0001, kappa_drift=1e-9, beta_drift=1e-9)
-    record = run_process(never, model, 1.0, options=options)
+    record = run_process(never, model, simulated(PLANT, options), 1.0)
     assert of(record, "phase").max() < PHASES.index("controlling")
     assert np.hypot(of(record, "true_force_1"), of(record, "true_force_2"))[-1] == pytest.approx(41.9, rel=0.01)

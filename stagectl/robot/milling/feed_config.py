@@ -24,9 +24,11 @@ class ForceFeed(Section):
     start: Literal["gentle", "constant"] = setting(
         "gentle", "", "until then: the feed rises until there is force enough, or is `initial`, as in the thesis"
     )
-    initial: float = setting(15e-3, "m/s", "highest feed before control", gt=0, le=0.2)
+    initial: float = setting(
+        15e-3, "m/s", "v_init: feed before control; gentle: highest before the tool touches", gt=0, le=0.2
+    )
     approach: float = setting(3e-3, "m/s", "gentle: feed to begin with", gt=0, le=0.2)
-    rise: float = setting(0.05, "m/s^2", "gentle: by which it rises", gt=0, le=10)
+    rise: float = setting(0.1, "s", "gentle: in which it grows by a factor of e", ge=0.01, le=10)
     enough: float = setting(0.5, "", "gentle: until this share of the force wanted is there", gt=0, le=1)
     contact: float = setting(1.0, "N", "the tool touches, and is learned from, beyond that force", gt=0, le=100)
     lost: float = setting(0.1, "s", "without half of that, contact is lost", ge=0.004, le=10)

@@ -15,8 +15,6 @@ from stagectl.robot.milling.velocity_loop import VelocityLoop, VelocityWeights, 
 
 PHASES = ("idle", "approaching", "estimating", "controlling", "retreating", "retreated")
 """What the port `phase` shows, by number."""
-REASONS = ("", "overload", "sensor")
-"""Why it retreats."""
 STRAINED = 2
 """Samples of overload at which it retreats; one may be a spark of the sensor."""
 TOUCHED = 2
@@ -30,7 +28,8 @@ class FeedForce(Block):
 
     A segment begins when `is_running` rises: the tool approaches, touches, feeds so that kappa and beta can be
     estimated, and is under force control as soon as both are known well enough.  Overload, or no valid force, and it
-    retreats; `reason` says why, and it stays until `is_running` falls.
+    retreats and stays; `reason` says why.  Between segments there is nowhere to retreat to: there overload makes it
+    stay at once, and no valid force is waited for.
 
     Ports, one wide: `velocity` (m/s, mean since the last sample), `force` (N, 2 wide: against the feed and across it),
     `is_valid` (1 while the force is to be believed), `is_running` in; `reference` (m/s, asked of the robot), `wanted`
@@ -109,8 +108,23 @@ class FeedForce(Block):
 
     @property
     def reason(self) -> str:
-        """Why it has retreated, of `REASONS`."""
-        return REASONS[int(self._state[kernel.REASON])]
+        """Why it retreats or has retreated, or nothing."""
+        settings = self.settings
+        return {
+            kernel.FINE: "",
+            kernel.OVERLOAD: f"the force is beyond force.overload, {settings.overload:g} N",
+            kernel.SENSOR: f"there is no valid force for {settings.blind:g} s",
+        }[int(self._state[kernel.REASON])]
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether no segment is milled."""
+        return bool(self._state[kernel.PHASE] == kernel.IDLE)
+
+    @property
+    def has_retreated(self) -> bool:
+        """Whether it stays where it has retreated to."""
+        return bool(self._state[kernel.PHASE] == kernel.RETREATED)
 
 
 def weights(settings: ForceFeed, lag: float, rate: float) -> np.ndarray:
@@ -143,12 +157,14 @@ def _packed(settings: ForceFeed, known: np.ndarray, rate: float) -> np.ndarray:
     gentle = settings.start == "gentle"
     packed = np.zeros(kernel.SETTINGS)
     packed[:] = (
-        settings.force, settings.initial, settings.rise / rate if gentle else np.inf,
+        settings.force, settings.initial, math.exp(1.0 / (rate * settings.rise)) if gentle else 1.0,
         settings.enough * settings.force if gentle else np.inf, settings.contact, TOUCHED,
-        max(1, round(settings.lost * rate)), settings.approach, settings.highest, settings.acceleration / rate,
+        max(1, round(settings.lost * rate)), settings.approach if gentle else settings.initial, settings.highest,
+        settings.acceleration / rate,
         settings.overload, STRAINED, max(1, round(settings.blind * rate)), settings.retreat, settings.distance,
         settings.activation**2 * _settled(noise, known[cutting.KAPPA_DRIFT], settings.force),
         settings.activation**2 * _settled(known[cutting.FORCE_NOISE] * wide**2, known[cutting.BETA_DRIFT], along),
         settings.kappa_deviation**2, settings.beta_deviation**2, float(settings.adapted),
+        settings.highest if gentle else settings.initial,
     )  # fmt: skip
     return packed

@@ -19,9 +19,9 @@ FINE, OVERLOAD, SENSOR = range(3)
 """Of `state`: m/s twice, m, m/s, N, samples of contact, without contact, of overload, without a sensor; m."""
 (FORCE, INITIAL, RISE, ENOUGH, CONTACT, CONTACT_SAMPLES, LOST_SAMPLES, APPROACH, MOST, STEP, OVERLOAD_FORCE,
  OVERLOAD_SAMPLES, BLIND_SAMPLES, RETREAT, DISTANCE, KAPPA_ENOUGH, BETA_ENOUGH, KAPPA_VARIANCE, BETA_VARIANCE,
- IS_ADAPTED, SETTINGS) = range(21)  # fmt: skip
-"""Of `settings`: f_d, N; v_init, m/s; m/s a sample; N; N; samples; samples; m/s; m/s; m/s a sample; N; samples;
-samples; m/s; m; variances of kappa and beta at which control begins, and that estimation begins with; 0 or 1."""
+ IS_ADAPTED, RISEN, SETTINGS) = range(22)  # fmt: skip
+"""Of `settings`: f_d, N; v_init, m/s; 1 a sample; N; N; samples; samples; m/s; m/s; m/s a sample; N; samples;
+samples; m/s; m; variances of kappa and beta at which control begins, and that estimation begins with; 0 or 1; m/s."""
 
 
 @njit(cache=True, nogil=True)
@@ -39,14 +39,16 @@ def _begin(state, settings, estimate, observed):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _retreat(state, reason):  # type: ignore[no-untyped-def]
-    state[PHASE], state[REASON], state[BACK] = RETREATING, reason, 0.0
+    """Go back, or, between segments, where that may lead into the wood, stay."""
+    state[PHASE] = RETREATING if state[PHASE] != IDLE else RETREATED
+    state[REASON], state[BACK] = reason, 0.0
 
 
 @njit(cache=True, nogil=True)
 def _watch(state, settings, force, along, is_seen):  # type: ignore[no-untyped-def]
     """Go over to another phase where contact, force or sensor say so."""
     state[BLIND] = 0.0 if is_seen else state[BLIND] + 1.0
-    if state[BLIND] >= settings[BLIND_SAMPLES]:
+    if state[BLIND] >= settings[BLIND_SAMPLES] and state[PHASE] != IDLE:
         _retreat(state, SENSOR)
         return
     if not is_seen:
@@ -56,6 +58,8 @@ def _watch(state, settings, force, along, is_seen):  # type: ignore[no-untyped-d
     state[LOST] = state[LOST] + 1.0 if along < 0.5 * settings[CONTACT] else 0.0
     if state[STRAINED] >= settings[OVERLOAD_SAMPLES]:
         _retreat(state, OVERLOAD)
+    elif state[PHASE] == IDLE:
+        return
     elif state[PHASE] == APPROACHING and state[TOUCHED] >= settings[CONTACT_SAMPLES]:
         state[PHASE] = ESTIMATING
     elif state[PHASE] != APPROACHING and state[LOST] >= settings[LOST_SAMPLES]:
@@ -90,7 +94,8 @@ def _wanted(state, settings, weights, estimate, velocity, force, fixed):  # type
     if phase == APPROACHING or phase == ESTIMATING:
         if force >= settings[ENOUGH]:
             return state[WANTED]
-        return min(settings[INITIAL], max(settings[APPROACH], state[WANTED] + settings[RISE]))
+        most = settings[INITIAL] if phase == APPROACHING else settings[RISEN]
+        return min(most, max(settings[APPROACH], state[WANTED] * settings[RISE]))
     if phase == CONTROLLING:
         return _controlled(state, settings, weights, estimate, velocity, force, fixed)
     if phase == RETREATING:
@@ -113,13 +118,13 @@ def _step(seen, state, settings, weights, fixed, estimate, learning, observed, w
     measured, along, across, is_valid, is_running = seen
     if is_running > 0.5 and state[PHASE] == IDLE:
         _begin(state, settings, estimate, observed)
-    elif not is_running > 0.5 and state[PHASE] != IDLE:
+    elif not is_running > 0.5 and state[PHASE] < RETREATING:
         state[PHASE] = IDLE
     velocity = inner.observe(observed, work, matrices, measured, state[ASKED])
     is_seen = is_valid > 0.5 and math.isfinite(along + across)
     force = math.copysign(math.hypot(along, across), along) if is_seen else state[LAST_FORCE]
-    if APPROACHING <= state[PHASE] <= CONTROLLING:
-        if is_seen and math.isfinite(measured):
+    if state[PHASE] <= CONTROLLING:
+        if is_seen and math.isfinite(measured) and state[PHASE] != IDLE:
             cutting.observe(estimate, learning, measured, along, across)
         _watch(state, settings, force, along, is_seen)
         if state[PHASE] == ESTIMATING and _is_known(estimate, settings):
@@ -127,7 +132,7 @@ def _step(seen, state, settings, weights, fixed, estimate, learning, observed, w
     wanted = _wanted(state, settings, weights, estimate, velocity, force, fixed)
     state[WANTED] = _limited(state, settings, wanted)
     state[LAST_VELOCITY], state[LAST_FORCE] = velocity, force
-    if state[PHASE] == IDLE:
+    if state[PHASE] == IDLE or state[PHASE] == RETREATED:
         state[WANTED], state[ASKED], state[SUM] = 0.0, 0.0, 0.0
     else:
         state[ASKED], state[SUM] = inner.control(observed, state[SUM], matrices, loop, state[WANTED], velocity)

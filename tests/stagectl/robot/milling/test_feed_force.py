@@ -145,7 +145,7 @@ def test_overload_makes_it_retreat_and_stay_with_its_reason() -> None:
     assert bench.phase == "retreating"
     bench.run(1.0)
     assert bench.phase == "retreated"
-    assert bench.block.reason == "overload"
+    assert bench.block.reason == "the force is beyond force.overload, 80 N"
     assert bench.of("reference") == pytest.approx(0.0, abs=1e-4)
     assert place - bench.place == pytest.approx(ForceFeed().distance, rel=0.25)
 
@@ -166,7 +166,7 @@ def test_no_valid_force_for_too_long_makes_it_retreat(valid: float, force: float
     assert bench.phase == "controlling"
     bench.run(0.008, valid=valid, force=force)
     assert bench.phase == "retreating"
-    assert bench.block.reason == "sensor"
+    assert bench.block.reason == "there is no valid force for 0.02 s"
     assert np.isfinite(bench.run(1.0, valid=valid, force=force)).all()
 
 

@@ -1,0 +1,126 @@
+"""The command `stagectl force`: milling with the force controlled by the feed, segment by segment."""
+
+from collections.abc import Iterator
+from itertools import chain
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from rigkit import config as rig_file
+from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.progress import progress
+from rigkit.stop import Stopped, stoppable
+from stagectl.feed import process_session, session
+from stagectl.feed.job import POCKETS, PROCESS, Job, pocket_of
+from stagectl.feed.process_run import process_figures
+from stagectl.feed.report import HEAD, PAGE, TYPE_HEAD, feed_report, pocket_rows, type_rows
+from stagectl.link.tell import nobody
+from stagectl.machining.run import Advance, Conduct, offline, paced
+from stagectl.planning.pocket import PLANNERS, UNTRAINED
+from stagectl.robot.config import CellConfig
+
+Task = Annotated[str, typer.Option(metavar="TASK", help=f"{', '.join(POCKETS)}, POCKET.json, or {PROCESS}.")]
+Newtons = Annotated[float | None, typer.Option("--force", metavar="N", help="The force wanted.")]
+Out = Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make for recordings and report.")]
+Model = Annotated[Path | None, typer.Option(metavar="FILE", help="The robot's velocity model.")]
+Name = Annotated[str, typer.Option("--planner", metavar="NAME", help=f"{', '.join(PLANNERS)}.")]
+Untrained = Annotated[
+    bool, typer.Option("--untrained", help=f"The planner does not know the rates: {', '.join(UNTRAINED)}.")
+]
+Count = Annotated[int, typer.Option("--pockets", min=1, max=20, help="How many, each in a piece of wood of its own.")]
+Compares = Annotated[
+    bool, typer.Option("--compare", help="Mill the last pocket once more by position control at the safe feed.")
+]
+Seed = Annotated[int, typer.Option(min=0, help="Of what the planner draws.")]
+Paced = Annotated[bool, typer.Option("--paced", help="In real time; else as fast as it goes.")]
+Png = Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")]
+
+
+def force(
+    task: Task,
+    newtons: Newtons = None,
+    out: Out = None,
+    config: ConfigOption = None,
+    model: Model = None,
+    planner_name: Name = "sequential",
+    is_untrained: Untrained = False,
+    pockets: Count = 1,
+    compares: Compares = False,
+    seed: Seed = 0,
+    is_paced: Paced = False,
+    png: Png = None,
+    settings: SetOption = None,
+    json: JsonOption = None,
+) -> None:
+    """Mill as fast as the force allows: forces, kappa and beta with their uncertainty, feed; the planner goes along.
+
+    Example: `stagectl force --config cell.toml --force 10 --task pocket --compare --out RUN/`
+    """
+    given = [*(settings or []), *([f"force.force={newtons}"] if newtons is not None else [])]
+    cell = rig_file.load(config, CellConfig, given)
+    if png is not None and out is None:
+        raise ValueError("--png goes with --out RUN/, which is not given")
+    job = Job(task, pocket_of(task, cell.segments), planner_name, is_untrained, pockets, seed, compares)
+    if job.pocket is None:
+        _process(cell, job, model, out, png, json)
+    else:
+        _tell(_pockets(cell, job, model, out, paced if is_paced else offline), out, task, json)
+        if png is not None and out is not None:
+            feed_report(out, png)
+
+
+def _pockets(cell: CellConfig, job: Job, model: Path | None, out: Path | None, advance: Advance) -> dict[str, Any]:
+    """Mill the pockets of a job, keep them where they are to be kept, and return the figures."""
+    assert job.pocket is not None
+    made, known, cells = job.make(), session.velocity_model(model), job.pocket.rows * job.pocket.cols
+    with stoppable() as stop, progress("cells milled", cells * (job.pockets + job.compares)) as meter:
+        conduct = Conduct(nobody, lambda: stop.made, meter.show, advance)
+        done = session.mill_pockets(cell, job.pocket, made, known, conduct, job.pockets, job.compares)
+        first = next(done)  # whatever is wrong is told before there is a folder
+        kept = chain([first], done)
+        found = session.summary(list(kept)) if out is None else _kept(out, cell, job, model, kept)
+    if stop.made:
+        raise Stopped(f"stopped{'' if out is None else f'; what is recorded is in {out}'}")
+    return found
+
+
+def _kept(out: Path, cell: CellConfig, job: Job, model: Path | None, pockets: Iterator[session.Kept]) -> dict[str, Any]:
+    """Keep pocket after pocket in a folder as they are milled, and end with a report; return the figures."""
+    with session.create(out, cell, job, model) as folder:
+        milled = []
+        for each in pockets:
+            session.keep(folder, each)
+            milled.append(each)
+        found = session.conclude(folder, milled)
+    feed_report(out)
+    return found
+
+
+def _process(
+    cell: CellConfig, job: Job, model: Path | None, out: Path | None, png: Path | None, json: str | None
+) -> None:
+    record = process_session.simulate(cell, session.velocity_model(model))
+    if out is None:
+        found = process_figures(record, cell.force.force)
+    else:
+        with session.create(out, cell, job, model) as folder:
+            found = process_session.keep(folder, record, cell)
+        process_session.process_report(out, png)
+    print_table("force control as in fig. 7.5", ["figure", "value"], process_session.process_rows(found), words(json))
+    if out is not None:
+        print(f"report: {out / PAGE}", file=words(json))  # noqa: T201
+    write_json(json, found)
+
+
+def _tell(found: dict[str, Any], out: Path | None, task: str, json: str | None) -> None:
+    stream = words(json)
+    print_table(f"{task}: pockets", HEAD, pocket_rows(found["pockets"]), stream)
+    for row in found["pockets"]:
+        if row["types"]:
+            print_table(f"types of {row['name']}", TYPE_HEAD, type_rows(row), stream)
+    if "saved" in found:
+        print(f"saved beside position control: {100 * found['saved']:.1f} %", file=stream)  # noqa: T201
+    if out is not None:
+        print(f"report: {out / PAGE}", file=stream)  # noqa: T201
+    write_json(json, found)

@@ -1,0 +1,206 @@
+"""Runs of `stagectl force` in their folder: pockets one after the other, everything recorded, measured and kept."""
+
+import json
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ctlblocks import recording
+from rigkit import config as rig_file
+from rigkit.provenance import now, software
+from rigkit.run_folder import CONFIG, RunFolder, read_events
+from stagectl.feed.job import Job, Repeated, once, read_job
+from stagectl.feed.measures import Strip, as_milled, figures, retold, safe_feeds, strips
+from stagectl.feed.plan import FeedPlan, feed_plan
+from stagectl.feed.recorded import FORCE, TRUE, made
+from stagectl.feed.run import Pocketed, mill_pocket
+from stagectl.feed.surroundings import plants_of, simulated
+from stagectl.machining.recorded import ROBOT
+from stagectl.machining.run import Conduct
+from stagectl.model_file import read_model
+from stagectl.models import InnovationModel
+from stagectl.planning.milling import Milled, Planner
+from stagectl.planning.problem import Pocket
+from stagectl.planning.segment_file import write_segments
+from stagectl.robot.config import CellConfig
+from stagectl.robot.milling.nominal_velocity import nominal_velocity
+from stagectl.wire.egm import RATE
+
+JOB, MODEL, FEEDS, SEGMENTS = "job.json", "velocity.h5", "feeds.json", "segments.csv"
+
+
+@dataclass(frozen=True)
+class Kept:
+    """A pocket of a run's folder.
+
+    Parameters
+    ----------
+    plan : FeedPlan
+    done : Pocketed
+    """
+
+    plan: FeedPlan
+    done: Pocketed
+
+
+def velocity_model(file: Path | None) -> InnovationModel:
+    """Return the robot's velocity model: that of a file, or the nominal one."""
+    return nominal_velocity(RATE) if file is None else read_model(file, rate=RATE)
+
+
+def create(path: Path, cell: CellConfig, job: Job, model: Path | None) -> RunFolder:
+    """Make the folder of a new run, with copies of all files; ValueError where something is in it already."""
+    folder = RunFolder.create(path, rig_file.dump(cell))
+    folder.write(JOB, job.text())
+    if model is not None:
+        shutil.copyfile(model, folder.path / MODEL)
+    return folder
+
+
+def mill_pockets(
+    cell: CellConfig,
+    pocket: Pocket,
+    planner: Planner,
+    model: InnovationModel,
+    conduct: Conduct,
+    pockets: int = 1,
+    compares: bool = False,
+) -> Iterator[Kept]:
+    """Mill pocket after pocket in the simulated cell, each in a piece of its own, until one is held.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    pocket : Pocket
+    planner : Planner
+        Goes on learning from pocket to pocket.
+    model : InnovationModel
+    conduct : Conduct
+        Is shown the cells that are milled.
+    pockets : int
+    compares : bool
+        Whether the last pocket is milled once more, the same way, by position control at the safe feed.
+
+    Raises
+    ------
+    ValueError : plants that do not take their options, or a pocket out of reach; before the first one is milled.
+    """
+    milled: list[Strip] = []
+    area = pocket.rows * pocket.cols
+    for piece in range(1, pockets + 1):
+        plan = feed_plan(cell, pocket, model, piece)
+        plants_of(plan)  # a wrong option is told before anything is written
+        done = _mill(plan, planner, conduct, (piece - 1) * area)
+        yield Kept(plan, done)
+        if done.reason:
+            return
+        milled += strips(done, cell)
+    if compares:
+        plan = feed_plan(cell, pocket, model, pockets, safe_feeds(milled, pocket.types))
+        yield Kept(plan, _mill(plan, Repeated([each.cut for each in done.segments]), conduct, pockets * area))
+
+
+def simulated_pockets(cell: CellConfig, pocket: Pocket, planner: Planner, pockets: int) -> list[list[Milled]]:
+    """Mill pockets by force control in the simulated cell; return the segments of each, as measured.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    pocket : Pocket
+    planner : Planner
+    pockets : int
+
+    Raises
+    ------
+    ValueError : as of `mill_pockets`, or the cell was held, by its reason.
+    """
+    model, found = velocity_model(None), []
+    for each in mill_pockets(cell, pocket, planner, model, Conduct(), pockets):
+        if each.done.reason:
+            raise ValueError(f"pocket {each.plan.piece} was held: {each.done.reason}")
+        found.append(as_milled(each.done))
+    return found
+
+
+def _mill(plan: FeedPlan, planner: Planner, conduct: Conduct, before: int) -> Pocketed:
+    """Mill a pocket after so many cells `before` it."""
+    shown = replace(conduct, show=lambda cells: conduct.show(before + cells))
+    return mill_pocket(plan, once(planner), shown, simulated, recorded_of(plan), _about(plan))
+
+
+def recorded_of(plan: FeedPlan) -> tuple[Any, ...]:
+    """Return the signals of a simulated run's recording."""
+    return (*ROBOT, *FORCE, *TRUE, *made(plan.control))
+
+
+def keep(folder: RunFolder, kept: Kept) -> None:
+    """Write what came of a pocket into the run's folder."""
+    plan, done = kept.plan, kept.done
+    recording.write(folder.path / f"{plan.name}.csv", done.recording)
+    if plan.feeds is not None:
+        folder.write(FEEDS, json.dumps(dict(plan.feeds), indent=2))
+    path_milled = [each.in_path for each in done.segments]
+    folder.event("milled", {"name": plan.name, "reason": done.reason, "path": path_milled})
+
+
+def conclude(folder: RunFolder, pockets: list[Kept]) -> dict[str, Any]:
+    """Write finished segments and figures, and return those."""
+    write_segments(folder.path / SEGMENTS, milled_by_force(pockets))
+    found = summary(pockets)
+    folder.summarise(found)
+    return found
+
+
+def milled_by_force(pockets: list[Kept]) -> list[list[Milled]]:
+    """Return the finished segments of the pockets under force control."""
+    return [as_milled(each.done) for each in pockets if each.plan.feeds is None]
+
+
+def summary(pockets: list[Kept]) -> dict[str, Any]:
+    """Return the figures of a run, other programs' keys.
+
+    Returns
+    -------
+    dict
+        `pockets`: a list of what `measures.figures` returns with `name` and `control`; and where the last one was
+        milled by position control as well, `saved`: by what part force control was quicker.
+    """
+    rows = [
+        {"name": each.plan.name, "control": each.plan.control} | figures(each.done, each.plan.cell) for each in pockets
+    ]
+    found: dict[str, Any] = {"pockets": rows}
+    if len(rows) > 1 and rows[-1]["control"] == "position" and not rows[-1]["fault"]:
+        found["saved"] = 1.0 - rows[-2]["seconds"] / rows[-1]["seconds"]
+    return found
+
+
+def read_back(path: Path) -> tuple[Job, list[Kept]]:
+    """Return what a folder's run was asked to do, and every pocket that it has recorded, in their order.
+
+    Raises
+    ------
+    ValueError : nothing is recorded.
+    """
+    cell, job = rig_file.load(path / CONFIG, CellConfig), read_job(path / JOB)
+    if job.pocket is None:
+        return job, []
+    model = velocity_model(path / MODEL if (path / MODEL).exists() else None)
+    found = []
+    for event in read_events(path):
+        if event["event"] != "milled":
+            continue
+        control, piece = event["name"].split("-")
+        feeds = json.loads((path / FEEDS).read_text()) if control == "position" else None
+        plan = feed_plan(cell, job.pocket, model, int(piece), feeds)
+        record = recording.read(path / f"{plan.name}.csv")
+        segments = retold(event["path"], job.pocket, record)
+        found.append(Kept(plan, Pocketed(record, segments, event["reason"])))
+    if not found:
+        raise ValueError(f"{path}: nothing is recorded")
+    return job, found
+
+
+def _about(plan: FeedPlan) -> dict[str, str]:
+    return {"control": plan.control, "piece": str(plan.piece), "date": now(), "software": software()}

@@ -1,0 +1,49 @@
+"""What surrounds the controllers of force-controlled milling: the simulated cell, or a recording of what it said."""
+
+from collections.abc import Callable
+
+from ctlblocks import Block, Graph
+from ctlblocks.recording import Recording
+from ctlblocks.replay import Replay
+from stagectl.feed.plan import FeedPlan
+from stagectl.feed.recorded import FORCE, SLOW
+from stagectl.machining.recorded import ROBOT
+from stagectl.machining.surroundings import Sources
+from stagectl.named_block import named_block
+
+Surroundings = Callable[[Graph, FeedPlan], Sources]
+"""Adds what surrounds the controllers, which are in the graph already, and wires it to them."""
+
+
+def simulated(graph: Graph, plan: FeedPlan) -> Sources:
+    """Add the plants that the cell's file names."""
+    for name, made in plants_of(plan).items():
+        graph.add(name, made)
+    graph.connect("port.reference", "robot.reference", delayed=True)
+    for name in ("force", "moment"):
+        graph.connect(f"cut.{name}", f"robot.{name}", delayed=True)
+    graph.connect("robot.position", "cut.tool")
+    graph.connect("cut.teeth_force", "sensor.force")
+    graph.connect("cut.moment", "sensor.moment")
+    sources = {signal.name: (f"robot.{signal.name}", False) for signal in ROBOT}
+    sources |= {signal.name: (f"sensor.{signal.name}", False) for signal in FORCE}
+    sources |= {"tool": ("robot.position", False), "true_force": ("cut.force", False)}
+    return sources | {f"true_{name}": (f"cut.{name}", False) for name in ("kappa", "beta")}
+
+
+def recorded(record: Recording) -> Surroundings:
+    """Return what adds the sensors of a run's recording."""
+
+    def surround(graph: Graph, _: FeedPlan) -> Sources:
+        signals = (*ROBOT, *FORCE)
+        graph.add("recorded", Replay(record, {signal.name: signal.channels for signal in signals}), SLOW)
+        return {signal.name: (f"recorded.{signal.name}", False) for signal in signals}
+
+    return surround
+
+
+def plants_of(plan: FeedPlan) -> dict[str, Block]:
+    """Build robot, cut and force sensor as the file names them; ValueError for an option that one does not take."""
+    options, cell = plan.plant_options(), plan.cell
+    names = {"robot": cell.plants.robot, "cut": cell.feed_plants.cut, "sensor": cell.plants.force_sensor}
+    return {each: named_block(name, options[each]) for each, name in names.items()}
