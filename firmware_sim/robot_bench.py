@@ -86,6 +86,8 @@ def cell_force_box(cell: CellConfig) -> ForceBox:
         plant = ForceSensorPlant(sensor.rate, **{"sample_rate": sensor.rate, **cell.plants.force_sensor_options})
     except TypeError as fault:
         raise ValueError(f"plants.force_sensor_options: {fault}") from None
+    except ValueError as fault:
+        raise ValueError(str(fault).replace("simulator.options", "plants.force_sensor_options")) from None
     return ForceBox(plant, sensor.host, sensor.port, sensor.counts)
 
 

@@ -27,7 +27,7 @@ class PocketOptions:
 
     Parameters
     ----------
-    material : "al7075" or "al6082"
+    material : "al7075", "al7075-hss" or "al6082"
     seed : int
         Draws the block's hardness, and how tool and spindle stand at first.
     tool : float, m, diameter

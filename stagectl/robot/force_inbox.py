@@ -152,7 +152,7 @@ class ForceInbox:
         if self.fault or not (self.is_watched or always):
             return
         self.fault, self.is_watched = name, False
-        self._tell(f"the force sensor is {name}: {why}")
+        self._tell(f"the force sensor {'has' if name == 'drifted' else 'is'} {name}: {why}")
 
 
 def _three(values: np.ndarray) -> str:

@@ -77,7 +77,7 @@ def test_zero_force_is_taken_at_rest_and_a_push_is_seen(served: Served) -> None:
         assert until(is_seen)
         assert line.counts.garbled == 0
         assert not reasons
-        with pytest.raises(LinkError, match="the force sensor is drifted: at rest by .*, 25"):
+        with pytest.raises(LinkError, match="the force sensor has drifted: at rest by .*, 25"):
             line.rest()
 
 
@@ -144,6 +144,7 @@ def test_a_cells_file_says_which_sensor() -> None:
         cell = CellConfig(force_sensor=ForceSensor(port=taken.getsockname()[1]))
         with pytest.raises(ValueError, match="force_sensor.port .* cannot be had"):
             cell_force_box(cell)
-    wrong = cell.model_copy(update={"plants": cell.plants.model_copy(update={"force_sensor_options": {"springs": 3}})})
-    with pytest.raises(ValueError, match="plants.force_sensor_options: .*springs"):
-        cell_force_box(wrong)
+    for options, reason in (({"springs": 3}, ": .*springs"), ({"bias": -3.0}, ".bias is -3.0, must be 0 to 1000 N")):
+        plants = cell.plants.model_copy(update={"force_sensor_options": options})
+        with pytest.raises(ValueError, match=f"plants.force_sensor_options{reason}"):
+            cell_force_box(cell.model_copy(update={"plants": plants}))

@@ -50,7 +50,9 @@ def mean_force(begin: float, end: float, depth: float, material: str = "al7075")
     return upto(end) - upto(begin)
 
 
-@pytest.mark.parametrize(("material", "depth"), [("al7075", 2e-3), ("al7075", 4e-3), ("al6082", 2e-3)])
+@pytest.mark.parametrize(
+    ("material", "depth"), [("al7075", 2e-3), ("al7075", 4e-3), ("al7075-hss", 2e-3), ("al6082", 2e-3)]
+)
 def test_a_slots_mean_force_is_altintas(material: str, depth: float) -> None:
     force, moment, teeth_force = mill(block(material=material), along((-SIDE - RADIUS, 0, -depth), (0, 0, -depth)))
     wanted, steady = mean_force(0.0, np.pi, depth, material), slice(-1_000, None)
@@ -172,7 +174,9 @@ def test_blocks_differ_by_their_seed_and_a_worn_tool_rubs_more() -> None:
 
 
 def test_a_wrong_option_is_refused_by_name() -> None:
-    with pytest.raises(ValueError, match="simulator.options.material is 'butter', must be 'al7075' or 'al6082'"):
+    with pytest.raises(
+        ValueError, match="simulator.options.material is 'butter', must be 'al7075' or 'al7075-hss' or 'al6082'"
+    ):
         block(material="butter")
     with pytest.raises(ValueError, match="the block has 1e\\+08 points"):
         block(length=0.1, width=0.1, thickness=0.01, cell=5e-5, layer=4e-4)

@@ -74,7 +74,7 @@ def test_drift_shows_at_the_next_rest_and_too_much_is_a_fault() -> None:
     assert not sensor.reasons
     sensor.rest(force=6.0)
     assert sensor.inbox.fault == "drifted"
-    assert sensor.reasons[0].startswith("the force sensor is drifted: at rest by 0, 6, 0 N, must be <= 5 N")
+    assert sensor.reasons[0].startswith("the force sensor has drifted: at rest by 0, 6, 0 N, must be <= 5 N")
 
 
 def test_silence_is_a_fault_while_it_is_watched() -> None:
