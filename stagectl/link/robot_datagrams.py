@@ -16,6 +16,15 @@ _LONGEST_END = 2.0
 """s for the thread to end."""
 
 
+def resolved(host: str, port: int, name: str) -> tuple[str, int]:
+    """Return the address and port that datagrams of a host come from; LinkError where `name`.host is not known."""
+    try:
+        address, found = socket.getaddrinfo(host, port, socket.AF_INET, socket.SOCK_DGRAM)[0][4][:2]
+    except OSError as fault:
+        raise LinkError(f"{name}.host {host} is not known: {fault}") from fault
+    return str(address), int(found)
+
+
 class Talk(Protocol):
     """What takes datagrams and gives the answers; called by the carrier's thread alone."""
 

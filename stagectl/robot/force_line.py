@@ -8,7 +8,7 @@ import numpy as np
 
 from ctlblocks.block import Block, Port
 from stagectl.link.bus import LinkError
-from stagectl.link.robot_datagrams import Datagrams
+from stagectl.link.robot_datagrams import Datagrams, resolved
 from stagectl.robot.force_config import ForceSensor
 from stagectl.robot.force_inbox import ForceCounts, ForceInbox
 from stagectl.wire.force_sensor import Request, pack_request, unpack_records
@@ -23,8 +23,8 @@ _AGAIN = 0.5
 class _Talk:
     """Asks for the stream, and again after a silence; hands records on."""
 
-    def __init__(self, inbox: ForceInbox, counts: np.ndarray, now: Callable[[], float], box: tuple[str, int]) -> None:
-        self.peer: tuple[str, int] | None = box
+    def __init__(self, inbox: ForceInbox, counts: np.ndarray, now: Callable[[], float]) -> None:
+        self.peer: tuple[str, int] | None = None
         self.inbox, self.is_over = inbox, False
         self._counts, self._now, self._asked = counts, now, -np.inf
 
@@ -73,7 +73,7 @@ class ForceLine:
 
     Raises
     ------
-    LinkError : on entry, when nothing comes within `patience`.
+    LinkError : on entry, when its host is not known, or nothing comes within `patience`.
     """
 
     def __init__(
@@ -85,11 +85,12 @@ class ForceLine:
     ) -> None:
         self.sensor, self.inbox, self.reason = sensor, ForceInbox(sensor, self._fail), ""
         self._hold, self._now, self._patience = hold, now, patience
-        self._talk = _Talk(self.inbox, sensor.counts, now, (sensor.host, sensor.port))
+        self._talk = _Talk(self.inbox, sensor.counts, now)
         self._carrier = Datagrams(sensor.listen, 0, self._talk, now, _LOOK, "force_sensor")
 
     def __enter__(self) -> Self:
         """Ask for the stream, and wait for it."""
+        self._talk.peer = resolved(self.sensor.host, self.sensor.port, "force_sensor")
         self._carrier.open()
         if not self._until(lambda: self.inbox.seen > -np.inf):
             self._carrier.close()

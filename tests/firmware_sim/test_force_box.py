@@ -63,7 +63,8 @@ def until(met: "object", patience: float = BUSY) -> bool:
 
 def test_zero_force_is_taken_at_rest_and_a_push_is_seen(served: Served) -> None:
     reasons: list[str] = []
-    with ForceLine(served.config, reasons.append, patience=BUSY) as line:
+    by_name = served.config.model_copy(update={"host": "localhost"})
+    with ForceLine(by_name, reasons.append, patience=BUSY) as line:
         assert not line.rest().any()
         served.wrench[0] = 0.0, 25.0, 0.0, 0.0, 0.0, 1.0
         line.start()
@@ -107,6 +108,8 @@ def test_a_box_that_is_not_there_is_told_of() -> None:
         config = ForceSensor(port=free.getsockname()[1])
         with pytest.raises(LinkError, match="sends nothing within 0.2 s"), ForceLine(config, print, patience=0.2):
             pass
+    with pytest.raises(LinkError, match="force_sensor.host no.such.host.invalid is not known"):
+        ForceLine(ForceSensor(host="no.such.host.invalid"), print).__enter__()
 
 
 def test_it_sends_as_many_as_are_wanted_stops_and_takes_bias() -> None:
