@@ -20,6 +20,7 @@ class Lock:
     Raises
     ------
     FolderInUseError : another process holds it, or this one does already.
+    OSError : it cannot be made or written; it is not held.
     """
 
     def __init__(self, path: Path) -> None:
@@ -30,8 +31,12 @@ class Lock:
             holder = os.pread(self._handle, 20, 0).decode(errors="replace").strip()
             os.close(self._handle)
             raise FolderInUseError(f"{path.parent}/ is in use by process {holder or 'unknown'}") from None
-        os.ftruncate(self._handle, 0)
-        os.pwrite(self._handle, f"{os.getpid()}\n".encode(), 0)
+        try:
+            os.ftruncate(self._handle, 0)
+            os.pwrite(self._handle, f"{os.getpid()}\n".encode(), 0)
+        except OSError as fault:
+            os.close(self._handle)
+            raise OSError(fault.errno, fault.strerror, str(path)) from None
 
     def release(self) -> None:
         """Let others in; may be called twice."""

@@ -8,7 +8,8 @@ from ctlblocks.recording import RecordingError
 from ctlblocks.replay import Replay
 from rigkit.provenance import now, software
 from rigkit.run_folder import RunFolder
-from rigkit.stream_recorder import Stream, StreamRecorder
+from rigkit.stream_recorder import StreamRecorder
+from rigkit.stream_writer import Stream
 from stagectl.link.blocks import Newest, Receive, Send
 from stagectl.link.clock import run_linked
 from stagectl.link.priority import undisturbed

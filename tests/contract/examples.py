@@ -22,7 +22,8 @@ from firmware_sim.stage_image import Held, StickingStage
 from firmware_sim.toroid_blocks import Toroid
 from firmware_sim.tracker_block import TrackerView
 from rigkit.faults import KINDS, Faults, FaultTable
-from rigkit.stream_recorder import Stream, StreamRecorder
+from rigkit.stream_recorder import StreamRecorder
+from rigkit.stream_writer import Stream
 from stagectl import config as stage
 from stagectl.deflection import DeflectionReference
 from stagectl.link.blocks import Excite, Newest, Receive, Send

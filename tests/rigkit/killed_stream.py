@@ -19,7 +19,8 @@ from ctlblocks import recording
 from ctlblocks.block import Port
 from rigkit import growing_wav, stream_recorder
 from rigkit.growing_wav import Channels, GrowingWav, finish, unfinished
-from rigkit.stream_recorder import Stream, StreamRecorder
+from rigkit.stream_recorder import StreamRecorder
+from rigkit.stream_writer import Stream
 from tests.rigkit.killed_run import in_a_child, kill_at
 
 RATE, FRAMES, BLOCKS = 10_000.0, 50, 4

@@ -11,9 +11,10 @@ import pytest
 from ctlblocks import Graph, Port, recording
 from ctlblocks.recording import Recording
 from ctlblocks.replay import Replay
-from rigkit import disk_space, stream_recorder
+from rigkit import disk_space, stream_recorder, stream_writer
 from rigkit.growing_wav import GrowingWav
-from rigkit.stream_recorder import Stream, StreamRecorder
+from rigkit.stream_recorder import StreamRecorder
+from rigkit.stream_writer import Stream
 from tests.rigkit.failing_calls import every_fault
 from tests.rigkit.killed_stream import FRAMES, RATE, check, ramp
 
@@ -57,7 +58,7 @@ def wait_until(met: Callable[[], bool]) -> None:
 @pytest.fixture(autouse=True)
 def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stream_recorder, "PERIOD", 1e-3)
-    monkeypatch.setattr(stream_recorder, "RETRY", 0.0)
+    monkeypatch.setattr(stream_writer, "RETRY", 0.0)
 
 
 def test_a_graph_is_recorded_bit_for_bit(tmp_path: Path) -> None:
@@ -133,7 +134,7 @@ def test_a_disk_that_stalls_holds_up_nobody_and_what_is_lost_is_counted_and_told
 def test_a_disk_that_is_nearly_full_is_left_alone_until_there_is_room(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(stream_recorder, "SYNCHRONISED", 0.0)
+    monkeypatch.setattr(stream_writer, "SYNCHRONISED", 0.0)
     recorder, reserve = prepared(tmp_path / "x.wav", told := Told()), disk_space.RESERVE
     with recorder:
         offer(recorder, 0, 1)
@@ -160,9 +161,8 @@ def test_a_place_that_cannot_be_written_is_refused_before_anything_is_recorded(
 
 
 def test_channels_that_do_not_fit_are_refused(tmp_path: Path) -> None:
-    recorder = StreamRecorder(Stream(tmp_path / "x.wav", PORTS, ("a",)), Told())
     with pytest.raises(ValueError, match=r"x\.wav: 1 names, must be 2"):
-        recorder.prepare(RATE, FRAMES)
+        Stream(tmp_path / "x.wav", PORTS, ("a",))
     with pytest.raises(ValueError, match=r"x\.wav: longest is 5000000000 bytes, must be <= 42948"):
         prepared(tmp_path / "x.wav", Told(), longest=5_000_000_000)
     recorder = StreamRecorder(Stream(tmp_path / "x.wav", PORTS, ("a", "b")), Told())
