@@ -60,7 +60,7 @@ class Commands:
             return {"status": status, "error": text if status != FAULT_OF_OURS else f"{type(fault).__name__}: {text}"}
         return {"status": 200, "told": told}
 
-    def _rig(self) -> dict[str, Any]:
+    def _rig(self, role: str) -> dict[str, Any]:
         rig = self._control.rig
         procedures = [
             {
@@ -77,7 +77,7 @@ class Commands:
         ]
         sensors = [] if rig.faults is None else list(rig.faults.names)
         kinds = list(KINDS) if sensors else []
-        told = {"program": rig.program, "rig": rig.name, "procedures": procedures}
+        told = {"program": rig.program, "rig": rig.name, "role": role, "procedures": procedures}
         return {**told, "fault_sensors": sensors, "fault_kinds": kinds}
 
     def _note(self, event: str, who: str, fields: Mapping[str, Any]) -> None:

@@ -30,6 +30,8 @@ class Gauge:
         Limits, where it has any.
     interval : (float, float) or None
         Where the true value lies, for an estimate.
+    is_output : bool
+        Whether it measures what the rig puts out, which is 0 while nothing moves: the page's light shines by it.
     """
 
     name: str
@@ -39,6 +41,7 @@ class Gauge:
     low: float | None = None
     high: float | None = None
     interval: tuple[float, float] | None = None
+    is_output: bool = False
 
     @property
     def verdict(self) -> Literal["unknown", "free", "good", "near", "over"]:
@@ -147,4 +150,17 @@ class Image:
         return {"kind": "image", **vars(self), **axes, "values": np.round(self.values, digits)}
 
 
-Panel = Curves | Image
+@dataclass(frozen=True)
+class Table:
+    """A panel of rows under a head; a cell is a text, a number or None."""
+
+    title: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str | float | None, ...], ...]
+
+    def plain(self) -> dict[str, Any]:
+        """Return it as JSON has it."""
+        return {"kind": "table", **vars(self)}
+
+
+Panel = Curves | Image | Table

@@ -99,9 +99,9 @@ def _add_views(app: FastAPI, ends: Ends, metrics: Metrics) -> None:
         return Response(ends.slot.get() or b"null", media_type="application/json")
 
     @app.get("/api/rig")
-    async def rig() -> JSONResponse:
-        """Return which rig this is, and the procedures it can be told to do, with their options."""
-        return await _asked(ends.asking, "rig")
+    async def rig(request: Request) -> JSONResponse:
+        """Return which rig this is, the procedures it can be told to do, and what the token may: view or operate."""
+        return await _asked(ends.asking, "rig", role=request.state.role)
 
     @app.get("/api/settings")
     async def settings() -> JSONResponse:

@@ -12,7 +12,7 @@ from rigkit.config import Section, setting
 from rigkit.faults import FaultTable
 from rigkit.service.reload import Change
 from rigkit.service.rig import Desk, Procedure
-from rigkit.service.show import Axis, Curves, Gauge, Image, Trace
+from rigkit.service.show import Axis, Curves, Gauge, Image, Table, Trace
 
 
 class Options(Section):
@@ -48,7 +48,7 @@ class DemoRig:
     def gauges(self) -> Sequence[Gauge]:
         wave = math.sin(time.monotonic())
         return (
-            Gauge("output", "Output", self.output, "V", high=2.0),
+            Gauge("output", "Output", self.output, "V", high=2.0, is_output=True),
             Gauge("travel", "Travel", 1e-6 * wave, "m", low=-1.05e-6, high=1.05e-6),
             Gauge("force", "Force", 10 + wave, "N", interval=(9 + wave, 11 + wave)),
             Gauge("temperature", "Temperature", None, "K"),
@@ -108,6 +108,17 @@ class DemoRig:
         limit = Trace("limit", np.array([0.0, 20.0]), np.array([0.01, 0.01]), "limit")
         curve = Trace("error", steps, np.array(errors), low=0.9 * np.array(errors), high=1.1 * np.array(errors))
         desk.show("convergence", Curves("Convergence", Axis("step", "1"), error, (curve, limit)))
-        plane = np.random.default_rng(len(errors)).normal(-60, 3, (40, 60))
+        draw = np.random.default_rng(len(errors))
+        travel, bins = Axis("error", "m"), np.arange(-20, 21) * 1e-9
+        counts = np.histogram(draw.normal(0, 5e-9, 4000), np.append(bins, 21e-9) - 0.5e-9)[0]
+        bars = Trace("axis 1", bins, counts.astype(float))
+        desk.show("histogram", Curves("Error", travel, Axis("samples", "1"), (bars,), "bars"))
+        angle = np.linspace(0, 6.3, 200)
+        points = Trace("joint 1", 1e-3 * np.sin(angle), 20 * np.sin(angle - 0.5) + draw.normal(0, 0.5, 200))
+        map_axes = Axis("joint angle", "rad"), Axis("motor torque", "N m")
+        desk.show("map", Curves("Torque over position", *map_axes, (points,), "points"))
+        rows = (("1", 120.0, -2.5), ("2", 180.5, None))
+        desk.show("lines", Table("Worst lines", ("side", "frequency, Hz", "over the limit, dB"), rows))
+        plane = draw.normal(-60, 3, (40, 60))
         axes = Axis("time", "s"), Axis("frequency", "Hz"), Axis("level", "dB")
         desk.show("spectrogram", Image("Spectrogram", *axes, (0.0, 5.9), (0.0, 650.0), (-80.0, 0.0), plane))

@@ -1,0 +1,79 @@
+/** The page of a rig under its daemon: what the stream tells, drawn; what a person asks, sent. */
+
+import { ask, forgetToken, keepToken, takeTokenFromAddress, token } from "./api.js";
+import { Command } from "./command.js";
+import { byId, show, write } from "./element.js";
+import { Gauges } from "./gauges.js";
+import { Log } from "./log.js";
+import { Panels } from "./panels.js";
+import { Procedure } from "./procedure.js";
+import { showState } from "./state.js";
+import { Stop } from "./stop.js";
+import { OLD, Stream } from "./stream.js";
+
+async function open() {
+  let rig;
+  try {
+    rig = await ask("GET", "/api/rig");
+  } catch (refused) {
+    if (refused.status === 401) return login(token() ? refused.message : "");
+    showAlarm(`${refused.message}; this page tries again`);
+    setTimeout(open, 1000);
+    return;
+  }
+  show(byId("login"), false);
+  show(byId("rig"), true);
+  watch(rig);
+}
+
+function login(fault) {
+  forgetToken();
+  show(byId("login"), true);
+  write(byId("login-fault"), fault);
+  byId("token").focus();
+}
+
+function watch(rig) {
+  document.title = rig.rig || rig.program;
+  const stop = new Stop();
+  const parts = [new Command(rig), new Procedure(), new Gauges(), new Panels(), new Log()];
+  const stream = new Stream((snapshot) => {
+    showState(snapshot);
+    for (const part of parts) part.show(snapshot);
+  });
+  byId("forget").onclick = () => {
+    forgetToken();
+    location.reload();
+  };
+  const began = performance.now();
+  setInterval(() => lookAtPulse(Math.min(stream.age, (performance.now() - began) / 1000), stop), 100);
+  setInterval(() => write(byId("pulse"), `${stream.rate().toFixed(0)} snapshots a second`), 2000);
+}
+
+/** Grey the page out when nothing has been heard for too long. */
+function lookAtPulse(age, stop) {
+  const old = age > OLD;
+  document.body.classList.toggle("old", old);
+  if (old) {
+    showAlarm(`No sign of life for ${age.toFixed(0)} s. What is shown is old, and STOP may not get through: use the switch.`);
+  } else {
+    showAlarm(stop.fault);
+  }
+}
+
+function showAlarm(text) {
+  write(byId("alarm"), text);
+  show(byId("alarm"), text !== "");
+}
+
+byId("login").onsubmit = (event) => {
+  event.preventDefault();
+  keepToken(byId("token").value.trim(), byId("keep").checked);
+  byId("token").value = "";
+  open();
+};
+
+addEventListener("scroll", () => document.body.classList.toggle("scrolled", scrollY > 160), { passive: true });
+takeTokenFromAddress();
+if (token()) open();
+else login("");

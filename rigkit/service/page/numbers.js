@@ -1,0 +1,55 @@
+/** Numbers and times as people read them. */
+
+const PREFIXES = [[1e12, "T"], [1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
+const PREFIXED = new Set(["m", "s", "V", "A", "N", "Pa", "W", "Hz", "N m", "byte", "K", "rad"]);
+const WRITTEN = { "m/s^2": "m/s²", "m/s^2 s": "m/s", byte: "B", 1: "", "N m": "N m" };
+
+/** Return {factor, unit}: divide values up to `largest` by the factor, and they have that unit. */
+export function scaled(largest, unit) {
+  const written = WRITTEN[unit] ?? unit;
+  if (!PREFIXED.has(unit) || !(largest > 0)) return { factor: 1, unit: written };
+  const [factor, prefix] = PREFIXES.find(([size]) => largest >= size * 0.9995) ?? PREFIXES.at(-1);
+  return { factor, unit: prefix + written };
+}
+
+/** Write a number with three digits, without an exponent where it needs none. */
+export function digits(value) {
+  if (value === null || !Number.isFinite(value)) return "-";
+  const size = Math.abs(value);
+  if (size >= 1e5 || (size > 0 && size < 1e-3)) return minus(value.toExponential(2));
+  const places = size >= 100 || Number.isInteger(value) ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3;
+  return minus(value.toFixed(places));
+}
+
+/** Write a number with the fewest digits that tell it from its neighbours on an axis. */
+export function tick(value) {
+  const size = Math.abs(value);
+  if (size >= 1e5 || (size > 0 && size < 1e-3)) return minus(value.toExponential(0));
+  return minus(String(Number(value.toPrecision(6))));
+}
+
+/** Write a quantity with its unit. */
+export function quantity(value, unit) {
+  if (value === null) return "-";
+  const scale = scaled(Math.abs(value), unit);
+  return `${digits(value / scale.factor)} ${scale.unit}`.trim();
+}
+
+/** Write a length of time: "5 s", "3 min 05 s", "2 h 14 min". */
+export function duration(seconds) {
+  const whole = Math.max(0, Math.round(seconds));
+  const [hours, minutes, rest] = [Math.floor(whole / 3600), Math.floor(whole / 60) % 60, whole % 60];
+  const two = (number) => String(number).padStart(2, "0");
+  if (hours) return `${hours} h ${two(minutes)} min`;
+  return minutes ? `${minutes} min ${two(rest)} s` : `${rest} s`;
+}
+
+/** Write a time of day, here. */
+export const clock = (time) => new Date(time).toLocaleTimeString("en-GB");
+
+/** Write an axis' title with its unit. */
+export const titled = (title, unit) => (unit ? `${title} (${unit})` : title);
+
+function minus(text) {
+  return text.replace("-", "−").replace("e−", "e-").replace("e+", "e");
+}
