@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,6 +18,7 @@ from rigkit.service import requests
 from rigkit.service.journal import KEPT
 from rigkit.service.link import Asking, NoAnswer
 from rigkit.service.metrics import Metrics
+from rigkit.service.panel_cache import PanelCache
 from rigkit.service.paths import confined
 from rigkit.service.slot import Slot
 from rigkit.service.snapshot import as_bytes
@@ -93,6 +95,12 @@ def application(ends: Ends, audience: Audience, metrics: Metrics, name: str) -> 
 
 
 def _add_views(app: FastAPI, ends: Ends, metrics: Metrics) -> None:
+    def of_the_rig(name: str) -> tuple[int, bytes]:
+        status, told = _answered(ends.asking, "panel", name=name)
+        return status, as_bytes(told)
+
+    panels = PanelCache(ends.slot, of_the_rig)
+
     @app.get("/api/snapshot")
     async def snapshot() -> Response:
         """Return what the stream sends, once."""
@@ -116,9 +124,10 @@ def _add_views(app: FastAPI, ends: Ends, metrics: Metrics) -> None:
         return await _asked(ends.asking, "events", number=after, most=most)
 
     @app.get("/api/panels/{name}")
-    async def panel(name: str) -> JSONResponse:
-        """Return a panel: curves or an image; the snapshot says which there are, and their revisions."""
-        return await _asked(ends.asking, "panel", name=name)
+    async def panel(name: str) -> Response:
+        """Return a panel: curves, an image or a table; the snapshot says which there are, and their revisions."""
+        status, content = await panels.get(name)
+        return Response(content, status, media_type="application/json")
 
     @app.get("/metrics")
     async def measured() -> Response:
@@ -197,10 +206,14 @@ def _with_reason(asking: Asking, name: str) -> Any:
 
 
 async def _asked(asking: Asking, do: str, /, **arguments: Any) -> JSONResponse:
-    answer = await asyncio.to_thread(asking.ask, {"do": do, "with": arguments})
-    if answer["status"] == 200:
-        return _Json(answer["told"])
-    return _Json({"error": answer["error"]}, answer["status"])
+    status, told = await asyncio.to_thread(partial(_answered, asking, do, **arguments))
+    return _Json(told, status)
+
+
+def _answered(asking: Asking, do: str, /, **arguments: Any) -> tuple[int, Any]:
+    answer = asking.ask({"do": do, "with": arguments})
+    status = answer["status"]
+    return status, answer["told"] if status == 200 else {"error": answer["error"]}
 
 
 class _Json(JSONResponse):

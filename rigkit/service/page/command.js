@@ -12,6 +12,7 @@ export class Command {
   #rig;
   #options;
   #holder = null;
+  #mine = "";
   #renewing = 0;
 
   constructor(rig) {
@@ -30,7 +31,7 @@ export class Command {
 
   show({ control, allowed, procedure }) {
     this.#holder = control?.who ?? null;
-    if (key() && this.#holder === null) this.#lost();
+    if (key()) this.#follow();
     const mine = key() !== "";
     const others = !mine && this.#holder !== null;
     write(byId("owner"), mine ? "You have control." : others ? `${this.#holder} has control.` : "Nobody has control.");
@@ -45,6 +46,12 @@ export class Command {
     show(byId("acknowledge"), allowed.includes("acknowledge"));
     show(byId("begin"), mine && (allowed.includes("run") || allowed.includes("calibrate")));
     byId("begin-button").disabled = !allowed.includes(this.#options.chosen?.kind);
+  }
+
+  /** Control that has run out, or that somebody with another name has taken over, is gone. */
+  #follow() {
+    if (this.#mine && this.#holder !== this.#mine) this.#lost(this.#holder ? `${this.#holder} has taken over control` : "");
+    else if (this.#holder === byId("who").value.trim()) this.#mine = this.#holder;
   }
 
   async #take() {
@@ -98,6 +105,7 @@ export class Command {
 
   #lost(why = "") {
     keepKey("");
+    this.#mine = "";
     clearTimeout(this.#renewing);
     if (why) write(byId("told"), why);
   }

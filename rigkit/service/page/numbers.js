@@ -12,13 +12,17 @@ export function scaled(largest, unit) {
   return { factor, unit: prefix + written };
 }
 
-/** Write a number with three digits, without an exponent where it needs none. */
+/** Write a number with three digits, without an exponent where it needs none; a whole number as such. */
 export function digits(value) {
+  return Number.isInteger(value) && Math.abs(value) < 1e5 ? minus(String(value)) : three(value);
+}
+
+function three(value) {
   if (value === null || !Number.isFinite(value)) return "-";
   const size = Math.abs(value);
-  if (size >= 1e5 || (size > 0 && size < 1e-3)) return minus(value.toExponential(2));
-  const places = size >= 100 || Number.isInteger(value) ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3;
-  return minus(value.toFixed(places));
+  if (size === 0) return "0";
+  if (size >= 1e5 || size < 1e-3) return minus(value.toExponential(2));
+  return minus(value.toFixed(size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3));
 }
 
 /** Write a number with the fewest digits that tell it from its neighbours on an axis. */
@@ -32,7 +36,8 @@ export function tick(value) {
 export function quantity(value, unit) {
   if (value === null) return "-";
   const scale = scaled(Math.abs(value), unit);
-  return `${digits(value / scale.factor)} ${scale.unit}`.trim();
+  const number = (PREFIXED.has(unit) ? three : digits)(value / scale.factor);
+  return `${number} ${scale.unit}`.trim();
 }
 
 /** Write a length of time: "5 s", "3 min 05 s", "2 h 14 min". */

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from selenium.webdriver import Chrome, ChromeOptions
+from selenium.webdriver import ActionChains, Chrome, ChromeOptions
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -50,7 +50,10 @@ class Browser:
         self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [scheme]})
 
     def open(self, address: str, token: str = "") -> None:
-        """Open the page of a daemon; with a token, as with one in the address."""
+        """Open the page of a daemon in a tab that knows of nothing; with a token, as with one in the address."""
+        self.driver.get("about:blank")
+        self.driver.get(f"{address}/icon.svg")
+        self.run("sessionStorage.clear(); localStorage.clear()")
         self.driver.get(f"{address}/#token={token}" if token else f"{address}/")
 
     def find(self, name: str) -> WebElement:
@@ -64,6 +67,14 @@ class Browser:
     def run(self, script: str, *arguments: Any) -> Any:
         """Run a script in the page."""
         return self.driver.execute_script(script, *arguments)
+
+    def shows(self, name: str) -> bool:
+        """Whether an element is to be seen."""
+        return self.find(name).is_displayed()
+
+    def key(self, key: str) -> None:
+        """Press a key where the focus is."""
+        ActionChains(self.driver).send_keys(key).perform()
 
     def press(self, name: str) -> None:
         """Wait until a button can be pressed, and press it with Enter."""
@@ -80,11 +91,12 @@ class Browser:
         until(lambda: self.text("state-name") in states)
 
     def requested(self) -> set[str]:
-        """Return the addresses that were asked for since this was called last."""
+        """Return the addresses that were asked for since this was called last; the browser's own pages left out."""
         entries = [json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance")]
         sent = [entry["params"] for entry in entries if entry["method"] == "Network.requestWillBeSent"]
         sockets = [entry["params"] for entry in entries if entry["method"] == "Network.webSocketCreated"]
-        return {each["request"]["url"] for each in sent} | {each["url"] for each in sockets}
+        found = {each["request"]["url"] for each in sent} | {each["url"] for each in sockets}
+        return {url for url in found if not url.startswith(("chrome:", "chrome-untrusted:", "about:", "data:"))}
 
     def complaints(self) -> list[str]:
         """Return what the browser has complained of in its console: errors, refusals of the content policy."""

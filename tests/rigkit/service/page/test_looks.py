@@ -1,0 +1,172 @@
+"""How the page looks and reads: on a phone, to a screen reader, by what is measured, with nothing from elsewhere."""
+
+from typing import Any
+from urllib.parse import urlsplit
+
+import pytest
+from selenium.webdriver.common.keys import Keys
+
+from tests.rigkit.service.page.browser import PHONE, Browser
+from tests.rigkit.service.page.visit import Visit
+from tests.rigkit.service.served import Served
+from tests.rigkit.service.until import until
+
+PANELS = 5
+NAMED = {"button", "textbox", "combobox", "progressbar", "image", "checkbox", "spinbutton", "list", "region", "form"}
+
+
+@pytest.fixture(scope="module")
+def page(tab: Browser, daemon: Served) -> Visit:
+    """Open the page once for tests that change nothing."""
+    made = Visit(tab, daemon)
+    made.quiet()
+    made.open(daemon.tokens.operate)
+    tab.until_state("DISARMED")
+    return made
+
+
+def _drawn(tab: Browser) -> None:
+    """Wait until each panel of the demonstration is there."""
+    until(lambda: len(tab.driver.find_elements("css selector", ".panel")) == PANELS)
+
+
+def test_nothing_comes_from_elsewhere_and_nothing_is_complained_of(visit: Visit) -> None:
+    visit.tab.requested()
+    visit.tab.complaints()
+    visit.open(visit.daemon.tokens.operate)
+    visit.take_control()
+    visit.begin()
+    _drawn(visit.tab)
+    asked = visit.tab.requested()
+    assert any(url.endswith("/api/stream") for url in asked)
+    assert {urlsplit(url).netloc for url in asked} == {visit.daemon.settings.address}
+    assert visit.tab.complaints() == []
+
+
+def test_a_script_that_is_not_a_file_of_the_page_does_not_run(visit: Visit) -> None:
+    visit.tab.run(
+        "const planted = document.createElement('script'); planted.textContent = 'window.planted = 1';"
+        "document.body.append(planted)"
+    )
+    assert visit.tab.run("return window.planted") is None
+    assert any("Content Security Policy" in text for text in visit.tab.complaints())
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_a_phone_needs_no_scrolling_sideways_and_always_shows_stop(visit: Visit, dark: bool) -> None:
+    tab = visit.tab
+    visit.take_control()
+    visit.begin()
+    _drawn(tab)
+    tab.resize(PHONE, dark)
+    for where in ("0", "document.documentElement.scrollHeight"):
+        tab.run(f"scrollTo(0, {where})")
+        assert tab.run("return document.documentElement.scrollWidth") == PHONE[0]
+        stop = tab.run(
+            "const box = document.getElementById('stop').getBoundingClientRect();"
+            "return [box.left, box.right, box.top, box.bottom, box.height]"
+        )
+        assert stop[0] >= 0
+        assert stop[1] <= PHONE[0]
+        assert stop[2] >= 0
+        assert stop[3] <= PHONE[1]
+        assert stop[4] >= 60
+    small = tab.run(
+        "return [...document.querySelectorAll('button, input, select')].filter(e => e.checkVisibility())"
+        ".filter(e => e.getBoundingClientRect().height < 34).map(e => e.id)"
+    )
+    assert small == []
+
+
+def test_every_control_and_panel_has_a_name_for_a_screen_reader(visit: Visit) -> None:
+    visit.take_control()
+    visit.begin()
+    _drawn(visit.tab)
+    nodes = visit.tab.driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
+    found = [node for node in nodes if not node.get("ignored") and node["role"]["value"] in NAMED]
+    nameless = [node["role"]["value"] for node in found if not node.get("name", {}).get("value")]
+    assert nameless == []
+    names = {node["name"]["value"] for node in found}
+    assert {"STOP", "Pause", "End", "Why (for the event log)", "Give control back"} <= names
+    assert any(name.startswith("Convergence: error over step. error: last ") for name in names)
+    assert any(name.startswith("Spectrogram: level from") for name in names)
+
+
+def test_every_control_that_can_be_pressed_is_reached_by_the_tab_key(visit: Visit) -> None:
+    visit.take_control()
+    visit.begin()
+    wanted = set(
+        visit.tab.run(
+            "return [...document.querySelectorAll('button, input, select')]"
+            ".filter(e => e.checkVisibility() && !e.disabled).map(e => e.id)"
+        )
+    )
+    assert {"stop", "hold", "abort", "why", "give-back"} <= wanted
+    reached = set()
+    for _ in range(40):
+        visit.tab.key(Keys.TAB)
+        reached.add(visit.tab.run("return document.activeElement.id"))
+    assert wanted <= reached
+
+
+@pytest.mark.parametrize(
+    ("state", "output", "tone", "light"),
+    [
+        ("DISARMED", None, "quiet", "Output closed"),
+        ("DISARMED", 0.0, "quiet", "Output zero"),
+        ("DISARMED", 0.5, "fault", "Output on"),
+        ("ARMED", 0.0, "ready", "Output zero"),
+        ("RUNNING", 0.0, "ready", "Output zero"),
+        ("RUNNING", 0.5, "live", "Output on"),
+        ("FAULT", 0.0, "fault", "Output zero"),
+    ],
+)
+def test_the_head_has_the_colour_of_what_is_measured(
+    page: Visit, state: str, output: float | None, tone: str, light: str
+) -> None:
+    with page.daemon.client() as client:
+        shown: dict[str, Any] = client.snapshot()
+    shown["state"]["name"] = state
+    for gauge in shown["gauges"]:
+        gauge["value"] = output if gauge["is_output"] else gauge["value"]
+    found = page.tab.driver.execute_async_script(
+        "const [shown, done] = arguments; import('/state.js').then(({ showState }) => { showState(shown);"
+        "done([document.getElementById('state').dataset.tone, document.getElementById('light-output').textContent]) })",
+        shown,
+    )
+    assert found == [tone, light]
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        ("quantity(-9.2e-7, 'm')", "−920 nm"),
+        ("quantity(0.0315, 'm/s^2')", "0.032 m/s²"),
+        ("quantity(2.1e10, 'byte')", "21.0 GB"),
+        ("quantity(null, 'V')", "-"),
+        ("quantity(3, '1')", "3"),
+        ("quantity(0, 'V')", "0 V"),
+        ("quantity(-39.96, 'dB')", "−40.0 dB"),
+        ("duration(59.7)", "1 min 00 s"),
+        ("duration(8070)", "2 h 14 min"),
+        ("duration(-1)", "0 s"),
+    ],
+)
+def test_quantities_are_written_with_three_digits_and_a_fitting_unit(page: Visit, call: str, text: str) -> None:
+    script = f"const done = arguments[0]; import('/numbers.js').then(({{ quantity, duration }}) => done({call}))"
+    assert page.tab.driver.execute_async_script(script) == text
+
+
+@pytest.mark.parametrize(
+    ("call", "ticks"),
+    [
+        ("scale([0, 650], false, 7)", [0, 100, 200, 300, 400, 500, 600]),
+        ("scale([-1, 1], false, 4)", [-1, -0.5, 0, 0.5, 1]),
+        ("scale([3, 3], false, 3)", [2, 3, 4]),
+        ("scale([0.01, 1], true, 4)", [0.01, 0.1, 1]),
+        ("scale([0.1, 1e9], true, 4)", [1, 1e3, 1e6, 1e9]),
+    ],
+)
+def test_axes_have_round_ticks(page: Visit, call: str, ticks: list[float]) -> None:
+    script = f"const done = arguments[0]; import('/scale.js').then(({{ scale }}) => done({call}.ticks))"
+    assert page.tab.driver.execute_async_script(script) == pytest.approx(ticks)
