@@ -51,9 +51,9 @@ class Browser:
 
     def open(self, address: str, token: str = "") -> None:
         """Open the page of a daemon in a tab that knows of nothing; with a token, as with one in the address."""
-        self.driver.get("about:blank")
-        self.driver.get(f"{address}/icon.svg")
+        self.driver.get(address)
         self.run("sessionStorage.clear(); localStorage.clear()")
+        self.driver.get("about:blank")
         self.driver.get(f"{address}/#token={token}" if token else f"{address}/")
 
     def find(self, name: str) -> WebElement:
