@@ -16,7 +16,7 @@ from vibractl.audio_stream import AudioError
 from vibractl.capture import Capture, Discarded, spoiled
 from vibractl.config import RigConfig
 from vibractl.guard import Violation, as_violation, violation
-from vibractl.levels import Levels, levels
+from vibractl.levels import Levels, lately, levels
 from vibractl.loopback import Loopback
 from vibractl.marker import Marker
 from vibractl.proof import LARGEST_ROUND_TRIP, Emission, Proof
@@ -111,6 +111,10 @@ class Line:
     def levels(self) -> Levels:
         """What is played and heard now; from any thread."""
         return levels(self._memory, self._audio, self._limits)
+
+    def lately(self, seconds: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return what was played and heard in the last `seconds`, as `levels.lately`; from any thread."""
+        return lately(self._memory, self._audio, seconds)
 
     @property
     def round_trip(self) -> float:

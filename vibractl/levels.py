@@ -39,8 +39,7 @@ class Levels:
 
 def levels(memory: Memory, audio: Audio, limits: Limits) -> Levels:
     """Return how the stream stands; silence between two emissions."""
-    words = memory.words
-    position = int(words[Word.POSITION]) if words[Word.DONE] != words[Word.REQUEST] else 0
+    words, position = memory.words, _position(memory)
     lately = slice(max(0, position - round(LATELY * audio.rate)), position)
     averaged = max(1, round(limits.rms_seconds * audio.rate))
     square = np.square(memory.emitted[max(0, position - averaged) : position], dtype=float).sum(axis=0)
@@ -53,3 +52,22 @@ def levels(memory: Memory, audio: Audio, limits: Limits) -> Levels:
         int(words[Word.LATE]),
         int(words[Word.CALLBACKS]),
     )
+
+
+def lately(memory: Memory, audio: Audio, seconds: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return what was played and heard in the last `seconds` of the emission under way; nothing before it is so old.
+
+    Returns
+    -------
+    emitted : array, shape (samples, drives), V
+    response : array, shape (samples, responses), m/s^2
+    """
+    position, wanted = _position(memory), round(seconds * audio.rate)
+    part = slice(position - wanted, position) if position >= wanted else slice(0, 0)
+    return memory.emitted[part].copy(), memory.response[part].copy()
+
+
+def _position(memory: Memory) -> int:
+    """Return how many samples of the emission under way have been recorded; 0 between two."""
+    words = memory.words
+    return int(words[Word.POSITION]) if words[Word.DONE] != words[Word.REQUEST] else 0

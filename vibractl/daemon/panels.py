@@ -1,22 +1,23 @@
 """What the page draws of a run: convergence, errors against the limit, certificates, spectrograms."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from rigkit.service.rig import Desk
-from rigkit.service.show import Axis, Curves, Image, Trace
+from rigkit.service.show import Axis, Curves, Image, Table, Trace
 from vibractl.algorithm import Algorithm
 from vibractl.figures.lines import largest_by_span
 from vibractl.figures.spectrogram import magnitudes
-from vibractl.quality import FAINT, Judge, Marks, decibels
+from vibractl.quality import Judge, Marks, decibels
 from vibractl.setup import Setup
 from vibractl.spectrum import Decimator
 
 COLUMNS, ROW = 150, 4.0
 """Of a spectrogram: about so many, and Hz from one row to the next."""
-DEEPEST = -80.0
-"""dB, end of the spectrogram's colours."""
+WORST, BAND = 8, 20.0
+"""Lines in the table: so many, of each band of so many Hz the worst."""
 _FREQUENCY = Axis("frequency", "Hz")
 _SHOT = Axis("shot", "1")
 
@@ -34,10 +35,13 @@ class Panels:
         self._desk, self._judge, self._objective = desk, Judge(made, made.judged), made.config.quality.objective
         step = made.config.learning.decimation
         self._decimator, self._rate = Decimator(step), made.shot.rate / step
-        self._sides = [f"{made.judged.sensor} {sensor + 1}" for sensor in made.judged.sensors]
+        names = [f"{made.judged.sensor} {sensor + 1}" for sensor in made.judged.sensors]
+        self._sides = dict(enumerate(names, start=1))
+        self._loudest = magnitudes(made.judged.reference, self._rate, COLUMNS, ROW)[1].max(axis=(0, 1))
         self._shots: list[int] = []
         self._worst: list[np.ndarray] = []
         self._iae: list[np.ndarray] = []
+        self._first: list[Trace] = []
 
     def draw(self, shot: int, marks: Marks, response: np.ndarray, algorithm: Algorithm) -> None:
         """Draw a shot.
@@ -51,56 +55,82 @@ class Panels:
         algorithm : Algorithm
             After it has learned from the shot.
         """
-        first = not self._shots
         self._shots.append(shot)
         self._worst.append(marks.worst_line_db)
         self._iae.append(marks.iae)
         self._convergence()
-        self._errors(response)
+        over = self._levels(response)
+        self._spectra(shot, over)
+        self._spectrograms(shot, response)
         self._certificate(algorithm)
-        for image in self._spectrograms(response):
-            name = image.title.replace(" ", "_")
-            if first:
-                self._desk.show(f"first_{name}", image)
-            self._desk.show(f"last_{name}", image)
+        self._table(over, algorithm)
 
     def _convergence(self) -> None:
-        limit = Trace("limit", np.array([0, self._shots[-1]]), np.zeros(2), "limit")
+        limit = Trace("objective", np.array([0, self._shots[-1]]), np.zeros(2), "limit")
         worst, iae = self._over_shots(self._worst), self._over_shots(self._iae)
-        over = Axis("worst line over the limit", "dB")
-        self._desk.show("convergence", Curves("Worst line", _SHOT, over, (*worst, limit)))
+        over = Axis("worst line over the objective", "dB")
+        self._desk.show("convergence", Curves("Convergence", _SHOT, over, (*worst, limit)))
         error = Axis("sum of |error|", self._judge.place.unit, "log")
         self._desk.show("error", Curves("Integrated absolute error", _SHOT, error, tuple(iae)))
 
     def _over_shots(self, values: Sequence[np.ndarray]) -> list[Trace]:
         columns = np.array(values).T
-        return [Trace(side, np.array(self._shots), column) for side, column in zip(self._sides, columns, strict=True)]
+        shots = np.array(self._shots)
+        return [Trace(side, shots, column) for side, column in zip(self._sides.values(), columns, strict=True)]
 
-    def _errors(self, response: np.ndarray) -> None:
+    def _levels(self, response: np.ndarray) -> np.ndarray:
+        """Return the errors of the judged lines, (lines, sides), dB re reference."""
         judge = self._judge
-        size = np.abs(judge.lines(judge.error(response)))[judge.judged] / judge.reference_level
-        frequency = judge.frequency[judge.judged]
-        traces = []
-        for side, column in zip(self._sides, size.T, strict=True):
-            at, largest = largest_by_span(frequency, column)
-            traces.append(Trace(side, at, decibels(largest)))
-        limit = Trace("limit", frequency[[0, -1]], np.full(2, self._objective), "limit")
-        level = Axis("error re reference", "dB")
-        self._desk.show("spectrum", Curves("Error of each line", _FREQUENCY, level, (*traces, limit)))
+        lines = np.abs(judge.lines(judge.error(response)))[judge.judged]
+        return decibels(lines / judge.reference_level)
+
+    def _spectra(self, shot: int, level: np.ndarray) -> None:
+        frequency = self._judge.frequency[self._judge.judged]
+        limit = Trace("objective", frequency[[0, -1]], np.full(2, self._objective), "limit")
+        axes = _FREQUENCY, Axis("error re reference", "dB")
+        for side, column in zip(self._sides, level.T, strict=True):
+            last = Trace(f"shot {shot}", *largest_by_span(frequency, column))
+            if len(self._first) < side:
+                self._first.append(replace(last, role="reference"))
+            title = f"Error of {self._sides[side]}, line by line"
+            before = (self._first[side - 1],) if len(self._shots) > 1 else ()
+            self._desk.show(f"spectrum_{side}", Curves(title, *axes, (*before, last, limit)))
 
     def _certificate(self, algorithm: Algorithm) -> None:
         at, largest = largest_by_span(algorithm.law.matrix.frequency, algorithm.certificate)
-        limit = Trace("limit", at[[0, -1]], np.ones(2), "limit")
+        limit = Trace("1: it converges below", at[[0, -1]], np.ones(2), "limit")
         bound = Axis("bound on the error map", "1")
         traces = Trace("certificate", at, largest), limit
-        self._desk.show("certificate", Curves("Certificate: below 1 a line converges", _FREQUENCY, bound, traces))
+        self._desk.show("certificate", Curves("Certificate, line by line", _FREQUENCY, bound, traces))
 
-    def _spectrograms(self, response: np.ndarray) -> Iterator[Image]:
+    def _table(self, level: np.ndarray, algorithm: Algorithm) -> None:
+        """Show the worst lines, one of each band, with their certificates."""
+        frequency = self._judge.frequency[self._judge.judged]
+        bands = [np.flatnonzero(frequency // BAND == band) for band in np.unique(frequency // BAND)]
+        found = [(lines[level[lines, n].argmax()], n) for lines in bands for n in range(level.shape[1])]
+        worst = sorted(found, key=lambda place: -level[place])[:WORST]
+        certificate = np.interp(frequency, algorithm.law.matrix.frequency, algorithm.certificate)
+        rows = tuple(
+            (
+                self._sides[n + 1],
+                round(float(frequency[line]), 1),
+                round(float(level[line, n] - self._objective), 1),
+                round(float(certificate[line]), 2),
+            )
+            for line, n in worst
+        )
+        head = "side", "line, Hz", "over the objective, dB", "certificate"
+        self._desk.show("lines", Table("Worst lines", head, rows))
+
+    def _spectrograms(self, shot: int, response: np.ndarray) -> None:
         heard = np.asarray(response[:, list(self._judge.place.sensors)], dtype=float)
         time, size = magnitudes(self._decimator.apply(heard), self._rate, COLUMNS, ROW)
         span, rows = (float(time[0]), float(time[-1])), (0.0, ROW * (len(size) - 1))
-        axes = Axis("time", "s"), _FREQUENCY, Axis("level re the largest", "dB")
+        axes = Axis("time", "s"), _FREQUENCY, Axis("level re reference", "dB")
+        ends = ("first", "last") if len(self._shots) == 1 else ("last",)
         for side, levels in zip(self._sides, np.moveaxis(size, 2, 0), strict=True):
-            relative = decibels(levels / max(float(levels.max()), FAINT))
-            shown = np.maximum(relative, 1.25 * DEEPEST)
-            yield Image(f"spectrogram {side}", *axes, span, rows, (DEEPEST, 0.0), shown)
+            shown = np.maximum(decibels(levels / self._loudest[side - 1]), 1.25 * self._objective)
+            title = f"{self._sides[side].capitalize()}, shot {shot}"
+            for end in ends:
+                image = Image(title, *axes, span, rows, (self._objective, 0.0), shown)
+                self._desk.show(f"{end}_spectrogram_{side}", image)

@@ -139,7 +139,7 @@ class Vibrator:
         limits = self.config.limits
         now = line.levels
         for side, (peak, rms) in enumerate(zip(now.drive_peak, now.drive_rms, strict=True), start=1):
-            yield Gauge(f"drive_peak_{side}", f"Drive {side}, peak", float(peak), "V", high=limits.peak)
+            yield Gauge(f"drive_peak_{side}", f"Drive {side}, peak", float(peak), "V", high=limits.peak, is_output=True)
             yield Gauge(f"drive_rms_{side}", f"Drive {side}, rms", float(rms), "V", high=limits.rms)
         full = self.config.audio.input_full_scale
         for side, peak in enumerate(now.response_peak, start=1):

@@ -12,6 +12,7 @@ from rigkit.service.reload import Change, Reach, taken
 from rigkit.service.rig import Desk
 from vibractl.audio import Line
 from vibractl.config import RigConfig
+from vibractl.daemon.live_spectrum import LiveSpectrum
 from vibractl.daemon.options import RunOptions
 from vibractl.daemon.panels import Panels
 from vibractl.quality import Marks
@@ -81,7 +82,7 @@ class Running:
 
     def run(self) -> None:
         """Learn until the last shot, or until the desk says that it is to end; then write the report."""
-        with self._folder:
+        with self._folder, LiveSpectrum(self._desk, self._session.config, lambda: self.line):
             try:
                 self._learn()
             except BaseException:

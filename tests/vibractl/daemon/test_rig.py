@@ -31,17 +31,25 @@ def test_a_run_is_learned_shown_and_reported_and_the_rig_stays_armed(lab: Lab) -
     assert (lab.data / "runs" / "one" / "report.html").is_file()
     assert [event["shot"] for event in lab.events("shot")] == [0, 1, 2]
     panels = lab.control.board
-    assert set(panels.revisions()) == {"convergence", "error", "spectrum", "certificate"} | {
-        f"{which}_spectrogram_response_{side}" for which in ("first", "last") for side in (1, 2)
+    assert set(panels.revisions()) - {"live"} == {"convergence", "error", "certificate", "lines"} | {
+        f"{which}_{side}" for which in ("spectrum", "first_spectrogram", "last_spectrogram") for side in (1, 2)
     }
     worst = [trace for trace in panels.panel("convergence")["traces"] if trace["role"] == "measured"]
     table = read_quality(lab.data / "runs" / "one")
     for side, trace in enumerate(worst, start=1):
         assert np.allclose(trace["y"], [float(row[f"worst_line_db_{side}"]) for row in table], atol=1e-4)
-    spectrum = panels.panel("spectrum")["traces"]
-    limit = float(spectrum[-1]["y"][0])
-    for side, trace in enumerate(spectrum[:-1], start=1):
-        assert trace["y"].max() - limit == pytest.approx(float(table[-1][f"worst_line_db_{side}"]), abs=1e-3)
+    largest = []
+    for side in (1, 2):
+        first, last, limit = panels.panel(f"spectrum_{side}")["traces"]
+        for trace, row in ((first, table[0]), (last, table[-1])):
+            over = trace["y"].max() - limit["y"][0]
+            assert over == pytest.approx(float(row[f"worst_line_db_{side}"]), abs=1e-3)
+        largest.append(over)
+        assert panels.panel(f"first_spectrogram_{side}")["title"] == f"Response {side}, shot 0"
+        assert panels.panel(f"last_spectrogram_{side}")["title"] == f"Response {side}, shot 2"
+    rows = panels.panel("lines")["rows"]
+    assert rows[0][2] == pytest.approx(max(largest), abs=0.06)
+    assert [row[2] for row in rows] == sorted((row[2] for row in rows), reverse=True)
 
 
 def test_gauges_tell_levels_against_the_limits_while_the_line_is_open(lab: Lab) -> None:
