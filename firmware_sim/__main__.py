@@ -15,7 +15,7 @@ from firmware_sim.jack_client import JackClient
 from firmware_sim.laboratory import Laboratory, Wiring, plant_block
 from firmware_sim.plants.milling_disturbance import DEFLECTIONS
 from firmware_sim.robot_bench import MISHAPS as ROBOT_MISHAPS
-from firmware_sim.robot_bench import Addresses, RobotBench, cell_controller, cell_force_box, robot_mishap
+from firmware_sim.robot_bench import Addresses, RobotBench, cell_controller, cell_cut, cell_force_box, robot_mishap
 from firmware_sim.stage_bench import StageBench
 from firmware_sim.stage_image import StageImage
 from firmware_sim.stage_processor import Settings
@@ -115,6 +115,9 @@ def stage(
 def robot(
     config: ConfigOption = None,
     settings: SetOption = None,
+    mill: Annotated[
+        bool, typer.Option("--mill", help="The tool is over a block that it mills, as [pocket] says.")
+    ] = False,
     log: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the motor torques to this CSV file.")] = None,
     fault: Annotated[
         list[str] | None,
@@ -122,6 +125,8 @@ def robot(
     ] = None,
 ) -> None:
     """Put a robot's controller behind UDP and TCP, and tracker and force sensor beside it, until Ctrl-C.
+
+    With --mill a fresh block stands where [pocket] says: its top's middle where pocket.home has the tool.
 
     The file is the cell's, cell.toml: [robot], [tracker] and [force_sensor] have the ports, [simulator] the robot's
     options, plants.force_sensor_options the sensor's.
@@ -134,7 +139,7 @@ def robot(
         cell.robot.listen, cell.robot.port, cell.robot.commands, cell.robot.signals, cell.tracker.port
     )
     mishaps = [robot_mishap(text) for text in fault or []]
-    controller, force = cell_controller(cell), cell_force_box(cell)
+    controller, force = cell_controller(cell, cell_cut(cell) if mill else None), cell_force_box(cell)
     bench = RobotBench(controller, addresses, cell.tracker.rate, mishaps=mishaps, log=log, force=force)
     stop = Event()
     for number in (signal.SIGINT, signal.SIGTERM):

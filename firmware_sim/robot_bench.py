@@ -10,12 +10,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Event
+from typing import Any
 
 import numpy as np
 
 from firmware_sim.force_box import MISHAPS as FORCE_MISHAPS
 from firmware_sim.force_box import ForceBox
 from firmware_sim.plants.force_sensor import ForceSensorPlant
+from firmware_sim.plants.milling import PocketMilling
 from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.plants.robot_run_kernel import write_pose
 from firmware_sim.robot_controller import RobotController
@@ -29,6 +31,8 @@ MISHAPS = ("mute", "speak", "trip", "blind", "see", "hang-up", "led-jump", "slip
 """What can be made to happen: the robot silent and back, its supervision tripped; the tracker blind and back, its line
 cut, an LED taken for another by 5 mm; the clamp opened by force; and what `ForceBox` suffers."""
 _BASE, _TOOL = 0, 7
+_CUT_RATE = 2_000.0
+"""samples/s at which robot and block exchange place and force."""
 _JUMP = np.array([5e-3, 0.0, 0.0])
 
 
@@ -67,16 +71,37 @@ class Addresses:
     tracker: int = 0
 
 
-def cell_controller(cell: CellConfig) -> RobotController:
+def cell_controller(cell: CellConfig, cut: PocketMilling | None = None) -> RobotController:
     """Return the controller of the robot that a cell's file describes; ValueError where it has no such option."""
     simulator = cell.simulator
-    given = {"arm": cell.robot.arm, "tool": cell.robot.tool, **simulator.options}
+    rate = RATE if cut is None else cut.rate
+    given: dict[str, Any] = {"arm": cell.robot.arm, "tool": cell.robot.tool, "rate": rate, **simulator.options}
     try:
         plant = RobotPlant(**given)
     except TypeError as fault:
         raise ValueError(f"simulator.options: {fault}") from None
     clamp = np.diag([simulator.clamp] * 3 + [simulator.clamp_turn] * 3)
-    return RobotController(plant, clamp=clamp, slip_force=simulator.slip)
+    return RobotController(plant, clamp=clamp, slip_force=simulator.slip, cut=cut)
+
+
+def cell_cut(cell: CellConfig) -> PocketMilling:
+    """Return the block of a cell's file, its top where the arm has its tool at `pocket.home`, as it sags.
+
+    Raises
+    ------
+    ValueError : an option that is wrong.
+    """
+    pocket, plant = cell.pocket, cell_controller(cell).plant
+    length, width, thickness = pocket.workpiece
+    given: dict[str, Any] = {"tool": pocket.tool, "length": length, "width": width, "thickness": thickness}
+    plant.place(np.array(pocket.home))
+    origin = tuple(plant.frames[_TOOL][:, 3].tolist())
+    try:
+        return PocketMilling(_CUT_RATE, **given | {"origin": origin} | cell.plants.pocket_options)
+    except TypeError as fault:
+        raise ValueError(f"plants.pocket_options: {fault}") from None
+    except ValueError as fault:
+        raise ValueError(str(fault).replace("simulator.options", "plants.pocket_options")) from None
 
 
 def cell_force_box(cell: CellConfig) -> ForceBox:

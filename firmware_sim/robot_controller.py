@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from firmware_sim.plants.milling import PocketMilling
 from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.robot_inverse import rigid_pose, toward
 from stagectl.wire.egm import MODULUS, RATE, Command, Motion, Report, pack_report, unpack_command
@@ -49,10 +50,12 @@ class RobotController:
 
     Parameters
     ----------
-    plant : RobotPlant, of 250 samples/s
+    plant : RobotPlant, of 250 samples/s, or of as many as the cut
     setup : GuidedMotion
     clamp : array, shape (6, 6), m and rad per N and N m, compliance of what the clamp is fastened to
     slip_force : float, N, beyond which the clamp slips
+    cut : PocketMilling or None
+        The block that the tool is in; its rate a multiple of 250 samples/s.
     """
 
     def __init__(
@@ -61,9 +64,13 @@ class RobotController:
         setup: GuidedMotion | None = None,
         clamp: np.ndarray | None = None,
         slip_force: float = np.inf,
+        cut: PocketMilling | None = None,
     ) -> None:
-        if plant.rate != RATE:
-            raise ValueError(f"the plant runs at {plant.rate:g} samples/s, must be {RATE:g} for guided motion")
+        rate = RATE if cut is None else cut.rate
+        if plant.rate != rate:
+            raise ValueError(f"the plant runs at {plant.rate:g} samples/s, must be {rate:g} for guided motion")
+        self._cut, self._steps, self._pushed = cut, round(rate / RATE), np.zeros((3, 1, 3))
+        self._asked, self._part = plant.home.copy(), np.zeros((1, 6))
         self.plant, self.setup, self.counts = plant, setup or GuidedMotion(), CommandCounts()
         self.wrench = np.zeros((1, 6))
         self.torque, self.motor_angle = np.zeros((1, 6)), plant.home[None].copy()
@@ -172,12 +179,19 @@ class RobotController:
         self.plant.brake(False)
         self.motion, self._has_command = Motion.RUNNING, False
         self._reference = self.motor_angle[0].copy()
-        self._line[:] = self._reference
+        self._line[:] = self._asked[:] = self._reference
         self._sequence.reset()
 
     def _move(self) -> None:
         outputs = self.motor_angle, self.torque, self.link_angle, self.pose
-        self.plant.run(self._reference[None], self.wrench, *outputs)
+        step = (self._reference - self._asked) / self._steps
+        for k in range(self._steps):
+            np.add(self._asked, (k + 1) * step, out=self._part[0])
+            self.plant.run(self._part, self.wrench, *outputs)
+            if self._cut is not None:
+                self._cut.run(self.pose[:, :3], *self._pushed)
+                self.wrench[:, :3], self.wrench[:, 3:] = self._pushed[:2]
+        self._asked[:] = self._reference
 
 
 @dataclass
