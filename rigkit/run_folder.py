@@ -63,6 +63,7 @@ class RunFolder:
             folder.write(CONFIG, config)
         except BaseException:
             folder.close()
+            (path / CONFIG).unlink(missing_ok=True)  # without it, what is there counts as empty
             raise
         return folder
 
