@@ -86,7 +86,8 @@ class Carrier:
             except ValueError:  # python-can's own slcan, of a line that is no frame
                 self._garbled += 1
             except (*LinkDown, TypeError) as fault:  # TypeError: pyserial, of a port closed by the other thread
-                self._lose(f"the adapter {self._link.channel} has gone: {fault}")
+                if self._bus is bus:  # else the other thread has closed it, and says why
+                    self._lose(f"the adapter {self._link.channel} has gone: {fault}")
             self._conversation.watch(heard)
             if self._conversation.reason:
                 self._wake.set()

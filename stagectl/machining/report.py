@@ -16,8 +16,8 @@ from stagectl.machining.session import figures, milled_contour, read_back
 
 PAGE = "report.html"
 HEAD = (
-    "setup", "MAE (circle), µm", "σ (circle), µm", "max (circle), µm", "σ (surface), µm", "roughness, µm",
-    "travel used, µm", "at an end, s", "held because",
+    "µm", "MAE, circle", "σ, circle", "largest", "σ, surface", "roughness", "travel used", "at an end, s",
+    "held because",
 )  # fmt: skip
 
 
@@ -49,7 +49,7 @@ def table_rows(rows: list[dict[str, Any]]) -> list[tuple[str, ...]]:
 
 
 def _row(row: dict[str, Any]) -> Iterator[str]:
-    yield f"{row['setup']}: {row['what']}"
+    yield row["setup"]
     for key in ("circle_mae", "circle_std", "circle_max", "surface_std", "roughness"):
         yield f"{1e6 * row[key]:.2f}" if key in row else "-"
     if "travel" in row:
@@ -71,7 +71,8 @@ def _facts(rows: list[dict[str, Any]]) -> Iterator[Fact]:
 
 
 def _sections(path: Path, rows: list[dict[str, Any]], runs: list[Run]) -> Iterator[Section]:
-    yield Section("Accuracy", tables=(Table(HEAD, tuple(table_rows(rows))),))
+    setups = "; ".join(f"{row['setup']}: {row['what']}" for row in rows)
+    yield Section("Accuracy", f"Lengths in µm.  {setups}.", tables=(Table(HEAD, tuple(table_rows(rows))),))
     if any(run.milled is not None for run in runs):
         yield Section("Contour", plots=(polar_plot(runs), deviation_plot(runs)))
         yield Section("Surface", plots=(surface_plot(runs),))

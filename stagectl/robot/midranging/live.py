@@ -12,13 +12,15 @@ from stagectl.link.clock import run_linked
 from stagectl.link.priority import undisturbed
 from stagectl.link.stage_link import StageLink
 from stagectl.robot.config import CellConfig
+from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.live_pair import LivePair, LiveSeen, LiveSend
 from stagectl.robot.midranging.wiring import MEASURED, refuse_unready, split, wire
 from stagectl.robot.port import RobotPort
 from stagectl.robot.program import RobotProgram, begin_motion
 from stagectl.robot.tracker import TrackerLine
 from stagectl.wire.egm import RATE
-from stagectl.wire.messages import AXES
+from stagectl.wire.messages import AXES, REFERENCE
+from stagectl.wire.samples import largest
 
 
 class LiveFault(LinkError):
@@ -56,7 +58,7 @@ def run_live(
 
     Raises
     ------
-    ValueError : an axis that the stage has not, or another rate than the robot's.
+    ValueError : an axis that the stage has not, another rate than the robot's, or more than the stage moves.
     LinkError : a wire that cannot be had.
     LiveFault : a fault, by its reason.
     """
@@ -66,6 +68,7 @@ def run_live(
             f"a live run has the axes {', '.join(names)} at midranging.pair.rate {config.pair.rate:g} samples/s, "
             f"must be of {', '.join(AXES)} at {RATE:g}"
         )
+    _refuse_far(config)
     lead = round(config.session.lead * RATE)
     whole = np.concatenate([np.zeros((lead, axes)), wanted])
     _compile(made)
@@ -88,6 +91,16 @@ def run_live(
     except ValueError as fault:
         raise LiveFault(str(fault), split(record, axes, 0)) from fault
     return split(record, axes, lead)
+
+
+def _refuse_far(config: MidrangeConfig) -> None:
+    """Refuse a travel beyond what the wire carries; the estimation phase stays within it."""
+    far, pair = largest(REFERENCE) - abs(config.pair.middle), config.pair
+    if not pair.travel <= far:
+        raise ValueError(
+            f"midranging.pair.travel is {pair.travel:g} m, must be <= {far:.3g} m in a live run: the stage is asked "
+            "for no more"
+        )
 
 
 def _opened(stack: ExitStack, cell: CellConfig, names: Sequence[str]) -> LivePair:

@@ -27,13 +27,23 @@ class Waiting:
         return None
 
 
-def listened(frames: list[can.Message], stall: float) -> Conversation:
+class Closed(Waiting):
+    """A bus that the other thread closes while this one reads."""
+
+    def recv(self, timeout: float) -> can.Message | None:
+        super().recv(timeout)
+        assert self.carrier is not None
+        self.carrier._bus = None  # noqa: SLF001
+        raise TypeError("argument must be an int, or have a fileno() method.")
+
+
+def listened(frames: list[can.Message], stall: float, kind: type[Waiting] = Waiting) -> Conversation:
     """Return a conversation that has been streaming, after a thread that stood still read what waits."""
     conversation, time = Conversation(Link(), nobody, 100.0), 100.0
     beat = messages.STAGE_HEARTBEAT.pack(0, State.FOLLOWING, Fault.NONE, 0)
     conversation.take(messages.STAGE_HEARTBEAT.identifier, beat, time)
     conversation.begin()
-    bus = Waiting(frames)
+    bus = kind(frames)
     carrier = Carrier(Link(), conversation, lambda: time + stall)
     carrier._bus = bus  # noqa: SLF001
     bus.carrier = carrier
@@ -51,3 +61,7 @@ def test_a_host_that_stood_still_reads_what_waits_before_it_takes_the_stage_for_
 
 def test_a_stage_without_heartbeat_is_silent_whatever_else_it_sends() -> None:
     assert listened([POSITION, POSITION], stall=0.08).reason.startswith("the stage is silent for 0.08 s")
+
+
+def test_a_port_that_the_other_thread_has_closed_is_no_reason_of_its_own() -> None:
+    assert listened([], stall=0.0, kind=Closed).reason == ""

@@ -29,7 +29,7 @@ def test_a_run_ends_with_a_table_figures_and_a_report_and_can_be_replayed(
     assert made["setup"] == "B"
     assert made["fault"] is None
     assert made["circle_mae"] < 2e-4
-    assert "B: robot and tracker" in capsys.readouterr().out
+    assert "MAE, circle" in capsys.readouterr().out
     assert stagectl(monkeypatch, "replay", run) == 0
     assert stagectl(monkeypatch, "report", run, "--json", str(figures)) == 0
     assert json.loads(figures.read_text()) == [made]

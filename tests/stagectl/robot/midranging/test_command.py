@@ -116,9 +116,15 @@ def test_a_reference_of_another_unit_or_far_too_large_is_refused(
 
 def test_a_live_run_whose_wire_cannot_be_had_leaves_no_folder(tmp_path: Path) -> None:
     wire, out = f"link.channel={tmp_path}/can", tmp_path / "run"
+    far = "midranging.pair.travel=1e-4"
     with pytest.raises(LinkError, match="cannot open link.channel"):
-        _run("--scenario", "thesis-1", "--live", "--set", wire, "--out", str(out))
+        _run("--scenario", "thesis-1", "--controller", "mvpc", "--live", "--set", wire, "--set", far, "--out", str(out))
     assert not out.exists()
+
+
+def test_a_live_run_that_asks_for_more_than_the_stage_moves_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"midranging.pair.travel is 0.025 m, must be <= 0.000328 m in a live run"):
+        _run("--scenario", "thesis-1", "--live")
 
 
 def test_feeding_the_slow_loop_forward_takes_it_out_of_the_error() -> None:
