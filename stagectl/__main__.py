@@ -30,6 +30,7 @@ from stagectl.replay import Replayed, replay
 from stagectl.report import run_report
 from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging.command import midrange
+from stagectl.robot.milling.force_command import estimate_force_command
 from stagectl.scenario import scenario_settings
 from stagectl.setup import Setup
 
@@ -204,6 +205,7 @@ def acknowledge_command(
 app.command("midrange")(midrange)
 app.command("cell")(cell)
 app.command("plan")(plan)
+app.command("estimate-force")(estimate_force_command)
 app.command("export")(export)
 app.command("prune")(prune_command)
 app.command("force")(force)

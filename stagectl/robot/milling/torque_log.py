@@ -1,0 +1,159 @@
+"""A signal logger's file of motor angles and torques: read, judged, and laid on an even grid with its gaps."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from stagectl.robot.arm import Arm
+
+COLUMNS = 13
+"""Time (s), six angles, six torques (N m)."""
+LONGEST_GAP = 10.0
+"""s; what is further apart does not belong together."""
+OFF_GRID = 0.3
+"""Of a sample: further off an even grid, times are not those of one clock."""
+FULL_TURN = 2 * np.pi
+
+
+class TorqueLogError(ValueError):
+    """A log that cannot be used; names file, row and what is wrong."""
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueLog:
+    """Motor angles and torques on an even grid, seen from the joints' side.
+
+    Parameters
+    ----------
+    time : array, shape (samples,), s
+    joint_angle : array, shape (samples, 6), rad
+    torque : array, shape (samples, 6), N m
+        NaN, as the angles, where nothing was logged.
+    rate : float, samples/s
+    gaps : int
+        How many stretches have nothing, or a number that is none.
+    missing : int
+        Samples in them.
+    """
+
+    time: np.ndarray
+    joint_angle: np.ndarray
+    torque: np.ndarray
+    rate: float
+    gaps: int
+    missing: int
+
+
+def read_torque_log(path: Path, arm: Arm, unit: str | None = None) -> TorqueLog:
+    """Read a log: a line a sample of time (s), six angles and six torques (N m), with or without a row of names.
+
+    An empty cell, `nan` and lines that are missing are gaps.
+
+    Parameters
+    ----------
+    path : Path
+    arm : Arm
+        Whose limits the angles must be in.
+    unit : "deg" or "rad", optional
+        Of the angles; without one they are degrees, as a signal logger writes them, and a log that could be in radians
+        is refused.
+
+    Raises
+    ------
+    TorqueLogError : no such file, a row that is none, time that does not rise or has no even step, a gap that is too
+        long, angles beyond the arm's limits.
+    """
+    if unit not in (None, "deg", "rad"):
+        raise TorqueLogError(f"the angles' unit is {unit!r}, must be deg or rad")
+    rows, numbers = _rows(path)
+    time = rows[:, 0]
+    if len(rows) < 3:
+        raise TorqueLogError(f"{path}: has {len(rows)} samples, must have 3 at least")
+    back = np.flatnonzero(~(np.diff(time) > 0))
+    if len(back):
+        before, after = time[back[0]], time[back[0] + 1]
+        raise TorqueLogError(f"{path}: row {numbers[back[0] + 1]}: time goes from {before:g} to {after:g} s, must rise")
+    place, step = _grid(path, time, numbers)
+    found = np.full((int(place[-1]) + 1, COLUMNS - 1), np.nan)
+    found[place] = rows[:, 1:]
+    found[~np.isfinite(found).all(axis=1)] = np.nan
+    lost = np.isnan(found[:, 0])
+    if lost.all():
+        raise TorqueLogError(f"{path}: no sample has all its numbers")
+    if unit is None and np.abs(found[~lost, :6]).max() <= FULL_TURN:
+        raise TorqueLogError(
+            f"{path}: all angles are within +-6.28, are they in deg or in rad? Say --angles deg or rad"
+        )
+    angle = found[:, :6].copy() if unit == "rad" else np.radians(found[:, :6])
+    _refuse_outside(path, arm, angle[~lost], unit or "deg")
+    starts = int(np.sum(np.diff(lost.astype(int), prepend=0) == 1))
+    grid = time[0] + step * np.arange(len(found))
+    return TorqueLog(grid, angle, found[:, 6:].copy(), 1.0 / step, starts, int(lost.sum()))
+
+
+def _rows(path: Path) -> tuple[np.ndarray, list[int]]:
+    """Return the numbers, NaN for cells that have none, and the row of the file that each is in, from 1."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as fault:
+        raise TorqueLogError(f"{path}: {getattr(fault, 'strerror', None) or fault}") from None
+    found: list[list[float]] = []
+    numbers: list[int] = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        cells = [cell.strip() for cell in line.split(",")]
+        if not line.strip() or line.startswith("#"):
+            continue
+        if len(cells) != COLUMNS:
+            raise TorqueLogError(
+                f"{path}: row {number} has {len(cells)} columns, must have {COLUMNS}: time (s), six angles, six "
+                "torques (N m)"
+            )
+        if not found and not numbers and not _is_number(cells[0]):
+            continue  # names
+        wrong = [cell for cell in cells if cell and not _is_number(cell)]
+        if wrong or not cells[0]:
+            raise TorqueLogError(f"{path}: row {number}: {(wrong or ['time'])[0]!r} is no number")
+        found.append([float(cell) if cell else np.nan for cell in cells])
+        numbers.append(number)
+    rows = np.array(found).reshape(-1, COLUMNS)
+    if not np.isfinite(rows[:, 0]).all():
+        raise TorqueLogError(f"{path}: row {numbers[int(np.isfinite(rows[:, 0]).argmin())]}: time must be finite")
+    return rows, numbers
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return "_" not in cell  # float() takes 1_0
+
+
+def _grid(path: Path, time: np.ndarray, numbers: list[int]) -> tuple[np.ndarray, float]:
+    """Return at which sample of an even grid each row is, and the grid's step, s."""
+    steps = np.diff(time)
+    long = np.flatnonzero(steps > LONGEST_GAP)
+    if len(long):
+        raise TorqueLogError(
+            f"{path}: row {numbers[long[0] + 1]}: a gap of {steps[long[0]]:.3g} s, must be <= {LONGEST_GAP:g} s; split "
+            "the log there"
+        )
+    usual = float(np.median(steps))
+    usual = float(np.mean(steps[np.abs(steps - usual) < OFF_GRID * usual]))
+    counts = np.round(steps / usual)
+    off = np.abs(steps - counts * usual)
+    wrong = np.flatnonzero((counts < 1) | (off > OFF_GRID * usual))
+    if len(wrong):
+        raise TorqueLogError(
+            f"{path}: row {numbers[wrong[0] + 1]}: time goes on by {steps[wrong[0]]:.4g} s, must by whole samples of "
+            f"{usual:.4g} s"
+        )
+    return np.concatenate([[0], np.cumsum(counts).astype(int)]), usual
+
+
+def _refuse_outside(path: Path, arm: Arm, angle: np.ndarray, unit: str) -> None:
+    try:
+        arm.refuse_outside(angle)
+    except ValueError as fault:
+        raise TorqueLogError(f"{path}: {fault}; angles are read in {unit}") from None
