@@ -13,7 +13,7 @@ class Friction(Section):
     """The sweep through the workspace that shows friction and gravity; six numbers are one a joint."""
 
     lowest: Six = setting((-40.0, -20.0, -50.0, -80.0, -80.0, -80.0), "deg", "of the poses that are visited")
-    highest: Six = setting((40.0, 40.0, 10.0, 80.0, 80.0, 80.0), "deg", "of the poses that are visited")
+    highest: Six = setting((40.0, 40.0, 25.0, 80.0, 80.0, 80.0), "deg", "of the poses that are visited")
     poses: int = setting(
         20, "", "how many; the arm moves between them, in each the joints creep to and fro", ge=6, le=500
     )

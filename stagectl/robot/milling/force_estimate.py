@@ -137,13 +137,12 @@ def _checked(*given: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np
         raise ValueError(f"jacobian has shape {jacobian.shape}, must be ({samples}, 3 or 6, 6)")
     if friction.shape != (samples, 2, 6):
         raise ValueError(f"friction has shape {friction.shape}, must be ({samples}, 2, 6)")
-    empty = np.argwhere(friction[:, 1] <= friction[:, 0])
-    if len(empty):
-        sample, joint = empty[0]
+    if (friction[:, 1] <= friction[:, 0]).any():
+        sample, joint = np.argwhere(friction[:, 1] <= friction[:, 0])[0]
         low, high = friction[sample, :, joint]
         raise ValueError(f"friction of joint {joint + 1}, sample {sample}: {low:g} to {high:g} N m, must rise")
-    if covariance.shape != (6, 6) or not np.allclose(covariance, covariance.T):
+    if covariance.shape != (6, 6) or np.abs(covariance - covariance.T).max() > 1e-9 * np.abs(covariance).max():
         raise ValueError(f"covariance has shape {covariance.shape}, must be (6, 6) and symmetric")
-    if not np.linalg.eigvalsh(covariance).min() > 0:
-        raise ValueError(f"covariance has the eigenvalue {np.linalg.eigvalsh(covariance).min():g}, must be > 0")
+    if not (least := np.linalg.eigvalsh(covariance)[0]) > 0:
+        raise ValueError(f"covariance has the eigenvalue {least:g}, must be > 0")
     return torque, jacobian, friction, covariance

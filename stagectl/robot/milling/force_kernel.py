@@ -20,7 +20,7 @@ NO_LEVER = 1e-9
 ONE_POINT = 1e-7
 """Of a friction range: a set of forces that is less wide is one force."""
 
-# Rows of `work` (47, 6): slabs T in columns 0 to 2 of six rows, middle u, left, goal, weight and inverse (three rows
+# Rows of `work` (52, 6): slabs T in columns 0 to 2 of six rows, middle u, left, goal, weight and inverse (three rows
 # each), force; then those of the two other kernels.
 SLAB, MIDDLE, LEFT, GOAL, WEIGHT, INVERSE, SET = 0, 6, 7, 8, 9, 12, 15
 EXPLAIN = SET + likely.ROWS

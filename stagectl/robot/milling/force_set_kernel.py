@@ -13,8 +13,9 @@ SLACK = 1e-10
 PARALLEL = 1e-10
 """Sine of an angle below which two faces make no edge."""
 
-EDGE, AT_FIRST, AT_SECOND, POINT, WAY, HALF, BY_FIRST, BY_SECOND, CROSSED, ROWS = range(10)
-"""Rows of `work` (9, 6): of an edge its direction, feet of it and a point; then a column for each slab that cuts it."""
+EDGE, POINT, WAY, HALF, BY_FIRST, BY_SECOND, CROSSED, GRAM = range(8)
+"""Rows of `work` (13, 6): an edge's direction and a point of it; a column for each slab that cuts it; T T'."""
+ROWS = GRAM + JOINTS
 
 
 @njit(cache=True, nogil=True)
@@ -61,22 +62,25 @@ def search_edges(
 
     `force` comes as a point of the set.
     """
-    edge, first, second, point = work[EDGE], work[AT_FIRST], work[AT_SECOND], work[POINT][:PARTS]
+    edge, point, gram = work[EDGE], work[POINT][:PARTS], work[GRAM:]
     nearest = distance(force, goal, weight) if seek else 0.0
     for i in range(JOINTS):
+        for j in range(i, JOINTS):
+            gram[i, j] = slab[i, 0] * slab[j, 0] + slab[i, 1] * slab[j, 1] + slab[i, 2] * slab[j, 2]
+            gram[j, i] = gram[i, j]
+    for i in range(JOINTS):
         for j in range(i + 1, JOINTS):
-            if not _edge(i, j, slab, edge, first, second):
+            square = gram[i, i] * gram[j, j] - gram[i, j] ** 2
+            if square <= PARALLEL**2 * gram[i, i] * gram[j, j]:
                 continue
-            _crossings(i, j, middle, slab, work)
+            _crossings(i, j, square, middle, slab, work)
             for corner in range(4):
                 at_i, at_j = 1.0 if corner % 2 else -1.0, 1.0 if corner // 2 else -1.0
                 start, end = _cut(at_i, at_j, work)
                 if start > end:
                     continue
                 for along in (start, end):
-                    for k in range(PARTS):
-                        foot = (middle[i] - at_i) * first[k] + (middle[j] - at_j) * second[k]
-                        point[k] = foot + along * edge[k]
+                    _place(i, j, (middle[i] - at_i) / square, (middle[j] - at_j) / square, along, slab, work)
                     widen(point, low, high)
                 if seek:
                     _nearest_along(start - end, point, edge, goal, weight)
@@ -87,51 +91,41 @@ def search_edges(
 
 
 @njit(cache=True, nogil=True)
-def _edge(i: int, j: int, slab: np.ndarray, edge: np.ndarray, first: np.ndarray, second: np.ndarray) -> bool:
-    """Fill the direction (3,) in which two faces meet, a unit vector, and what each face's place adds to its foot."""
-    square_i = square_j = square = 0.0
+def _crossings(i: int, j: int, square: float, middle: np.ndarray, slab: np.ndarray, work: np.ndarray) -> None:
+    """Fill the direction in which two faces meet, and for each other slab how it cuts their edge.
+
+    Its way along the edge, half of it, and how that way moves with each face's side.  A slab along the edge has no such
+    way: then what it leaves, and half its width.
+    """
+    edge, gram = work[EDGE], work[GRAM:]
     for k in range(PARTS):
         a, b = (k + 1) % PARTS, (k + 2) % PARTS
         edge[k] = slab[i, a] * slab[j, b] - slab[i, b] * slab[j, a]
-        square += edge[k] ** 2
-        square_i += slab[i, k] ** 2
-        square_j += slab[j, k] ** 2
-    if square <= PARALLEL**2 * square_i * square_j:
-        return False
-    for k in range(PARTS):
-        a, b = (k + 1) % PARTS, (k + 2) % PARTS
-        first[k] = (slab[j, a] * edge[b] - slab[j, b] * edge[a]) / square
-        second[k] = (edge[a] * slab[i, b] - edge[b] * slab[i, a]) / square
-    size = 1.0 / np.sqrt(square)
-    for k in range(PARTS):
-        edge[k] *= size
-    return True
-
-
-@njit(cache=True, nogil=True)
-def _crossings(i: int, j: int, middle: np.ndarray, slab: np.ndarray, work: np.ndarray) -> None:
-    """Fill for each other slab: its way along the edge, half of it, and how that way moves with each face's side.
-
-    A slab along the edge has no such way: then what it leaves, and half its width.
-    """
-    edge, first, second = work[EDGE], work[AT_FIRST], work[AT_SECOND]
     row = 0
     for m in range(JOINTS):
         if m == i or m == j:
             continue
-        slope = by_first = by_second = size = 0.0
-        for k in range(PARTS):
-            slope += slab[m, k] * edge[k]
-            by_first += slab[m, k] * first[k]
-            by_second += slab[m, k] * second[k]
-            size += abs(slab[m, k])
-        is_crossed = abs(slope) > PARALLEL * size
+        slope = slab[m, 0] * edge[0] + slab[m, 1] * edge[1] + slab[m, 2] * edge[2]
+        is_crossed = slope * slope > PARALLEL**2 * square * gram[m, m]
         scale = 1.0 / slope if is_crossed else 1.0
-        work[WAY, row] = scale * (middle[m] - middle[i] * by_first - middle[j] * by_second)
+        by_first = scale / square * (gram[i, m] * gram[j, j] - gram[i, j] * gram[j, m])
+        by_second = scale / square * (gram[j, m] * gram[i, i] - gram[i, j] * gram[i, m])
+        work[WAY, row] = scale * middle[m] - middle[i] * by_first - middle[j] * by_second
         work[HALF, row] = abs(scale) * (1.0 + SLACK)
-        work[BY_FIRST, row], work[BY_SECOND, row] = scale * by_first, scale * by_second
+        work[BY_FIRST, row], work[BY_SECOND, row] = by_first, by_second
         work[CROSSED, row] = 1.0 if is_crossed else 0.0
         row += 1
+
+
+@njit(cache=True, nogil=True)
+def _place(i: int, j: int, first: float, second: float, along: float, slab: np.ndarray, work: np.ndarray) -> None:
+    """Fill the point of an edge, from how far its faces are and how far along it is."""
+    edge, point = work[EDGE], work[POINT]
+    for k in range(PARTS):
+        a, b = (k + 1) % PARTS, (k + 2) % PARTS
+        from_first = slab[j, a] * edge[b] - slab[j, b] * edge[a]
+        from_second = edge[a] * slab[i, b] - edge[b] * slab[i, a]
+        point[k] = first * from_first + second * from_second + along * edge[k]
 
 
 @njit(cache=True, nogil=True)
