@@ -35,7 +35,7 @@ from stagectl.robot.milling.force_estimate import TIE_BREAKS, ForceEstimates, es
 from stagectl.robot.milling.force_model import ForceEstimate, ForceModel
 from stagectl.robot.tool_path import joints_at, ramped
 from tests.stagectl.robot.milling.force_cases import Cases, random_cases
-from tests.stagectl.robot.milling.torque_models import ARM, some_gravity, wide_friction
+from tests.stagectl.robot.milling.torque_models import ARM, wide_model
 
 PAGE = "force-estimate.md"
 ARMS = range(1, 6)
@@ -163,7 +163,7 @@ def one_by_one(cases: Cases) -> float:
 
 def as_block() -> float:
     """Return the seconds of a call of one sample, everything from angles on."""
-    block = ForceEstimate(ForceModel(ARM, some_gravity(), wide_friction()))
+    block = ForceEstimate(wide_model())
     block.prepare(RATE / SLOW, 1)
     told = [np.zeros((1, port.width)) for port in block.outputs]
     angle = 0.3 + 0.1 * np.sin(np.arange(1_000)[:, None] / 40 + np.arange(6))

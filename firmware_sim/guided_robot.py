@@ -28,8 +28,8 @@ class GuidedRobot(RobotOptions, Block):
 
     Ports: `reference` (rad, 6), `force` (N, 3) and `moment` (N m, 3) on the tool in base axes in; `report` (1), how
     many it has sent, `motors` (1 while they are on), `motor_angle`, `planned_angle` (rad, 6) as reported, and of the
-    tool `position` (m, 3) and `orientation` (1, 4), a unit quaternion w x y z, and the motors' `torque` (N m, 6) at the
-    last report, seen from the arm's side of the gears, out.  Reports come every 4 ms.
+    tool `position` (m, 3) and `orientation` (1, 4), a unit quaternion w x y z, and the motors' `torque` (N m, 6), its
+    mean from report to report, seen from the arm's side of the gears, out.  Reports come every 4 ms.
 
     Parameters
     ----------
@@ -76,6 +76,7 @@ class GuidedRobot(RobotOptions, Block):
         self._cycle, self._period, self._done = round(CYCLE * rate), 1.0 / rate, 0
         self._last, self._reports, self._on, self._trips = np.zeros((3, 6)), 0.0, 1.0, round(self.trip * rate)
         self._last[:2] = start
+        self._drive, self._drives, self._mean = np.zeros(6), 0, np.zeros(6)
 
     def process(
         self,
@@ -102,14 +103,27 @@ class GuidedRobot(RobotOptions, Block):
                 if self._done <= self._trips < self._done + self._cycle:
                     self.plant.trip(1)
             self.plant.run(driven[now], wrench[now], angle[now], drive[now], link[now], pose[now])
+            mean = self._mean_torque(drive[now])
             if self._done % self._cycle == 0 and not self._is_mute(self._done * self._period):
                 np.subtract(angle[n], error[n], out=self._last[0])
-                self._last[1], self._last[2], self._reports = planned[n], drive[n], self._reports + 1.0
+                self._last[1], self._last[2], self._reports = planned[n], mean, self._reports + 1.0
             report[now], motors[now] = self._reports, self._on
             motor_angle[now], planned_angle[now], torque[now] = self._last
             self._done += now.stop - n
             n = now.stop
         position[:], orientation[:] = pose[:, :3], pose[:, 3:]
+
+    def _mean_torque(self, drive: np.ndarray) -> np.ndarray:
+        """Return the mean up to the last report (N m); torques `drive`, (samples, 6), may begin with another.
+
+        References come in steps, whose ripple every single sample after a report would show alike.
+        """
+        if self._done % self._cycle == 0:
+            self._mean = (self._drive + drive[0]) / (self._drives + 1)
+            self._drive[:], self._drives, drive = 0.0, 0, drive[1:]
+        self._drive += drive.sum(axis=0)
+        self._drives += len(drive)
+        return self._mean
 
     def _is_mute(self, time: float) -> bool:
         return self.mute <= time < self.mute + self.mute_for

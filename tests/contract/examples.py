@@ -52,7 +52,7 @@ from stagectl.robot.midranging.live_pair import LivePair, LiveSeen, LiveSend
 from stagectl.robot.midranging.reference_governor import Governor
 from stagectl.robot.midranging.tuning import LoopModel, lambda_tuned
 from stagectl.robot.midranging.valve_position import ValvePosition, ValvePositionAxis
-from stagectl.robot.milling.force_model import ForceEstimate, ForceModel
+from stagectl.robot.milling.force_model import ForceEstimate
 from stagectl.robot.port import RobotPort
 from stagectl.robot.port_blocks import JointCommand, JointReport, PoseCommand, PoseReport
 from stagectl.robot.program import MotorTorque, RobotProgram, TorqueSignals
@@ -74,7 +74,7 @@ from stagectl.wire.egm import Report, pack_report
 from stagectl.wire.messages import Drive
 from tests.contract.conformance import Example
 from tests.contract.feed_examples import FEED_EXAMPLES
-from tests.stagectl.robot.milling.torque_models import some_gravity, wide_friction
+from tests.stagectl.robot.milling.torque_models import wide_model
 from vibractl.algorithm import Algorithm
 from vibractl.audio_engine import DeviceInput
 from vibractl.config import Adaptation, Learning, Limits, Watch
@@ -260,9 +260,7 @@ EXAMPLES: dict[type[Block], Example] = {
     ),
     Send: Example(lambda: Send(StageLink(Link())), rate=10_000.0),
     Excite: Example(lambda: Excite(StageLink(Link()), Drive.VOLTAGE), rate=10_000.0),
-    ForceEstimate: Example(
-        lambda: ForceEstimate(ForceModel(irb140().with_tool(0.1), some_gravity(), wide_friction())), rate=250.0
-    ),
+    ForceEstimate: Example(lambda: ForceEstimate(wide_model()), rate=250.0),
     Sweep: Example(lambda: Sweep(np.full((300, 6), 0.1), np.ones(300), 1.0), rate=250.0),
     CartesianCorrection: Example(lambda: CartesianCorrection(irb140(), 0.1), rate=250.0),
     RobotArm: Example(RobotArm, rate=8_000.0),

@@ -64,7 +64,13 @@ def estimate_force_command(
 
 
 def force_table(time: np.ndarray, found: ForceEstimates) -> str:
-    """Return the CSV file's text; cells are empty where nothing is determined."""
+    """Return the CSV file's text; cells are empty where nothing is determined.
+
+    Parameters
+    ----------
+    time : array, shape (samples,), s
+    found : ForceEstimates
+    """
     names = [f"{what}_{axis} [N]" for what in ("force", "lower", "upper") for axis in AXES]
     table = np.column_stack([found.force, found.low, found.high])
     lines = [",".join(["time [s]", *names, "unique [1]", "objective [1]"])]

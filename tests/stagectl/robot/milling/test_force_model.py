@@ -9,13 +9,13 @@ import pytest
 from rigkit.model_file import ModelFile, ModelFileError, write_model_file
 from stagectl.robot.kinematics import jacobian
 from stagectl.robot.milling.force_estimate import estimate_force
-from stagectl.robot.milling.force_model import ForceEstimate, ForceModel
+from stagectl.robot.milling.force_model import ForceEstimate
 from stagectl.robot.milling.friction_range import FrictionRange
 from stagectl.robot.milling.torque_file import FORMAT, UNITS, read_force_model, torque_arrays
-from tests.stagectl.robot.milling.torque_models import ARM, some_gravity, wide_friction
+from tests.stagectl.robot.milling.torque_models import ARM, wide_friction, wide_model
 
 RATE = 250.0
-MODEL = ForceModel(ARM, some_gravity(), wide_friction())
+MODEL = wide_model()
 PATH = 0.3 + 0.1 * np.sin(np.arange(300)[:, None] / 40 + np.arange(6))
 TORQUE = MODEL.gravity.torque(ARM, PATH) + np.random.default_rng(1).normal(size=(300, 6))
 

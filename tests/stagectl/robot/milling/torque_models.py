@@ -3,6 +3,7 @@
 import numpy as np
 
 from stagectl.robot.arm import Arm, irb140
+from stagectl.robot.milling.force_model import ForceModel
 from stagectl.robot.milling.friction_range import FrictionRange
 from stagectl.robot.milling.gravity import Gravity
 from tests.stagectl.robot.milling.force_cases import COULOMB, NOISE
@@ -18,6 +19,10 @@ def wide_friction(fastest: float = 100.0, smoothing: float = 0.01) -> FrictionRa
 
 def some_gravity() -> Gravity:
     return Gravity(np.random.default_rng(3).uniform(0.1, 2.0, (6, 4)))
+
+
+def wide_model() -> ForceModel:
+    return ForceModel(ARM, some_gravity(), wide_friction())
 
 
 def angles(samples: int, seed: int = 1, arm: Arm = ARM) -> np.ndarray:
