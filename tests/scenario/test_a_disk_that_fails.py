@@ -17,6 +17,10 @@ QUICK = 29
 """From one call that fails to the next, in `make test`."""
 
 
+pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+"""A call that fails may be one of multiprocessing's own, as it frees memory."""
+
+
 def fail_and_take_up(folder: Path, patch: pytest.MonkeyPatch, stride: int) -> int:
     """Let calls fail, and return how many did; every run must go on to its end."""
     model, failed = linear_model(folder), 0
