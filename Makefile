@@ -77,17 +77,22 @@ install:
 	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[dev]'
 	@echo "$(KEY)" > $(STAMP)
 
-# PortAudio and JACK, for the tests that go through a real audio server; those say why they skip where it is missing.
+# PortAudio and JACK for the tests that go through a real audio server, Chromium for those of the daemon's page (300 MB);
+# they say why they skip where one is missing.
 packages:
 	@missing=""; \
 	ldconfig -p 2>/dev/null | grep -q libportaudio || missing="$$missing libportaudio2"; \
 	command -v jackd >/dev/null || missing="$$missing jackd2"; \
+	command -v chromedriver >/dev/null || missing="$$missing chromium-driver"; \
 	if [ -z "$$missing" ]; then exit 0; fi; \
 	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
 	  echo "installing$$missing"; \
 	  export DEBIAN_FRONTEND=noninteractive; \
-	  apt-get update -qq && apt-get install -y -qq --no-install-recommends $$missing >/dev/null \
-	    || echo "apt-get could not install$$missing: the tests with a real audio server will be skipped"; \
+	  apt-get update -qq; \
+	  for package in $$missing; do \
+	    apt-get install -y -qq --no-install-recommends $$package >/dev/null \
+	      || echo "apt-get could not install $$package: the tests that need it will be skipped"; \
+	  done; \
 	else \
-	  echo "not installed:$$missing (apt-get install$$missing): the tests with a real audio server will be skipped"; \
+	  echo "not installed:$$missing (apt-get install$$missing): the tests that need them will be skipped"; \
 	fi

@@ -40,7 +40,9 @@ class LiveSpectrum:
         self._thread = threading.Thread(target=self._show, name="live spectrum", daemon=True)
 
     def __enter__(self) -> Self:
-        """Begin."""
+        """Begin, with nothing heard yet."""
+        sides = len(self._config.audio.response_channels)
+        self._desk.show("live", live_panel(np.zeros((0, sides)), self._config))
         self._thread.start()
         return self
 
@@ -65,6 +67,7 @@ def live_panel(response: np.ndarray, config: RigConfig) -> Curves:
     Parameters
     ----------
     response : array, shape (samples, sides), m/s^2
+        May be empty: then there are no lines.
     config : RigConfig
     """
     frequency, level = spectrum(response, config.audio.rate)
@@ -91,6 +94,8 @@ def spectrum(signal: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
     frequency : array, shape (lines,), Hz
     level : array, shape (lines, channels), dB, at least `DEEPEST`
     """
+    if not len(signal):
+        return np.zeros(0), np.zeros(signal.shape)
     size = np.abs(np.fft.rfft(signal * blackmanharris(len(signal))[:, None], axis=0))
     relative = size / np.maximum(size.max(axis=0), np.finfo(float).tiny)
     return np.fft.rfftfreq(len(signal), 1 / rate), np.maximum(decibels(relative), DEEPEST)

@@ -64,14 +64,17 @@ class Panels:
         self._spectrograms(shot, response)
         self._certificate(algorithm)
         self._table(over, algorithm)
+        self._absolute_error()
 
     def _convergence(self) -> None:
         limit = Trace("objective", np.array([0, self._shots[-1]]), np.zeros(2), "limit")
-        worst, iae = self._over_shots(self._worst), self._over_shots(self._iae)
+        worst = self._over_shots(self._worst)
         over = Axis("worst line over the objective", "dB")
         self._desk.show("convergence", Curves("Convergence", _SHOT, over, (*worst, limit)))
+
+    def _absolute_error(self) -> None:
         error = Axis("sum of |error|", self._judge.place.unit, "log")
-        self._desk.show("error", Curves("Integrated absolute error", _SHOT, error, tuple(iae)))
+        self._desk.show("error", Curves("Integrated absolute error", _SHOT, error, tuple(self._over_shots(self._iae))))
 
     def _over_shots(self, values: Sequence[np.ndarray]) -> list[Trace]:
         columns = np.array(values).T

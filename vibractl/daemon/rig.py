@@ -87,12 +87,12 @@ class Vibrator:
         """Return levels against limits, how the audio keeps up, and room on the disk."""
         under_way = self._under_way
         there = free(Path(self.config.daemon.data).absolute())
-        found = [Gauge("disk_free", "Room on the disk", there, "byte", low=RESERVE)]
-        if isinstance(under_way, Running):
-            found.append(Gauge("worst_line", "Worst line over the limit", under_way.worst_db, "dB", high=0.0))
-            found.append(Gauge("discarded", "Recordings discarded", under_way.discarded, "1"))
         line = None if under_way is None else under_way.line
-        return found if line is None else [*found, *self._levels(line)]
+        found = [] if line is None else list(self._levels(line))
+        if isinstance(under_way, Running):
+            found.append(Gauge("worst_line", "Worst line over the objective", under_way.worst_db, "dB", high=0.0))
+            found.append(Gauge("discarded", "Recordings discarded", under_way.discarded, "1"))
+        return [*found, Gauge("disk_free", "Room on the disk", there, "byte", low=RESERVE)]
 
     def arm(self) -> None:
         """See that there is an audio interface to open, and room to record."""

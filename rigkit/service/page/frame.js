@@ -41,17 +41,17 @@ export function drawFrame(pen, width, height, axes, ranges, right = 12) {
   for (const value of x.ticks) pen.fillText(tick(value / units[0].factor), across(value), box.bottom + 6);
   pen.fillStyle = text;
   pen.fillText(titled(axes.x.title, units[0].unit), (left + box.right) / 2, box.bottom + 24);
-  sideways(pen, titled(axes.y.title, units[1].unit), 8, (box.top + box.bottom) / 2);
+  sideways(pen, titled(axes.y.title, units[1].unit), 8, (box.top + box.bottom) / 2, box.bottom - box.top + 2 * box.top);
   return { x: across, y: up, box };
 }
 
-/** Write text that is read from below upwards, centred on a point. */
-export function sideways(pen, words, x, y) {
+/** Write text that is read from below upwards, centred on a point, narrower where there is no room for it. */
+export function sideways(pen, words, x, y, room) {
   pen.save();
   pen.translate(x, y);
   pen.rotate(-Math.PI / 2);
   [pen.textAlign, pen.textBaseline] = ["center", "middle"];
-  pen.fillText(words, 0, 0);
+  pen.fillText(words, 0, 0, room);
   pen.restore();
 }
 

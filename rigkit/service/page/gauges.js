@@ -5,6 +5,8 @@ import { quantity, scaled, digits } from "./numbers.js";
 
 /** Part of a bar beyond a limit. */
 const BEYOND = 0.15;
+/** Part of its limit below which a value is written as 0. */
+const LEAST = 1e-4;
 const WORDS = { unknown: "not known", free: "", good: "within limits", near: "near its limit", over: "over its limit" };
 
 export class Gauges {
@@ -41,7 +43,8 @@ class Row {
   show(gauge) {
     mark(this.element, "verdict", gauge.verdict);
     write(this.#title, gauge.title);
-    write(this.#value, quantity(gauge.value, gauge.unit));
+    const largest = Math.max(Math.abs(gauge.low ?? 0), Math.abs(gauge.high ?? 0));
+    write(this.#value, quantity(gauge.value, gauge.unit, LEAST * largest));
     write(this.#limits, this.#told(gauge));
     if (gauge.value !== null) this.#largest = Math.max(this.#largest, Math.abs(gauge.value), ...gauge.interval ?? []);
     const ends = this.#ends(gauge);

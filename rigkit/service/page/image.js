@@ -63,7 +63,7 @@ function drawScale(pen, { top, bottom, right }, width, { z, z_range }) {
   [pen.textAlign, pen.textBaseline] = ["left", "middle"];
   for (const value of ticks) pen.fillText(tick(value / unit.factor), left + wide + 4, bottom - place(value) * tall);
   pen.fillStyle = paint.text;
-  sideways(pen, titled(z.title, unit.unit), width - 8, (top + bottom) / 2);
+  sideways(pen, titled(z.title, unit.unit), width - 8, (top + bottom) / 2, tall + 2 * top);
 }
 
 function table(size) {

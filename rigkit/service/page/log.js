@@ -42,7 +42,7 @@ export class Log {
 
 function line(entry) {
   const step = entry.before && entry.before !== entry.state ? `${entry.before} → ${entry.state}` : "";
-  const rest = Object.entries(entry).filter(([name]) => !OWN.has(name)).map(([name, value]) => `${name} ${plain(value)}`);
+  const rest = Object.entries(entry).filter(([name]) => !OWN.has(name)).map(([name, value]) => `${name.replaceAll("_", " ")} ${plain(value)}`);
   const text = [step, entry.why, ...rest].filter(Boolean).join(", ");
   const item = made("li", {}, made("time", { dateTime: entry.time }, clock(entry.time)), " ");
   item.append(made("b", {}, entry.event), " ", made("span", { className: "soft" }, entry.who), " ", text);

@@ -32,9 +32,10 @@ export function tick(value) {
   return minus(String(Number(value.toPrecision(6))));
 }
 
-/** Write a quantity with its unit. */
-export function quantity(value, unit) {
+/** Write a quantity with its unit; one that is smaller than `least` is 0. */
+export function quantity(value, unit, least = 0) {
   if (value === null) return "-";
+  if (Math.abs(value) < least) return quantity(0, unit);
   const scale = scaled(Math.abs(value), unit);
   const number = (PREFIXED.has(unit) ? three : digits)(value / scale.factor);
   return `${number} ${scale.unit}`.trim();

@@ -6,6 +6,7 @@ import { digits, duration } from "./numbers.js";
 export class Procedure {
   show({ procedure }) {
     show(byId("procedure"), procedure !== null);
+    write(byId("summary"), procedure === null ? "" : summary(procedure));
     if (procedure === null) return;
     const { done, total, unit } = procedure;
     write(byId("procedure-title"), procedure.title);
@@ -20,4 +21,10 @@ export class Procedure {
     write(byId("on-abort"), procedure.on_abort);
     for (const name of ["hold", "resume"]) show(byId(name), procedure.pausable);
   }
+}
+
+/** The same in two lines, large, for those who stand far off. */
+function summary({ done, total, unit, seconds_left }) {
+  const left = seconds_left === null ? "" : `\n${duration(seconds_left)} left`;
+  return `${digits(done)} of ${digits(total)} ${unit}${left}`;
 }

@@ -34,5 +34,11 @@ def test_the_objective_is_drawn_where_it_holds() -> None:
     assert set(limit.y) == {config.quality.objective}
 
 
+def test_before_anything_is_heard_there_are_no_lines() -> None:
+    *sides, limit = live_panel(np.zeros((0, 2)), RigConfig()).traces
+    assert [len(trace.y) for trace in sides] == [0, 0]
+    assert len(limit.y) == 2
+
+
 def test_silence_is_as_deep_as_can_be() -> None:
     assert (spectrum(np.zeros((100, 1)), RATE)[1] == DEEPEST).all()
