@@ -14,7 +14,7 @@ export function scaled(largest, unit) {
 
 /** Write a number with three digits, without an exponent where it needs none; a whole number as such. */
 export function digits(value) {
-  return Number.isInteger(value) && Math.abs(value) < 1e5 ? minus(String(value)) : three(value);
+  return Number.isInteger(value) && Math.abs(value) < 1e7 ? minus(String(value)) : three(value);
 }
 
 function three(value) {

@@ -1,6 +1,6 @@
 /** The head of the page: state, and lights that shine by what is measured. */
 
-import { byId, mark, write } from "./element.js";
+import { byId, mark, show, write } from "./element.js";
 import { clock, duration } from "./numbers.js";
 
 /** Show state, since when, why, and the lights. */
@@ -15,6 +15,9 @@ export function showState(snapshot) {
   mark(byId("state"), "tone", tone(state.name, output));
   light("output", output === "on", { on: "Output on", zero: "Output zero", closed: "Output closed" }[output]);
   light("recording", snapshot.recording, snapshot.recording ? "Recording" : "Not recording");
+  const faults = Object.entries(snapshot.faults).map(([sensor, kind]) => `${sensor} ${kind}`);
+  show(byId("light-faults"), faults.length > 0);
+  light("faults", true, `Fault on purpose: ${faults.join(", ")}`);
   light("control", snapshot.control !== null, snapshot.control ? `${snapshot.control.who} has control` : "Nobody has control");
 }
 

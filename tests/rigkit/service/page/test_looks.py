@@ -92,6 +92,15 @@ def test_every_control_and_panel_has_a_name_for_a_screen_reader(visit: Visit) ->
     assert any(name.startswith("Spectrogram: level from") for name in names)
 
 
+def test_a_table_has_its_numbers_in_columns_of_equal_places(visit: Visit) -> None:
+    visit.daemon.begin(steps=100_000)
+    _drawn(visit.tab)
+    rows = visit.tab.run(
+        "return [...document.querySelectorAll('tbody tr')].map(r => [...r.cells].map(c => c.textContent))"
+    )
+    assert rows == [["1", "120.0", "−2.5"], ["2", "180.5", "-"]]
+
+
 def test_every_control_that_can_be_pressed_is_reached_by_the_tab_key(visit: Visit) -> None:
     visit.take_control()
     visit.begin()
@@ -127,14 +136,16 @@ def test_the_head_has_the_colour_of_what_is_measured(
     with page.daemon.client() as client:
         shown: dict[str, Any] = client.snapshot()
     shown["state"]["name"] = state
+    shown["faults"] = {"response_1": "stuck"}
     for gauge in shown["gauges"]:
         gauge["value"] = output if gauge["is_output"] else gauge["value"]
     found = page.tab.driver.execute_async_script(
         "const [shown, done] = arguments; import('/state.js').then(({ showState }) => { showState(shown);"
-        "done([document.getElementById('state').dataset.tone, document.getElementById('light-output').textContent]) })",
+        "done([document.getElementById('state').dataset.tone, document.getElementById('light-output').textContent,"
+        "document.getElementById('light-faults').textContent]) })",
         shown,
     )
-    assert found == [tone, light]
+    assert found == [tone, light, "Fault on purpose: response_1 stuck"]
 
 
 @pytest.mark.parametrize(

@@ -130,6 +130,13 @@ def test_a_fault_is_shown_with_its_reason_and_acknowledged_with_another(visit: V
     visit.tab.until_state("DISARMED")
 
 
+def test_how_far_a_procedure_is_stands_in_the_head_until_it_has_ended(visit: Visit) -> None:
+    visit.daemon.begin(steps=100_000)
+    until(lambda: " of 100000 steps\n" in visit.tab.text("summary"))
+    visit.tab.press("stop")
+    until(lambda: visit.tab.text("summary") == "")
+
+
 def test_what_people_write_is_text_and_never_part_of_the_page(visit: Visit) -> None:
     with visit.daemon.client() as client, client.control("<img src=x>"):
         client.command("arm", "<b id=planted>why</b>")
