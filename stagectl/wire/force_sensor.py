@@ -97,7 +97,18 @@ def pack_record(record: Record, counts: np.ndarray) -> bytes:
 
 
 def unpack_records(data: bytes, counts: np.ndarray) -> list[Record]:
-    """Return the records of a datagram, `counts` as in `pack_record`; `GarbledError` where it has none whole."""
+    """Return the records of a datagram.
+
+    Parameters
+    ----------
+    data : bytes
+    counts : array, shape (6,), 1/N and 1/(N m)
+        As in `pack_record`.
+
+    Raises
+    ------
+    GarbledError : it does not hold whole records.
+    """
     if not data or len(data) % _RECORD.size:
         raise GarbledError(f"a datagram of the force sensor has {len(data)} bytes, must be {_RECORD.size} a record")
     return [Record(row[0], row[1], row[2], np.array(row[3:]) / counts) for row in _RECORD.iter_unpack(data)]
