@@ -6,11 +6,13 @@ from typing import Any
 import numpy as np
 
 from ctlblocks.block import Block, Port
-from rigkit.faults import Faults, FaultTable
+from rigkit.faults import FaultTable
 from vibractl.audio_memory import Memory, Word
 from vibractl.audio_stream import open_stream
 from vibractl.config import RigConfig
 from vibractl.guard import Guard
+from vibractl.heartbeat import heartbeat
+from vibractl.spoiled_input import SpoiledInput
 from vibractl.trial import Trial, shot_graph
 
 _IDLE, _OPENING, _PLAYING, _CLOSING = range(4)
@@ -43,31 +45,6 @@ class DeviceInput(Block):
         np.copyto(response, self.frame)
 
 
-class SpoiledInput:
-    """What a card hears, with faults put in on purpose.
-
-    Parameters
-    ----------
-    table : FaultTable
-        Of every input that the card is opened with.
-    rate : int, samples/s
-    frames : int, samples a callback
-    """
-
-    def __init__(self, table: FaultTable, rate: int, frames: int) -> None:
-        self._block = Faults(table, [1.0] * len(table.names))
-        self._block.prepare(float(rate), frames)
-        self._clean, self._faulty = np.zeros((2, frames, len(table.names)))
-        self._block.process(self._clean, self._faulty)  # compiles
-        self._block.prepare(float(rate), frames)
-
-    def spoiled(self, heard: np.ndarray) -> np.ndarray:
-        """Return a block (frames, inputs), full scale, as it is with the faults; valid until the next."""
-        np.copyto(self._clean, heard)
-        self._block.process(self._clean, self._faulty)
-        return self._faulty
-
-
 class Engine:
     """The stream, its callback and the graph behind it; told what to do through shared memory.
 
@@ -92,6 +69,8 @@ class Engine:
         self._output_scale, self._input_scale = 1 / audio.output_full_scale, audio.input_full_scale
         self._far_scale = np.float32(audio.far_field_full_scale)
         self._blocksize, self._rate = audio.blocksize, audio.rate
+        self._heartbeat = audio.heartbeat_output - 1
+        self._tone = heartbeat(audio.rate, audio.blocksize)
         self._guard = Guard(config.limits, len(self._drives))
         self._trial = Trial(memory.drive[:0], len(self._responses))
         self._input = DeviceInput(len(self._responses))
@@ -198,6 +177,8 @@ class Engine:
         outdata.fill(0.0)
         for column, channel in enumerate(self._drives):
             outdata[:, channel] = self._scaled[:, column]
+        if self._heartbeat >= 0 and not (self._guard.latched or self._words[Word.MUTED]):
+            outdata[:, self._heartbeat] = self._tone
         if self._phase in (_PLAYING, _CLOSING):
             self._keep(position, indata, outdata)
         if self._guard.latched and not self._words[Word.LATCHED]:

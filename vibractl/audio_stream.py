@@ -57,10 +57,10 @@ def open_stream(config: RigConfig, callback: Callable[..., None]) -> Any:
 
 
 def channels(audio: Audio) -> tuple[int, int]:
-    """Return how many input and output channels the rig file needs, loopback included."""
+    """Return how many input and output channels the rig file needs, loopback and heartbeat included."""
     loopback = audio.alignment == "loopback"
     inputs = max(*audio.response_channels, *audio.far_field_channels, audio.loopback_input if loopback else 1)
-    outputs = max(*audio.drive_channels, audio.loopback_output if loopback else 1)
+    outputs = max(*audio.drive_channels, audio.loopback_output if loopback else 1, audio.heartbeat_output)
     return inputs, outputs
 
 

@@ -24,7 +24,7 @@ def collision(audio: Any) -> str:
     'audio.drive_channels [1, 2, 3, 4] and audio.loopback_output 3 share output 3, must be different'
     """
     cable = audio.alignment == "loopback"
-    outputs = ["drive_channels", *["loopback_output"] * cable]
+    outputs = ["drive_channels", *["loopback_output"] * cable, *["heartbeat_output"] * bool(audio.heartbeat_output)]
     inputs = ["response_channels", "far_field_channels", *["loopback_input"] * cable]
     return _shared(audio, "output", outputs) or _shared(audio, "input", inputs)
 

@@ -37,6 +37,9 @@ class Audio(Section):
     )
     loopback_output: int = setting(3, "", "output channel of the loopback cable", ge=1, le=64)
     loopback_input: int = setting(3, "", "input channel of the loopback cable", ge=1, le=64)
+    heartbeat_output: int = setting(
+        0, "", "output of a tone for a relay in the amplifier's supply, while all is well; 0 for none", ge=0, le=64
+    )
     output_full_scale: float = setting(10.0, "V", "drive at digital full scale", gt=0, le=1_000)
     input_full_scale: float = setting(400.0, "m/s^2", "response at digital full scale", gt=0, le=1e6)
     far_field_full_scale: float = setting(200.0, "Pa", "sound pressure at digital full scale", gt=0, le=1e6)

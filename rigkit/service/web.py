@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 from fastapi import FastAPI, Header, Query, Request, Response
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import FileResponse, JSONResponse
+from fastapi.responses import FileResponse, JSONResponse, PlainTextResponse
 from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException
 
@@ -129,7 +129,7 @@ def _add_views(app: FastAPI, ends: Ends, metrics: Metrics) -> None:
         status, content = await panels.get(name)
         return Response(content, status, media_type="application/json")
 
-    @app.get("/metrics")
+    @app.get("/metrics", response_class=PlainTextResponse)
     async def measured() -> Response:
         """Return the gauges in Prometheus' text format."""
         return Response(await asyncio.to_thread(metrics.text), media_type=metrics.media_type)

@@ -29,7 +29,8 @@ class Clocked:
     """An engine on a stream whose time is counted in blocks."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, patience: float) -> None:
-        config = RigConfig(audio=Audio(stream="tests.vibractl.manual_stream:ManualStream", blocksize=BLOCK))
+        stream = "tests.vibractl.manual_stream:ManualStream"
+        config = RigConfig(audio=Audio(stream=stream, blocksize=BLOCK, heartbeat_output=4))
         self.memory = Memory(2, 2, 5 * RATE)
         self.words = self.memory.words
         self.words[Word.PATIENCE] = round(1e9 * patience)
@@ -37,6 +38,7 @@ class Clocked:
         monkeypatch.setattr(audio_engine.time, "monotonic_ns", lambda: self._now)
         self._engine = Engine(config, self.memory)
         self._engine.start()
+        self.played_last = np.zeros((BLOCK, 4), np.float32)
         self.memory.drive[:] = 1.0
         self.memory.drive[:BLOCK] *= np.linspace(0, 1, BLOCK)[:, None]
         self.words[Word.DRIVE] = self.words[Word.FRAMES] = 4 * RATE
@@ -48,7 +50,8 @@ class Clocked:
         for _ in range(round(seconds * RATE / BLOCK)):
             self._now += round(1e9 * BLOCK / RATE)
             self.words[Word.SIGN] += signs
-            blocks.append(10 * ManualStream.last.exchange()[:, 0])
+            self.played_last = ManualStream.last.exchange()
+            blocks.append(10 * self.played_last[:, 0])
         return np.concatenate(blocks)
 
 
@@ -62,6 +65,23 @@ def test_the_drive_is_at_zero_a_tenth_of_a_second_after_the_last_sign(monkeypatc
     assert np.abs(np.diff(after)).max() * RATE < Limits().slew
     assert clocked.words[Word.MUTED] == 1
     assert clocked.words[Word.DONE] == 1
+
+
+def test_the_heartbeat_is_a_tone_without_a_break_until_the_program_stands_still(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clocked = Clocked(monkeypatch, 0.05)
+    tones = []
+    for _ in range(20):
+        clocked.played(0.02, signs=True)
+        tones.append(clocked.played_last[:, 3].copy())
+    tone = np.concatenate(tones)
+    assert np.abs(tone).max() == pytest.approx(0.5, abs=0.01)
+    lines = np.abs(np.fft.rfft(tone))
+    assert np.argmax(lines) * RATE / len(tone) == pytest.approx(1000, abs=50)
+    assert np.delete(lines, np.argmax(lines)).max() < 1e-3 * lines.max()
+    clocked.played(0.2, signs=False)
+    assert not clocked.played_last.any()
 
 
 def test_without_patience_it_plays_on(monkeypatch: pytest.MonkeyPatch) -> None:

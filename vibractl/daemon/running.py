@@ -81,7 +81,7 @@ class Running:
         return "; ".join(filter(None, parts))
 
     def run(self) -> None:
-        """Learn until the last shot, or until the desk says that it is to end; then write the report."""
+        """Learn until the last shot, and write the report; or until the desk says that it is to end."""
         with self._folder, LiveSpectrum(self._desk, self._session.config, lambda: self.line):
             try:
                 self._learn()
@@ -89,9 +89,12 @@ class Running:
                 if self._session.untouched:
                     self._folder.withdraw()
                 raise
-            if self._session.done:
-                self._desk.progress(self._session.done, self.shots, "writing the report")
-                self._desk.event("finished", {"run": self._folder.path.name, **self._session.summary()})
+            done = self._session.done
+            if done:
+                event = "finished" if done >= self.shots else "left"
+                self._desk.event(event, {"run": self._folder.path.name, **self._session.summary()})
+            if done >= self.shots:  # else nobody waits for it: `vibractl report` draws it at any time
+                self._desk.progress(done, self.shots, "writing the report")
                 run_report(self._folder.path)
 
     def _learn(self) -> None:

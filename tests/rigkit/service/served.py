@@ -80,7 +80,7 @@ def served(folder: Path, environment: dict[str, str] | None = None, **settings: 
     )
     made = Served(table, process)
     try:
-        until(lambda: process.poll() is not None or answers(made), 60)
+        until(lambda: process.poll() is not None or answers(made), 180)
         assert process.poll() is None, process.communicate()[1]
         yield made
     finally:

@@ -94,7 +94,7 @@ def straight_daemon(folder: Path) -> Iterator[KilledDaemon]:
     process = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True)
     made = KilledDaemon(config.daemon, process, folder / "log")
     try:
-        until(lambda: process.poll() is not None or answers(made), 60)
+        until(lambda: process.poll() is not None or answers(made), 180)
         assert process.poll() is None, process.communicate()[1]
         yield made
     finally:
