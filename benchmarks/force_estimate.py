@@ -39,7 +39,6 @@ from stagectl.robot.tool_path import joints_at, ramped
 from tests.stagectl.robot.milling.force_cases import Cases, random_cases
 from tests.stagectl.robot.milling.torque_models import ARM, wide_model
 
-PAGE = "force-estimate.md"
 PICTURE = DOCS / "images" / "force-estimate" / "square.png"
 ARMS = range(1, 6)
 RATE, SLOW = 2_000.0, 8
@@ -129,7 +128,7 @@ def arms() -> None:
         "arm", "noise", "tie-break", "force, N rms", "error, N rms", "below 10 Hz", "median width, N",
         "true force in the box, %", "untold, %",
     ]  # fmt: skip
-    put(table(head, rows), PAGE, "arms")
+    put(table(head, rows), "force-estimate.md", "arms")
 
 
 def picture() -> None:
@@ -205,7 +204,7 @@ def speed() -> None:
     head = [
         "cases", "tie-break", "us a sample, in a batch", "DAQP, us", "times", "objective above DAQP's", "below it",
     ]  # fmt: skip
-    put(table(head, rows), PAGE, "speed")
+    put(table(head, rows), "force-estimate.md", "speed")
     single, whole = min(one_by_one(random_cases(CASES, 1.5)) for _ in range(5)), min(as_block() for _ in range(5))
     print(f"a single sample {1e6 * single:.0f} us; the Block, from angles to bounds, {1e6 * whole:.1f} us")
 
