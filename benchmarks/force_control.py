@@ -23,7 +23,7 @@ from stagectl.robot.milling.feed_force_kernel import CONTROLLING
 
 PLANT = "firmware_sim.feed_blocks:FedTool"
 SEEDS = range(1, 6)
-KAPPAS = (0.1, 0.2, 0.4, 0.7, 1.0)
+KAPPAS = (0.1, 0.2, 0.4, 0.7, 1.0, 2.0, 4.0)
 """mm/(N s)."""
 STILL = {"kappa_swing": 0.0, "beta_swing": 0.0, "beta_step": 0.0}
 

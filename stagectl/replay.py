@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ctlblocks.recording import Recording
 from stagectl.cell import MADE, Cell, recorded
 from stagectl.session import RECORDING, UNCOMPENSATED, read_recording
 from stagectl.setup import Setup
@@ -64,7 +65,7 @@ def replay(path: Path, made: Setup) -> Iterator[Replayed]:
         for output in MADE:
             for axis in config.stage.axes:
                 channel = f"{output}_{axis}"
-                yield _compared(name, channel, record.select([channel]).data, again.select([channel]).data)
+                yield from compared(name, record, again.select([channel]))
 
 
 def _ends_here(cell: Cell, made: Setup, rows: int) -> bool:
@@ -74,8 +75,18 @@ def _ends_here(cell: Cell, made: Setup, rows: int) -> bool:
     )
 
 
-def _compared(name: str, channel: str, before: np.ndarray, after: np.ndarray) -> Replayed:
-    same = before.shape == after.shape and before.tobytes() == after.tobytes()
-    rows = min(len(before), len(after))
-    unit = "V" if channel.startswith("voltage") else "m"
-    return Replayed(name, channel, unit, same, float(np.abs(before[:rows] - after[:rows]).max()))
+def compared(name: str, before: Recording, again: Recording) -> Iterator[Replayed]:
+    """Compare every channel that was made again with the recorded one.
+
+    Parameters
+    ----------
+    name : str
+        Of the recording.
+    before, again : Recording
+        The latter may have fewer channels.
+    """
+    for channel, unit in zip(again.names, again.units, strict=True):
+        one, other = (np.ascontiguousarray(each.select([channel]).data) for each in (before, again))
+        rows = min(len(one), len(other))
+        is_same = one.shape == other.shape and one.tobytes() == other.tobytes()
+        yield Replayed(name, channel, unit, is_same, float(np.abs(one[:rows] - other[:rows]).max()))

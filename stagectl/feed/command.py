@@ -1,7 +1,5 @@
 """The command `stagectl force`: milling with the force controlled by the feed, segment by segment."""
 
-from collections.abc import Iterator
-from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,10 +11,13 @@ from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
 from stagectl.feed import process_session, session
 from stagectl.feed.job import POCKETS, PROCESS, Job, pocket_of
+from stagectl.feed.plan import feed_plan
 from stagectl.feed.process_run import process_figures
 from stagectl.feed.report import HEAD, PAGE, TYPE_HEAD, feed_report, pocket_rows, type_rows
+from stagectl.feed.surroundings import plants_of
 from stagectl.link.tell import nobody
 from stagectl.machining.run import Advance, Conduct, offline, paced
+from stagectl.named_block import named_block
 from stagectl.planning.pocket import PLANNERS, UNTRAINED
 from stagectl.robot.config import CellConfig
 
@@ -74,38 +75,31 @@ def _pockets(cell: CellConfig, job: Job, model: Path | None, out: Path | None, a
     """Mill the pockets of a job, keep them where they are to be kept, and return the figures."""
     assert job.pocket is not None
     made, known, cells = job.make(), session.velocity_model(model), job.pocket.rows * job.pocket.cols
+    plants_of(feed_plan(cell, job.pocket, known))  # whatever is wrong is told before there is a folder
     with stoppable() as stop, progress("cells milled", cells * (job.pockets + job.compares)) as meter:
         conduct = Conduct(nobody, lambda: stop.made, meter.show, advance)
-        done = session.mill_pockets(cell, job.pocket, made, known, conduct, job.pockets, job.compares)
-        first = next(done)  # whatever is wrong is told before there is a folder
-        kept = chain([first], done)
-        found = session.summary(list(kept)) if out is None else _kept(out, cell, job, model, kept)
+        pockets = session.mill_pockets(cell, job.pocket, made, known, conduct, job.pockets, job.compares)
+        if out is None:
+            found = session.summary(list(pockets))
+        else:
+            with session.create(out, cell, job, model) as folder:
+                found = session.keep_all(folder, pockets)
+            feed_report(out)
     if stop.made:
         raise Stopped(f"stopped{'' if out is None else f'; what is recorded is in {out}'}")
-    return found
-
-
-def _kept(out: Path, cell: CellConfig, job: Job, model: Path | None, pockets: Iterator[session.Kept]) -> dict[str, Any]:
-    """Keep pocket after pocket in a folder as they are milled, and end with a report; return the figures."""
-    with session.create(out, cell, job, model) as folder:
-        milled = []
-        for each in pockets:
-            session.keep(folder, each)
-            milled.append(each)
-        found = session.conclude(folder, milled)
-    feed_report(out)
     return found
 
 
 def _process(
     cell: CellConfig, job: Job, model: Path | None, out: Path | None, png: Path | None, json: str | None
 ) -> None:
-    record = process_session.simulate(cell, session.velocity_model(model))
+    known = session.velocity_model(model)
+    named_block(cell.feed_plants.process, cell.feed_plants.process_options)
     if out is None:
-        found = process_figures(record, cell.force.force)
+        found = process_figures(process_session.simulate(cell, known), cell.force.force)
     else:
         with session.create(out, cell, job, model) as folder:
-            found = process_session.keep(folder, record, cell)
+            found = process_session.keep(folder, process_session.simulate(cell, known), cell)
         process_session.process_report(out, png)
     print_table("force control as in fig. 7.5", ["figure", "value"], process_session.process_rows(found), words(json))
     if out is not None:

@@ -4,8 +4,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file
@@ -16,7 +14,7 @@ from stagectl.feed.figures import PROCESS, control_plot
 from stagectl.feed.process_run import process_figures, recorded, run_process, simulated
 from stagectl.feed.session import MODEL, velocity_model
 from stagectl.models import InnovationModel
-from stagectl.replay import Replayed
+from stagectl.replay import Replayed, compared
 from stagectl.robot.config import CellConfig
 
 RECORD, PAGE = "process.csv", "report.html"
@@ -79,10 +77,7 @@ def replay_process(path: Path) -> Iterator[Replayed]:
     model = velocity_model(path / MODEL if (path / MODEL).exists() else None)
     seconds = len(record.data) / record.rate
     again = run_process(cell.force, model, recorded(record), seconds, is_true=False)
-    for channel, unit, column in zip(again.names, again.units, again.data.T, strict=True):
-        before = record.select([channel]).data[:, 0]
-        is_same = before.tobytes() == np.ascontiguousarray(column).tobytes()
-        yield Replayed("process", channel, unit, is_same, float(np.abs(before - column).max()))
+    yield from compared("process", record, again)
 
 
 def _read_back(path: Path) -> tuple[CellConfig, Recording]:

@@ -3,15 +3,13 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-
 from stagectl.feed.job import Repeated, once
 from stagectl.feed.recorded import made
 from stagectl.feed.run import mill_pocket
 from stagectl.feed.session import read_back
 from stagectl.feed.surroundings import recorded
 from stagectl.machining.run import Conduct
-from stagectl.replay import Replayed
+from stagectl.replay import Replayed, compared
 
 
 def replay_feed(path: Path) -> Iterator[Replayed]:
@@ -34,9 +32,4 @@ def replay_feed(path: Path) -> Iterator[Replayed]:
         again = mill_pocket(plan, once(same), Conduct(), recorded(record), made(plan.control), {})
         if again.reason != each.done.reason:
             raise ValueError(f"{plan.name} was held because {each.done.reason!r}, and is now because {again.reason!r}")
-        kept = again.recording
-        for channel, unit, column in zip(kept.names, kept.units, kept.data.T, strict=True):
-            before = record.select([channel]).data[:, 0]
-            rows = min(len(before), len(column))
-            is_same = len(before) == len(column) and before.tobytes() == np.ascontiguousarray(column).tobytes()
-            yield Replayed(plan.name, channel, unit, is_same, float(np.abs(before[:rows] - column[:rows]).max()))
+        yield from compared(plan.name, record, again.recording)

@@ -2,7 +2,7 @@
 
 import json
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -145,10 +145,14 @@ def keep(folder: RunFolder, kept: Kept) -> None:
     folder.event("milled", {"name": plan.name, "reason": done.reason, "path": path_milled})
 
 
-def conclude(folder: RunFolder, pockets: list[Kept]) -> dict[str, Any]:
-    """Write finished segments and figures, and return those."""
-    write_segments(folder.path / SEGMENTS, milled_by_force(pockets))
-    found = summary(pockets)
+def keep_all(folder: RunFolder, pockets: Iterable[Kept]) -> dict[str, Any]:
+    """Keep pocket after pocket as they are milled, then finished segments and figures; return those."""
+    kept = []
+    for each in pockets:
+        keep(folder, each)
+        kept.append(each)
+    write_segments(folder.path / SEGMENTS, milled_by_force(kept))
+    found = summary(kept)
     folder.summarise(found)
     return found
 

@@ -3,13 +3,11 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-
 from stagectl.machining.recorded import MADE
 from stagectl.machining.run import Conduct, mill
 from stagectl.machining.session import read_back
 from stagectl.machining.surroundings import recorded
-from stagectl.replay import Replayed
+from stagectl.replay import Replayed, compared
 
 
 def replay_cell(path: Path) -> Iterator[Replayed]:
@@ -30,9 +28,4 @@ def replay_cell(path: Path) -> Iterator[Replayed]:
         if again.reason != reason:
             raise ValueError(f"setup {setup} was held because {reason!r}, and is now because {again.reason!r}")
         for name, kept in again.recordings.items():
-            for channel, unit, column in zip(kept.names, kept.units, kept.data.T, strict=True):
-                before = records[name].select([channel]).data[:, 0]
-                rows = min(len(before), len(column))
-                is_same = len(before) == len(column) and before.tobytes() == np.ascontiguousarray(column).tobytes()
-                largest = float(np.abs(before[:rows] - column[:rows]).max())
-                yield Replayed(f"{setup}-{name}", channel, unit, is_same, largest)
+            yield from compared(f"{setup}-{name}", records[name], kept)

@@ -63,8 +63,7 @@ class FeedForce(Block):
 
     def __init__(self, settings: ForceFeed, model: InnovationModel) -> None:
         self.settings, self.model = settings, model
-        weights = VelocityWeights(settings.velocity_integral, settings.velocity_effort, settings.doubt)
-        self.loop: VelocityLoop = velocity_loop(model, weights)
+        self.loop: VelocityLoop = velocity_loop(model, velocity_weights(settings))
 
     def prepare(self, rate: float, frames: int) -> None:
         """Be idle, and know only the first guesses."""
@@ -125,6 +124,11 @@ class FeedForce(Block):
     def has_retreated(self) -> bool:
         """Whether it stays where it has retreated to."""
         return bool(self._state[kernel.PHASE] == kernel.RETREATED)
+
+
+def velocity_weights(settings: ForceFeed) -> VelocityWeights:
+    """Return how the inner loop is weighed."""
+    return VelocityWeights(settings.velocity_integral, settings.velocity_effort, settings.doubt)
 
 
 def weights(settings: ForceFeed, lag: float, rate: float) -> np.ndarray:

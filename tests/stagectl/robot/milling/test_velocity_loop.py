@@ -40,7 +40,7 @@ def test_a_step_is_followed_quickly_with_little_overshoot_and_no_error_left() ->
 
 
 def test_a_constant_disturbance_is_found_and_taken_away() -> None:
-    velocity, seen = followed(velocity_loop(MODEL, VelocityWeights()), np.full(500, 0.01), offset=3e-3)
+    velocity, seen = followed(velocity_loop(MODEL, VelocityWeights()), np.full(2000, 0.01), offset=3e-3)
     assert velocity[-1] == pytest.approx(0.01, rel=1e-3)
     assert seen[-1] == pytest.approx(0.01, rel=1e-3)
 

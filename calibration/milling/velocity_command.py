@@ -1,0 +1,80 @@
+"""The command `calibrate velocity`: the robot's velocity model for `stagectl force`."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from calibration.milling.velocity import SIGNALS, Velocity, identify_velocity
+from ctlblocks import recording
+from rigkit import config as rig_file
+from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from stagectl.feed.free_run import WAYS, free_run
+from stagectl.feed.job import pocket_of
+from stagectl.feed.plan import feed_plan
+from stagectl.model_file import write_model
+from stagectl.robot.config import CellConfig
+from stagectl.robot.milling.feed_force import velocity_weights
+from stagectl.robot.milling.nominal_velocity import nominal_velocity
+from stagectl.robot.milling.velocity_loop import velocity_loop
+from stagectl.wire.egm import RATE
+
+LEAST = 4.0
+"""s of steps."""
+
+
+def velocity_command(
+    out: Annotated[Path, typer.Option(metavar="FILE.h5", help="Model file to write; the record goes beside it.")],
+    config: ConfigOption = None,
+    record: Annotated[
+        Path | None,
+        typer.Option("--from", metavar="FILE", help=f"CSV or WAV with the channels {', '.join(SIGNALS)}, m/s."),
+    ] = None,
+    order: Annotated[int, typer.Option(min=1, max=8, help="States of the model.")] = 3,
+    axis: Annotated[str, typer.Option(metavar="x|y", help="Along which axis of the base it feeds.")] = "x",
+    seconds: Annotated[float, typer.Option(help="Of steps.")] = 24.0,
+    seed: Annotated[int, typer.Option(min=0, help="Of the steps.")] = 1,
+    settings: SetOption = None,
+    json: JsonOption = None,
+) -> None:
+    """Identify how the robot follows a feed, from random steps with the tool in the air, or from a record of them.
+
+    Example: `calibrate velocity --config cell.toml --out velocity.h5`
+    """
+    if out.suffix != ".h5":
+        raise ValueError(f"--out {out}: the suffix is {out.suffix!r}, must be '.h5'")
+    if not out.parent.is_dir():
+        raise ValueError(f"--out {out}: there is no folder {out.parent}")
+    if axis not in WAYS:
+        raise ValueError(f"--axis is {axis!r}, must be one of {', '.join(WAYS)}")
+    if not LEAST <= seconds <= 600.0:
+        raise ValueError(f"--seconds is {seconds:g}, must be {LEAST:g} to 600")
+    cell = rig_file.load(config, CellConfig, settings or [])
+    if record is None:
+        pocket = pocket_of("pocket", cell.segments)
+        assert pocket is not None
+        measured = free_run(feed_plan(cell, pocket, nominal_velocity(RATE)), axis, seconds, seed)
+        recording.write(out.with_suffix(".csv"), measured)
+    else:
+        measured = recording.read(record, rate=RATE)
+    found = identify_velocity(measured, order)
+    velocity_loop(found.model, velocity_weights(cell.force))  # a model that nothing can be designed from is told now
+    write_model(out, found.model)
+    _tell(found, out, json)
+
+
+def _tell(found: Velocity, out: Path, json: str | None) -> None:
+    figures: dict[str, Any] = {
+        "order": found.model.order,
+        "poles": [[float(pole.real), float(pole.imag)] for pole in found.model.poles],
+        "own_fit": float(found.own.free_run.nrmse[0]),
+        "fresh_fit": float(found.fresh.free_run.nrmse[0]),
+        "fresh_one_step": float(found.fresh.one_step.nrmse[0]),
+    }
+    rows = [
+        ["free run, own data", f"{figures['own_fit']:.1f}"],
+        ["free run, held back", f"{figures['fresh_fit']:.1f}"],
+        ["one step ahead, held back", f"{figures['fresh_one_step']:.1f}"],
+    ]
+    print_table(f"{out}: order {found.model.order}", ["fit", "NRMSE, %"], rows, words(json))
+    write_json(json, figures)
