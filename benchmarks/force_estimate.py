@@ -2,6 +2,7 @@
 
     python -m benchmarks.force_estimate speed [--write]
     python -m benchmarks.force_estimate arms [--write]
+    python -m benchmarks.force_estimate picture
 
 `arms`: each of five arms (seeds 1 to 5) is swept, its friction and gravity are fitted, and it mills a square of 22 mm,
 2 mm deep at 10 mm/s, into aluminium; forces are estimated from angles and torques alone, and compared with those of the
@@ -17,7 +18,7 @@ import daqp
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-from benchmarks.page_table import put, table, words
+from benchmarks.page_table import DOCS, put, table, words
 from calibration.guided_arm import arm_with_tool
 from calibration.milling.sweep_session import sweep
 from calibration.milling.torque_fit import friction_and_gravity
@@ -33,11 +34,12 @@ from stagectl.robot.config import CellConfig
 from stagectl.robot.kinematics import forward
 from stagectl.robot.milling.force_estimate import TIE_BREAKS, ForceEstimates, estimate_force
 from stagectl.robot.milling.force_model import ForceEstimate, ForceModel
+from stagectl.robot.milling.force_plot import force_plot
 from stagectl.robot.tool_path import joints_at, ramped
 from tests.stagectl.robot.milling.force_cases import Cases, random_cases
 from tests.stagectl.robot.milling.torque_models import ARM, wide_model
 
-PAGE = "force-estimate.md"
+PICTURE = DOCS / "images" / "force-estimate" / "square.png"
 ARMS = range(1, 6)
 RATE, SLOW = 2_000.0, 8
 """Samples/s of the plants; ticks between two samples of the robot."""
@@ -126,7 +128,17 @@ def arms() -> None:
         "arm", "noise", "tie-break", "force, N rms", "error, N rms", "below 10 Hz", "median width, N",
         "true force in the box, %", "untold, %",
     ]  # fmt: skip
-    put(table(head, rows), PAGE, "arms")
+    put(table(head, rows), "force-estimate.md", "arms")
+
+
+def picture() -> None:
+    """Draw the first arm's estimates beside the cut's force."""
+    cell = CellConfig()
+    model, seen = swept(cell), milled(cell, cell.simulator.options.get("seed", 1), 1.0)
+    found = model.estimate(seen["motor_angle"], seen["torque"], RATE / SLOW)
+    time = np.arange(len(found.force)) * SLOW / RATE
+    PICTURE.parent.mkdir(parents=True, exist_ok=True)
+    force_plot(time, found, seen["force"]).savefig(PICTURE, dpi=100)
 
 
 def by_daqp(cases: Cases) -> tuple[float, np.ndarray]:
@@ -192,10 +204,10 @@ def speed() -> None:
     head = [
         "cases", "tie-break", "us a sample, in a batch", "DAQP, us", "times", "objective above DAQP's", "below it",
     ]  # fmt: skip
-    put(table(head, rows), PAGE, "speed")
+    put(table(head, rows), "force-estimate.md", "speed")
     single, whole = min(one_by_one(random_cases(CASES, 1.5)) for _ in range(5)), min(as_block() for _ in range(5))
     print(f"a single sample {1e6 * single:.0f} us; the Block, from angles to bounds, {1e6 * whole:.1f} us")
 
 
 if __name__ == "__main__":
-    {"speed": speed, "arms": arms}[words()[0]]()
+    {"speed": speed, "arms": arms, "picture": picture}[words()[0]]()

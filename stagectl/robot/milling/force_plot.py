@@ -43,6 +43,6 @@ def _drawn(time: np.ndarray, found: ForceEstimates, measured: np.ndarray | None)
             panel.plot(time[starts], measured[starts, place], color=COLOURS[1], linewidth=1.0, label="true")
         panel.plot(time[starts], found.force[starts, place], color=COLOURS[0], linewidth=0.8, label="estimated")
         panel.set_ylabel(f"force along {axis}, N")
-    panels[0].legend(loc="upper right", ncols=3)
+    panels[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3)
     panels[-1].set_xlabel("time, s")
     return figure
