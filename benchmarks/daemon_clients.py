@@ -6,6 +6,7 @@
 import asyncio
 import itertools
 import multiprocessing
+import os
 import sys
 import tempfile
 import time
@@ -64,6 +65,12 @@ def lateness(daemon: KilledDaemon, first: int, seconds: float) -> tuple[float, i
     )
 
 
+def footprint(pid: int) -> tuple[float, int]:
+    """Return the memory of a process, MB, and its open files."""
+    pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6, len(os.listdir(f"/proc/{pid}/fd"))
+
+
 def main(seconds: float) -> None:
     """Measure, and print what became of the clients and of the audio."""
     with tempfile.TemporaryDirectory() as folder, straight_daemon(Path(folder)) as daemon:
@@ -76,12 +83,15 @@ def main(seconds: float) -> None:
         process = multiprocessing.get_context("spawn").Process(target=crowd, args=arguments)
         with daemon.client() as client:
             begin = client.snapshot()
+        processes = {"rig": daemon.process.pid, "web": daemon.web}
+        before = {name: footprint(pid) for name, pid in processes.items()}
         process.start()
         watched = lateness(daemon, daemon.done(), seconds)
         found: list[tuple[int, float]] = ours.recv()
         process.join()
         with daemon.client() as client:
             end = client.snapshot()
+        after = {name: footprint(pid) for name, pid in processes.items()}
     (stalled, *reading), ticks = found, 25.0 * seconds
     least = min(count for count, _ in reading)
     print(f"{CLIENTS} clients, {seconds:g} s: {least} to {max(count for count, _ in reading)} of {ticks:g} snapshots")
@@ -92,6 +102,9 @@ def main(seconds: float) -> None:
     )
     for name, (late, shots, discarded) in (("alone", alone), ("watched", watched)):
         print(f"  {name}: {late:.2f} late callbacks a shot of 1.6 s, {shots} shots, {discarded} recordings discarded")
+    for name in before:
+        grown, files = after[name][0] - before[name][0], after[name][1] - before[name][1]
+        print(f"  the {name} process has {after[name][0]:.0f} MB, {grown:+.1f} since; {files:+d} open files")
 
 
 if __name__ == "__main__":

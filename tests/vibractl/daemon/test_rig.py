@@ -11,8 +11,18 @@ from rigkit.service.state import State
 from tests.rigkit.service.until import until
 from tests.vibractl.daemon.bench import Lab, lab_in
 from vibractl.config import RigConfig
+from vibractl.daemon import running
 from vibractl.replay import replay
 from vibractl.session import setup_of
+
+
+@pytest.fixture(autouse=True)
+def reports(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> list[Path]:
+    """Draw no reports, which takes seconds, but in the test that looks at one."""
+    drawn: list[Path] = []
+    if "reported" not in request.node.name:
+        monkeypatch.setattr(running, "run_report", drawn.append)
+    return drawn
 
 
 @pytest.fixture
