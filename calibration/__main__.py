@@ -13,6 +13,7 @@ from calibration.far_field_report import far_field_rows
 from calibration.hysteresis_command import hysteresis_command
 from calibration.identification.command import identify_command
 from calibration.joint_clamping.command import joints_command
+from calibration.milling.command import milling_command
 from calibration.milling.velocity_command import velocity_command
 from calibration.model_comparison import (
     COMPARED_HEAD,
@@ -38,6 +39,7 @@ app = application("Experiments that end in a model file.")
 app.command("identify")(identify_command)
 app.command("hysteresis")(hysteresis_command)
 app.command("joints")(joints_command)
+app.command("milling")(milling_command)
 app.command("stage")(stage_command)
 app.command("velocity")(velocity_command)
 

@@ -33,6 +33,9 @@ from stagectl.robot.midranging.command import midrange
 from stagectl.robot.milling.force_command import estimate_force_command
 from stagectl.scenario import scenario_settings
 from stagectl.setup import Setup
+from stagectl.trials.command import ilc, report_again
+from stagectl.trials.replay import replay_trials
+from stagectl.trials.session import is_of_trials
 
 app = application("The piezo stage follows its reference, and takes back what pushes it away.")
 
@@ -161,12 +164,16 @@ def replay_command(
 def _reported(path: Path, png: Path | None) -> Any:
     if is_of_feed(path):
         return report_folder(path, png)
+    if is_of_trials(path):
+        return report_again(path, png)
     return cell_report(path, png) if is_of_cell(path) else run_report(path, png)
 
 
 def _replayed(path: Path) -> Iterator[Replayed]:
     if is_of_feed(path):
         return replay_folder(path)
+    if is_of_trials(path):
+        return replay_trials(path)
     return replay_cell(path) if is_of_cell(path) else replay(path, session.setup_of(path))
 
 
@@ -206,6 +213,7 @@ app.command("midrange")(midrange)
 app.command("cell")(cell)
 app.command("plan")(plan)
 app.command("estimate-force")(estimate_force_command)
+app.command("ilc")(ilc)
 app.command("export")(export)
 app.command("prune")(prune_command)
 app.command("force")(force)

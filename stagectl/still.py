@@ -1,4 +1,4 @@
-"""Nothing happens: the surroundings of a stage that nobody pushes."""
+"""Nothing happens: the surroundings of a stage that nobody pushes, of a tool in the air."""
 
 import numpy as np
 
@@ -6,14 +6,15 @@ from ctlblocks.block import Block, Port
 
 
 class Still(Block):
-    """No force on the plate, and a robot that does not move.
+    """No force on plate or tool, and nothing that moves.
 
-    Ports, three wide: `force` (N), `base` (m) out.
+    Ports, three wide: `force` (N), `base` (m), `moment` (N m) out.
     """
 
-    outputs = (Port("force", "N", 3), Port("base", "m", 3))
+    outputs = (Port("force", "N", 3), Port("base", "m", 3), Port("moment", "N m", 3))
 
-    def process(self, force: np.ndarray, base: np.ndarray) -> None:
+    def process(self, force: np.ndarray, base: np.ndarray, moment: np.ndarray) -> None:
         """Fill one frame."""
         force.fill(0.0)
         base.fill(0.0)
+        moment.fill(0.0)

@@ -34,6 +34,8 @@ class ForceSensorOptions:
     silent, silent_for : float, s, when it begins to send nothing, and for how long
     stuck, stuck_for : float, s, when its gages go to their end, and for how long
     step_at, step : float, s and N, when its force along y jumps, and how far
+    run_number : int
+        Which run of the same sensor: from 1 on its noise is another.
     """
 
     seed: int = option(1, "", 0)
@@ -53,6 +55,7 @@ class ForceSensorOptions:
     stuck_for: float = option(NEVER, "s", 0.0)
     step_at: float = option(NEVER, "s", 0.0)
     step: float = option(20.0, "N", -1e4, 1e4)
+    run_number: int = option(0, "", 0)
 
     def __post_init__(self) -> None:
         """Refuse what is out of range."""
@@ -154,6 +157,10 @@ class ForceSensorPlant(ForceSensorOptions):
             noise=np.repeat([self.noise, self.moment_noise], 3), ends=self.range, low=np.zeros((2, 6)),
             shown=np.zeros(8), state=np.zeros(CELLS), random=rng.integers(1, 2**63, 1, np.uint64),
         )  # fmt: skip
+        if self.run_number:
+            self._gages.random[:] = np.random.default_rng([self.seed, 100, self.run_number]).integers(
+                1, 2**63, 1, np.uint64
+            )
 
     def run(self, wrench: np.ndarray, measured: np.ndarray, sample: np.ndarray, status: np.ndarray) -> None:
         """Go on for one frame.

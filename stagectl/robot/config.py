@@ -12,7 +12,7 @@ from stagectl.robot.force_config import ForceSensor
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.milling.config import ForceEstimation, Friction
 from stagectl.robot.milling.feed_config import ForceFeed
-from stagectl.robot.pocket_config import Learning, Pocket
+from stagectl.robot.pocket_config import Learning, LearningChirp, Pocket
 from stagectl.robot.toroid_config import Feedback, Plants, Toroid
 
 Box = tuple[float, float, float]
@@ -108,3 +108,4 @@ class CellConfig(Section):
     force_estimate: ForceEstimation = Field(default_factory=ForceEstimation)
     segments: SegmentTask = Field(default_factory=SegmentTask)
     feed_plants: FeedPlants = Field(default_factory=FeedPlants)
+    chirp: LearningChirp = Field(default_factory=LearningChirp)

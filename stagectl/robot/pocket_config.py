@@ -22,6 +22,7 @@ class Pocket(Section):
     depth: float = setting(2e-3, "m", "of the pocket, all of it at once", gt=0, le=0.05)
     tool: float = setting(6e-3, "m", "diameter of the end mill", gt=0, le=0.05)
     step: float = setting(4e-3, "m", "from round to round", gt=0, le=0.05)
+    slope: float = setting(0.0625, "1", "at which the path descends, at most", gt=0, le=1)
     corner: float = setting(1e-3, "m", "radius by which corners of the path are blended", gt=0, le=0.02)
     feed: float = setting(10e-3, "m/s", "along the path", ge=1e-3, le=0.05)
     ramp: float = setting(0.3, "s", "in which the feed begins and ends", gt=0, le=10)
@@ -63,6 +64,13 @@ class Learning(Section):
     inverse: Inverse = setting("regularised", "", "how L inverts G_R: regularised, or mirrored (zeros)")
     epsilon: float = setting(1e-3, "1", "of the regularised inverse", ge=0, le=1)
     gap: float = setting(0.05, "s", "without a sample in a log is refused", gt=0, le=1)
+    correction: float = setting(
+        2e-3,
+        "m",
+        "distance by which learning may move the tool; in place of limits.correction",
+        gt=0,
+        le=5e-3,
+    )
     stray: float = setting(2e-3, "m", "a path that takes the tool further from where it is wanted is refused", gt=0)
 
     @model_validator(mode="after")
@@ -70,3 +78,13 @@ class Learning(Section):
         if not self.highest > self.cutoff:
             raise ValueError(f"learning.highest is {self.highest:g} Hz, must be > learning.cutoff {self.cutoff:g} Hz")
         return self
+
+
+class LearningChirp(Section):
+    """The chirps that `calibrate milling` identifies G_R from, on top of the pocket's feed."""
+
+    share: float = setting(0.6, "1", "speed of a chirp over the feed it rides on", gt=0, lt=1)
+    largest: float = setting(1.5e-3, "m", "amplitude at low frequencies", gt=0, le=0.01)
+    seconds: float = setting(8.0, "s", "of each", ge=4, le=60)
+    start: float = setting(0.3, "Hz", "where they begin; they end a little above learning.highest", gt=0, le=5)
+    height: float = setting(0.07, "m", "above the workpiece, of the middle", gt=0, le=0.5)

@@ -70,6 +70,7 @@ from stagectl.stage.sensors import SensorCheck
 from stagectl.stage.servo import servo
 from stagectl.stage.state_feedback import StateFeedback, linear_quadratic
 from stagectl.still import Still
+from stagectl.trials.trial_path import TrialPath
 from stagectl.wire.egm import Report, pack_report
 from stagectl.wire.messages import Drive
 from tests.contract.conformance import Example
@@ -101,8 +102,7 @@ def _faults() -> Faults:
 
 
 def _replay() -> Block:
-    names, units = ("drive", "left", "right"), ("V", "m/s^2", "m/s^2")
-    played = recording.Recording(names, units, 44_100.0, NOISE.astype(np.float32))
+    played = recording.Recording(("drive", "left", "right"), ("V", *["m/s^2"] * 2), 44_100.0, NOISE.astype(np.float32))
     return replay.Replay(played, {"response": ("left", "right"), "drive": ("drive",)})
 
 
@@ -138,8 +138,8 @@ STAGE = stage.StageConfig(limits=stage.Limits(extension=(-1.0, 1.0), extension_s
 
 def _stage_controller() -> Block:
     states = servo(STAGE.outer, 50.0, 10_000.0)
-    feedback = linear_quadratic(STAGE_MODEL, states, 1.0)
-    outer = StateFeedback(STAGE_MODEL, kalman_gain(STAGE_MODEL, 1.0), feedback[0], states, feedback[1], 0.2)
+    gain, inverse = linear_quadratic(STAGE_MODEL, states, 1.0)
+    outer = StateFeedback(STAGE_MODEL, kalman_gain(STAGE_MODEL, 1.0), gain, states, inverse, 0.2)
     return StageController(inner_loops(STAGE), [outer] * 3, STAGE.limits)
 
 
@@ -285,6 +285,7 @@ EXAMPLES: dict[type[Block], Example] = {
     WiredForce: Example(lambda: WiredForce(ForceSensorConfig(), print), rate=500.0),
     MeasuredForce: Example(lambda: MeasuredForce(ForceLine(ForceSensorConfig(), print, now=lambda: 1.0)), _push, 250.0),
     TrackerView: Example(lambda: TrackerView(delay=0.0), rate=300_000.0),
+    TrialPath: Example(lambda: TrialPath(*(np.full((100, 6), each) for each in (0.1, 0.01, 0.2)), 0.1, (0.02, 0.2))),
     WiredPort: Example(lambda: WiredPort(CellConfig(), np.zeros(6)), rate=250.0),
     WiredTracker: Example(lambda: WiredTracker(TrackerConfig(), print), rate=2_000.0),
     RelativePosition: Example(

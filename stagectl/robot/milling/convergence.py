@@ -1,6 +1,6 @@
 """Whether a learning law makes errors smaller from trial to trial, as the models and what is uncertain in them say."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,10 @@ LINES = 400
 """Frequencies looked at."""
 LEAST = 0.01
 """Of Q and the gain, from which on a frequency counts as learned."""
+PARTS = np.concatenate([[0.0], np.geomspace(0.02, 1.0, 30)])
+"""Of Q, that are tried at each frequency."""
+SHARES = (1.0, 0.75, 0.5, 0.25, 0.0)
+"""Of G_K G_M, that are tried."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,23 +28,27 @@ class Doubt:
         G_R of each direction as it was measured, without a model.
     spread : array, shape (bins, 3), 1
         How far off that may be.
-    process : float, 1
-        Part of G_K G_M by which it may be larger or smaller.
+    coupling : complex array, shape (bins, 3, 3), 1
+        What G_K G_M may be instead, in material.
     """
 
     frequency: np.ndarray
     robot: np.ndarray
     spread: np.ndarray
-    process: float
+    coupling: np.ndarray | None = None
 
-    def at(self, frequency: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def robot_at(self, frequency: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return response and spread, both of shape (bins, 3), at frequencies, shape (bins,), Hz; at rest it is 1."""
+        robot = np.concatenate([np.ones((1, AXES)), self.robot])
+        spread = np.concatenate([np.zeros((1, AXES)), self.spread])
         known = np.concatenate([[0.0], self.frequency])
-        responses = np.concatenate([np.ones((1, AXES)), self.robot])
-        spreads = np.concatenate([np.zeros((1, AXES)), self.spread])
-        found = [np.stack([np.interp(frequency, known, each) for each in side.T], axis=-1) for side in (
-            responses.real, responses.imag, spreads)]  # fmt: skip
-        return found[0] + 1j * found[1], found[2]
+        return interpolated(frequency, known, robot), interpolated(frequency, known, spread).real
+
+    def coupling_at(self, frequency: np.ndarray) -> np.ndarray:
+        """Return the other G_K G_M, complex, shape (bins, 3, 3), at frequencies, shape (bins,), Hz; at rest it is 0."""
+        assert self.coupling is not None
+        known = np.concatenate([[0.0], self.frequency])
+        return interpolated(frequency, known, np.concatenate([0.0 * self.coupling[:1], self.coupling]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,23 +112,75 @@ def contraction(law: LearningLaw, doubt: Doubt | None = None) -> Contraction:
 
     Departs
     -------
-    P is that of the measured response as well as that of the models; the response's spread comes in by the triangle
-    inequality, the doubt about G_K G_M by its ends.
+    P is that of the measured response as well as that of the models, with the response's spread by the triangle
+    inequality; and G_K G_M is that of the models, none at all, or the other one.
     """
     frequency = np.linspace(0.0, law.highest, LINES)
     frequency = frequency[law.passed(frequency) >= LEAST]
+    factor = _largest(np.eye(AXES) - law.plant(frequency) @ law.step(frequency))
+    return Contraction(frequency, factor, factor if doubt is None else _bound(law, doubt, frequency, np.ones(1))[0])
+
+
+def cautious(law: LearningLaw, doubt: Doubt) -> LearningLaw:
+    """Return a law with its Q lowered wherever errors shrink more with less of it, for all that the models may be.
+
+    Of G_K G_M it undoes the part with which errors up to the cut-off shrink most.
+
+    Parameters
+    ----------
+    law : LearningLaw
+    doubt : Doubt
+
+    Returns
+    -------
+    LearningLaw
+        Its Q is still without phase.  Where nothing would make errors shrink, nothing is learned.
+    """
+    frequency = np.linspace(0.0, law.highest, LINES)
+    found = []
+    for share in SHARES if law.process is not None else SHARES[:1]:
+        shared = replace(law, share=share)
+        bounds = _bound(shared, doubt, frequency, PARTS)
+        best = np.argmin(bounds, axis=0)
+        left = bounds[best, np.arange(LINES)][frequency <= law.cutoff].mean()
+        found.append((left, -share, replace(shared, caution=(frequency, PARTS[best]))))
+    return min(found, key=lambda each: each[:2])[2]
+
+
+def _bound(law: LearningLaw, doubt: Doubt, frequency: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Return the worst factor at each frequency with parts of the law's Q, shape (parts, bins)."""
     step = law.step(frequency)
-    factor = _largest(np.eye(AXES) - law.plant(frequency) @ step)
-    if doubt is None:
-        return Contraction(frequency, factor, factor)
-    robot, spread = doubt.at(frequency)
-    coupling = np.zeros_like(step) if law.process is None else law.process.coupling(frequency)
-    bound = factor
-    for share in (1.0 - doubt.process, 1.0, 1.0 + doubt.process):
-        milled = np.linalg.inv(np.eye(AXES) - share * coupling)
-        missed = _largest(np.eye(AXES) - milled @ diagonal(list(robot.T)) @ step)
-        bound = np.maximum(bound, missed + _largest(milled * spread[:, None, :]) * _largest(step))
-    return Contraction(frequency, factor, bound)
+    robot, spread = doubt.robot_at(frequency)
+    couplings = [np.zeros_like(step)]
+    if law.process is not None:
+        couplings.append(law.process.coupling(frequency))
+        couplings += [] if doubt.coupling is None else [doubt.coupling_at(frequency)]
+    worst = np.stack([_largest(np.eye(AXES) - part * law.plant(frequency) @ step) for part in parts])
+    for coupling in couplings:
+        milled = np.linalg.inv(np.eye(AXES) - coupling)
+        moved = milled @ diagonal(list(robot.T)) @ step
+        unsure = _largest(milled * spread[:, None, :]) * _largest(step)
+        there = [_largest(np.eye(AXES) - part * moved) + part * unsure for part in parts]
+        worst = np.maximum(worst, np.stack(there))
+    return worst
+
+
+def interpolated(frequency: np.ndarray, known: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return complex values at other frequencies; beyond the ends as there.
+
+    Parameters
+    ----------
+    frequency : array, shape (M,), Hz
+    known : array, shape (bins,), Hz, rising
+    values : complex array, shape (bins, ...), any unit
+
+    Returns
+    -------
+    complex array, shape (M, ...), the values' unit
+    """
+    flat = values.reshape(len(known), -1).T
+    found = [np.interp(frequency, known, each.real) + 1j * np.interp(frequency, known, each.imag) for each in flat]
+    return np.stack(found, axis=-1).reshape(len(frequency), *values.shape[1:])
 
 
 def _largest(matrices: np.ndarray) -> np.ndarray:

@@ -42,15 +42,15 @@ class ProcessModel:
         found: np.ndarray = self.compliance.frequency_response(frequency) @ self.force.frequency_response(frequency)
         return found
 
-    def deflection(self, force: np.ndarray, rate: float) -> np.ndarray:
-        """Return G_K f over a whole trial, shape (N, 3), m, for the force on the tool, shape (N, 3), N.
+    def deflection(self, load: np.ndarray, rate: float) -> np.ndarray:
+        """Return G_K f over a whole trial, shape (N, 3), m, for the force on the tool.
 
         Parameters
         ----------
-        force : array, shape (N, 3), N
+        load : array, shape (N, 3), N
         rate : float, samples/s
         """
-        return filtered(force, rate, self.compliance.frequency_response)
+        return filtered(load, rate, self.compliance.frequency_response)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,10 +75,19 @@ class LearningLaw:
         How L inverts G_R.
     epsilon : float, 1
         Of the regularised inverse.
+    share : float, 0 to 1
+        Part of G_K G_M that is undone.
+    caution : (array, array), shape (bins,), Hz and 1, or None
+        By what Q is multiplied beside, at frequencies that rise.
 
     Source
     ------
     Sörnmo 2015, eqs (5.8) and (5.11).
+
+    Departs
+    -------
+    (5.11) undoes all of G_K G_M.  But where the path meets no material there is none to undo, and an error would grow;
+    `share` says how much is undone everywhere.
     """
 
     axes: tuple[AxisModel, ...]
@@ -88,16 +97,19 @@ class LearningLaw:
     gain: float = 1.0
     kind: Inverse = "regularised"
     epsilon: float = 1e-3
+    share: float = 1.0
+    caution: tuple[np.ndarray, np.ndarray] | None = None
 
     def passed(self, frequency: np.ndarray) -> np.ndarray:
         """Return Q times the gain, real, shape (bins,), 1, at frequencies, shape (bins,), Hz."""
-        return self.gain * low_pass(frequency, self.cutoff, highest=self.highest)
+        passed = self.gain * low_pass(frequency, self.cutoff, highest=self.highest)
+        return passed if self.caution is None else passed * np.interp(frequency, *self.caution)
 
     def step(self, frequency: np.ndarray) -> np.ndarray:
         """Return Q L (I - G_K G_M), complex, shape (bins, 3, 3), 1, at frequencies, shape (bins,), Hz."""
         rows = np.stack([inverse(axis, frequency, self.kind, self.epsilon) for axis in self.axes], axis=-1)
         found: np.ndarray = (self.passed(frequency)[:, None] * rows)[..., None] * (
-            np.eye(AXES) - self._coupling(frequency)
+            np.eye(AXES) - self.share * self._coupling(frequency)
         )
         return found
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stagectl.robot.milling.convergence import Doubt, contraction
+from stagectl.robot.milling.convergence import Doubt, cautious, contraction
 from stagectl.robot.milling.learning import LearningLaw, predicted, update
 from stagectl.robot.milling.trial_error import TrialSignals, kinematic_error, tool_position
 from stagectl.robot.milling.zero_phase import filtered
@@ -97,7 +97,7 @@ def test_a_law_that_diverges_on_a_robot_is_refused_before_it_runs_there() -> Non
     assert sizes[2] > sizes[1]
     frequency = np.linspace(0.5, 25.0, 50)
     measured = 3.0 * np.stack([each.response(frequency) for each in by.axes], axis=-1)
-    found = contraction(by, Doubt(frequency, measured, np.zeros((50, 3)), 0.0))
+    found = contraction(by, Doubt(frequency, measured, np.zeros((50, 3))))
     with pytest.raises(ValueError, match="lower learning.gain or learning.cutoff"):
         found.refuse_divergence()
 
@@ -107,7 +107,7 @@ def test_doubt_only_widens_the_bound() -> None:
     exact = contraction(by)
     frequency = np.linspace(0.5, 25.0, 200)
     measured = np.stack([each.response(frequency) for each in by.axes], axis=-1)
-    unsure = contraction(by, Doubt(frequency, measured, np.full((200, 3), 0.02), 0.3))
+    unsure = contraction(by, Doubt(frequency, measured, np.full((200, 3), 0.02), 1.3 * by.process.coupling(frequency)))
     assert (unsure.bound >= exact.factor - 1e-12).all()
     assert unsure.worst > exact.worst
     assert unsure.is_monotone
@@ -116,3 +116,24 @@ def test_doubt_only_widens_the_bound() -> None:
 def test_paths_and_errors_of_different_length_are_refused() -> None:
     with pytest.raises(ValueError, match="must be alike"):
         update(np.zeros((10, 3)), np.zeros((11, 3)), law())
+
+
+def test_caution_makes_a_law_shrink_errors_in_material_and_in_the_air_alike() -> None:
+    """All of a strong coupling undone makes errors grow where the path meets no material; a cautious law does not."""
+    strong = process(stiffness=1e4)
+    by = law(process=strong)
+    frequency = np.linspace(0.5, 25.0, 200)
+    measured = np.stack([each.response(frequency) for each in by.axes], axis=-1)
+    doubt = Doubt(frequency, measured, np.full((200, 3), 0.01), strong.coupling(frequency))
+    assert not contraction(by, doubt).is_monotone
+    careful = cautious(by, doubt)
+    assert contraction(careful, doubt).is_monotone
+    wanted = square()
+    for real in (by, law()):
+        sent, sizes = wanted, []
+        for _ in range(4):
+            error = wanted - milled(sent, real)
+            sizes.append(size(error))
+            sent = update(sent, error, careful)
+        assert sizes[3] < 0.2 * sizes[0]
+        assert sorted(sizes, reverse=True) == sizes

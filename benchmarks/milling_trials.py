@@ -1,0 +1,78 @@
+"""Pockets learned on simulated cells, as Table 5.1: what `calibrate milling` and `stagectl ilc` do, seed by seed.
+
+    python -m benchmarks.milling_trials [--seeds 1 2 3 4 5] [--task pocket28] [--methods 1,2,3] [--iterations 4]
+
+Arm, tracker and blocks of a cell are drawn from its seed.  Printed are mean absolute errors' norms, as the tracker sees
+them and, in brackets, without its noise.
+"""
+
+import argparse
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.on_all_cores import over_seeds
+from calibration.milling.session import calibrate
+from calibration.milling.sweep_session import sweep
+from rigkit.config import load
+from rigkit.run_folder import RunFolder
+from rigkit.stop import StopRequest
+from stagectl.machining.run import Conduct
+from stagectl.robot.config import CellConfig
+from stagectl.trials.campaign import Learner, learn_pocket
+from stagectl.trials.command import wanted_methods
+from stagectl.trials.done import DoneTrial
+from stagectl.trials.session import Runner, run_simulated
+from stagectl.trials.trial import cell_for_task
+
+HEAD = ("seed", "free space: 0, 1, last", "method", "iteration 0", "1", "last", "reduced by", "worst factor")
+
+
+def one_seed(seed: int, task: str, methods: tuple[int, ...], iterations: int) -> list[tuple[Any, ...]]:
+    """Return a row a method: everything that is drawn is drawn from the seed."""
+    drawn = [f"{key}.seed={seed}" for key in ("simulator.options", "plants.tracker_options", "plants.pocket_options")]
+    cell = cell_for_task(load(None, CellConfig, drawn), task)
+    with tempfile.TemporaryDirectory() as place, RunFolder.create(Path(place) / "run", "") as folder:
+        run = Runner(folder, Conduct(), run_simulated, lambda _: None)
+        swept = sweep(cell, False, folder.path / "sweep.wav", lambda _: None, StopRequest())
+        found = calibrate(cell, task, run, swept)
+        learner = Learner(cell, found.models, found.forces, found.free)
+        free = ", ".join(_size(each) for each in (*found.free[:2], found.free[-1]))
+        rows = []
+        for method in methods:
+            worst = f"{learner.contraction(method).worst:.2f}"
+            try:
+                done = learn_pocket(found.milled, learner, method, iterations, run)
+            except ValueError as fault:
+                rows.append((seed, free, method, _size(found.milled), "-", "-", str(fault), worst))
+                continue
+            first, last = (np.linalg.norm(each.mae) for each in (done[0], done[-1]))
+            reduced = f"{100 * (1 - last / first):.0f} %"
+            rows.append((seed, free, method, *(_size(each) for each in (done[0], done[1], done[-1])), reduced, worst))
+    return rows
+
+
+def _size(done: DoneTrial) -> str:
+    true = done.true_mae
+    assert true is not None
+    return f"{1e6 * np.linalg.norm(done.mae):.0f} ({1e6 * np.linalg.norm(true):.0f})"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3, 4, 5])
+    parser.add_argument("--task", default="pocket28")
+    parser.add_argument("--methods", default="1,2,3")
+    parser.add_argument("--iterations", type=int, default=4)
+    given = parser.parse_args()
+    methods = wanted_methods(given.methods)
+    print(f"| {' | '.join(HEAD)} |\n|{'---|' * len(HEAD)}")
+    for rows in over_seeds(one_seed, given.seeds, task=given.task, methods=methods, iterations=given.iterations):
+        for row in rows:
+            print(f"| {' | '.join(map(str, row))} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

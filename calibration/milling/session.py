@@ -1,0 +1,157 @@
+"""`calibrate milling` from its first motion to its models: chirps, sweep, free space, the first trial in material."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from calibration.milling.chirp_path import ChirpPath
+from calibration.milling.process_fit import ProcessFit, fit_process
+from calibration.milling.robot_fit import AxisFit, fit_axis
+from calibration.milling.torque_fit import TorqueFit, friction_and_gravity
+from ctlblocks.recording import Recording
+from rigkit.provenance import now, software
+from stagectl.robot.config import CellConfig
+from stagectl.robot.milling.force_model import ForceModel
+from stagectl.robot.milling.milling_models import FORCES, SIDES, MillingModels, RobotModel
+from stagectl.robot.milling.torque_file import torque_arrays
+from stagectl.robot.milling.trial_error import kinematic_error
+from stagectl.trials.campaign import FIRST, Forces, Learner, learn_free_space
+from stagectl.trials.done import DoneTrial
+from stagectl.trials.tool_path import RATE
+from stagectl.trials.trial import Trial, first_trial, in_the_air
+
+CHIRPS = "chirps"
+
+
+@dataclass(frozen=True, eq=False)
+class Calibrated:
+    """What came of it.
+
+    Parameters
+    ----------
+    models : MillingModels
+    axes : dict of str to list of AxisFit
+        By side.
+    processes : dict of str to ProcessFit
+        By force.
+    torques : TorqueFit
+        Gravity and friction.
+    forces : Forces
+        From motors' torques, by these.
+    free : list of DoneTrial
+    milled : DoneTrial
+    """
+
+    models: MillingModels
+    axes: dict[str, list[AxisFit]]
+    processes: dict[str, ProcessFit]
+    torques: TorqueFit
+    forces: Forces
+    free: list[DoneTrial]
+    milled: DoneTrial
+
+
+def chirp_path(cell: CellConfig) -> ChirpPath:
+    """Return the chirps of a cell's file."""
+    learning, chirp = cell.learning, cell.chirp
+    stop = 1.1 * learning.highest
+    return ChirpPath(cell.pocket.feed, chirp.share, chirp.largest, chirp.seconds, chirp.start, stop, chirp.height)
+
+
+def fit_robot(cell: CellConfig, done: DoneTrial) -> dict[str, list[AxisFit]]:
+    """Fit G_R of every direction, to the motors' angles and to the tool."""
+    chirps, signals = chirp_path(cell), done.signals
+    assert signals.seen is not None
+    found: dict[str, list[AxisFit]] = {}
+    for side, answer in zip(SIDES, (signals.joints, signals.seen), strict=True):
+        found[side] = []
+        for axis in range(3):
+            parts = [chirps.part(cell.pocket, axis, held_back) for held_back in (False, True)]
+            drives, answers = (
+                tuple(_deviation(chirps, each[part, axis], number) for number, part in enumerate(parts))
+                for each in (signals.sent, answer)
+            )
+            found[side].append(fit_axis(drives, answers, RATE, cell.learning.highest, cell.learning.cutoff))
+    return found
+
+
+def _deviation(chirps: ChirpPath, along: np.ndarray, number: int) -> np.ndarray:
+    """Return what is beside the steady feed of a pass, shape (N,), m."""
+    left = along - chirps.slope(bool(number)) * np.arange(len(along)) / RATE
+    return np.asarray(left - left[: chirps.before].mean())
+
+
+def robot_model(fits: list[AxisFit]) -> RobotModel:
+    """Return the model of the three directions."""
+    return RobotModel(
+        tuple(each.model for each in fits),
+        fits[0].frequency,
+        np.stack([each.measured for each in fits], axis=-1),
+        np.stack([each.spread for each in fits], axis=-1),
+        np.array([each.fresh for each in fits]),
+    )
+
+
+def fit_milling(learner: Learner, milled: DoneTrial) -> dict[str, ProcessFit]:
+    """Fit G_M and G_K, with the force as measured, and as estimated where torques are known."""
+    signals = milled.signals
+    assert signals.seen is not None
+    assert signals.force is not None
+    deflection = signals.seen - signals.joints - kinematic_error([each.signals for each in learner.free])
+    forces = {FORCES[0]: signals.force}
+    if learner.forces is not None:
+        forces[FORCES[1]] = learner.estimated(milled)
+    inside = milled.trial.path.milled
+    return {name: fit_process(signals.seen, deflection, force, inside, RATE) for name, force in forces.items()}
+
+
+def calibrate(cell: CellConfig, task: str, run: Callable[[str, Trial], DoneTrial], swept: Recording) -> Calibrated:
+    """Run all trials and fit all models.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    task : str
+    run : callable
+        Runs a trial under a name.
+    swept : Recording
+        Of the workspace sweep.
+    """
+    chirps, first = in_the_air(cell, chirp_path(cell).path(cell.pocket)), first_trial(cell, task)
+    friction, gravity, torques = friction_and_gravity(swept, first.arm, cell.friction)
+    forces = ForceModel(first.arm, gravity, friction, cell.force_estimate.tie_break)
+    axes = fit_robot(cell, run(CHIRPS, chirps))
+    about = {"made": now(), "software": software(), "task": task}
+    robot = {side: robot_model(fits) for side, fits in axes.items()}
+    models = MillingModels(robot, {}, first.path.pocket.depth, torque_arrays(friction, gravity), about)
+
+    def told(angle: np.ndarray, torque: np.ndarray) -> np.ndarray:
+        return forces.estimate(angle, torque, RATE).force
+
+    learner = Learner(cell, models, told)
+    milled = run(FIRST, learn_free_space(first, learner, run))
+    processes = fit_milling(learner, milled)
+    whole = replace(models, process={name: each.process for name, each in processes.items()})
+    return Calibrated(whole, axes, processes, torques, told, learner.free, milled)
+
+
+def dry_run(cell: CellConfig, task: str) -> list[str]:
+    """Return in words all that moves, in order, but the sweep.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    task : str
+    """
+    chirps, first = chirp_path(cell), first_trial(cell, task)
+    path, free = first.path, cell.learning.free + 1
+    lowest, highest = (1e3 * each(path.wanted, axis=0) for each in (np.min, np.max))
+    return [
+        f"chirps {chirps.start:g} to {chirps.stop:g} Hz along x, y and z, up to {1e3 * chirps.largest:g} mm on a feed "
+        f"of {1e3 * chirps.feed:g} mm/s, {1e3 * chirps.height:g} mm above the workpiece: "
+        f"{chirps.path(cell.pocket).samples / RATE:.0f} s",
+        f"{free} trials in the air, x {lowest[0]:.0f} to {highest[0]:.0f}, y {lowest[1]:.0f} to {highest[1]:.0f}, "
+        f"z {lowest[2]:.0f} to {highest[2]:.0f} mm in the workpiece: {path.samples / RATE:.1f} s each",
+        f"a trial in material, {1e3 * path.pocket.depth:g} mm deep: {path.samples / RATE:.1f} s",
+    ]

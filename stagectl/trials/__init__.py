@@ -1,0 +1,1 @@
+"""Trials of a milled path: run, recorded, measured, and learned from."""

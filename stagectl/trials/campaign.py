@@ -1,0 +1,202 @@
+"""Trials one after another: free space is learned first, then the pocket, by one method or by several."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from stagectl.robot.config import CellConfig
+from stagectl.robot.milling.convergence import Contraction, Doubt, cautious, contraction
+from stagectl.robot.milling.learning import LearningLaw, predicted, update
+from stagectl.robot.milling.milling_models import MillingModels
+from stagectl.robot.milling.trial_error import TrialSignals, kinematic_error, tool_position
+from stagectl.trials.done import DoneTrial
+from stagectl.trials.signals import torque_log, touched_block, touched_off
+from stagectl.trials.tool_path import RATE, refuse_large, refuse_outside
+from stagectl.trials.trial import Trial
+
+Run = Callable[[str, Trial], DoneTrial]
+"""Runs a trial under a name, keeps it, and returns it; raises where it did not come to its end."""
+BLOCK = 100
+"""Trials of a method: each method mills blocks of its own."""
+Forces = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""From motor angles (rad) and torques (N m), shapes (N, 6), to the force on the tool, shape (N, 3), N; NaN in a gap."""
+FREE, FIRST = "free", "milled-0"
+"""Names of trials in the air, and of the one in material that no method has learned from yet."""
+SIDE = {None: "tool", 1: "tool", 2: "motors", 3: "motors"}
+"""Which G_R a method inverts: the one to what its error is made of; None is free space."""
+FORCE = {1: "measured", 2: "measured", 3: "estimated"}
+"""Which force the process model of a method belongs to."""
+
+
+@dataclass(eq=False)
+class Learner:
+    """The models, the laws that follow from them, and what is known of free space.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    models : MillingModels
+    forces : Forces or None
+        Method 3 needs it.
+    """
+
+    cell: CellConfig
+    models: MillingModels
+    forces: Forces | None = None
+    free: list[DoneTrial] = field(default_factory=list)
+
+    def law(self, method: int | None) -> LearningLaw:
+        """Return the law of a method, or of free space, as cautious as the doubt about its models asks for."""
+        learning = self.cell.learning
+        if method is not None and FORCE[method] not in self.models.process:
+            raise ValueError(f"method {method} needs G_M and G_K of the {FORCE[method]} force, the model has none")
+        process = None if method is None else self.models.process[FORCE[method]].model
+        whole = LearningLaw(
+            self.models.robot[SIDE[method]].axes, process, learning.cutoff, learning.highest, learning.gain,
+            learning.inverse, learning.epsilon,
+        )  # fmt: skip
+        return cautious(whole, self._doubt(method))
+
+    def contraction(self, method: int | None) -> Contraction:
+        """Return by what errors shrink under a method, for all that the models may be instead."""
+        return contraction(self.law(method), self._doubt(method))
+
+    def _doubt(self, method: int | None) -> Doubt:
+        return self.models.doubt(SIDE[method], None if method is None else FORCE[method])
+
+    def next_path(self, done: DoneTrial, method: int | None) -> np.ndarray:
+        """Return the path of the next trial, shape (N, 3), m.
+
+        Parameters
+        ----------
+        done : DoneTrial
+        method : int or None
+            None for free space.
+
+        Raises
+        ------
+        ValueError : a law that may diverge, a signal that is missing, a path that leaves the workpiece.
+        """
+        kinematic = kinematic_error([each.signals for each in self.free]) if method in (2, 3) else None
+        return self.corrected(done.trial, self.signals(done, method), method, kinematic)
+
+    def corrected(
+        self, trial: Trial, signals: TrialSignals, method: int | None, kinematic: np.ndarray | None
+    ) -> np.ndarray:
+        """Return the path of the trial after one with these signals, shape (N, 3), m.
+
+        Parameters
+        ----------
+        trial : Trial
+        signals : TrialSignals
+        method : int or None
+        kinematic : array, shape (N, 3), m, or None
+            d_e; methods 2 and 3 need it.
+
+        Raises
+        ------
+        ValueError : as `next_path`.
+        """
+        law = self.law(method)
+        self.contraction(method).refuse_divergence()
+        where = tool_position(signals, method or 1, RATE, law.process, kinematic)
+        sent = update(signals.sent, trial.path.wanted - where, law)
+        come = predicted(where, sent - signals.sent, law)
+        refuse_outside(trial.path.pocket, trial.path.wanted, come, self.cell.learning.stray)
+        refuse_large(trial.path.wanted, sent, self.cell.learning.correction)
+        return sent
+
+    def signals(self, done: DoneTrial, method: int | None) -> TrialSignals:
+        """Return a trial's signals, with the force that a method has."""
+        if method != 3:
+            return done.signals
+        return replace(done.signals, force=self.estimated(done))
+
+    def estimated(self, done: DoneTrial) -> np.ndarray:
+        """Return the force on the tool from the motors' torques, less what the same path takes in the air: (N, 3), N.
+
+        Parameters
+        ----------
+        done : DoneTrial
+
+        Raises
+        ------
+        ValueError : no model of the torques, or a force that is not determined somewhere.
+        """
+        told = [determined(self.forces, *torque_log(each.records), each.name) for each in (done, *self.free)]
+        return np.asarray(told[0] - np.mean(told[1:], axis=0))
+
+
+def learn_free_space(first: Trial, learner: Learner, run: Run) -> Trial:
+    """Run the path in the air, and learn it; return the first trial in material, u_0 = u_c.
+
+    Parameters
+    ----------
+    first : Trial
+    learner : Learner
+        Gets the trials.
+    run : callable
+    """
+    trial = first
+    for number in range(learner.cell.learning.free):
+        done = run(f"{FREE}-{number}", trial)
+        if number == 0:  # where the tool rests is where the tracker has the workpiece, and where that is clamped
+            touched = touched_off(trial, done.records), touched_block(trial, done.records)
+            trial = replace(trial, zero=touched[0], block=touched[1])
+            done = DoneTrial(done.name, trial, done.records)
+        learner.free.append(done)
+        trial = trial.again(learner.next_path(done, None), False)
+    learner.free.append(run(f"{FREE}-{learner.cell.learning.free}", trial))
+    return trial.again(trial.sent, True)
+
+
+def learn_pocket(first: DoneTrial, learner: Learner, method: int, iterations: int, run: Run) -> list[DoneTrial]:
+    """Learn from a trial in material, again and again; return the first and all after it.
+
+    Parameters
+    ----------
+    first : DoneTrial
+        Iteration 0.
+    learner : Learner
+    method : int
+    iterations : int
+    run : callable
+    """
+    done = [first]
+    for iteration in range(1, iterations + 1):
+        sent = learner.next_path(done[-1], method)
+        trial = replace(first.trial.again(sent, True), number=BLOCK * method + first.trial.number + iteration)
+        done.append(run(f"method-{method}-{iteration}", trial))
+    return done
+
+
+def norms(done: Sequence[DoneTrial]) -> list[float]:
+    """Return the Euclidean norm of each trial's mean absolute errors, m, as in Table 5.1."""
+    return [float(np.linalg.norm(each.mae)) for each in done]
+
+
+def determined(forces: Forces | None, angle: np.ndarray, torque: np.ndarray, name: str) -> np.ndarray:
+    """Return the force on the tool from motors' torques in every sample of a trial, shape (N, 3), N.
+
+    Parameters
+    ----------
+    forces : Forces or None
+    angle, torque : arrays, shape (N, 6), rad and N m
+    name : str
+        Of the trial, for what is refused.
+
+    Raises
+    ------
+    ValueError : no model of the torques, or a sample in which the force is not determined.
+    """
+    if forces is None:
+        raise ValueError("method 3 needs gravity and friction of the joints, the model has none")
+    estimate = forces(angle, torque)
+    lost = np.flatnonzero(~np.isfinite(estimate).all(axis=1))
+    if len(lost):
+        raise ValueError(
+            f"{name}: the force is not determined at {lost[0] / RATE:.4g} s: torques are missing there, or a joint is "
+            "faster than its friction is known"
+        )
+    return estimate

@@ -1,0 +1,39 @@
+"""What is recorded of a trial: which signals, at which rates, under which names."""
+
+from stagectl.machining.recorded import ROBOT, TRACKER, Signal
+
+RATE = 2_000.0
+"""ticks/s, of the graph: robot, tracker and cut."""
+SLOW = 8
+"""Ticks between two samples of the robot port."""
+
+TORQUE = Signal("torque", "torque", "N m", 6)
+"""What the drives say."""
+FORCE = (
+    Signal("wrench", "wrench", "1", 6),
+    Signal("force_sample", "force_sample", "1", 1),
+    Signal("force_status", "force_status", "1", 1),
+)
+"""What the force sensor says."""
+FELT = Signal("felt", "felt.force", "N")
+MADE = {
+    "trial": (
+        Signal("correction", "path.correction", "rad", 6),
+        Signal("reference", "port.reference", "rad", 6),
+        Signal("holding", "port.holding", "1", 1),
+        Signal("retreating", "path.retreating", "1", 1),
+        FELT,
+    ),
+    "tracker": (Signal("tool_seen", "seen.workpiece_position"),),
+}
+"""What the controllers make of it, by recording."""
+NOMINAL = Signal("nominal", "path.nominal", "rad", 6)
+TRUTH = (Signal("position", "position"), Signal("force", "force", "N"))
+"""What nobody but the simulator knows."""
+RECORDED = {
+    "trial": (NOMINAL, *ROBOT, TORQUE, *MADE["trial"]),
+    "tracker": (*TRACKER, *FORCE, *MADE["tracker"]),
+    "truth": TRUTH,
+}
+EVERY = {"trial": SLOW, "tracker": 1, "truth": SLOW}
+"""Ticks between two samples, by recording."""

@@ -1,0 +1,106 @@
+"""Trials in a folder: each is run, recorded, kept and told of; read back for report and replay."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from rigkit import config as rig_file
+from rigkit.provenance import now, software
+from rigkit.run_folder import CONFIG, RunFolder
+from stagectl.machining.run import Conduct, Milled
+from stagectl.robot.config import CellConfig
+from stagectl.trials.campaign import FIRST, FREE
+from stagectl.trials.done import DoneTrial, TrialEnded, has_trial, read_trial
+from stagectl.trials.recorded import RECORDED
+from stagectl.trials.run import run
+from stagectl.trials.surroundings import simulated
+from stagectl.trials.trial import Trial, first_trial
+
+LEARNING = "task.txt"
+"""File of a run's folder that has the name of its task."""
+Tell = Callable[[str], None]
+
+
+def run_simulated(trial: Trial, conduct: Conduct) -> Milled:
+    """Run a trial on the simulated cell."""
+    about = {"trial": str(trial.number), "date": now(), "software": software()}
+    return run(trial, conduct, simulated, RECORDED, about)
+
+
+class Runner:
+    """Runs trials into a folder; one that is there already is read.
+
+    Parameters
+    ----------
+    folder : RunFolder
+    conduct : Conduct
+    perform : callable(Trial, Conduct) -> Milled
+        Runs a trial: `run_simulated`, or a live one.
+    tell : callable(str)
+        Told a line of each trial.
+    """
+
+    def __init__(
+        self, folder: RunFolder, conduct: Conduct, perform: Callable[[Trial, Conduct], Milled], tell: Tell
+    ) -> None:
+        self.folder, self._conduct, self._perform, self._tell = folder, conduct, perform, tell
+
+    def __call__(self, name: str, trial: Trial) -> DoneTrial:
+        """Run a trial, and keep it.
+
+        Raises
+        ------
+        TrialEnded : a fault ended it; what was recorded until then is kept.
+        """
+        path = self.folder.path
+        if has_trial(path, name):
+            return read_trial(path, name, trial)
+        self.folder.event("started", {"trial": name, "milled": trial.is_milled})
+        came = self._perform(trial, self._conduct)
+        done = DoneTrial(name if not came.reason else f"{name}-ended", trial, came.recordings)
+        done.write(path)
+        self.folder.event("ended", {"trial": name, "reason": came.reason, **came.figures})
+        if came.reason:
+            raise TrialEnded(f"{name}: {came.reason}; what is recorded is in {path}/")
+        if trial.zero is not None and trial.path.milled.any():
+            size = 1e6 * done.mae
+            self._tell(f"{name}: MAE x {size[0]:.0f}, y {size[1]:.0f}, z {size[2]:.0f} µm")
+        return done
+
+
+def is_of_trials(path: Path) -> bool:
+    """Whether a folder is one of trials that were learned from."""
+    return (path / CONFIG).is_file() and (path / LEARNING).is_file()
+
+
+def read_back(path: Path) -> list[DoneTrial]:
+    """Return all trials of a folder, in the order of their numbers; ValueError if it is none of theirs, or empty."""
+    if not is_of_trials(path):
+        raise ValueError(f"{path}/ is not the folder of trials: it has no {CONFIG} and {LEARNING}")
+    task = (path / LEARNING).read_text(encoding="utf-8").strip()
+    first = first_trial(rig_file.load(path / CONFIG, CellConfig), task)
+    names = [file.name.removesuffix("-sent.csv") for file in path.glob("*-sent.csv")]
+    if not names:
+        raise ValueError(f"{path}: nothing is recorded")
+    return sorted((read_trial(path, name, first) for name in names), key=lambda each: each.trial.number)
+
+
+def grouped(trials: list[DoneTrial]) -> tuple[list[DoneTrial], dict[int, list[DoneTrial]]]:
+    """Return trials in the air, and those of each method with iteration 0 first; those that a fault ended are left out.
+
+    Parameters
+    ----------
+    trials : list of DoneTrial
+        As `read_back` gives them.
+    """
+    free = [each for each in trials if re.fullmatch(rf"{FREE}-\d+", each.name)]
+    first = [each for each in trials if each.name == FIRST]
+    learned: dict[int, list[DoneTrial]] = {}
+    for each in trials:
+        if found := re.fullmatch(r"method-(\d)-\d+", each.name):
+            learned.setdefault(int(found[1]), list(first)).append(each)
+    if free and free[-1].trial.zero is not None:  # the first was run before it was known where the tracker has the work
+        zero, block = free[-1].trial.zero, free[-1].trial.block
+        free[0] = replace(free[0], trial=replace(free[0].trial, zero=zero, block=block))
+    return free, learned

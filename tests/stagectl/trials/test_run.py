@@ -1,0 +1,77 @@
+"""Trials on the simulated cell: they come to their end, or out of the material; runs differ by their noise alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stagectl.machining.run import Milled
+from stagectl.trials.done import DoneTrial
+from stagectl.trials.signals import touched_block, touched_off
+from stagectl.trials.trial import Trial
+from tests.stagectl.trials.short_trial import ran, small
+
+
+@pytest.fixture(scope="module")
+def first() -> Trial:
+    return small()
+
+
+@pytest.fixture(scope="module")
+def air(first: Trial) -> Milled:
+    return ran(first)
+
+
+@pytest.fixture(scope="module")
+def touched(first: Trial, air: Milled) -> Trial:
+    return replace(first, zero=touched_off(first, air.recordings), block=touched_block(first, air.recordings))
+
+
+def test_a_trial_in_the_air_follows_its_path_and_feels_nothing(touched: Trial, air: Milled) -> None:
+    done = DoneTrial("free-0", touched, air.recordings)
+    assert air.reason == ""
+    assert np.abs(air.recordings["truth"].select(["force_x"]).data).max() == 0.0
+    assert np.linalg.norm(done.mae) < 300e-6
+    assert done.true_mae is not None
+    assert np.linalg.norm(done.true_mae) < np.linalg.norm(done.mae)
+
+
+def test_a_trial_in_material_feels_it_and_is_pushed_aside(touched: Trial, air: Milled) -> None:
+    trial = touched.again(touched.sent, True)
+    done, before = DoneTrial("milled-0", trial, ran(trial).recordings), DoneTrial("free-0", touched, air.recordings)
+    force = done.signals.force
+    assert force is not None
+    assert 2.0 < np.abs(force[touched.path.milled]).mean(axis=0).max() < 100.0
+    assert np.linalg.norm(done.mae) > np.linalg.norm(before.mae)
+
+
+def test_another_trial_has_other_noise_on_the_same_machine(first: Trial, air: Milled) -> None:
+    other = ran(replace(first, number=1))
+    for name, columns in (("tracker", ["tool_seen_x"]), ("trial", ["torque_2"])):
+        here, there = (each.recordings[name].select(columns).data for each in (air, other))
+        assert not np.array_equal(here, there)
+    here, there = (each.recordings["truth"].select(["position_x"]).data for each in (air, other))
+    assert there == pytest.approx(here, abs=2e-5)
+
+
+def test_a_blind_tracker_lifts_the_tool_out(touched: Trial) -> None:
+    blind = small("plants.tracker_options.blind=4.0", "plants.tracker_options.blind_for=9.0")
+    done = ran(replace(touched.again(touched.sent, True), cell=blind.cell))
+    assert done.reason.startswith("the tracker is blind for 0.05")
+    assert touched.block is not None
+    height = done.recordings["truth"].select(["position_z"]).data[:, 0] - touched.block[2]
+    assert height[1000] < -1e-4  # at 4 s it was in the material
+    assert height[-1] == pytest.approx(touched.path.pocket.clearance, abs=2e-4)
+    assert len(height) < 6.5 * 250
+
+
+def test_a_silent_robot_is_held_where_it_is(first: Trial) -> None:
+    done = ran(replace(first, cell=small("plants.robot_options.mute=2.0").cell))
+    assert done.reason.startswith("the robot is silent for")
+    asked = done.recordings["trial"].select(["reference_2"]).data[-50:, 0]
+    assert np.ptp(asked) < 1e-9
+
+
+def test_a_correction_beyond_the_limit_never_reaches_the_robot(first: Trial) -> None:
+    done = ran(replace(first, sent=first.sent + [0.0, 0.0, 1.2e-3]))
+    assert done.reason.startswith("the correction moves the tool by 1.2 mm, must be <= 1 mm")
