@@ -92,7 +92,7 @@ def _picture(
         until(partial(_lit, tab, level), MINUTES)
     if killing is not None:
         killing.kill()
-        until(lambda: tab.text("alarm").startswith("No sign of life for 2 s"))
+        until(lambda: tab.text("alarm-age") == "(2 s)")
     tab.picture(PICTURES / f"{name}.png", whole)
 
 

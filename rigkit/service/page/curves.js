@@ -33,7 +33,7 @@ export function drawCurves(pen, width, height, panel) {
     else drawLine(pen, frame, trace, looks[n]);
   });
   pen.restore();
-  return looks.map(({ colour, dash }, n) => legendOf(panel.traces[n], colour, dash.length > 0));
+  return looks.map(({ colour, dash }, n) => legendOf(panel.traces[n], colour, dash.length > 0, panel.drawn === "lines"));
 }
 
 /** Say what a person would see: each trace's last value and largest value. */
@@ -50,8 +50,8 @@ export function sayCurves(panel) {
 
 function xRange({ traces, x, drawn }) {
   const found = extent(traces.map((trace) => trace.x), x.scale === "log") ?? [0, 1];
-  const step = drawn === "bars" ? stepOf(traces[0].x) / 2 : 0;
-  return [found[0] - step, found[1] + step];
+  const room = { bars: stepOf(traces[0]?.x ?? []) / 2, points: 0.03 * (found[1] - found[0]), lines: 0 }[drawn];
+  return [found[0] - room, found[1] + room];
 }
 
 function yRange({ traces, y, drawn }) {
@@ -151,9 +151,9 @@ function limitAt({ x, y }, at) {
 
 const stepOf = (x) => (x.length > 1 ? (x.at(-1) - x[0]) / (x.length - 1) : 1);
 
-function legendOf({ name, y, role }, colour, isDashed) {
+function legendOf({ name, y, role }, colour, isDashed, isLine) {
   const swatch = made("i", { className: isDashed ? "swatch dashed" : "swatch" });
   swatch.style.color = colour;
-  const last = role === "measured" && y.length <= 200 && y.length > 0 ? ` ${digits(y.at(-1))}` : "";
+  const last = isLine && role === "measured" && y.length <= 200 && y.length > 0 ? ` ${digits(y.at(-1))}` : "";
   return made("span", {}, swatch, `${name}${last}`);
 }

@@ -5,6 +5,7 @@ import { Command } from "./command.js";
 import { byId, show, write } from "./element.js";
 import { Gauges } from "./gauges.js";
 import { Log } from "./log.js";
+import { duration } from "./numbers.js";
 import { Panels } from "./panels.js";
 import { Procedure } from "./procedure.js";
 import { showState } from "./state.js";
@@ -37,8 +38,10 @@ function watch(rig) {
   document.title = rig.rig || rig.program;
   const stop = new Stop();
   const parts = [new Command(rig), new Procedure(), new Gauges(), new Panels(), new Log()];
+  let late = "";
   const stream = new Stream((snapshot) => {
     showState(snapshot);
+    late = `${snapshot.late_ticks} of ${snapshot.tick} were late at the rig`;
     for (const part of parts) part.show(snapshot);
   });
   byId("forget").onclick = () => {
@@ -47,7 +50,7 @@ function watch(rig) {
   };
   const began = performance.now();
   setInterval(() => lookAtPulse(Math.min(stream.age, (performance.now() - began) / 1000), stop), 100);
-  setInterval(() => write(byId("pulse"), `${stream.rate().toFixed(0)} snapshots a second`), 2000);
+  setInterval(() => write(byId("pulse"), `${stream.rate().toFixed(0)} snapshots a second; ${late}`), 2000);
 }
 
 /** Grey the page out when nothing has been heard for too long. */
@@ -55,14 +58,16 @@ function lookAtPulse(age, stop) {
   const old = age > OLD;
   document.body.classList.toggle("old", old);
   if (old) {
-    showAlarm(`No sign of life for ${age.toFixed(0)} s. What is shown is old, and STOP may not get through: use the switch.`);
+    showAlarm("No sign of life. What is shown is old, and STOP may not get through: use the switch.", `(${duration(age)})`);
   } else {
     showAlarm(stop.fault);
   }
 }
 
-function showAlarm(text) {
-  write(byId("alarm"), text);
+/** Show an alarm; what changes all the time stands apart, so that it is not read out each time. */
+function showAlarm(text, age = "") {
+  write(byId("alarm-text"), text);
+  write(byId("alarm-age"), age);
   show(byId("alarm"), text !== "");
 }
 

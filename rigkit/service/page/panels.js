@@ -21,6 +21,11 @@ export class Panels {
 
   show({ panels }) {
     this.#wanted = panels;
+    for (const [name, card] of this.#cards) {
+      if (name in panels) continue;
+      card.element.remove(); // the daemon was started again
+      this.#cards.delete(name);
+    }
     if (!this.#busy) this.#fetch();
   }
 

@@ -5,18 +5,29 @@ import { byId, show, write } from "./element.js";
 
 /** s to wait for an answer before saying that there is none. */
 const PATIENCE = 3;
+/** ms after a finger or mouse went down within which a click is the end of that press. */
+const A_PRESS = 2000;
 const TYPED_INTO = "input, textarea";
 
 export class Stop {
   /** What is wrong with the last STOP; empty where it was carried out. */
   fault = "";
 
+  #touch = -Infinity;
+
   constructor() {
     const button = byId("stop");
     show(button, true);
-    button.onclick = () => this.press("STOP of the page");
+    button.onpointerdown = () => this.#touched();
+    button.onclick = () => performance.now() - this.#touch > A_PRESS && this.press("STOP of the page");
     addEventListener("keydown", (event) => this.#key(event), { capture: true });
     addEventListener("keyup", (event) => isSpace(event) && event.preventDefault(), { capture: true });
+  }
+
+  /** A finger stops when it comes down, and not when it is lifted. */
+  #touched() {
+    this.#touch = performance.now();
+    this.press("STOP of the page");
   }
 
   async press(why) {

@@ -76,6 +76,14 @@ class Browser:
         """Press a key where the focus is."""
         ActionChains(self.driver).send_keys(key).perform()
 
+    def hold_down(self, name: str) -> None:
+        """Press the mouse on an element, and keep it down."""
+        ActionChains(self.driver).click_and_hold(self.find(name)).perform()
+
+    def let_go(self) -> None:
+        """Let the mouse go."""
+        ActionChains(self.driver).release().perform()
+
     def press(self, name: str) -> None:
         """Wait until a button can be pressed, and press it with Enter."""
         until(lambda: self.find(name).is_displayed() and self.find(name).is_enabled())

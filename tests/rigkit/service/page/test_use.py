@@ -111,6 +111,17 @@ def test_the_button_stops_by_the_keyboard_as_well(visit: Visit) -> None:
     assert visit.daemon.named("stop")[-1]["why"] == "STOP of the page"
 
 
+def test_a_finger_stops_when_it_comes_down(visit: Visit) -> None:
+    visit.daemon.begin(steps=100_000)
+    visit.tab.until_state("RUNNING")
+    stops = len(visit.daemon.named("stop"))
+    visit.tab.hold_down("stop")
+    visit.tab.until_state("DISARMED")
+    visit.tab.let_go()
+    until(lambda: visit.tab.text("stop-told") == "STOP: RUNNING → DISARMED")
+    assert len(visit.daemon.named("stop")) == stops + 1
+
+
 def test_who_may_only_look_sees_no_commands_and_learns_that_a_stop_was_refused(visit: Visit) -> None:
     visit.open(visit.daemon.tokens.view)
     visit.tab.until_state("DISARMED")
@@ -154,6 +165,21 @@ def test_it_greys_out_when_the_rig_gives_no_sign_of_life_and_comes_back(visit: V
     os.kill(process.pid, signal.SIGCONT)
     until(lambda: not visit.tab.shows("alarm"))
     assert visit.tab.run("return getComputedStyle(document.querySelector('main')).filter") == "none"
+
+
+def test_after_a_restart_it_shows_the_new_daemon_and_nothing_of_the_old(tab: Browser, tmp_path: Path) -> None:
+    with served(tmp_path) as before:
+        address = before.settings.address
+        Visit(tab, before).open(before.tokens.operate)
+        before.begin(steps=3)
+        until(lambda: tab.driver.find_elements("css selector", ".panel"))
+        tab.until_state("ARMED")
+    until(lambda: "No sign of life" in tab.text("alarm"))
+    with served(tmp_path, address=address):
+        tab.until_state("DISARMED")
+        until(lambda: not tab.shows("alarm"))
+        assert not tab.driver.find_elements("css selector", ".panel")
+        until(lambda: tab.run("return document.querySelector('#events li:not([hidden]) b').textContent") == "started")
 
 
 def test_it_greys_out_when_the_rigs_process_is_killed_and_says_that_a_stop_did_not_get_through(
