@@ -33,23 +33,6 @@ class Replayed:
     difference: float
 
 
-def compared(name: str, before: Recording, again: Recording) -> Iterator[Replayed]:
-    """Hold every channel that was made again against what was recorded.
-
-    Parameters
-    ----------
-    name : str
-        Of the recording, for what is said.
-    before, again : Recording
-    """
-    for channel, unit, column in zip(again.names, again.units, again.data.T, strict=True):
-        kept = before.select([channel]).data[:, 0]
-        rows = min(len(kept), len(column))
-        is_same = len(kept) == len(column) and kept.tobytes() == np.ascontiguousarray(column).tobytes()
-        largest = float(np.abs(kept[:rows] - column[:rows]).max())
-        yield Replayed(name, channel, unit, is_same, largest)
-
-
 def replay(path: Path, made: Setup) -> Iterator[Replayed]:
     """Make the outputs of a run again from its recorded sensors and wanted positions.
 
