@@ -102,6 +102,11 @@ class FeedGraph:
         return int(self.graph.signal("segments.number")[0, 0])
 
     @property
+    def resultant(self) -> float:
+        """The force on the tool in the plane, N; 0 until zero force is known."""
+        return float(self.graph.signal("control.resultant")[0, 0]) if self.judged.inbox.is_tared else 0.0
+
+    @property
     def cells(self) -> int:
         """How many are milled."""
         done, pocket = self.segments.done, self.plan.pocket

@@ -94,6 +94,9 @@ def _what_is_wrong(cell: FeedGraph, conduct: Conduct, ticks: int) -> str:
         return f"{cell.blamed or control.reason}; segment {cell.number}"
     if cell.blamed and (isinstance(control, ConstantFeed) or control.is_idle):
         return f"{cell.blamed}; segment {cell.number}"
+    most = cell.plan.cell.force.overload
+    if isinstance(control, ConstantFeed) and cell.resultant > most:
+        return f"the force is beyond force.overload, {most:g} N; segment {cell.number}"
     if cell.port.reason or conduct.stopped():
         return cell.port.reason or STOPPED
     if cell.move.milling > task.patience:

@@ -91,6 +91,12 @@ def test_position_control_goes_at_the_feed_that_is_given() -> None:
     assert np.median(at(done, "feed")[at(done, "is_running") > 0.5]) == 0.012
 
 
+def test_position_control_is_held_by_overload() -> None:
+    done = milled(small(["force.overload=5.0"], feeds=dict.fromkeys(small().pocket.types, 0.03)))
+    assert done.reason == "the force is beyond force.overload, 5 N; segment 1"
+    assert at(done, "holding")[-1] == 1.0
+
+
 def retreats(done: Pocketed) -> None:
     """Look that the tool went back along its segment, and then stood still."""
     phases = at(done, "phase")
