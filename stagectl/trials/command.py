@@ -81,14 +81,23 @@ def _learned(
 
     with RunFolder.create(out, rig_file.dump(learner.cell)) as folder, stoppable() as stop:
         folder.write(LEARNING, f"{task}\n")
-        run = Runner(folder, Conduct(folder.event, lambda: stop.made), run_simulated, tell)
-        milled = run(FIRST, learn_free_space(first, learner, run))
-        learned = {each: learn_pocket(milled, learner, each, iterations, run) for each in methods}
-        _keep(folder, learner, learned, png)
+        runner = Runner(folder, Conduct(folder.event, lambda: stop.made), run_simulated, tell)
+
+        def run(name: str, trial: Trial) -> DoneTrial:
+            done = runner(name, trial)
+            write_logs(folder.path / LOGS / name, done)
+            return done
+
+        try:
+            milled = run(FIRST, learn_free_space(first, learner, run))
+            learned = {each: learn_pocket(milled, learner, each, iterations, run) for each in methods}
+        finally:
+            found = report_again(folder.path, png)
+            folder.summarise(found)
     print_table(f"{out}: errors of every trial", HEAD, trial_rows(learner.free, learned), stream)
     print_table(f"{out}: as Table 5.1", TABLE_HEAD, method_rows(learned), stream)
     tell(f"report: {out / PAGE}")
-    return figures(learner.free, learned)
+    return found
 
 
 def wanted_methods(text: str) -> tuple[int, ...]:
@@ -164,9 +173,3 @@ def report_again(path: Path, png: Path | None = None) -> dict[str, Any]:
     if png is not None:
         report.png(png)
     return figures(free, learned)
-
-
-def _keep(folder: RunFolder, learner: Learner, learned: dict[int, list[DoneTrial]], png: Path | None) -> None:
-    folder.summarise(report_again(folder.path, png))
-    for done in (*learner.free, *dict.fromkeys(each for method in learned.values() for each in method)):
-        write_logs(folder.path / LOGS / done.name, done)

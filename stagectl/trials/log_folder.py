@@ -54,7 +54,7 @@ def read_log(path: Path, columns: tuple[str, ...], optional: tuple[str, ...] = (
             found[number - 2] = [float(line[place]) for place in places]
         except (ValueError, IndexError):
             raise ValueError(
-                f"{path}: line {number} is {','.join(line)[:60]!r}, must be numbers under {head}"
+                f"{path}: line {number} is {','.join(line)[:60]}, must be numbers under {', '.join(head)}"
             ) from None
     return dict(zip(wanted, found.T, strict=True))
 
