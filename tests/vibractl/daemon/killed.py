@@ -70,7 +70,7 @@ class KilledDaemon(Served):
         return float(loud[-1] + 1) / RATE if len(loud) else 0.0
 
 
-def straight_rig(folder: Path) -> RigConfig:
+def straight_rig(folder: Path, mute_after: float) -> RigConfig:
     """Return the settings of a rig whose plant follows its drive in real time."""
     log = {"file": str(folder / "log"), "capacity": ROOM * RATE}
     return RigConfig(
@@ -78,17 +78,20 @@ def straight_rig(folder: Path) -> RigConfig:
         reference=Reference(signal="chirp:40:90:1", amplitude=1.0),
         learning=Learning(law="thesis", gains=(0.5,)),
         simulator=Simulator(plant="tests.vibractl.drive_log:DriveLog", speed=1.0, options=log),
-        daemon=Daemon(address=f"127.0.0.1:{free_port()}", data=str(folder / "data")),
+        daemon=Daemon(address=f"127.0.0.1:{free_port()}", data=str(folder / "data"), mute_after=mute_after),
     )
 
 
 @contextmanager
-def straight_daemon(folder: Path) -> Iterator[KilledDaemon]:
-    """Start `vibractl daemon` on that rig, and see that it is gone afterwards."""
+def straight_daemon(folder: Path, mute_after: float = 1.0) -> Iterator[KilledDaemon]:
+    """Start `vibractl daemon` on that rig, and see that it is gone afterwards.
+
+    Muted is what stands still; a machine that is busy with other tests does so for a tenth of a second.
+    """
     (folder / "data").mkdir(exist_ok=True)
     if not (folder / "data" / "model.h5").exists():
         straight_model(folder / "data" / "model.h5")
-    config = straight_rig(folder)
+    config = straight_rig(folder, mute_after)
     (folder / "rig.toml").write_text(rig_file.dump(config))
     command = [sys.executable, "-m", "vibractl", "daemon", "--config", str(folder / "rig.toml")]
     process = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True)

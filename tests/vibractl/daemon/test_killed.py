@@ -41,15 +41,17 @@ def kill_in(daemon: KilledDaemon, folder: Path, state: str, moment: float) -> fl
     done = 0
     if state != "DISARMED":
         daemon.command("arm")
-    if state in ("RUNNING", "HOLD"):
+    if state in ("RUNNING", "PLAYING", "HOLD"):
         daemon.command("begin", run="one", resume=run.exists(), shots=1000)
     if state == "HOLD":
         daemon.command("hold")
     if state == "FAULT":
         daemon.command("begin", run="two", model="none.h5")
         until(lambda: daemon.named("fault"), 60)
+    if state == "PLAYING":
+        until(lambda: daemon.log.exists() and daemon.drive().any(), 120)
     PATIENCE.wait(moment)
-    if state in ("RUNNING", "HOLD") and run.exists():
+    if run.exists():
         done = daemon.done()
     still = daemon.kill()
     if run.exists():
@@ -61,7 +63,8 @@ def kills(folder: Path, number: int) -> list[float]:
     """Kill so many times; return for how long the drive went on each time, s."""
     chance, gone_on = random.Random(5), []
     for count in range(number):
-        state = ("RUNNING", "RUNNING", "RUNNING", "HOLD", "ARMED", "FAULT", "DISARMED")[count % 7]
+        state = ("PLAYING", "RUNNING", "PLAYING", "HOLD", "PLAYING", "ARMED", "FAULT", "DISARMED")[count % 8]
+        (folder / "log").unlink(missing_ok=True)
         if count % 20 == 19:  # going on with a run takes longer with every shot of it
             (folder / "data" / "runs" / "one").rename(folder / "data" / "runs" / f"one-{count}")
             (folder / "data" / "events.jsonl").unlink()
@@ -92,4 +95,6 @@ def test_a_daemon_killed_while_it_plays_falls_silent_and_goes_on_where_it_was(tm
 @pytest.mark.slow
 def test_a_daemon_killed_two_hundred_times(tmp_path: Path) -> None:
     gone_on = kills(tmp_path, 200)
-    assert np.median([seconds for seconds in gone_on if seconds]) < 0.1
+    played = [seconds for seconds in gone_on if seconds]
+    assert len(played) > 40
+    assert np.median(played) < 0.1
