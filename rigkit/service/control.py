@@ -196,7 +196,7 @@ class Control:
         except Stopped as end:
             why = str(end)
         except Exception as fault:
-            self.fault(_reason(fault), desk.procedure.name)
+            self.fault(reason(fault), desk.procedure.name)
         with self.changing:
             armed = self.machine.state in ACTIVE
             if armed:
@@ -240,7 +240,7 @@ class Control:
         return there[name]
 
 
-def _reason(fault: Exception) -> str:
+def reason(fault: Exception) -> str:
     """Say what has gone wrong, in one line; the kind of what is a slip of ours as well."""
     match fault:
         case OSError(filename=str() | None as place, strerror=str() as text):

@@ -166,7 +166,10 @@ def run(rig: Rig, settings: Daemon, say: Callable[[str], None]) -> None:
         handlers = {signal.SIGINT: end, signal.SIGTERM: end, signal.SIGUSR1: stop, signal.SIGHUP: reload}
         before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
         try:
-            say(f"{rig.program} daemon for {rig.name} at {settings.address}, DISARMED; Ctrl-C stops it and ends")
+            say(
+                f"{rig.program} daemon for {rig.name} at {settings.address}, DISARMED; tokens are in "
+                f"{settings.data}/{TOKENS}; Ctrl-C stops it and ends"
+            )
             service.run()
         finally:
             for number, handler in before.items():

@@ -4,8 +4,9 @@ from datetime import UTC, datetime
 from typing import Any
 
 from rigkit.json_text import json_text
-from rigkit.service.control import Control
+from rigkit.service.control import Control, reason
 from rigkit.service.journal import now
+from rigkit.service.state import State
 
 RATE = 25.0
 """Snapshots a second."""
@@ -46,12 +47,22 @@ def snapshot(control: Control, tick: int, late: int, monotonic: float) -> dict[s
         "faults": {} if control.rig.faults is None else control.rig.faults.present(),
         "recording": desk is not None and desk.is_recording,
         "procedure": procedure,
-        "gauges": [gauge.plain() for gauge in control.rig.gauges()],
+        "gauges": _gauges(control),
         "panels": control.board.revisions(),
         "events": control.journal.number,
         "journal_fault": control.journal.fault,
         "late_ticks": late,
     }
+
+
+def _gauges(control: Control) -> list[dict[str, Any]]:
+    """Return what is measured; a rig that cannot say it is a rig in FAULT, and the daemon goes on."""
+    try:
+        return [gauge.plain() for gauge in control.rig.gauges()]
+    except Exception as fault:
+        if control.machine.state is not State.FAULT:
+            control.fault(f"the gauges cannot be read: {reason(fault)}")
+        return []
 
 
 def as_bytes(value: Any) -> bytes:
