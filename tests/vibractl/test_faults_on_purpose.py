@@ -58,7 +58,6 @@ def check(path: Path, reason: str, said: str) -> None:
     else:
         assert reason == ""
         assert worst[-1] < worst[0] + 6  # two shots after the fault has gone
-        assert worst[-1] <= max(worst[2:6])
 
 
 @pytest.mark.parametrize("kind", FAULTS)

@@ -5,6 +5,7 @@ import select
 import signal
 import subprocess
 import sys
+from bisect import bisect
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -40,6 +41,13 @@ class KilledDaemon(Served):
 
     log: Path
 
+    def written(self) -> int:
+        """Return how many samples the plant has been driven with until now, in some microseconds."""
+        if not self.log.exists():
+            return 0
+        drive = np.memmap(self.log, np.float64, "r").reshape(-1, 2)
+        return bisect(range(len(drive)), 0, key=lambda sample: int(np.isnan(drive[sample, 0])))
+
     def drive(self) -> np.ndarray:
         """Return what the plant has been driven with until now, (samples, coils), V."""
         drive = np.fromfile(self.log).reshape(-1, 2)
@@ -57,8 +65,8 @@ class KilledDaemon(Served):
     def kill(self) -> float:
         """Kill the rig's process; return for how long the drive went on afterwards, s."""
         audio = [os.pidfd_open(pid) for pid in children(self.process.pid)]
+        before = self.written()
         self.process.send_signal(signal.SIGKILL)
-        before = len(self.drive()) if self.log.exists() else 0
         for pid in audio:
             assert select.select([pid], [], [], 30)[0], "a process outlived the rig's"
             os.close(pid)
