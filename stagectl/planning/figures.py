@@ -26,9 +26,9 @@ def path_plot(pockets: Sequence[Sequence[Milled]], pocket: Pocket) -> Plot:
     """Draw the paths of the first and the last pocket: start green, end red, lifts dashed."""
     shown = [0] if len(pockets) == 1 else [0, len(pockets) - 1]
     height = WIDTH * min(max(pocket.rows / pocket.cols, 0.4), 2.0)
-    figure = Figure(figsize=(WIDTH * len(shown), height + 0.4))
+    figure = Figure(figsize=(2 * WIDTH, height + 0.4))
     for place, number in enumerate(shown, start=1):
-        panel = figure.add_subplot(1, len(shown), place)
+        panel = figure.add_subplot(1, len(shown), place, anchor="W")
         _draw(panel, pockets[number], pocket)
         panel.set_title(f"pocket {number + 1}: {total(list(pockets[number])):.2f} s")
     return Plot(figure, "The tool's centre, in cells: start green, end red, lifts dashed, walls grey. North is up.")

@@ -40,7 +40,7 @@ def learned_types(segments: Iterable[Milled], pocket: Pocket) -> list[Learned]:
 def type_rows(found: Sequence[Learned]) -> list[tuple[str, ...]]:
     """Return the rows of a table of types, as text."""
     return [
-        (each.name, f"{each.count}", f"{each.mean:.4g}", f"{each.deviation:.2g}", f"{each.believed:.4g}")
+        (each.name, f"{each.count}", f"{each.mean:.4g}", f"{round(each.deviation, 6):.2g}", f"{each.believed:.4g}")
         for each in found
     ]
 
