@@ -49,7 +49,7 @@ def test_the_report_has_the_table_the_contours_and_the_travel(folder: Path, tmp_
     rows = cell_report(folder, tmp_path)
     assert [row["setup"] for row in rows] == ["B", "C"]
     page = (folder / "report.html").read_text()
-    for words in ("σ (circle)", "at an end", "the tracker is blind for"):
+    for words in ("σ, circle", "at an end", "the tracker is blind for"):
         assert words in page
     drawn = sorted(file.name for file in tmp_path.iterdir())
     assert drawn == ["contour-1.png", "contour-2.png", "surface.png", "travel.png"]
