@@ -147,7 +147,7 @@ def learn_from_logs(folder: Path, first: Trial, learner: Learner, method: int) -
     if air is None and method != 1:
         raise ValueError(f"{folder / AIR}/ is missing: method {method} needs the logs of a trial in the air")
     if air is not None:
-        done.zero = air.touch_off()
+        done.zero, done.apart = air.touch_off(), air.apart
         kinematic = kinematic_error([air.signals(True, False)])
     signals = done.signals(method == 1, method == 2)
     if method == 3 and air is not None:

@@ -7,10 +7,11 @@ import numpy as np
 
 from rigkit import atomic
 from stagectl.robot.milling.alignment import on_grid, shift
-from stagectl.robot.milling.axis_model import AxisModel
+from stagectl.robot.milling.axis_model import AxisModel, robot_response
 from stagectl.robot.milling.trial_error import TrialSignals
 from stagectl.robot.milling.zero_phase import filtered
 from stagectl.trials.done import DoneTrial
+from stagectl.trials.recorded import REFERENCE
 from stagectl.trials.signals import rest, torque_log, tracker_log
 from stagectl.trials.tool_path import RATE
 from stagectl.trials.trial import Trial
@@ -18,6 +19,7 @@ from stagectl.trials.trial import Trial
 ROBOT, TRACKER, FORCE, SENT = "robot.csv", "tracker.csv", "force.csv", "sent.csv"
 ANGLES = tuple(f"angle_{joint}" for joint in range(1, 7))
 TORQUES = tuple(f"torque_{joint}" for joint in range(1, 7))
+REFERENCES = tuple(f"reference_{joint}" for joint in range(1, 7))
 POSITION, FORCES = ("x", "y", "z"), ("fx", "fy", "fz")
 MOST = 5.0
 """s by which clocks are looked for apart."""
@@ -66,8 +68,9 @@ class LogFolder:
     angles (rad) and, if they are to be used, torques (N m), `tracker.csv` the tool's position (m, in axes of the base)
     and `force.csv` the force on the tool (N, in axes of the base).  Every file has a `time` (s) of its own clock.
 
-    The robot's log is brought to the path by what the model makes of it, the tracker's to the robot's by its motion;
-    the force's clock must be the robot's.
+    The robot's log is brought to the path by the references in it (`reference_1` ..., rad), or else by what the model
+    makes of the path, to a few ms; the tracker's to the robot's by its motion, or by `apart` where that is given, as it
+    was in the air: in a cut the tool lags.  The force's clock must be the robot's.
 
     Parameters
     ----------
@@ -85,6 +88,7 @@ class LogFolder:
     def __init__(self, path: Path, first: Trial, axes: tuple[AxisModel, ...]) -> None:
         self.path, self._first, self._gap = path, first, first.cell.learning.gap
         self.zero = first.seen_origin
+        self.apart: float | None = None
         sent = read_log(path / SENT, POSITION)
         self.sent = np.stack([sent[name] for name in POSITION], axis=-1)
         if self.sent.shape != first.path.wanted.shape:
@@ -92,7 +96,7 @@ class LogFolder:
                 f"{path / SENT} has {len(self.sent)} samples, must be {first.path.samples} as the path has"
             )
         self._grid = np.arange(len(self.sent)) / RATE
-        robot = read_log(path / ROBOT, ANGLES, TORQUES)
+        robot = read_log(path / ROBOT, ANGLES, TORQUES) | read_log(path / ROBOT, ANGLES, REFERENCES)
         self._robot_late = self._late(robot, axes)
         self.angle = self._sampled(robot, ANGLES, self._robot_late, ROBOT)
         self._torque = self._sampled(robot, TORQUES, self._robot_late, ROBOT) if TORQUES[0] in robot else None
@@ -130,22 +134,25 @@ class LogFolder:
         """Return when the path begins on the robot's clock, s."""
         time = robot["time"]
         even = np.arange(time[0], time[-1], 1.0 / RATE)
-        angle = on_grid(
-            time, np.stack([robot[name] for name in ANGLES], axis=-1), even, self._gap, str(self.path / ROBOT)
+        names = REFERENCES if REFERENCES[0] in robot else ANGLES
+        angle = np.stack([robot[name] for name in names], axis=-1)
+        there = self._first.path.in_workpiece(
+            self._first.arm, on_grid(time, angle, even, self._gap, str(self.path / ROBOT))
         )
-        answer = self._first.path.in_workpiece(self._first.arm, angle)
-        modelled = filtered(
-            self.sent, RATE, lambda frequency: np.stack([each.response(frequency) for each in axes], -1)[..., None]
-            * np.eye(3),
-        )  # fmt: skip
-        return float(time[0] + shift(modelled, answer, RATE, MOST))
+        if names == REFERENCES:
+            return float(time[0] + shift(self.sent, there, RATE, MOST))
+        model = filtered(self.sent, RATE, lambda frequency: robot_response(axes, frequency))
+        return float(time[0] + shift(model, there, RATE, MOST))
 
     def _seen(self, joints: np.ndarray) -> np.ndarray:
         """Return where the tracker saw the tool, in the workpiece; its clock is shifted to that of the motors."""
         log = read_log(self.path / TRACKER, POSITION)
         time, place = log["time"], np.stack([log[name] for name in POSITION], axis=-1)
         even = np.arange(time[0], time[-1], 1.0 / RATE)
-        late = time[0] + shift(joints, on_grid(time, place, even, self._gap, str(self.path / TRACKER)), RATE, MOST)
+        if self.apart is None:
+            seen = on_grid(time, place, even, self._gap, str(self.path / TRACKER))
+            self.apart = float(time[0] + shift(joints, seen, RATE, MOST)) - self._robot_late
+        late = self._robot_late + self.apart
         return np.asarray(self._sampled(log, POSITION, late, TRACKER) - self.zero)
 
     def _sampled(self, log: dict[str, np.ndarray], columns: tuple[str, ...], late: float, name: str) -> np.ndarray:
@@ -181,8 +188,10 @@ def write_logs(folder: Path, done: DoneTrial) -> None:
     angle, torque = torque_log(done.records)
     time = np.arange(len(angle)) / RATE
     write_path(folder / SENT, done.trial.sent, done.trial.joints)
-    heads = [f"{name} [rad]" for name in ANGLES], [f"{name} [N m]" for name in TORQUES]
-    _write(folder / ROBOT, ("time [s]", *heads[0], *heads[1]), (time, angle, torque))
+    asked = done.records["trial"].select(REFERENCE.channels).data
+    heads = [[f"{name} [{unit}]" for name in names] for names, unit in (
+        (ANGLES, "rad"), (TORQUES, "N m"), (REFERENCES, "rad"))]  # fmt: skip
+    _write(folder / ROBOT, ("time [s]", *heads[0], *heads[1], *heads[2]), (time, angle, torque, asked))
     _write(folder / TRACKER, ("time [s]", *(f"{name} [m]" for name in POSITION)), tracker_log(done.records))
     assert done.signals.force is not None
     _write(folder / FORCE, ("time [s]", *(f"{name} [N]" for name in FORCES)), (time, done.signals.force))

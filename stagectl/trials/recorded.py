@@ -15,11 +15,12 @@ FORCE = (
     Signal("force_status", "force_status", "1", 1),
 )
 """What the force sensor says."""
+REFERENCE = Signal("reference", "port.reference", "rad", 6)
 FELT = Signal("felt", "felt.force", "N")
 MADE = {
     "trial": (
         Signal("correction", "path.correction", "rad", 6),
-        Signal("reference", "port.reference", "rad", 6),
+        REFERENCE,
         Signal("holding", "port.holding", "1", 1),
         Signal("retreating", "path.retreating", "1", 1),
         FELT,

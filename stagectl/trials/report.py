@@ -19,7 +19,7 @@ ACCURACY = 75e-6
 """m, of the tracker, at the most [Sörnmo 2015, sec. 5.3]."""
 HEAD = ("trial", "x, µm", "y, µm", "z, µm", "MAE norm, µm", "true MAE norm, µm")
 TABLE_HEAD = ("", "iteration 0", "last iteration", "ratio", "reduced by", "true, reduced by")
-MAGNIFIED = 20.0
+MAGNIFIED = 3.0
 """Times by which errors are drawn beside the path."""
 
 Learned = Mapping[int, Sequence[DoneTrial]]
