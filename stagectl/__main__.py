@@ -12,9 +12,11 @@ from rigkit.command import ConfigOption, JsonOption, SetOption, application, pri
 from rigkit.progress import progress
 from rigkit.retention_command import prune_command
 from rigkit.run_folder import EVENTS, RunFolder, make_whole
+from rigkit.service.command import add_daemon_commands
 from rigkit.stop import Stopped, stoppable
 from stagectl import session
 from stagectl.config import StageConfig
+from stagectl.daemon.rig import PiezoStage
 from stagectl.export import export
 from stagectl.feed.command import force
 from stagectl.feed.folder import is_of_feed, replay_folder, report_folder
@@ -217,6 +219,7 @@ app.command("ilc")(ilc)
 app.command("export")(export)
 app.command("prune")(prune_command)
 app.command("force")(force)
+add_daemon_commands(app, StageConfig, lambda config: config.daemon, PiezoStage)
 
 
 def main() -> int:

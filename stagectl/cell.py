@@ -1,8 +1,8 @@
-"""The graph of a run: the stage's controllers, what they see, and a recorder of all that goes in and out."""
+"""The graph of a run: the stage's controllers, what they see, and who watches all that goes in and out."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 
-from ctlblocks import Graph, Port
+from ctlblocks import Block, Graph, Port
 from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
 from ctlblocks.replay import Record, Replay
@@ -16,11 +16,16 @@ SEEN = ("position", "extension", "absolute")
 """What sensors give, m."""
 MADE = ("reference", "extension_reference", "voltage")
 """What the controllers make of it: m, m and V."""
-CHUNK = 1_000
+RECORDED = ("wanted", *SEEN, *MADE)
+"""What is recorded of a run in process."""
+CHUNK = 100
 """Samples between two looks at faults and at whether the run is to stop."""
 
 Seen = Callable[[Graph], dict[str, tuple[str, bool]]]
-"""Adds the stage itself to a graph; returns for each of `SEEN` its output, and whether it is read a tick late."""
+"""Adds the stage itself to a graph; returns for each of `SEEN` its output, and whether it is read a tick late.
+
+"kept position" and so on are what is recorded in its place, where that differs.
+"""
 
 
 class Cell:
@@ -35,9 +40,13 @@ class Cell:
         `simulated(config)` or `recorded(recording, config)`.
     compensate : bool
         Whether the robot's deflection is taken off the reference.
+    watching : mapping of str to Block
+        Sinks by name, such as a recorder; their ports are of `RECORDED`.
     """
 
-    def __init__(self, made: Setup, wanted: Recording, seen: Seen, compensate: bool) -> None:
+    def __init__(
+        self, made: Setup, wanted: Recording, seen: Seen, compensate: bool, watching: Mapping[str, Block]
+    ) -> None:
         config, axes = made.config, len(made.config.stage.axes)
         self._made = made
         self.graph = graph = Graph(config.stage.rate)
@@ -55,12 +64,8 @@ class Cell:
         graph.connect(outputs["reference"][0], "controller.reference")
         outputs["extension_reference"] = ("controller.extension_reference", False)
         outputs["voltage"] = ("guard.voltage", False)
-        ports = [Port(name, "V" if name == "voltage" else "m", axes) for name in ("wanted", *SEEN, *MADE)]
-        self._record = Record(ports, len(wanted.data))
-        graph.add("record", self._record)
-        for port in ports:
-            source, delayed = outputs[port.name]
-            graph.connect(source, f"record.{port.name}", delayed=delayed)
+        kept = {name.removeprefix("kept "): output for name, output in outputs.items() if name.startswith("kept ")}
+        watch(graph, watching, outputs | kept)
         graph.prepare()
 
     def run(self, tell: Callable[[int], None], stopped: Callable[[], bool]) -> str | None:
@@ -93,11 +98,44 @@ class Cell:
         ramp = round(1.1 * self._made.config.limits.ramp * self.graph.rate)
         run_offline(self.graph, min(left, ramp))
 
-    def recording(self, provenance: dict[str, str]) -> Recording:
-        """Return what was recorded, with the axes' names in those of the channels."""
-        kept, axes = self._record.recording(provenance), self._made.config.stage.axes
-        names = tuple(f"{port.name}_{axis}" for port in self._record.inputs for axis in axes)
-        return Recording(names, kept.units, kept.rate, kept.data, kept.provenance)
+
+def ports_of(signals: Sequence[str], axes: Sequence[str]) -> tuple[Port, ...]:
+    """Return the ports of a run's signals, one wide an axis."""
+    return tuple(Port(name, "V" if name == "voltage" else "m", len(axes)) for name in signals)
+
+
+def channels_of(signals: Sequence[str], axes: Sequence[str]) -> tuple[str, ...]:
+    """Return how the channels of a recording of these signals are called."""
+    return tuple(f"{name}_{axis}" for name in signals for axis in axes)
+
+
+def memory(made: Setup, rows: int) -> Record:
+    """Return what keeps all that is recorded of a run in process, of so many samples."""
+    return Record(ports_of(RECORDED, made.config.stage.axes), rows)
+
+
+def kept_in(record: Record, made: Setup, provenance: Mapping[str, str]) -> Recording:
+    """Return what `memory` has kept, with the axes' names in those of the channels."""
+    kept = record.recording(provenance)
+    names = channels_of(RECORDED, made.config.stage.axes)
+    return Recording(names, kept.units, kept.rate, kept.data, kept.provenance)
+
+
+def watch(graph: Graph, watching: Mapping[str, Block], outputs: Mapping[str, tuple[str, bool]]) -> None:
+    """Add sinks to a graph, and wire each of their ports to the output of its name.
+
+    Parameters
+    ----------
+    graph : Graph
+    watching : mapping of str to Block
+    outputs : mapping of str to (str, bool)
+        The output of each signal, and whether it is read a tick late.
+    """
+    for name, block in watching.items():
+        graph.add(name, block)
+        for port in block.inputs:
+            source, delayed = outputs[port.name]
+            graph.connect(source, f"{name}.{port.name}", delayed=delayed)
 
 
 def simulated(config: StageConfig) -> Seen:

@@ -6,6 +6,7 @@ from typing import Any, Literal, Self
 from pydantic import Field, model_validator
 
 from rigkit.config import Section, setting
+from rigkit.service.config import Daemon
 from stagectl.characterisation import Characterisation
 from stagectl.link.config import CLASS, Laser, Link
 
@@ -209,6 +210,7 @@ class StageConfig(Section):
     link: Link = Field(default_factory=Link)
     laser: Laser = Field(default_factory=Laser)
     simulator: Simulator = Field(default_factory=Simulator)
+    daemon: Daemon = Field(default_factory=Daemon)
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:

@@ -1,15 +1,14 @@
 """A live run: the stage controls itself behind its CAN adapter; the host sends references and records."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
-from ctlblocks import Graph, Port, recording
-from ctlblocks.recording import RecordingError
+from ctlblocks import Block, Graph
 from ctlblocks.replay import Replay
-from rigkit.provenance import now, software
+from rigkit.provenance import software
 from rigkit.run_folder import RunFolder
 from rigkit.stream_recorder import StreamRecorder
-from rigkit.stream_writer import Stream
+from stagectl.cell import watch
 from stagectl.link.blocks import Newest, Receive, Send
 from stagectl.link.clock import run_linked
 from stagectl.link.priority import undisturbed
@@ -21,6 +20,7 @@ from stagectl.setup import Setup
 from stagectl.stage.inner_parameters import inner_parameters
 from stagectl.stage.loop import inner_loops
 from stagectl.stage.loop_parameters import loop_parameters
+from stagectl.streamed import convert, recorder
 
 
 def run_live(folder: RunFolder, made: Setup, stopped: Callable[[], bool]) -> dict[str, Any]:
@@ -40,60 +40,72 @@ def run_live(folder: RunFolder, made: Setup, stopped: Callable[[], bool]) -> dic
     LinkError : the bus cannot be opened, the stage is not heard, or a fault has latched; its reason is in the events.
     """
     with StageLink(made.config.link, folder.event) as link:
-        graph, recorder = _graph(link, made, folder)
-        folder.event("started", {"software": software(), "channel": made.config.link.channel})
-        graph.prepare()
-        if made.designs:
-            axes = made.config.stage.axes
-            parameters = loop_parameters(axes, [each.loop for each in made.designs])
-            parameters |= inner_parameters(axes, inner_loops(made.config))
-            folder.event("uploaded", {"crc": f"{upload(link, parameters):08x}"})
-        try:
-            with undisturbed(), recorder:
-                link.start()
-                run_linked(graph, link, made.timeline.total // link.frames, stopped)
-                link.stop()  # finishing takes longer than the stage waits for references
-        finally:
-            _keep(folder, made, recorder)
-    figures = summary(folder.path, made) | {"lost": recorder.lost}
+        kept = follow(link, folder, made, stopped, {})
+    return finish(folder, made, kept)
+
+
+def follow(
+    link: StageLink, folder: RunFolder, made: Setup, stopped: Callable[[], bool], watching: Mapping[str, Block]
+) -> StreamRecorder:
+    """Let the stage behind an open link follow the reference; return the recorder, which is at its end.
+
+    Parameters
+    ----------
+    link : StageLink
+    folder : RunFolder
+    made : Setup
+    stopped : callable() -> bool
+    watching : mapping of str to Block
+        Further sinks by name; their ports are of `RECORDED_LIVE`.
+
+    Raises
+    ------
+    LinkError : as `run_live`.
+    """
+    kept = recorder(folder, made.config, RECORDED_LIVE)
+    graph = _graph(link, made, {"record": kept, **watching})
+    folder.event("started", {"software": software(), "channel": made.config.link.channel})
+    graph.prepare()
+    if made.designs:
+        axes = made.config.stage.axes
+        parameters = loop_parameters(axes, [each.loop for each in made.designs])
+        parameters |= inner_parameters(axes, inner_loops(made.config))
+        folder.event("uploaded", {"crc": f"{upload(link, parameters):08x}"})
+    try:
+        with undisturbed(), kept:
+            link.start()
+            run_linked(graph, link, made.timeline.total // link.frames, stopped)
+            link.stop()  # finishing takes longer than the stage waits for references
+    finally:
+        if kept.files:
+            _keep(folder, made, kept)
+    return kept
+
+
+def finish(folder: RunFolder, made: Setup, kept: StreamRecorder) -> dict[str, Any]:
+    """Return the figures of a run that was recorded as it went, also in `summary.json`."""
+    figures = summary(folder.path, made) | {"lost": kept.lost}
     folder.summarise(figures)
     return figures
 
 
-def _graph(link: StageLink, made: Setup, folder: RunFolder) -> tuple[Graph, StreamRecorder]:
-    axes, times = made.config.stage.axes, made.timeline
-    wanted = wanted_position(made.config, times)
+def _graph(link: StageLink, made: Setup, watching: Mapping[str, Block]) -> Graph:
+    wanted = wanted_position(made.config, made.timeline)
     graph = Graph(link.rate, link.frames)
-    ports = tuple(Port(name, "V" if name == "voltage" else "m", len(axes)) for name in RECORDED_LIVE)
-    names = tuple(f"{name}_{axis}" for name in RECORDED_LIVE for axis in axes)
-    about = {"rig": made.config.rig.name, "date": now(), "software": software()}
-    recorder = StreamRecorder(Stream(folder.path / f"{RECORDING}.wav", ports, names, about), folder.event)
     for name, block in (
         ("wanted", Replay(wanted, {"reference": wanted.names})),
         ("send", Send(link)),
         ("position", Receive(link)),
         ("extension", Newest(link, "extension")),
         ("voltage", Newest(link, "voltage")),
-        ("record", recorder),
     ):
         graph.add(name, block)
     graph.connect("wanted.reference", "send.reference")
-    for name in RECORDED_LIVE:
-        source = "wanted.reference" if name == "reference" else f"{name}.{name}"
-        graph.connect(source, f"record.{name}")
-    return graph, recorder
+    outputs = {name: (f"{name}.{name}", False) for name in RECORDED_LIVE if name != "reference"}
+    watch(graph, watching, {"reference": ("wanted.reference", False), **outputs})
+    return graph
 
 
-def _keep(folder: RunFolder, made: Setup, recorder: StreamRecorder) -> None:
-    """Convert what was recorded to the format that the rig file asks for."""
-    if not recorder.files:
-        return
-    if made.config.session.recording == "csv":
-        for path in recorder.files:
-            try:
-                recording.write(path.with_suffix(".csv"), recording.read(path))
-            except RecordingError as fault:
-                folder.event("kept_as_wav", {"recording": path.name, "text": str(fault)})
-            else:
-                path.unlink()
-    folder.event("recorded", {"recording": RECORDING, "samples": recorder.recorded, "lost": recorder.lost})
+def _keep(folder: RunFolder, made: Setup, kept: StreamRecorder) -> None:
+    convert(folder, made.config, kept)
+    folder.event("recorded", {"recording": RECORDING, "samples": kept.recorded, "lost": kept.lost})

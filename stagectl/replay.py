@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ctlblocks.recording import Recording
-from stagectl.cell import MADE, Cell, recorded
+from stagectl.cell import MADE, Cell, kept_in, memory, recorded
 from stagectl.session import RECORDING, UNCOMPENSATED, read_recording
 from stagectl.setup import Setup
 
@@ -58,10 +58,12 @@ def replay(path: Path, made: Setup) -> Iterator[Replayed]:
         if record is None:
             continue
         wanted = record.select([f"wanted_{axis}" for axis in config.stage.axes])
-        cell = Cell(made, wanted, recorded(record, config), config.deflection.on and name == RECORDING)
+        kept = memory(made, len(record.data))
+        compensate = config.deflection.on and name == RECORDING
+        cell = Cell(made, wanted, recorded(record, config), compensate, {"record": kept})
         rows = len(record.data)
         cell.run(lambda _: None, lambda cell=cell, rows=rows: _ends_here(cell, made, rows))  # type: ignore[misc]
-        again = cell.recording({})
+        again = kept_in(kept, made, {})
         for output in MADE:
             for axis in config.stage.axes:
                 channel = f"{output}_{axis}"

@@ -13,7 +13,7 @@ from rigkit import config as rig_file
 from rigkit.disk_space import bytes_of, require
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder
-from stagectl.cell import MADE, SEEN, Cell, simulated
+from stagectl.cell import RECORDED, Cell, kept_in, memory, simulated
 from stagectl.config import StageConfig
 from stagectl.reference import wanted_position
 from stagectl.setup import Setup, setup
@@ -43,6 +43,12 @@ def create(path: Path, config: StageConfig, models: Sequence[Path]) -> tuple[Run
     OSError : there is no room on the disk for the recordings; nothing is written.
     """
     made = setup(config, models)
+    return make_folder(path, made, models), made
+
+
+def make_folder(path: Path, made: Setup, models: Sequence[Path]) -> RunFolder:
+    """Make the folder of a run of that setup, with the same copies, and the same errors."""
+    config = made.config
     wanted_position(config, made.timeline)
     made.compensation()
     _require_space(path, made)
@@ -54,7 +60,7 @@ def create(path: Path, config: StageConfig, models: Sequence[Path]) -> tuple[Run
         if config.reference.signal != "hold":
             source = Path(config.reference.signal)
             folder.take_in(source, f"reference{source.suffix.lower()}")
-    return folder, made
+    return folder
 
 
 def setup_of(path: Path) -> Setup:
@@ -87,17 +93,15 @@ def run(folder: RunFolder, made: Setup, tell: Tell, stopped: Callable[[], bool])
     """
     config = made.config
     wanted = wanted_position(config, made.timeline)
-    folder.event("started", {"software": software(), **_designed(made)})
+    folder.event("started", {"software": software(), **designed(made)})
     names = [UNCOMPENSATED] * config.session.compare + [RECORDING]
     for name in names:
-        cell = Cell(made, wanted, simulated(config), config.deflection.on and name == RECORDING)
+        record, compensate = memory(made, len(wanted.data)), config.deflection.on and name == RECORDING
+        cell = Cell(made, wanted, simulated(config), compensate, {"record": record})
         fault = cell.run(lambda done, name=name: tell(name, done), stopped)  # type: ignore[misc]
-        kept = cell.recording({"rig": config.rig.name, "date": now(), "software": software()})
+        kept = kept_in(record, made, {"rig": config.rig.name, "date": now(), "software": software()})
         recording.write(folder.path / f"{name}.{config.session.recording}", kept)
-        if fault is not None:
-            folder.event("fault", {"recording": name, "text": fault, "sample": len(kept.data)})
-        met = asdict(cell.stage.controller.met) | {"guard": cell.stage.guard.limited, "held": cell.stage.sensors.held}
-        folder.event("recorded", {"recording": name, "samples": len(kept.data), "limits_met": met})
+        tell_recorded(folder, name, cell, len(kept.data))
         if fault is not None or stopped():
             break
     figures = summary(folder.path, made)
@@ -165,7 +169,7 @@ def _measures(record: Recording, made: Setup, wanted: str, measured: str) -> dic
 
 def _require_space(path: Path, made: Setup) -> None:
     """Refuse a run whose recordings the disk cannot hold."""
-    session, signals = made.config.session, len(SEEN) + len(MADE) + 1
+    session, signals = made.config.session, len(RECORDED)
     suffixes: list[str] = [session.recording] * (1 + session.compare)
     if session.live:
         signals, suffixes = len(RECORDED_LIVE), ["wav"] * (session.recording == "csv") + [session.recording]
@@ -174,7 +178,16 @@ def _require_space(path: Path, made: Setup) -> None:
     require(path, needed, f"{samples / made.timeline.rate:g} s of {channels} channels")
 
 
-def _designed(made: Setup) -> Mapping[str, Any]:
+def tell_recorded(folder: RunFolder, name: str, cell: Cell, samples: int) -> None:
+    """Tell what was recorded of a run in process, which limits it met, and its fault."""
+    if cell.stage.fault is not None:
+        folder.event("fault", {"recording": name, "text": cell.stage.fault, "sample": samples})
+    met = asdict(cell.stage.controller.met) | {"guard": cell.stage.guard.limited, "held": cell.stage.sensors.held}
+    folder.event("recorded", {"recording": name, "samples": samples, "limits_met": met})
+
+
+def designed(made: Setup) -> Mapping[str, Any]:
+    """Return what the outer loops of each axis keep, for the run's log."""
     return {
         axis: {
             "robustness": str(each.robustness),

@@ -186,6 +186,13 @@ class StageLink:
         self._conversation.end()
         self.ask(Command.STOP, 0)
 
+    def halt(self) -> None:
+        """Let a stage that follows go to mid-travel, without waiting for its answer: from any thread."""
+        if self._conversation.state is HostState.STREAMING:
+            self._conversation.end()
+            self._conversation.outbox.command(Command.STOP, next(self._tokens) % 256, 0)
+            self.flush()
+
     def acknowledge(self, by: str) -> str:
         """End a fault, in the name of the person who found out why, and return what it was.
 

@@ -75,6 +75,7 @@ from stagectl.wire.egm import Report, pack_report
 from stagectl.wire.messages import Drive
 from tests.contract.conformance import Example
 from tests.contract.feed_examples import FEED_EXAMPLES
+from tests.contract.stage_daemon_examples import STAGE_DAEMON_EXAMPLES
 from tests.stagectl.robot.milling.torque_models import wide_model
 from vibractl.algorithm import Algorithm
 from vibractl.audio_engine import DeviceInput
@@ -295,4 +296,5 @@ EXAMPLES: dict[type[Block], Example] = {
     Standstill: Example(Standstill, rate=250.0),
     Segments: Example(lambda: Segments(POCKET, lambda: planner("exact", POCKET)), rate=250.0),
     **FEED_EXAMPLES,
+    **STAGE_DAEMON_EXAMPLES,
 }

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 import typer
 
+from stagectl.__main__ import app as stagectl
 from tests.contract.source_tree import ROOT
 from vibractl.__main__ import app as vibractl
 
@@ -42,15 +43,16 @@ def test_a_service_is_exposed_to_little(name: str) -> None:
 
 
 @pytest.mark.parametrize("command", ["daemon", "prune"])
-def test_what_vibractls_units_call_exists(command: str) -> None:
+@pytest.mark.parametrize(("program", "app"), [("vibractl", vibractl), ("stagectl", stagectl)])
+def test_what_the_units_call_exists(program: str, app: typer.Typer, command: str) -> None:
     calls = [
         shlex.split(line.partition("=")[2])
         for unit in UNITS
         for line in unit.read_text().splitlines()
-        if line.startswith("ExecStart=") and f"vibractl {command}" in line
+        if line.startswith("ExecStart=") and f"{program} {command}" in line
     ]
     assert calls
-    known = typer.main.get_command(vibractl).commands[command]  # type: ignore[attr-defined]
+    known = typer.main.get_command(app).commands[command]  # type: ignore[attr-defined]
     options = {name for each in known.params for name in each.opts}
     for call in calls:
         assert {word for word in call if word.startswith("--")} <= options

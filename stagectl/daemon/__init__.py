@@ -1,0 +1,1 @@
+"""The stage under the daemon: its procedures, gauges and panels."""

@@ -1,0 +1,121 @@
+"""The procedure that follows: a run of the stage behind its link, or of the simulated one, paced."""
+
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from rigkit.faults import FaultTable
+from rigkit.provenance import software
+from rigkit.run_folder import EVENTS, RunFolder
+from rigkit.service.rig import Desk
+from rigkit.stream_recorder import StreamRecorder
+from stagectl import live, session
+from stagectl.cell import RECORDED, Cell, simulated
+from stagectl.config import StageConfig
+from stagectl.daemon.monitor import Monitor
+from stagectl.daemon.pace import Pace
+from stagectl.daemon.panels import Panels
+from stagectl.daemon.ready import Ready
+from stagectl.daemon.spoiled import spoiled
+from stagectl.reference import wanted_position
+from stagectl.report import run_report
+from stagectl.streamed import convert, recorder
+
+_LONG = ("started", "recorded")
+"""Events of a run folder that the daemon tells by itself, or that are for the report."""
+
+
+class Following:
+    """One run under the daemon.
+
+    Parameters
+    ----------
+    ready : Ready
+    config : StageConfig
+        Settings of this run.
+    name : str
+        Of its folder; empty for date and time.
+    desk : Desk
+    faults : FaultTable or None
+
+    Raises
+    ------
+    ValueError, OSError : there is no such loop, the reference is none, or there is no room; no folder is made.
+    """
+
+    def __init__(self, ready: Ready, config: StageConfig, name: str, desk: Desk, faults: FaultTable | None) -> None:
+        self._ready, self._desk, self._faults = ready, desk, faults
+        desk.progress(0.0, config.session.seconds, "designing the loops")
+        self._made = ready.setup(config)
+        path = Path(config.daemon.data) / "runs" / (name or time.strftime("%Y%m%d-%H%M%S"))
+        self._folder = session.make_folder(path, self._made, ready.models)
+        self._folder.listener = self._heard
+        self.monitor = Monitor(self._made)
+        self.pace = Pace(self._made.timeline.rate)
+        self._stopped = False
+
+    def stop(self) -> None:
+        """Take the stage to rest: within ten milliseconds, from any thread."""
+        self._stopped = True
+        if self._ready.link is not None:
+            self._ready.link.halt()
+
+    def run(self) -> None:
+        """Follow to the end, and write the report; or until it is to end."""
+        with self._folder as folder:
+            if self._is_ending():
+                folder.withdraw()
+                return
+            try:
+                with Panels(self._desk, self._made, self.monitor):
+                    kept = self._followed(folder)
+            except BaseException:
+                if not (folder.path / EVENTS).exists():
+                    folder.withdraw()
+                raise
+            figures = live.finish(folder, self._made, kept)
+            ended = "left" if self._is_ending() else "finished"
+            self._desk.event(ended, {"run": folder.path.name, **figures})
+            if ended == "finished":  # else nobody waits for it: `stagectl report` draws it at any time
+                total = self._made.timeline.total / self._made.timeline.rate
+                self._desk.progress(total, total, "writing the report")
+                run_report(folder.path)
+
+    def _is_ending(self) -> bool:
+        return self._stopped or self._desk.ending()
+
+    def _followed(self, folder: RunFolder) -> StreamRecorder:
+        self._ready.tell = self._tell
+        self._desk.recording(True)
+        try:
+            if self._ready.link is None:
+                return self._simulated(folder)
+            watching = {"monitor": self.monitor}
+            return live.follow(self._ready.link, folder, self._made, self._is_ending, watching)
+        finally:
+            self._desk.recording(False)
+
+    def _simulated(self, folder: RunFolder) -> StreamRecorder:
+        made, config = self._made, self._made.config
+        kept = recorder(folder, config, RECORDED)
+        seen = simulated(config)
+        if self._faults is not None:
+            seen = spoiled(seen, self._faults, config)
+        wanted = wanted_position(config, made.timeline)
+        cell = Cell(made, wanted, seen, config.deflection.on, {"record": kept, "monitor": self.monitor})
+        folder.event("started", {"software": software(), **session.designed(made)})
+        with kept:
+            fault = cell.run(self.pace.until, self._is_ending)
+        convert(folder, config, kept)
+        session.tell_recorded(folder, session.RECORDING, cell, kept.recorded)
+        if fault is not None:
+            raise ValueError(fault)
+        return kept
+
+    def _heard(self, event: str, fields: Mapping[str, Any]) -> None:
+        if event not in _LONG:
+            self._desk.event(event, fields)
+
+    def _tell(self, event: str, fields: Mapping[str, Any]) -> None:
+        self._folder.event(event, fields)

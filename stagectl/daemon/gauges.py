@@ -1,0 +1,56 @@
+"""What is measured of the stage now, against its limits."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from rigkit.service.show import Gauge
+from stagectl.config import StageConfig
+from stagectl.daemon.following import Following
+from stagectl.link.stage_link import StageLink
+from stagectl.tracking import WITHIN
+
+STILL = 0.1
+"""V from rest that counts as none: a number on the wire is not finer."""
+
+
+def motion(config: StageConfig, position: np.ndarray, voltage: np.ndarray) -> Iterator[Gauge]:
+    """Give where each axis is in its travel, and its voltage against the limits and from rest.
+
+    Parameters
+    ----------
+    config : StageConfig
+    position : array, shape (axes,), m
+    voltage : array, shape (axes,), V
+    """
+    limits = config.limits
+    for axis, place, volts in zip(config.stage.axes, position.tolist(), voltage.tolist(), strict=True):
+        yield Gauge(f"position_{axis}", f"Travel {axis}", place, "m", *limits.travel)
+        yield Gauge(f"voltage_{axis}", f"Voltage {axis}", volts, "V", *limits.voltage)
+        away = volts - limits.rest_voltage
+        still = 0.0 if abs(away) < STILL else away
+        yield Gauge(f"drive_{axis}", f"Voltage {axis} from rest", still, "V", is_output=True)
+
+
+def tracked(config: StageConfig, following: Following) -> Iterator[Gauge]:
+    """Give how well a run follows, and whether a simulated one keeps to the clock."""
+    error = following.monitor.error()
+    mean = np.abs(error).mean(axis=0).tolist() if len(error) else [None] * len(config.stage.axes)
+    for axis, value in zip(config.stage.axes, mean, strict=True):
+        yield Gauge(f"mae_{axis}", f"Mean absolute error {axis}, last second", value, "m", high=WITHIN)
+    if not config.session.live:
+        yield Gauge("late", "Late steps of the simulation", following.pace.late, "1")
+        yield Gauge("behind", "Simulation behind the clock", following.pace.behind, "s")
+
+
+def linked(link: StageLink) -> Iterator[Gauge]:
+    """Give what became of the frames on the link."""
+    counts = link.counts
+    yield Gauge("link_lost", "Blocks from the stage lost", counts.lost, "1")
+    yield Gauge("link_late", "Blocks from the stage late", counts.late, "1")
+    yield Gauge("link_garbled", "Frames garbled", counts.garbled, "1")
+    yield Gauge("link_silence", "Longest silence of the stage", counts.longest_silence, "s", high=link.link.stall)
+    status = link.status
+    if status is not None:
+        yield Gauge("reference_lost", "Blocks to the stage lost", status.lost, "1")
+        yield Gauge("underruns", "Blocks the stage had to wait for", status.underruns, "1")

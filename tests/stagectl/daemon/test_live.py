@@ -1,0 +1,90 @@
+"""The stage behind its link under the daemon: a link that fails is a fault until a person has acknowledged it."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from firmware_sim.can_node import CanNode
+from firmware_sim.stage_processor import Settings
+from rigkit.service.state import State
+from stagectl import session
+from stagectl.link.stage_link import StageLink
+from tests.rigkit.service.until import until
+from tests.stagectl.daemon.bench import Lab, lab_in
+from tests.stagectl.link.stand_in import PATIENT, link_to, running
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Iterator[tuple[Lab, CanNode]]:
+    """Return a stage of first order behind an adapter; it has loops of its own."""
+    path = tmp_path / "can"
+    wire = [f"link.channel={path}", f"link.silence={PATIENT}", "link.patience=10", "session.live=true"]
+    with running(path, Settings(silence=PATIENT, ramp=0.02)) as (node, _):
+        lab = lab_in(tmp_path, *wire)
+        for model in lab.data.glob("stage-*.h5"):
+            model.unlink()
+        try:
+            yield lab, node
+        finally:
+            lab.close()
+
+
+def test_a_run_is_streamed_recorded_and_stopped(bench: tuple[Lab, CanNode]) -> None:
+    lab, _ = bench
+    lab.control.arm(lab.key, "a test")
+    assert lab.gauge("link_lost").value == 0
+    lab.begin("hold", seconds=100.0, position=[250e-6])
+    lab.until_follows()
+    until(lambda: abs((lab.gauge("position_z").value or 0.0) - 250e-6) < 1e-6)
+    lab.control.stop("Ada", "smoke")
+    assert lab.state is State.DISARMED
+    lab.ended()
+    record = session.read_recording(lab.run_folder(), session.RECORDING)
+    assert record is not None
+    assert np.abs(record.select(["position_x"]).data[-1] - 250e-6) < 5e-6
+    assert [gauge.name for gauge in lab.rig.gauges()] == ["disk_free"]
+
+
+def test_an_adapter_that_goes_is_a_fault_that_a_person_acknowledges_once_it_is_back(
+    bench: tuple[Lab, CanNode],
+) -> None:
+    lab, node = bench
+    lab.begin("hold", seconds=100.0)
+    lab.until_follows()
+    node.suffer("unplug")
+    lab.ended()
+    assert lab.state is State.FAULT
+    assert "a person must acknowledge" in lab.why
+    assert lab.events("link_fault")
+    with pytest.raises(OSError, match="Ada cannot acknowledge yet"):
+        lab.control.acknowledge(lab.key, "the cable was loose")
+    assert lab.state is State.FAULT
+    node.suffer("replug")
+    until(lambda: acknowledged(lab), 60)
+    assert lab.state is State.DISARMED
+    lab.begin("hold", run="two", seconds=100.0)
+    lab.until_follows()
+    lab.control.abort(lab.key, "enough")
+    lab.ended()
+    assert lab.state is State.ARMED, lab.why
+
+
+def acknowledged(lab: Lab) -> bool:
+    """Acknowledge, if it can be yet."""
+    try:
+        lab.control.acknowledge(lab.key, "the cable was loose")
+    except OSError:
+        return False
+    return True
+
+
+def test_a_stage_in_fault_is_not_armed(bench: tuple[Lab, CanNode]) -> None:
+    lab, _ = bench
+    with StageLink(link_to(Path(lab.rig.config.link.channel))) as link:
+        link.start()
+        assert not link.wait(10**9, 10.0)  # no reference comes for it
+    with pytest.raises(OSError, match="the stage reports REFERENCE_SILENT; find out why, then: stagectl acknowledge"):
+        lab.control.arm(lab.key, "a test")
+    assert lab.state is State.DISARMED

@@ -1,0 +1,122 @@
+"""The stage's procedures under the daemon: followed, stopped, faulty and acknowledged, in process."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ctlblocks import recording
+from ctlblocks.recording import Recording
+from rigkit.run_folder import read_events
+from rigkit.service.reload import Reach
+from rigkit.service.state import State
+from stagectl import session
+from stagectl.replay import replay
+from tests.stagectl.daemon.bench import Lab, edit, lab_in
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Iterator[Lab]:
+    made = lab_in(tmp_path, "daemon.faults=true")
+    yield made
+    made.close()
+
+
+def replays(path: Path) -> bool:
+    return all(each.identical for each in replay(path, session.setup_of(path)))
+
+
+def test_a_reference_is_followed_shown_recorded_and_reported_and_the_rig_stays_armed(lab: Lab) -> None:
+    time = np.arange(1_000) / 1_000.0
+    wanted = 225e-6 + 20e-6 * np.column_stack([np.sin(2 * np.pi * 3 * time)] * 3)
+    recording.write(lab.data / "wave.csv", Recording(("x", "y", "z"), ("m",) * 3, 1_000.0, wanted))
+    lab.begin(reference="wave.csv", seconds=1.0)
+    lab.until_follows()
+    voltage, drive = lab.gauge("voltage_x"), lab.gauge("drive_x")
+    assert (voltage.low, voltage.high, drive.is_output) == (0.0, 1000.0, True)
+    assert lab.gauge("position_x").high == 430e-6
+    lab.ended()
+    assert lab.state is State.ARMED, lab.why
+    path = lab.run_folder()
+    assert (path / "report.html").is_file()
+    assert replays(path)
+    figures = session.summary(path, session.setup_of(path))
+    assert figures["seconds"] == 1.0
+    assert all(figures["position_error"][axis]["peak"] < 3e-6 for axis in "xyz")
+    assert [event["run"] for event in lab.events("finished")] == ["one"]
+    panels = lab.control.board
+    assert set(panels.revisions()) == {"histogram", "spectrum"}
+    shown = panels.panel("histogram")["traces"]
+    assert all(np.sum(trace["y"]) == pytest.approx(1.0) for trace in shown)
+    means = ", ".join(f"{axis} {1e6 * figures['position_error'][axis]['mae']:.3f}" for axis in "xyz")
+    assert panels.panel("histogram")["title"].endswith(f"MAE {means} µm")  # its last second is the whole of it
+    assert [gauge.name for gauge in lab.rig.gauges()] == ["disk_free"]
+
+
+def test_a_stop_takes_the_stage_to_mid_travel_and_keeps_what_has_come(lab: Lab) -> None:
+    lab.begin("hold", seconds=100.0, position=[300e-6])
+    lab.until_follows()
+    lab.control.stop("Ada", "smoke")
+    assert lab.state is State.DISARMED
+    lab.ended()
+    path = lab.run_folder()
+    record = session.read_recording(path, session.RECORDING)
+    assert record is not None
+    voltage = record.select(["voltage_x", "voltage_y", "voltage_z"]).data
+    assert voltage[-2_000:].max() > 550.0  # it was away from rest when it was told
+    np.testing.assert_array_equal(voltage[-1], 500.0)
+    assert np.abs(np.diff(voltage, axis=0)).max() <= 15.0 + 1e-9
+    assert replays(path)
+    assert not (path / "report.html").exists()
+    assert len(lab.events("left")) == 1
+
+
+def test_a_sensor_that_fails_is_a_fault_with_its_reason_until_a_person_has_acknowledged(lab: Lab) -> None:
+    lab.begin("hold", seconds=100.0, position=[300e-6])
+    lab.until_follows()
+    lab.control.inject(lab.key, "position_y", "nan")
+    lab.ended()
+    assert lab.state is State.FAULT
+    assert "position 2 is not a number" in lab.why
+    record = session.read_recording(lab.run_folder(), session.RECORDING)
+    assert record is not None
+    np.testing.assert_array_equal(record.select(["voltage_x"]).data[-1], 500.0)
+    assert replays(lab.run_folder())
+    assert [event["text"] for event in read_events(lab.run_folder()) if event["event"] == "fault"] == [lab.why]
+    lab.control.acknowledge(lab.key, "the cable was loose")
+    assert lab.state is State.DISARMED
+    lab.control.inject(lab.key, "position_y", "none")
+    lab.begin("hold", run="two", seconds=0.1)
+    lab.ended()
+    assert lab.state is State.ARMED, lab.why
+
+
+def test_it_stays_disarmed_without_models(lab: Lab) -> None:
+    (lab.data / "stage-y.h5").unlink()
+    with pytest.raises(ValueError, match=r"stage-y.h5 is missing: calibrate stage --out .*/stage.h5 makes one"):
+        lab.control.arm(lab.key, "a test")
+    assert lab.state is State.DISARMED
+
+
+def test_a_place_outside_the_travel_is_refused(lab: Lab) -> None:
+    lab.begin("hold", position=[500e-6])
+    lab.ended()
+    assert "must be 1 or 3 numbers within limits.travel 2e-05 to 0.00043 m" in lab.why
+    assert not lab.run_folder().exists()
+
+
+def test_a_reload_says_what_holds_when(lab: Lab) -> None:
+    lab.control.arm(lab.key, "a test")
+    edit(lab.file, lab.data, "daemon.faults=true", "session.seconds=7", "outer.reach=150")
+    change = lab.rig.reload()
+    assert change.keys == {"session.seconds": Reach.PARAMETERS, "outer.reach": Reach.GRAPH}
+    assert change.done == "from the next run on; the rest when it is armed again"
+    edit(lab.file, lab.data, "daemon.data=elsewhere")
+    with pytest.raises(ValueError, match=r"daemon.data cannot change"):
+        lab.rig.reload()
+
+
+def test_faults_on_purpose_are_refused_for_a_live_stage(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"daemon.faults is true, must be false with session.live"):
+        lab_in(tmp_path, "daemon.faults=true", "session.live=true")
