@@ -85,6 +85,6 @@ def test_a_stage_in_fault_is_not_armed(bench: tuple[Lab, CanNode]) -> None:
     with StageLink(link_to(Path(lab.rig.config.link.channel))) as link:
         link.start()
         assert not link.wait(10**9, 10.0)  # no reference comes for it
-    with pytest.raises(OSError, match="the stage reports REFERENCE_SILENT; find out why, then: stagectl acknowledge"):
+    with pytest.raises(OSError, match="the stage reports [A-Z]+_[A-Z]+; find out why, then: stagectl acknowledge"):
         lab.control.arm(lab.key, "a test")
     assert lab.state is State.DISARMED
