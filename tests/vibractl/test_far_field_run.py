@@ -105,7 +105,7 @@ def test_the_far_field_is_exported_with_its_delay_and_unit(by_two: Path, tmp_pat
     assert content.far is not None
     wanted, delay = content.far.response, content.far.delay
     names = [path.name for path in write_csv(tmp_path, content)]
-    assert names == ["responses.csv", "reference.csv", "far-field.csv", "shot-0000.csv"]
+    assert names == ["responses.csv", "far-field.csv", "reference.csv", "shot-0000.csv"]
     head, table = (
         (tmp_path / "far-field.csv").read_text().splitlines()[1].split(","),
         np.loadtxt(tmp_path / "far-field.csv", delimiter=",", skiprows=2),
