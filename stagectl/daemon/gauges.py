@@ -9,13 +9,11 @@ from stagectl.config import StageConfig
 from stagectl.daemon.following import Following
 from stagectl.link.stage_link import StageLink
 from stagectl.tracking import WITHIN
-
-STILL = 0.1
-"""V from rest that counts as none: a number on the wire is not finer."""
+from stagectl.wire.messages import State
 
 
 def motion(config: StageConfig, position: np.ndarray, voltage: np.ndarray) -> Iterator[Gauge]:
-    """Give where each axis is in its travel, and its voltage against the limits and from rest.
+    """Give where each axis is in its travel, and its voltage against the limits.
 
     Parameters
     ----------
@@ -27,9 +25,6 @@ def motion(config: StageConfig, position: np.ndarray, voltage: np.ndarray) -> It
     for axis, place, volts in zip(config.stage.axes, position.tolist(), voltage.tolist(), strict=True):
         yield Gauge(f"position_{axis}", f"Travel {axis}", place, "m", *limits.travel)
         yield Gauge(f"voltage_{axis}", f"Voltage {axis}", volts, "V", *limits.voltage)
-        away = volts - limits.rest_voltage
-        still = 0.0 if abs(away) < STILL else away
-        yield Gauge(f"drive_{axis}", f"Voltage {axis} from rest", still, "V", is_output=True)
 
 
 def tracked(config: StageConfig, following: Following) -> Iterator[Gauge]:
@@ -39,13 +34,17 @@ def tracked(config: StageConfig, following: Following) -> Iterator[Gauge]:
     for axis, value in zip(config.stage.axes, mean, strict=True):
         yield Gauge(f"mae_{axis}", f"Mean absolute error {axis}, last second", value, "m", high=WITHIN)
     if not config.session.live:
+        for axis, volts in zip(config.stage.axes, following.monitor.voltage.tolist(), strict=True):
+            away = volts - config.limits.rest_voltage
+            yield Gauge(f"drive_{axis}", f"Voltage {axis} from rest", away, "V", is_output=True)
         yield Gauge("late", "Late steps of the simulation", following.pace.late, "1")
         yield Gauge("behind", "Simulation behind the clock", following.pace.behind, "s")
 
 
 def linked(link: StageLink) -> Iterator[Gauge]:
-    """Give what became of the frames on the link."""
-    counts = link.counts
+    """Give whether the stage is led, as it says itself, and what became of the frames on the link."""
+    counts, led = link.counts, link.state not in (State.HOLDING, State.FAULT)
+    yield Gauge("led", "Stage is led (1), or held at mid-travel (0)", float(led), "1", is_output=True)
     yield Gauge("link_lost", "Blocks from the stage lost", counts.lost, "1")
     yield Gauge("link_late", "Blocks from the stage late", counts.late, "1")
     yield Gauge("link_garbled", "Frames garbled", counts.garbled, "1")

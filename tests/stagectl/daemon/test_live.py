@@ -34,10 +34,11 @@ def bench(tmp_path: Path) -> Iterator[tuple[Lab, CanNode]]:
 def test_a_run_is_streamed_recorded_and_stopped(bench: tuple[Lab, CanNode]) -> None:
     lab, _ = bench
     lab.control.arm(lab.key, "a test")
-    assert lab.gauge("link_lost").value == 0
+    assert lab.gauge("link_lost").value == lab.gauge("led").value == 0
     lab.begin("hold", seconds=100.0, position=[250e-6])
     lab.until_follows()
     until(lambda: abs((lab.gauge("position_z").value or 0.0) - 250e-6) < 1e-6)
+    assert lab.gauge("led").value == 1.0
     lab.control.stop("Ada", "smoke")
     assert lab.state is State.DISARMED
     lab.ended()
