@@ -13,7 +13,7 @@ from vibractl.audio_engine import Engine
 from vibractl.audio_memory import Memory, Word
 from vibractl.audio_process import AudioProcess
 from vibractl.audio_stream import AudioError
-from vibractl.capture import Capture, Discarded, spoiled
+from vibractl.capture import Capture, Discarded, spoiled, unmoved
 from vibractl.config import RigConfig
 from vibractl.guard import Violation, as_violation, violation
 from vibractl.levels import Levels, lately, levels
@@ -244,7 +244,10 @@ class Line:
             late=int(words[Word.LATE]),
         )
         muted = "muted: this program stood still for too long" if words[Word.MUTED] else ""
-        return capture, muted or spoiled(capture, self._audio) or evidence.fault
+        return capture, muted or self._spoiled(capture) or evidence.fault
+
+    def _spoiled(self, capture: Capture) -> str:
+        return spoiled(capture, self._audio) or unmoved(capture)
 
 
 def _patience(config: RigConfig, mute_after: float) -> float:

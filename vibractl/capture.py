@@ -88,11 +88,16 @@ def spoiled(capture: Capture, audio: Audio) -> str:
     clipped = np.abs(signals) >= FULL_SCALE
     if clipped.any():
         return f"clipped at full scale, {_first(clipped, [*names, 'loopback'], audio.rate)}"
-    dead = np.ptp(capture.response, axis=0) == 0
-    if dead.any() and capture.emitted.any():
-        which = int(np.argmax(dead))
-        return f"a sensor that does not move: {names[which]} is {capture.response[0, which]:g} m/s^2 throughout"
     return ""
+
+
+def unmoved(capture: Capture) -> str:
+    """Name an accelerometer that stands still while something is emitted; nothing when all move."""
+    dead = np.ptp(capture.response, axis=0) == 0
+    if not (dead.any() and capture.emitted.any()):
+        return ""
+    which = int(np.argmax(dead))
+    return f"a sensor that does not move: response {which + 1} is {capture.response[0, which]:g} m/s^2 throughout"
 
 
 def _first(wrong: np.ndarray, names: list[str], rate: float) -> str:

@@ -76,11 +76,11 @@ def keep_discarded(place: Path, name: str, discarded: Discarded, config: RigConf
     Returns
     -------
     Path
-        A recording; or an `.npy` file of the response and far field alone where they are not finite.
+        A recording; or an `.npy` file of response, far field and loopback alone where they are not finite.
     """
     place.mkdir(parents=True, exist_ok=True)
     path = place / f"{name}-{discarded.attempt}-{len(list(place.iterdir())):03d}.wav"
-    heard = np.column_stack((discarded.capture.response, discarded.capture.far_field))
+    heard = np.column_stack((discarded.capture.response, discarded.capture.far_field, discarded.capture.loopback))
     if np.isfinite(heard).all():
         recording.write(path, recording_of(discarded.capture, config))
     else:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 
 from vibractl.audio import Line
-from vibractl.capture import Capture, Discarded
+from vibractl.capture import Capture, Discarded, spoiled
 from vibractl.config import RigConfig
 from vibractl.proof import LARGEST_ROUND_TRIP, Emission, Evidence
 
@@ -56,6 +56,9 @@ class Bench(Line):
         super().__init__(config, seconds=seconds + LARGEST_ROUND_TRIP, on_discard=on_discard)
         self._proof = self._unproved = _Unproved(config)
         self._tail = round(LARGEST_ROUND_TRIP * config.audio.rate)
+
+    def _spoiled(self, capture: Capture) -> str:
+        return spoiled(capture, self._audio)  # what stands still is for the doctor to see
 
     def record(self, drive: np.ndarray, timing: np.ndarray) -> Capture:
         """Play a drive and a signal on the cable, and record until half a second after their end.

@@ -73,5 +73,5 @@ def test_a_silent_robot_is_held_where_it_is(first: Trial) -> None:
 
 
 def test_a_correction_beyond_the_limit_never_reaches_the_robot(first: Trial) -> None:
-    done = ran(replace(first, sent=first.sent + [0.0, 0.0, 1.2e-3]))
-    assert done.reason.startswith("the correction moves the tool by 1.2 mm, must be <= 1 mm")
+    done = ran(replace(first, sent=first.sent + [0.0, 0.0, 2.2e-3]))
+    assert done.reason.startswith("the correction moves the tool by 2.2 mm, must be <= 2 mm")
