@@ -34,7 +34,13 @@ def test_a_response_that_no_recording_can_hold_is_kept_as_numbers(tmp_path: Path
     broken[2, 1] = np.nan
     path = keep_discarded(tmp_path, "batch", Discarded(2, "not finite", replace(CAPTURE, response=broken)), RigConfig())
     assert path.suffix == ".npy"
-    np.testing.assert_array_equal(np.load(path), broken)
+    np.testing.assert_array_equal(np.load(path), np.column_stack((broken, CAPTURE.loopback)))
+
+
+def test_a_cable_that_no_recording_can_hold_is_kept_as_numbers(tmp_path: Path) -> None:
+    cable = np.full_like(CAPTURE.loopback, np.inf)
+    path = keep_discarded(tmp_path, "batch", Discarded(2, "not finite", replace(CAPTURE, loopback=cable)), RigConfig())
+    np.testing.assert_array_equal(np.load(path)[:, -1], cable)
 
 
 def test_hydrophones_are_recorded_in_pascal_beside_the_responses() -> None:
