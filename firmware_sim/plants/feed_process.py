@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 
 from firmware_sim.plants import feed_process_kernel as kernel
-from firmware_sim.plants.options import option, refuse_wrong_options
+from firmware_sim.plants.options import option, refuse_rate, refuse_wrong_options
 
 STEP = 4e-4
 """s, longest within."""
@@ -96,8 +96,7 @@ class FeedProcess(FeedOptions):
     def __post_init__(self) -> None:
         """Draw its noise."""
         super().__post_init__()
-        if not 50 <= self.rate <= 10_000:
-            raise ValueError(f"rate is {self.rate!r} samples/s, must be 50 to 10000 for the simulated feed")
+        refuse_rate(self.rate, 50, 10_000, "the simulated feed")
         steps = max(1, int(np.ceil(1.0 / (self.rate * STEP))))
         given = {each.name: getattr(self, each.name) for each in fields(FeedOptions)}
         given |= {name: 2.0 * pi * given[name] for name in ("corner", "mode", "frequency")}

@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 
 from firmware_sim.plants.noise_kernel import NOISE_SCALE, four_uniforms
-from firmware_sim.plants.options import option, refuse_wrong_options
+from firmware_sim.plants.options import option, refuse_rate, refuse_wrong_options
 
 NEVER = 1e9
 """s, when nothing happens."""
@@ -144,8 +144,7 @@ class ForceSensorPlant(ForceSensorOptions):
     def __post_init__(self) -> None:
         """Draw it."""
         super().__post_init__()
-        if not self.sample_rate <= self.rate <= 1e6:
-            raise ValueError(f"rate is {self.rate!r} samples/s, must be {self.sample_rate:g} to 1e+06 for the sensor")
+        refuse_rate(self.rate, self.sample_rate, 1e6, "the sensor")
         rng = np.random.default_rng([self.seed, 100])
         arm = np.repeat([1.0, 0.1], 3)
         size = np.repeat([self.bias, self.moment_bias], 3)

@@ -9,7 +9,7 @@ import numpy as np
 from firmware_sim.plants import end_mill_kernel as mill
 from firmware_sim.plants import milling_kernel as kernel
 from firmware_sim.plants.cutting_force import MATERIALS
-from firmware_sim.plants.options import choice, option, refuse_wrong_options
+from firmware_sim.plants.options import choice, option, refuse_rate, refuse_wrong_options
 
 FASTEST_TURN = 2 * pi / 72
 """rad by which the tool turns at most between two looks at its teeth."""
@@ -113,8 +113,7 @@ class PocketMilling(PocketOptions):
     def __post_init__(self) -> None:
         """Clamp a fresh block, and draw what differs from one to the next."""
         super().__post_init__()
-        if not 1_000 <= self.rate <= 1e5:
-            raise ValueError(f"rate is {self.rate!r} samples/s, must be 1000 to 100000 for the simulated cut")
+        refuse_rate(self.rate, 1_000, 1e5, "the simulated cut")
         rng = np.random.default_rng([self.seed, 5])
         hardness = 1.0 + self.spread * HARDNESS * np.clip(rng.standard_normal(), -2, 2)
         strength = hardness * MATERIALS[self.material].table

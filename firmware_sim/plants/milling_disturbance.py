@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.signal import lfilter
 
-from firmware_sim.plants.options import choice, option, refuse_wrong_options
+from firmware_sim.plants.options import choice, option, refuse_rate, refuse_wrong_options
 
 DEFLECTIONS = {"x": 23.4e-6, "y": 138.4e-6, "z": 67.0e-6}
 """m, mean absolute deflection over the cut along the axis that is milled against [Sörnmo 2015, tab. 2.1]."""
@@ -94,8 +94,7 @@ class MillingDisturbance(MillingOptions):
     def __post_init__(self) -> None:
         """Draw the whole cut."""
         super().__post_init__()
-        if not 1_000 <= self.rate <= 1e5:
-            raise ValueError(f"rate is {self.rate!r} samples/s, must be 1000 to 100000 for the simulated cut")
+        refuse_rate(self.rate, 1_000, 1e5, "the simulated cut")
         rng = np.random.default_rng(self.seed)
         before, cutting = round(self.start * self.rate), round(self.seconds * self.rate)
         self._force, self._base = np.zeros((2, before + cutting, 3))

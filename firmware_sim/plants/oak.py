@@ -9,7 +9,7 @@ from scipy.ndimage import gaussian_filter
 
 from firmware_sim.plants import oak_kernel as kernel
 from firmware_sim.plants.oak_table import drags
-from firmware_sim.plants.options import option, refuse_wrong_options
+from firmware_sim.plants.options import option, refuse_rate, refuse_wrong_options
 
 FIBRE = 12e-3, 1.5e-3
 """m, over which the grain changes along x, the fibres, and across them; assumed: year rings of some mm."""
@@ -105,8 +105,7 @@ class OakMilling(OakOptions):
     def __post_init__(self) -> None:
         """Clamp a fresh piece, and draw its grain."""
         super().__post_init__()
-        if not 500 <= self.rate <= 1e5:
-            raise ValueError(f"rate is {self.rate!r} samples/s, must be 500 to 100000 for the simulated oak")
+        refuse_rate(self.rate, 500, 1e5, "the simulated oak")
         self._origin, self._tables = np.array(self.origin, float), drags()
         self._distance, self._grid = _fresh(self)
         self._spots, self._knots = _grown(self)

@@ -70,3 +70,14 @@ def _missed(declared: Field[Any], value: object) -> str:
         return ""
     within = f">= {low:g}" if high == inf else f"{low:g} to {high:g}"
     return f"a whole number {within}" if whole else f"{within} {unit}".removesuffix(" 1")
+
+
+def refuse_rate(rate: float, low: float, high: float, of: str) -> None:
+    """Refuse a rate, samples/s, at which a plant is not simulated; `of` says which plant.
+
+    Raises
+    ------
+    ValueError
+    """
+    if not low <= rate <= high:
+        raise ValueError(f"rate is {rate!r} samples/s, must be {low:g} to {high:g} for {of}")

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from firmware_sim.plants.options import refuse_rate
 from firmware_sim.plants.piezo_stage_actuator import CREEP_TIMES, PLAYS, draw_actuators
 from firmware_sim.plants.piezo_stage_kernel import CONVERTER_STEPS, run_stage
 from firmware_sim.plants.piezo_stage_modes import PIEZO_STIFFNESS, StageModes, stage_modes
@@ -56,8 +57,7 @@ class PiezoStagePlant(PiezoStageOptions):
     def __post_init__(self) -> None:
         """Draw it, at rest, depolarized, at 0 V."""
         super().__post_init__()
-        if not 5_000 <= self.rate <= 1e5:
-            raise ValueError(f"rate is {self.rate!r} samples/s, must be 5000 to 100000 for the simulated stage")
+        refuse_rate(self.rate, 5_000, 1e5, "the simulated stage")
         if not self.laser_rate <= self.rate:
             raise ValueError(f"simulator.options.laser_rate is {self.laser_rate!r}, must be at most {self.rate:g} Hz")
         rng = np.random.default_rng(self.seed)

@@ -15,7 +15,7 @@ from firmware_sim.plants.milling_disturbance import (
     TOOTH_PASSING,
     wander,
 )
-from firmware_sim.plants.options import option, refuse_wrong_options
+from firmware_sim.plants.options import option, refuse_rate, refuse_wrong_options
 
 SHARES = (0.92, 0.34, 0.19)
 """Of the force, along normal, feed and tool axis: a slot's mean forces are as K_tc to K_rc to 4 K_ac / pi [Altintas,
@@ -93,8 +93,7 @@ class ToroidCut(ToroidOptions):
     def __post_init__(self) -> None:
         """Draw the ripple."""
         super().__post_init__()
-        if not 1_000 <= self.rate <= 1e5:
-            raise ValueError(f"rate is {self.rate!r} samples/s, must be 1000 to 100000 for the simulated cut")
+        refuse_rate(self.rate, 1_000, 1e5, "the simulated cut")
         span = max(1, round(self.SPAN * self.rate))
         smooth = 1.0 - np.exp(-1.0 / (FEED_TIME * self.rate))
         self._given = np.zeros(kernel.SETTINGS)
