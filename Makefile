@@ -44,7 +44,7 @@ peers: setup     ## identification against other packages, which it installs: a 
 	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[peers]'
 	$(BIN)/python -m benchmarks.identification_peers
 
-docs: setup      ## regenerate what is generated: docs/*.toml, docs/config-reference/, stagectl/stage.dbc
+docs: setup      ## regenerate what is generated: docs/*.toml, docs/config-reference/, stagectl/stage.dbc, rigkit/relay/relay.dbc
 	$(BIN)/vibractl example-config > docs/rig.toml
 	$(BIN)/stagectl example-config > docs/stage.toml
 	$(BIN)/stagectl example-cell > docs/cell.toml
@@ -52,6 +52,7 @@ docs: setup      ## regenerate what is generated: docs/*.toml, docs/config-refer
 	$(BIN)/python -m rigkit.config_reference stagectl.config:StageConfig stage.toml > docs/config-reference/stage.md
 	$(BIN)/python -m rigkit.config_reference stagectl.robot.config:CellConfig cell.toml > docs/config-reference/cell.md
 	$(BIN)/python -c 'import sys; from stagectl.wire.dbc import dbc_text; sys.stdout.write(dbc_text())' > stagectl/stage.dbc
+	$(BIN)/python -c 'import sys; from rigkit.relay.frame import dbc_text; sys.stdout.write(dbc_text())' > rigkit/relay/relay.dbc
 
 clean:           ## remove .venv, caches and builds
 	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis .benchmarks

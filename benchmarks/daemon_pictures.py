@@ -1,120 +1,115 @@
-"""Take the pictures of the daemon's page, of a run on the simulated vibrator: `python -m benchmarks.daemon_pictures`.
+"""Take the pictures of the daemon's page: `python -m benchmarks.daemon_pictures [vibrator|stage|cell]`.
 
-They go into docs/images/service/; it wants Chromium and takes some three minutes.
+All three, if none is named; each has a simulated rig at work.  They go into docs/images/service/, and want Chromium.
 """
 
-import subprocess
 import sys
-import tempfile
-from functools import partial
+from collections.abc import Callable
 from pathlib import Path
 
-from rigkit.service.access import TOKENS, read_tokens
-from rigkit.service.client import Client, DaemonError
-from tests.rigkit.service.page.browser import PHONE, Browser, browser
-from tests.rigkit.service.served import free_port
-from tests.rigkit.service.until import until
+import numpy as np
 
-PICTURES = Path(__file__).parents[1] / "docs" / "images" / "service"
-WALL = (1440, 1000)
-SETTLED = 1000.0
-"""ms for the page to take its new size."""
-MINUTES = 600.0
-"""s to wait for what takes minutes."""
+from benchmarks.daemon_page import WALL, Page, page
+from ctlblocks import recording
+from ctlblocks.recording import Recording
+from tests.rigkit.service.page.browser import PHONE
+
 SHOT = 4
-"""The shot after which they are taken."""
-OPTIONS = {"run": "40-90-hz", "shots": "30"}
+"""The shot of the vibrator after which its pictures are taken."""
 
 
 def main() -> None:
-    """Calibrate, learn, look, stop."""
-    PICTURES.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory() as folder:
-        address = f"127.0.0.1:{free_port()}"
-        settings = f"daemon.data={folder}", f"daemon.address={address}", "rig.name=basin"
-        command = [sys.executable, "-m", "vibractl", "daemon", *(f"--set={each}" for each in settings)]
-        daemon = subprocess.Popen(command)
-        try:
-            token = _token(Path(folder), address)
-            with browser() as tab:
-                tab.resize(WALL)
-                tab.open(f"http://{address}", token)
-                _visit(tab, daemon)
-        finally:
-            daemon.kill()
-            daemon.wait()
+    """Take those that are named, or all."""
+    for name in sys.argv[1:] or VISITS:
+        VISITS[name]()
 
 
-def _visit(tab: Browser, daemon: subprocess.Popen[bytes]) -> None:
-    tab.until_state("DISARMED")
-    tab.type("who", "Ada")
-    tab.press("take-button")
-    until(lambda: tab.shows("why"))
-    tab.type("why", "basin is clear")
-    tab.press("arm")
-    tab.until_state("ARMED")
-    _begin(tab, "calibrate", {})
-    tab.until_state("CALIBRATING")
-    until(lambda: tab.text("state-name") == "ARMED", MINUTES)
-    _begin(tab, "run", OPTIONS)
-    until(lambda: tab.text("procedure-done").startswith(f"{SHOT} of"), MINUTES)
-    _picture(tab, "wall-dark", WALL, dark=True)
-    _picture(tab, "wall", WALL)
-    _picture(tab, "whole", WALL, whole=True)
-    _picture(tab, "phone", PHONE)
-    tab.run("document.getElementById('panels').scrollIntoView()")
-    tab.picture(PICTURES / "phone-panels.png")
-    _picture(tab, "old", WALL, killing=daemon)
+def vibrator() -> None:
+    """Calibrate, learn, look, kill: the wall, light and dark, the whole page, a phone, a page that has gone grey."""
+    with page("vibractl", ["rig.name=basin"]) as seen:
+        seen.arm("basin is clear")
+        seen.begin("calibrate")
+        seen.ended()
+        seen.begin("run", run="40-90-hz", shots="30")
+        seen.until_done(f"{SHOT} of")
+        for name, size, dark in (("wall-dark", WALL, True), ("wall", WALL, False), ("phone", PHONE, False)):
+            _in_mid_shot(seen, size, dark)
+            seen.picture(name)
+        seen.tab.run("document.getElementById('panels').scrollIntoView()")
+        seen.picture("phone-panels")
+        _in_mid_shot(seen, WALL)
+        seen.picture("whole", whole=True)
+        _in_mid_shot(seen, WALL)
+        seen.kill()
+        seen.picture("old")
 
 
-def _begin(tab: Browser, procedure: str, options: dict[str, str]) -> None:
-    choose = "const which = document.getElementById('which'); which.value = arguments[0]; which.onchange()"
-    tab.run(f"{choose}; document.querySelector('details').open = true", procedure)
-    for name, value in options.items():
-        tab.type(f"option-{name}", value)
-    tab.press("begin-button")
+def _in_mid_shot(seen: Page, size: tuple[int, int], dark: bool = False) -> None:
+    seen.take(size, dark)
+    seen.until_output("Output zero")
+    seen.until_output("Output on")
 
 
-def _picture(
-    tab: Browser,
-    name: str,
-    size: tuple[int, int],
-    dark: bool = False,
-    whole: bool = False,
-    killing: subprocess.Popen[bytes] | None = None,
-) -> None:
-    """Take a picture in the middle of a shot, or of what the page shows after the daemon is killed there."""
-    tab.resize(size, dark)
-    tab.run("scrollTo(0, 0)")
-    begun = tab.run("return performance.now()")
-    until(lambda: tab.run("return performance.now()") > begun + SETTLED)
-    for level in ("Output zero", "Output on"):
-        until(partial(_lit, tab, level), MINUTES)
-    if killing is not None:
-        killing.kill()
-        until(lambda: tab.text("alarm-age") == "(2 s)")
-    tab.picture(PICTURES / f"{name}.png", whole)
+def stage() -> None:
+    """Calibrate, and follow a sine on each axis: errors, travel, voltages."""
+    with page("stagectl", ["rig.name=stage 1", "session.lead=1"]) as seen:
+        seen.arm("plate is clear")
+        seen.begin("calibrate")
+        seen.ended()
+        _write_sines(seen.data / "sines.wav")
+        seen.begin("follow", run="sines", reference="sines.wav", seconds="60")
+        seen.until_panel("Spectrum")
+        seen.take(WALL)
+        seen.picture("stage")
 
 
-def _lit(tab: Browser, level: str) -> bool:
-    return tab.text("light-output") == level
+def _write_sines(file: Path) -> None:
+    """Write 60 s of a sine of 20 µm on each axis, about mid-travel, at 1, 2 and 3 Hz."""
+    time = np.arange(60_000) / 1_000.0
+    wanted = 225e-6 + 20e-6 * np.sin(2 * np.pi * np.outer(time, [1.0, 2.0, 3.0]))
+    recording.write(file, Recording(("x", "y", "z"), ("m",) * 3, 1_000.0, wanted))
 
 
-def _token(folder: Path, address: str) -> str:
-    """Return the token to operate, when the daemon answers."""
+def cell() -> None:
+    """Calibrate a joint, mill by force, learn: a torque-position map, kappa and beta, convergence."""
+    with page("stagectl", ["rig.name=cell 2", "robot.arm=irb140"]) as seen:
+        seen.arm("nobody is in the cell")
+        calibrate_a_joint(seen)
+        mill_by_force(seen)
+        learn(seen)
 
-    def there() -> bool:
-        if not (folder / TOKENS).exists():
-            return False
-        try:
-            with Client(address, read_tokens(folder / TOKENS).operate) as client:
-                return client.snapshot() is not None
-        except DaemonError:
-            return False
 
-    until(there, MINUTES)
-    return read_tokens(folder / TOKENS).operate
+def calibrate_a_joint(seen: Page) -> None:
+    """See the map of joint 3 as it grows."""
+    seen.begin("calibrate-joints", joints="3", paced="true")
+    seen.until_panel("Joint 3: 3 cycles")
+    seen.take(WALL)
+    seen.picture("cell-joint")
+    seen.ended()
 
+
+def mill_by_force(seen: Page) -> None:
+    """See force, feed, kappa and beta while a pocket is milled."""
+    seen.begin("force", run="pocket-1", task="pocket", paced="true")
+    seen.until_panel("Kappa")
+    seen.until_some_is_done()
+    seen.take(WALL)
+    seen.picture("cell-force")
+    seen.tab.press("abort")
+    seen.ended()
+
+
+def learn(seen: Page) -> None:
+    """Calibrate milling, and see errors and forces after three trials in material."""
+    seen.begin("calibrate-milling")
+    seen.ended()
+    seen.begin("ilc", run="pocket-28")
+    seen.until_panel("method-1-2")
+    seen.take(WALL)
+    seen.picture("cell-learning")
+
+
+VISITS: dict[str, Callable[[], None]] = {"vibrator": vibrator, "stage": stage, "cell": cell}
 
 if __name__ == "__main__":
     main()

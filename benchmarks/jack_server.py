@@ -7,9 +7,9 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from ctypes.util import find_library
-from typing import Any
+from typing import IO, Any
 
 _NAMES = 4
 _LONGEST_END = 10.0
@@ -26,7 +26,9 @@ def missing() -> str:
 
 
 @contextmanager
-def jack_server(options: Sequence[str], rate: int, period: int) -> Iterator[subprocess.Popen[bytes]]:
+def jack_server(
+    options: Sequence[str], rate: int, period: int, log: IO[str] | None = None
+) -> Iterator[subprocess.Popen[bytes]]:
     """Run jackd with the dummy driver; programs started meanwhile find it through the environment.
 
     Parameters
@@ -35,10 +37,13 @@ def jack_server(options: Sequence[str], rate: int, period: int) -> Iterator[subp
         For jackd: "-r", "-S" is sample-exact without privilege; "-R", "-P70", "-S" is real time.
     rate : int, samples/s
     period : int, samples
+    log : file, optional
+        For what it says.
     """
     small = ("--port-max", "128", "-t", "5000")  # the default needs 100 MB of /dev/shm, more than containers have
     dummy = ("-d", "dummy", "-r", str(rate), "-p", str(period), "-C", "2", "-P", "2")
-    with _private_name() as name, _environment(name), tempfile.TemporaryFile("w+") as log:
+    with ExitStack() as held, _private_name() as name, _environment(name):
+        log = held.enter_context(tempfile.TemporaryFile("w+")) if log is None else log
         command = ["jackd", "-n", name, *small, *options, *dummy]
         with _running(subprocess.Popen(command, stdout=log, stderr=log)) as server:
             if subprocess.run(["jack_wait", "-s", name, "-w", "-t", "10"], capture_output=True).returncode:

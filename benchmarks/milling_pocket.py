@@ -64,6 +64,7 @@ def run(cut: PocketCut, seed: int, wanted: np.ndarray) -> np.ndarray:
     graph.add("record", record)
     graph.connect("path.nominal", "robot.reference")
     graph.connect("robot.position", "cut.tool")
+    graph.connect("robot.give", "cut.give")
     for name in ("force", "moment"):
         graph.connect(f"cut.{name}", f"robot.{name}", delayed=True)
     for source, name in (("robot.position", "tip"), ("cut.force", "force"), ("cut.teeth_force", "teeth")):

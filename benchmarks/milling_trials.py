@@ -1,6 +1,7 @@
 """Pockets learned on simulated cells, as Table 5.1: what `calibrate milling` and `stagectl ilc` do, seed by seed.
 
     python -m benchmarks.milling_trials [--seeds 1 2 3 4 5] [--task pocket28] [--methods 1,2,3] [--iterations 4]
+        [--set TABLE.KEY=VALUE ...]
 
 Arm, tracker and blocks of a cell are drawn from its seed.  Printed are mean absolute errors' norms, as the tracker sees
 them and, in brackets, without its noise.
@@ -30,17 +31,19 @@ from stagectl.trials.trial import cell_for_task
 HEAD = ("seed", "free space: 0, 1, last", "method", "iteration 0", "1", "last", "reduced by", "worst factor")
 
 
-def one_seed(seed: int, task: str, methods: tuple[int, ...], iterations: int) -> list[tuple[Any, ...]]:
+def one_seed(
+    seed: int, task: str, methods: tuple[int, ...], iterations: int, settings: list[str]
+) -> list[tuple[Any, ...]]:
     """Return a row a method: everything that is drawn is drawn from the seed."""
     drawn = [f"{key}.seed={seed}" for key in ("simulator.options", "plants.tracker_options", "plants.pocket_options")]
-    cell = cell_for_task(load(None, CellConfig, drawn), task)
+    cell = cell_for_task(load(None, CellConfig, [*drawn, *settings]), task)
     with tempfile.TemporaryDirectory() as place, RunFolder.create(Path(place) / "run", "") as folder:
         run = Runner(folder, Conduct(), run_simulated, lambda _: None)
         swept = sweep(cell, False, folder.path / "sweep.wav", lambda _: None, StopRequest())
         found = calibrate(cell, task, run, swept)
         learner = Learner(cell, found.models, found.forces, found.free)
         free = ", ".join(_size(each) for each in (*found.free[:2], found.free[-1]))
-        rows = []
+        rows: list[tuple[Any, ...]] = []
         for method in methods:
             worst = f"{learner.contraction(method).worst:.2f}"
             try:
@@ -66,10 +69,11 @@ def main() -> None:
     parser.add_argument("--task", default="pocket28")
     parser.add_argument("--methods", default="1,2,3")
     parser.add_argument("--iterations", type=int, default=4)
+    parser.add_argument("--set", action="append", default=[], dest="settings")
     given = parser.parse_args()
-    methods = wanted_methods(given.methods)
+    asked = {"task": given.task, "methods": wanted_methods(given.methods), "iterations": given.iterations}
     print(f"| {' | '.join(HEAD)} |\n|{'---|' * len(HEAD)}")
-    for rows in over_seeds(one_seed, given.seeds, task=given.task, methods=methods, iterations=given.iterations):
+    for rows in over_seeds(one_seed, given.seeds, **asked, settings=given.settings):
         for row in rows:
             print(f"| {' | '.join(map(str, row))} |", flush=True)
 

@@ -19,11 +19,11 @@ from pathlib import Path
 import numpy as np
 
 from ctlblocks import Block, Graph, Port
+from rigkit.priority import undisturbed
 from stagectl.link.account import Counts, Status
 from stagectl.link.blocks import Receive, Send
 from stagectl.link.clock import run_linked
 from stagectl.link.config import Link
-from stagectl.link.priority import undisturbed
 from stagectl.link.stage_link import StageLink
 from stagectl.wire.messages import BLOCK, HOLD, PERIOD, RATE, SILENCE, STATUS, State
 

@@ -8,9 +8,9 @@ from contextlib import ExitStack, contextmanager
 import numpy as np
 
 from ctlblocks import Graph
+from rigkit.priority import undisturbed
 from stagectl.link.bus import LinkError
 from stagectl.link.clock import run_linked
-from stagectl.link.priority import undisturbed
 from stagectl.robot.arm import Arm
 from stagectl.robot.clamp_port import GuidedArm
 from stagectl.robot.clamp_program import ClampProgram

@@ -18,9 +18,9 @@ def raw_folder(out: Path) -> Path:
     """
     folder = out.with_suffix(".raw")
     if not out.parent.is_dir():
-        raise ValueError(f"--out {out}: there is no folder {out.parent}")
+        raise ValueError(f"{out}: there is no folder {out.parent}")
     if out.suffix != ".h5":
-        raise ValueError(f"--out {out}: the suffix is {out.suffix!r}, must be '.h5'")
+        raise ValueError(f"{out}: the suffix is {out.suffix!r}, must be '.h5'")
     if out.exists() and not (out.is_file() and folder.is_dir()):
-        raise ValueError(f"--out {out}: is there already, without its recordings in {folder}/; choose another name")
+        raise ValueError(f"{out}: is there already, without its recordings in {folder}/; choose another name")
     return folder

@@ -2,6 +2,7 @@
 
 import signal
 import sys
+import time
 from pathlib import Path
 from tempfile import mkdtemp
 from threading import Event
@@ -14,13 +15,23 @@ from firmware_sim.can_node import MISHAPS, mishap
 from firmware_sim.jack_client import JackClient
 from firmware_sim.laboratory import Laboratory, Wiring, plant_block
 from firmware_sim.plants.milling_disturbance import DEFLECTIONS
+from firmware_sim.relay import Relay, adapter_in, listen
 from firmware_sim.robot_bench import MISHAPS as ROBOT_MISHAPS
-from firmware_sim.robot_bench import Addresses, RobotBench, cell_controller, cell_cut, cell_force_box, robot_mishap
+from firmware_sim.robot_bench import (
+    Addresses,
+    RobotBench,
+    cell_controller,
+    cell_cut,
+    cell_force_box,
+    cell_wood,
+    robot_mishap,
+)
 from firmware_sim.stage_bench import StageBench
 from firmware_sim.stage_image import StageImage
 from firmware_sim.stage_processor import Settings
 from rigkit.command import ConfigOption, SetOption, application, run
 from rigkit.config import load
+from rigkit.relay.frame import IDENTIFIER
 from stagectl.config import StageConfig
 from stagectl.robot.config import CellConfig
 from vibractl.config import RigConfig
@@ -118,6 +129,9 @@ def robot(
     mill: Annotated[
         bool, typer.Option("--mill", help="The tool is over a block that it mills, as [pocket] says.")
     ] = False,
+    wood: Annotated[
+        bool, typer.Option("--wood", help="The tool is over a piece of oak that it mills, as [segments] says.")
+    ] = False,
     log: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the motor torques to this CSV file.")] = None,
     fault: Annotated[
         list[str] | None,
@@ -126,7 +140,9 @@ def robot(
 ) -> None:
     """Put a robot's controller behind UDP and TCP, and tracker and force sensor beside it, until Ctrl-C.
 
-    With --mill a fresh block stands where [pocket] says: its top's middle where pocket.home has the tool.
+    With --mill a fresh block stands where [pocket] says: its top's middle where pocket.home has the tool; with --wood a
+    piece of oak as [segments] says.  The robot's program puts another one there when it is told BLOCK 1, and takes it
+    away by BLOCK 0.
 
     The file is the cell's, cell.toml: [robot], [tracker] and [force_sensor] have the ports, [simulator] the robot's
     options, plants.force_sensor_options the sensor's.
@@ -139,7 +155,10 @@ def robot(
         cell.robot.listen, cell.robot.port, cell.robot.commands, cell.robot.signals, cell.tracker.port
     )
     mishaps = [robot_mishap(text) for text in fault or []]
-    controller, force = cell_controller(cell, cell_cut(cell) if mill else None), cell_force_box(cell)
+    if mill and wood:
+        raise ValueError("--mill and --wood are given, must be one of them")
+    block = cell_cut if mill else cell_wood if wood else None
+    controller, force = cell_controller(cell, block), cell_force_box(cell)
     bench = RobotBench(controller, addresses, cell.tracker.rate, mishaps=mishaps, log=log, force=force)
     stop = Event()
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -152,6 +171,36 @@ def robot(
         "force sensor": force.address,
     }
     bench.run(lambda: _say("\n".join(f"{name}: {host}:{port}" for name, (host, port) in lines.items())), stop)
+
+
+@app.command()
+def relay(
+    pty: Annotated[bool, typer.Option("--pty", help="Behind a pseudo-terminal.")] = False,
+    folder: Annotated[Path | None, typer.Option(metavar="DIR", help="Where the adapter appears, as can.")] = None,
+    identifier: Annotated[int, typer.Option(min=0, max=0x7FF, help="Of the frames that count.")] = IDENTIFIER,
+    patience: Annotated[float, typer.Option(min=0.03, max=10, metavar="SECONDS", help="Without one it opens.")] = 0.2,
+) -> None:
+    """Put the relay of an amplifier's supply behind a CAN adapter, until Ctrl-C; it says when it closes and opens.
+
+    Example:
+
+        firmware-sim relay --pty --folder /tmp/relay &
+
+        vibractl run --set audio.relay.bus=can:Bus --set audio.relay.options.interface=slcan --set
+        audio.relay.channel=/tmp/relay/can ...
+    """
+    if not pty:
+        raise ValueError("no wire is chosen, must be --pty")
+    adapter, stop = adapter_in(folder or Path(mkdtemp(prefix="relay-"))), Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: stop.set())
+    _say(f"CAN adapter: {adapter.path}")
+    start = time.monotonic()
+
+    def tell(closed: bool) -> None:
+        _say(f"{time.monotonic() - start:8.3f} s: {'closed' if closed else 'open'}")
+
+    listen(adapter, Relay(identifier, patience), time.monotonic, tell, stop)
 
 
 def main() -> int:

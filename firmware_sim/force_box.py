@@ -6,8 +6,8 @@ import socket
 import numpy as np
 
 from firmware_sim.plants.force_sensor import ForceSensorPlant
+from rigkit.wire.layout import GarbledError, WireError
 from stagectl.wire.force_sensor import Record, Request, pack_record, unpack_request
-from stagectl.wire.layout import GarbledError, WireError
 
 MISHAPS = ("force-silent", "force-speak", "force-saturate", "force-recover", "force-drift")
 """What can be made to happen: it sends nothing and does again; its gages go to their end and come back; its zero moves

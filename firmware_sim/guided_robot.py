@@ -28,8 +28,9 @@ class GuidedRobot(RobotOptions, Block):
 
     Ports: `reference` (rad, 6), `force` (N, 3) and `moment` (N m, 3) on the tool in base axes in; `report` (1), how
     many it has sent, `motors` (1 while they are on), `motor_angle`, `planned_angle` (rad, 6) as reported, and of the
-    tool `position` (m, 3) and `orientation` (1, 4), a unit quaternion w x y z, and the motors' `torque` (N m, 6), its
-    mean from report to report, seen from the arm's side of the gears, out.  Reports come every 4 ms.
+    tool `position` (m, 3) and `orientation` (1, 4), a unit quaternion w x y z, the motors' `torque` (N m, 6), its mean
+    from report to report, seen from the arm's side of the gears, and `give` (m/N, 9), by what a force moves the tool at
+    once, a 3 x 3 matrix row by row, out.  Reports come every 4 ms.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ class GuidedRobot(RobotOptions, Block):
         self.inputs = (Port("reference", "rad", 6), Port("force", "N", 3), Port("moment", "N m", 3))
         self.outputs = (
             Port("report"), Port("motors"), Port("motor_angle", "rad", 6), Port("planned_angle", "rad", 6),
-            Port("position", "m", 3), Port("orientation", "1", 4), Port("torque", "N m", 6),
+            Port("position", "m", 3), Port("orientation", "1", 4), Port("torque", "N m", 6), Port("give", "m/N", 9),
         )  # fmt: skip
 
     def prepare(self, rate: float, frames: int) -> None:
@@ -77,6 +78,7 @@ class GuidedRobot(RobotOptions, Block):
         self._last, self._reports, self._on, self._trips = np.zeros((3, 6)), 0.0, 1.0, round(self.trip * rate)
         self._last[:2] = start
         self._drive, self._drives, self._mean = np.zeros(6), 0, np.zeros(6)
+        self._give = np.zeros(9)
 
     def process(
         self,
@@ -90,6 +92,7 @@ class GuidedRobot(RobotOptions, Block):
         position: np.ndarray,
         orientation: np.ndarray,
         torque: np.ndarray,
+        give: np.ndarray,
     ) -> None:
         """Go on for one frame."""
         driven, planned, error, wrench, angle, drive, link, pose = self._room
@@ -100,6 +103,7 @@ class GuidedRobot(RobotOptions, Block):
             now = slice(n, min(len(reference), n + self._cycle - self._done % self._cycle))
             if self._done % self._cycle == 0:
                 self._on = float(not self.plant.tripped)
+                self._give[:] = self.plant.tilting_compliance()[:3, :3].ravel()
                 if self._done <= self._trips < self._done + self._cycle:
                     self.plant.trip(1)
             self.plant.run(driven[now], wrench[now], angle[now], drive[now], link[now], pose[now])
@@ -109,6 +113,7 @@ class GuidedRobot(RobotOptions, Block):
                 self._last[1], self._last[2], self._reports = planned[n], mean, self._reports + 1.0
             report[now], motors[now] = self._reports, self._on
             motor_angle[now], planned_angle[now], torque[now] = self._last
+            give[now] = self._give
             self._done += now.stop - n
             n = now.stop
         position[:], orientation[:] = pose[:, :3], pose[:, 3:]

@@ -13,22 +13,25 @@ from firmware_sim.plants.options import chosen
 class PocketCut(PocketOptions, Block):
     """A fresh block to mill after every `prepare`; `PocketMilling` says what it models.
 
-    Ports: `tool` (m, 3), where the tip really is in the base, in; `force` (N, 3) and `moment` (N m, 3) on the tool
-    about its tip, averaged over a turn, and `teeth_force` (N, 3), the force with its teeth, in axes of the base, out.
+    Ports: `tool` (m, 3), where the tip really is in the base, and `give` (m/N, 9), by what a force moves it at once,
+    row by row, in; `force` (N, 3) and `moment` (N m, 3) on the tool about its tip, averaged over a turn, and
+    `teeth_force` (N, 3), the force with its teeth, in axes of the base, out.
     The block's top is level, its middle at `origin`.
 
-    Wire `force` and `moment` to a robot, `delayed`, and `teeth_force` to a force sensor.
+    Wire `tool` and `give` from a robot, `force` and `moment` to it, `delayed`, and `teeth_force` to a force sensor.
 
     Parameters: those of `PocketOptions`.
     """
 
-    inputs = (Port("tool", "m", 3),)
+    inputs = (Port("tool", "m", 3), Port("give", "m/N", 9))
     outputs = (Port("force", "N", 3), Port("moment", "N m", 3), Port("teeth_force", "N", 3))
 
     def prepare(self, rate: float, frames: int) -> None:
         """Clamp it."""
         self.plant = PocketMilling(rate, **chosen(self, PocketOptions))
 
-    def process(self, tool: np.ndarray, force: np.ndarray, moment: np.ndarray, teeth_force: np.ndarray) -> None:
+    def process(
+        self, tool: np.ndarray, give: np.ndarray, force: np.ndarray, moment: np.ndarray, teeth_force: np.ndarray
+    ) -> None:
         """Go on for one frame."""
-        self.plant.run(tool, force, moment, teeth_force)
+        self.plant.run(tool, give, force, moment, teeth_force)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from stagectl.wire.layout import GarbledError
+from rigkit.wire.layout import GarbledError
 from stagectl.wire.messages import WINDOW, Result
 from stagectl.wire.parameters import LARGEST, checksum, unpack_parameters
 

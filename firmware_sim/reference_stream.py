@@ -1,8 +1,8 @@
 """What the host streams to the stage: of which kind, in order, and since when none has come."""
 
 from firmware_sim.reference_queue import ReferenceQueue
+from rigkit.wire.layout import Layout
 from stagectl.wire import samples
-from stagectl.wire.layout import Layout
 from stagectl.wire.messages import PERIOD, Fault
 from stagectl.wire.sequence import Sequence
 

@@ -6,8 +6,10 @@ import math
 import select
 import socket
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import count
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -18,12 +20,14 @@ from firmware_sim.force_box import MISHAPS as FORCE_MISHAPS
 from firmware_sim.force_box import ForceBox
 from firmware_sim.plants.force_sensor import ForceSensorPlant
 from firmware_sim.plants.milling import PocketMilling
+from firmware_sim.plants.oak import OakMilling
 from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.plants.robot_run_kernel import write_pose
-from firmware_sim.robot_controller import RobotController
+from firmware_sim.robot_controller import Cut, RobotController
 from firmware_sim.tcp_server import TcpServer
 from firmware_sim.tracker import TrackerCamera, TrackerFaults
-from stagectl.link.priority import real_time
+from firmware_sim.wired_oak import WiredOak
+from rigkit.priority import real_time
 from stagectl.robot.config import CellConfig
 from stagectl.wire.egm import RATE
 
@@ -33,6 +37,10 @@ cut, an LED taken for another by 5 mm; the clamp opened by force; and what `Forc
 _BASE, _TOOL = 0, 7
 _CUT_RATE = 2_000.0
 """samples/s at which robot and block exchange place and force."""
+Blocks = Callable[[CellConfig, int], Cut]
+"""Makes blocks by their number."""
+BLOCKS = 1_000
+"""Blocks of a simulated machine."""
 _JUMP = np.array([5e-3, 0.0, 0.0])
 
 
@@ -71,48 +79,94 @@ class Addresses:
     tracker: int = 0
 
 
-def cell_controller(cell: CellConfig, cut: PocketMilling | None = None) -> RobotController:
-    """Return the controller of the robot that a cell's file describes; ValueError where it has no such option."""
+def cell_controller(cell: CellConfig, block: Blocks | None = None) -> RobotController:
+    """Return the controller of the robot that a cell's file describes; ValueError where it has no such option.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    block : callable(CellConfig, int), optional
+        Makes the blocks under its tool by their number, `cell_cut` or `cell_wood`; its program changes them.
+    """
     simulator = cell.simulator
-    rate = RATE if cut is None else cut.rate
+    rate = RATE if block is None else _CUT_RATE
     given: dict[str, Any] = {"arm": cell.robot.arm, "tool": cell.robot.tool, "rate": rate, **simulator.options}
     try:
         plant = RobotPlant(**given)
     except TypeError as fault:
         raise ValueError(f"simulator.options: {fault}") from None
     clamp = np.diag([simulator.clamp] * 3 + [simulator.clamp_turn] * 3)
-    return RobotController(plant, clamp=clamp, slip_force=simulator.slip, cut=cut)
+    if block is None:
+        return RobotController(plant, clamp=clamp, slip_force=simulator.slip)
+    blocks = map(partial(block, cell), count())
+    return RobotController(plant, None, clamp, simulator.slip, next(blocks), lambda: next(blocks))
 
 
-def cell_cut(cell: CellConfig) -> PocketMilling:
-    """Return the block of a cell's file, its top where the arm has its tool at `pocket.home`, as it sags.
+def cell_cut(cell: CellConfig, number: int = 0) -> PocketMilling:
+    """Return a block of a cell's file, its top where the arm has its tool at `pocket.home`, as it sags.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    number : int
+        Each is another block.
 
     Raises
     ------
     ValueError : an option that is wrong.
     """
-    pocket, plant = cell.pocket, cell_controller(cell).plant
+    pocket = cell.pocket
     length, width, thickness = pocket.workpiece
     given: dict[str, Any] = {"tool": pocket.tool, "length": length, "width": width, "thickness": thickness}
-    plant.place(np.array(pocket.home))
-    origin = tuple(plant.frames[_TOOL][:, 3].tolist())
+    given |= {"origin": _tip(cell, pocket.home)} | cell.plants.pocket_options
+    with _named("plants.pocket_options"):
+        return PocketMilling(_CUT_RATE, **given | {"seed": BLOCKS * given.get("seed", 1) + number})
+
+
+def cell_wood(cell: CellConfig, number: int = 0) -> WiredOak:
+    """Return a piece of oak of a cell's file, its top `segments.lift` under the tool at `segments.home`, as it sags.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    number : int
+        Each is another piece.
+
+    Raises
+    ------
+    ValueError : an option that is wrong.
+    """
+    task, given = cell.segments, dict(cell.feed_plants.cut_options)
+    x, y, z = _tip(cell, task.home)
+    given = {"origin": (x, y, z - task.lift), "depth": task.depth, **given}
+    with _named("feed_plants.cut_options"):
+        return WiredOak(OakMilling(_CUT_RATE, **given | {"seed": given.get("seed", 1) + number}))
+
+
+def _tip(cell: CellConfig, home: Sequence[float]) -> tuple[float, float, float]:
+    """Return where the tool's tip is with the motors at home, m, in the base."""
+    plant = cell_controller(cell).plant
+    plant.place(np.array(home))
+    x, y, z = plant.frames[_TOOL][:, 3].tolist()
+    return x, y, z
+
+
+@contextlib.contextmanager
+def _named(table: str) -> Iterator[None]:
+    """Tell of a wrong option under the table that it stands in, by ValueError."""
     try:
-        return PocketMilling(_CUT_RATE, **given | {"origin": origin} | cell.plants.pocket_options)
+        yield
     except TypeError as fault:
-        raise ValueError(f"plants.pocket_options: {fault}") from None
+        raise ValueError(f"{table}: {fault}") from None
     except ValueError as fault:
-        raise ValueError(str(fault).replace("simulator.options", "plants.pocket_options")) from None
+        raise ValueError(str(fault).replace("simulator.options", table)) from None
 
 
 def cell_force_box(cell: CellConfig) -> ForceBox:
     """Return the force sensor's box that a cell's file describes; ValueError where it has no such option."""
     sensor = cell.force_sensor
-    try:
+    with _named("plants.force_sensor_options"):
         plant = ForceSensorPlant(sensor.rate, **{"sample_rate": sensor.rate, **cell.plants.force_sensor_options})
-    except TypeError as fault:
-        raise ValueError(f"plants.force_sensor_options: {fault}") from None
-    except ValueError as fault:
-        raise ValueError(str(fault).replace("simulator.options", "plants.force_sensor_options")) from None
     return ForceBox(plant, sensor.host, sensor.port, sensor.counts)
 
 

@@ -1,14 +1,15 @@
 """The robot's controller: guided motion 250 times a second around the simulated arm, and the program beside it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
-from firmware_sim.plants.milling import PocketMilling
 from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.robot_inverse import rigid_pose, toward
+from rigkit.wire.layout import GarbledError
 from stagectl.wire.egm import MODULUS, RATE, Command, Motion, Report, pack_report, unpack_command
-from stagectl.wire.layout import GarbledError
 from stagectl.wire.sequence import Sequence
 
 
@@ -30,6 +31,27 @@ class GuidedMotion:
     speed: float = 1.0
     patience: float = 1.0
     farthest: float = 0.35
+
+
+class Cut(Protocol):
+    """What the tool mills."""
+
+    rate: float
+
+    def run(
+        self, tool: np.ndarray, give: np.ndarray, force: np.ndarray, moment: np.ndarray, teeth_force: np.ndarray
+    ) -> None:
+        """Go on for one frame.
+
+        Parameters
+        ----------
+        tool : array, shape (frames, 3), m
+            Where the tip really is, in axes of the base.
+        give : array, shape (frames, 9), m/N
+            By what a force moves it at once, a 3 x 3 matrix row by row.
+        force, moment, teeth_force : arrays, shape (frames, 3), N, N m and N, filled in place
+            On the tool, averaged over a turn and with its teeth.
+        """
 
 
 @dataclass
@@ -54,8 +76,10 @@ class RobotController:
     setup : GuidedMotion
     clamp : array, shape (6, 6), m and rad per N and N m, compliance of what the clamp is fastened to
     slip_force : float, N, beyond which the clamp slips
-    cut : PocketMilling or None
+    cut : Cut or None
         The block that the tool is in; its rate a multiple of 250 samples/s.
+    fresh : callable() -> Cut, optional
+        Makes the next block, of the same rate; only with `cut`.
     """
 
     def __init__(
@@ -64,12 +88,14 @@ class RobotController:
         setup: GuidedMotion | None = None,
         clamp: np.ndarray | None = None,
         slip_force: float = np.inf,
-        cut: PocketMilling | None = None,
+        cut: Cut | None = None,
+        fresh: Callable[[], Cut] | None = None,
     ) -> None:
         rate = RATE if cut is None else cut.rate
         if plant.rate != rate:
             raise ValueError(f"the plant runs at {plant.rate:g} samples/s, must be {rate:g} for guided motion")
         self._cut, self._steps, self._pushed = cut, round(rate / RATE), np.zeros((3, 1, 3))
+        self._fresh = fresh
         self._asked, self._part = plant.home.copy(), np.zeros((1, 6))
         self.plant, self.setup, self.counts = plant, setup or GuidedMotion(), CommandCounts()
         self.wrench = np.zeros((1, 6))
@@ -134,7 +160,7 @@ class RobotController:
     def do(self, line: str) -> str:
         """Do what a line of the program's own wire asks for, and return the answer: OK, or ERROR and why.
 
-        SOFT and six numbers; CLAMP 1 or 0; RESET.
+        SOFT and six numbers; CLAMP 1 or 0; BLOCK 1, a fresh one, or 0, none; RESET.
         """
         match line.split():
             case ["SOFT", *numbers]:
@@ -146,10 +172,15 @@ class RobotController:
                     self.plant.clamp(self._clamp, self._slip_force)
             case ["CLAMP", "0"]:
                 self.plant.release()
+            case ["BLOCK", "1" | "0" as given]:
+                if self._fresh is None:
+                    return "ERROR there is no changer for blocks"
+                self._cut = self._fresh() if given == "1" else None
+                self.wrench[:] = 0.0
             case ["RESET"]:
                 self._reset()
             case _:
-                return f"ERROR {line!r} is none of SOFT, CLAMP, RESET"
+                return f"ERROR {line!r} is none of SOFT, CLAMP, BLOCK, RESET"
         return "OK"
 
     def _soften(self, numbers: list[str]) -> str:
@@ -185,11 +216,12 @@ class RobotController:
     def _move(self) -> None:
         outputs = self.motor_angle, self.torque, self.link_angle, self.pose
         step = (self._reference - self._asked) / self._steps
+        give = self.plant.tilting_compliance()[:3, :3].reshape(1, 9)
         for k in range(self._steps):
             np.add(self._asked, (k + 1) * step, out=self._part[0])
             self.plant.run(self._part, self.wrench, *outputs)
             if self._cut is not None:
-                self._cut.run(self.pose[:, :3], *self._pushed)
+                self._cut.run(self.pose[:, :3], give, *self._pushed)
                 self.wrench[:, :3], self.wrench[:, 3:] = self._pushed[:2]
         self._asked[:] = self._reference
 

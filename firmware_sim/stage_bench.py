@@ -12,8 +12,8 @@ from firmware_sim.serial_node import SerialNode
 from firmware_sim.slcan_adapter import SlcanAdapter
 from firmware_sim.stage_image import StageImage
 from firmware_sim.stage_processor import Loops, Settings, StageProcessor
+from rigkit.priority import undisturbed
 from stagectl.link.config import Laser
-from stagectl.link.priority import undisturbed
 from stagectl.wire.messages import BLOCK
 
 

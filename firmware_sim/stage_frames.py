@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from firmware_sim.slcan_adapter import Frame
+from rigkit.wire.layout import Layout
 from stagectl.wire import messages, samples
-from stagectl.wire.layout import Layout
 from stagectl.wire.messages import Fault, State
 
 Signals = Mapping[str, Any]

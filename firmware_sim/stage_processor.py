@@ -11,8 +11,8 @@ from firmware_sim.reference_queue import ReferenceQueue
 from firmware_sim.reference_stream import ReferenceStream
 from firmware_sim.slcan_adapter import Frame
 from firmware_sim.stage_frames import Signals, StageFrames
+from rigkit.wire.layout import GarbledError, Layout, WireError
 from stagectl.wire import messages
-from stagectl.wire.layout import GarbledError, Layout, WireError
 from stagectl.wire.messages import PERIOD, Command, Drive, Fault, HostState, Result, State
 
 Tick = Callable[[np.ndarray], Signals]

@@ -1,6 +1,7 @@
 """Rig files: TOML read into strict models whose every key has a unit, a range and a default."""
 
 import importlib
+import importlib.util
 import json
 from collections.abc import Sequence
 from difflib import get_close_matches
@@ -13,7 +14,7 @@ from rigkit.config_fault import ConfigError, explained
 from rigkit.config_source import Override, file_values
 from rigkit.config_text import dump, example
 
-__all__ = ["ConfigError", "Section", "dump", "example", "load", "resolve", "setting"]
+__all__ = ["ConfigError", "Section", "dump", "example", "load", "refuse_absent", "resolve", "setting"]
 
 
 class Section(BaseModel):
@@ -68,9 +69,7 @@ def resolve(name: str) -> Any:
     ------
     ConfigError : the text has another form, the module is absent or cannot be imported, or it has no such name.
     """
-    module_name, colon, attribute = name.partition(":")
-    if not (colon and attribute.isidentifier() and all(part.isidentifier() for part in module_name.split("."))):
-        raise ConfigError(f"{name!r} names nothing, must be package.module:Name")
+    module_name, attribute = _parts(name)
     try:
         module = importlib.import_module(module_name)
     except ImportError as fault:
@@ -84,6 +83,30 @@ def resolve(name: str) -> Any:
         hint = f"; did you mean {near[0]}?" if near else ""
         raise ConfigError(f"{name}: module {module_name} has no {attribute}{hint}")
     return getattr(module, attribute)
+
+
+def refuse_absent(name: str) -> None:
+    """See that there is the module that "package.module:Name" names, without importing it.
+
+    Raises
+    ------
+    ConfigError : the text has another form, or the module is absent.
+    """
+    module_name, _ = _parts(name)
+    try:
+        there = importlib.util.find_spec(module_name) is not None
+    except ImportError:  # of a package above it
+        there = False
+    if not there:
+        raise ConfigError(f"{name}: there is no module {module_name} on the Python path")
+
+
+def _parts(name: str) -> tuple[str, str]:
+    """Return the module and what is in it."""
+    module_name, colon, attribute = name.partition(":")
+    if not (colon and attribute.isidentifier() and all(part.isidentifier() for part in module_name.split("."))):
+        raise ConfigError(f"{name!r} names nothing, must be package.module:Name")
+    return module_name, attribute
 
 
 def _origin(where: tuple[str, ...], path: str | Path | None, overrides: Sequence[Override]) -> str:

@@ -1,5 +1,6 @@
 """What is wrong with a rig file, in one line: the key, its value, what is allowed."""
 
+import json
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any
@@ -20,8 +21,10 @@ class ConfigError(ValueError):
     """A rig file, or a setting given beside it, that cannot be used; the text is one line."""
 
 
-def explained(fault: ValidationError, model: type[BaseModel], data: Mapping[str, Any]) -> tuple[tuple[str, ...], str]:
-    """Say the first of the things wrong with `data`, and how many more there are.
+def explained(
+    fault: ValidationError, model: type[BaseModel], data: Mapping[str, Any], whole: str = "a rig file"
+) -> tuple[tuple[str, ...], str]:
+    """Say the first of the things wrong with `data`, and how many more there are; `whole` is what `data` is of.
 
     Returns
     -------
@@ -30,23 +33,28 @@ def explained(fault: ValidationError, model: type[BaseModel], data: Mapping[str,
     text : str
     """
     faults = fault.errors(include_url=False)
-    path, text = _explained(faults[0], model, data)
+    path, text = _explained(faults[0], model, data, whole)
     return path, text if len(faults) == 1 else f"{text} (and {len(faults) - 1} more)"
 
 
 def shown(value: Any) -> str:
-    """Write a value as in the file, shortened where it is long."""
-    text = value_text(value)
+    """Write a value as in the file, or as in JSON if none of a file's, shortened where it is long."""
+    try:
+        text = value_text(value)
+    except (TypeError, ValueError):
+        text = json.dumps(value)
     return text if len(text) <= LONGEST_VALUE else f"{text[:LONGEST_VALUE]}..."
 
 
-def _explained(fault: ErrorDetails, model: type[BaseModel], data: Mapping[str, Any]) -> tuple[tuple[str, ...], str]:
+def _explained(
+    fault: ErrorDetails, model: type[BaseModel], data: Mapping[str, Any], whole: str
+) -> tuple[tuple[str, ...], str]:
     location = fault["loc"]
     field, way = field_at(model, location)
     reason = fault.get("ctx", {}).get("error")
     if field is None and fault["type"] == "extra_forbidden":
         path = (*way, str(location[len(way)]))
-        return path, _unknown(path, model_at(model, way), data)
+        return path, _unknown(path, model_at(model, way), data, whole)
     if field is None and reason is not None:
         return way, str(reason)
     value = f"{key_text(*way)} is {shown(_value(data, way))}"
@@ -60,9 +68,9 @@ def _explained(fault: ErrorDetails, model: type[BaseModel], data: Mapping[str, A
     return way, f"{value}, must be {wanted(field)}{meaning}"
 
 
-def _unknown(path: Sequence[str], table: type[BaseModel], data: Mapping[str, Any]) -> str:
+def _unknown(path: Sequence[str], table: type[BaseModel], data: Mapping[str, Any], whole: str) -> str:
     *parents, name = path
-    where = f"[{key_text(*parents)}]" if parents else "a rig file"
+    where = f"[{key_text(*parents)}]" if parents else whole
     near = get_close_matches(name, table.model_fields, n=1)
     hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(table.model_fields)}"
     return f"{key_text(*path)} is {shown(_value(data, path))}, but {where} has no {name}; {hint}"

@@ -2,6 +2,7 @@
 
 import errno
 import os
+from contextlib import suppress
 from pathlib import Path
 
 from rigkit.atomic import to_disk
@@ -13,7 +14,7 @@ def append(path: Path, line: str) -> None:
     Raises
     ------
     ValueError : `line` holds a line break.
-    OSError : the disk is full; the file is as it was.
+    OSError : the disk is full, or fails; the file is as it was.
     """
     if "\n" in line or "\r" in line:
         raise ValueError(f"{path}: {line!r} is more than one line")
@@ -21,10 +22,14 @@ def append(path: Path, line: str) -> None:
     handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
     try:
         size = os.fstat(handle).st_size
-        if os.write(handle, content) != len(content):
-            os.ftruncate(handle, size)
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
-        os.fsync(handle)
+        try:
+            if os.write(handle, content) != len(content):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+            os.fsync(handle)
+        except OSError:
+            with suppress(OSError):
+                os.ftruncate(handle, size)
+            raise
     finally:
         os.close(handle)
     if made:
@@ -36,6 +41,15 @@ def lines(path: Path) -> list[str]:
     content = path.read_bytes() if path.exists() else b""
     whole = content[: content.rfind(b"\n") + 1]
     return [line.decode() for line in whole.split(b"\n")[:-1]]
+
+
+def first(path: Path) -> str:
+    """Read the first line; empty where there is none yet, or no file."""
+    if not path.exists():
+        return ""
+    with path.open("rb") as file:
+        line = file.readline()
+    return line[:-1].decode() if line.endswith(b"\n") else ""
 
 
 def repair(path: Path) -> None:

@@ -154,11 +154,11 @@ class RunFolder:
         ValueError : the keys are not those of the rows before, or a cell holds a line break.
         """
         path = self.path / QUALITY
-        written, header = line_file.lines(path), _csv_line(row.keys())
+        written, header = line_file.first(path), _csv_line(row.keys())
         if not written:
             line_file.append(path, header)
-        elif written[0] != header:
-            raise ValueError(f"{path}: the columns are {written[0]}, but the row has {header}")
+        elif written != header:
+            raise ValueError(f"{path}: the columns are {written}, but the row has {header}")
         line_file.append(path, _csv_line(row.values()))
 
     def summarise(self, figures: Mapping[str, Any]) -> None:

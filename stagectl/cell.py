@@ -8,6 +8,7 @@ from ctlblocks.recording import Recording
 from ctlblocks.replay import Record, Replay
 from stagectl.config import StageConfig
 from stagectl.deflection import DeflectionReference
+from stagectl.held_reference import HeldReference, Hold, unheld
 from stagectl.named_block import named_block
 from stagectl.setup import Setup
 from stagectl.stage.loop import Stage
@@ -51,7 +52,9 @@ class Cell:
         self._made = made
         self.graph = graph = Graph(config.stage.rate)
         self.stage = Stage(graph, config, made.controller(), made.compensation())
-        graph.add("wanted", Replay(wanted, {"position": wanted.names}))
+        times = made.timeline
+        self.reference = HeldReference(wanted, config.limits.ramp, slice(times.begin, times.end - CHUNK))
+        graph.add("wanted", self.reference)
         outputs = {"wanted": ("wanted.position", False), **seen(graph)}
         graph.connect(outputs["position"][0], "sensors.position", delayed=outputs["position"][1])
         graph.connect(outputs["extension"][0], "sensors.extension", delayed=outputs["extension"][1])
@@ -68,7 +71,7 @@ class Cell:
         watch(graph, watching, outputs | kept)
         graph.prepare()
 
-    def run(self, tell: Callable[[int], None], stopped: Callable[[], bool]) -> str | None:
+    def run(self, tell: Callable[[int], None], stopped: Callable[[], bool], hold: Hold = unheld) -> str | None:
         """Run from the first sample to the last, or to rest after a fault, or until `stopped`; return the fault.
 
         Parameters
@@ -76,13 +79,13 @@ class Cell:
         tell : callable(int)
             Told of the samples done, now and then.
         stopped : callable() -> bool
+        hold : callable(HeldReference, int)
+            Asked as often whether to hold the reference; what is recorded is longer by the time that it is held.
         """
         times = self._made.timeline
         ends = sorted({times.start, times.end, times.total, *range(CHUNK, times.total, CHUNK)})
         for done in ends:
-            run_offline(self.graph, done - self.graph.ticks)
-            tell(done)
-            if self.stage.fault is not None or stopped():
+            if not self._play(done, tell, stopped, hold):
                 self._come_to_rest()
                 break
             if done == times.start:
@@ -91,10 +94,20 @@ class Cell:
                 self.stage.stop()
         return self.stage.fault
 
+    def _play(self, end: int, tell: Callable[[int], None], stopped: Callable[[], bool], hold: Hold) -> bool:
+        """Go on until so many samples of the reference are played; return whether neither fault nor stop came."""
+        while self.reference.played < end:
+            hold(self.reference, self.graph.ticks)
+            run_offline(self.graph, end - int(self.reference.played) if self.reference.is_playing else CHUNK)
+            tell(self.graph.ticks)
+            if self.stage.fault is not None or stopped():
+                return False
+        return True
+
     def _come_to_rest(self) -> None:
         if self.stage.fault is None:
             self.stage.stop()
-        left = self._made.timeline.total - self.graph.ticks
+        left = self._made.timeline.total - int(self.reference.played)
         ramp = round(1.1 * self._made.config.limits.ramp * self.graph.rate)
         run_offline(self.graph, min(left, ramp))
 

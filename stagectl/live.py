@@ -1,17 +1,18 @@
 """A live run: the stage controls itself behind its CAN adapter; the host sends references and records."""
 
+import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from ctlblocks import Block, Graph
-from ctlblocks.replay import Replay
+from rigkit.priority import undisturbed
 from rigkit.provenance import software
 from rigkit.run_folder import RunFolder
 from rigkit.stream_recorder import StreamRecorder
 from stagectl.cell import watch
+from stagectl.held_reference import HeldReference, Hold, unheld
 from stagectl.link.blocks import Newest, Receive, Send
 from stagectl.link.clock import run_linked
-from stagectl.link.priority import undisturbed
 from stagectl.link.stage_link import StageLink
 from stagectl.link.upload import upload
 from stagectl.reference import wanted_position
@@ -45,7 +46,12 @@ def run_live(folder: RunFolder, made: Setup, stopped: Callable[[], bool]) -> dic
 
 
 def follow(
-    link: StageLink, folder: RunFolder, made: Setup, stopped: Callable[[], bool], watching: Mapping[str, Block]
+    link: StageLink,
+    folder: RunFolder,
+    made: Setup,
+    stopped: Callable[[], bool],
+    watching: Mapping[str, Block],
+    hold: Hold = unheld,
 ) -> StreamRecorder:
     """Let the stage behind an open link follow the reference; return the recorder, which is at its end.
 
@@ -57,13 +63,25 @@ def follow(
     stopped : callable() -> bool
     watching : mapping of str to Block
         Further sinks by name; their ports are of `RECORDED_LIVE`.
+    hold : callable(HeldReference, int)
+        Asked at each block whether to hold the reference.
 
     Raises
     ------
     LinkError : as `run_live`.
     """
     kept = recorder(folder, made.config, RECORDED_LIVE)
-    graph = _graph(link, made, {"record": kept, **watching})
+    times = made.timeline
+    reference = HeldReference(
+        wanted_position(made.config, times), made.config.limits.ramp, slice(times.begin, times.end)
+    )
+    graph = _graph(link, reference, {"record": kept, **watching})
+    samples = times.total // link.frames * link.frames
+
+    def over() -> bool:
+        hold(reference, graph.ticks * link.frames)
+        return stopped() or reference.played >= samples
+
     folder.event("started", {"software": software(), "channel": made.config.link.channel})
     graph.prepare()
     if made.designs:
@@ -74,7 +92,7 @@ def follow(
     try:
         with undisturbed(), kept:
             link.start()
-            run_linked(graph, link, made.timeline.total // link.frames, stopped)
+            run_linked(graph, link, sys.maxsize, over)
             link.stop()  # finishing takes longer than the stage waits for references
     finally:
         if kept.files:
@@ -89,20 +107,19 @@ def finish(folder: RunFolder, made: Setup, kept: StreamRecorder) -> dict[str, An
     return figures
 
 
-def _graph(link: StageLink, made: Setup, watching: Mapping[str, Block]) -> Graph:
-    wanted = wanted_position(made.config, made.timeline)
+def _graph(link: StageLink, reference: HeldReference, watching: Mapping[str, Block]) -> Graph:
     graph = Graph(link.rate, link.frames)
     for name, block in (
-        ("wanted", Replay(wanted, {"reference": wanted.names})),
+        ("wanted", reference),
         ("send", Send(link)),
         ("position", Receive(link)),
         ("extension", Newest(link, "extension")),
         ("voltage", Newest(link, "voltage")),
     ):
         graph.add(name, block)
-    graph.connect("wanted.reference", "send.reference")
+    graph.connect("wanted.position", "send.reference")
     outputs = {name: (f"{name}.{name}", False) for name in RECORDED_LIVE if name != "reference"}
-    watch(graph, watching, {"reference": ("wanted.reference", False), **outputs})
+    watch(graph, watching, {"reference": ("wanted.position", False), **outputs})
     return graph
 
 

@@ -1,7 +1,7 @@
 """A run in its folder: the stage in closed loop with the plant in process, everything recorded, measured and kept."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ from ctlblocks.recording import Recording
 from rigkit import config as rig_file
 from rigkit.disk_space import bytes_of, require
 from rigkit.provenance import now, software
-from rigkit.run_folder import CONFIG, RunFolder
+from rigkit.run_folder import CONFIG, RunFolder, read_events
 from stagectl.cell import RECORDED, Cell, kept_in, memory, simulated
 from stagectl.config import StageConfig
 from stagectl.reference import wanted_position
@@ -21,6 +21,8 @@ from stagectl.tracking import tracking
 
 RECORDING, UNCOMPENSATED = "recording", "uncompensated"
 """Names of a run's recordings, less the suffix."""
+RESUMED = "resumed"
+"""The event of a reference that goes on; its `samples` are those that it was held, in all."""
 RECORDED_LIVE = ("reference", "position", "extension", "voltage")
 """What is recorded of a live run."""
 
@@ -72,7 +74,9 @@ def setup_of(path: Path) -> Setup:
         kept = tuple(str(path / f"hysteresis-{axis}.h5") for axis in config.stage.axes)
         config = config.model_copy(update={"inner": config.inner.model_copy(update={"hysteresis": kept})})
     files = [path / model_name(axis) for axis in config.stage.axes]
-    return setup(config, [] if config.session.live and not files[0].exists() else files)
+    made = setup(config, [] if config.session.live and not files[0].exists() else files)
+    held = [event["samples"] for event in read_events(path) if event["event"] == RESUMED]
+    return replace(made, held=held[-1] if held else 0)
 
 
 def model_name(axis: str) -> str:

@@ -1,7 +1,7 @@
 """What a rig file and its models make together: everything a run, its replay and its report start from."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ctlblocks import Block
@@ -27,20 +27,23 @@ class Setup:
     models : tuple of InnovationModel
     designs : tuple of Design
         One of each an axis; none of a live run on the loops that the stage has already.
+    held : int, samples
+        By which the run was longer, since its reference was held.
     """
 
     config: StageConfig
     models: tuple[InnovationModel, ...]
     designs: tuple[Design, ...]
+    held: int = 0
 
     @property
     def timeline(self) -> Timeline:
         """When what happens; a live run has only to wait until the stage has come to the reference."""
-        whole = timeline(self.config)
+        whole, held = timeline(self.config), self.held
         if not self.config.session.live:
-            return whole
+            return replace(whole, end=whole.end + held, total=whole.total + held)
         begin = round(2.5 * self.config.limits.ramp * whole.rate)
-        end = begin + whole.end - whole.begin
+        end = begin + whole.end - whole.begin + held
         return Timeline(whole.rate, 0, begin, end, end)
 
     def controller(self) -> StageController:

@@ -3,11 +3,13 @@
 import math
 import time
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from typing import Protocol, Self
 
 import numpy as np
 
 from rigkit.latch import to_clear
+from rigkit.priority import all_real_time
 from rigkit.stop import Stopped
 from vibractl.audio_engine import Engine
 from vibractl.audio_memory import Memory, Word
@@ -86,6 +88,10 @@ class Line:
         """Of the last recording: its largest difference from the session's delay, samples."""
         self._memory = Memory(len(audio.drive_channels), sensors[0], room, sensors[1])
         self._memory.words[Word.PATIENCE] = round(1e9 * _patience(config, supervision.mute_after))
+        # A stream without a clock may run in this very process: it would keep a core for itself.
+        self._ahead: Callable[[], AbstractContextManager[None]] = (
+            all_real_time if supervision.mute_after and audio.isolated else nullcontext
+        )
         host = AudioProcess if audio.isolated else Engine
         self._host: _Host = host(config, self._memory, supervision.faults)
 
@@ -202,7 +208,8 @@ class Line:
         words[Word.FRAMES] = emission.frames
         words[Word.REQUEST] += 1
         try:
-            self._wait(Word.DONE, Word.REQUEST)
+            with self._ahead():  # for the signs of life to come in time
+                self._wait(Word.DONE, Word.REQUEST)
         except KeyboardInterrupt:
             self.stop()
             self._wait(Word.DONE, Word.REQUEST)

@@ -7,6 +7,7 @@ import numpy as np
 
 from ctlblocks.block import Block, Port
 from rigkit.faults import FaultTable
+from rigkit.relay.heartbeat import Heartbeat
 from vibractl.audio_memory import Memory, Word
 from vibractl.audio_stream import open_stream
 from vibractl.config import RigConfig
@@ -71,6 +72,7 @@ class Engine:
         self._blocksize, self._rate = audio.blocksize, audio.rate
         self._heartbeat = audio.heartbeat_output - 1
         self._tone = heartbeat(audio.rate, audio.blocksize)
+        self._relay = Heartbeat(audio.relay, self._pulse)
         self._guard = Guard(config.limits, len(self._drives))
         self._trial = Trial(memory.drive[:0], len(self._responses))
         self._input = DeviceInput(len(self._responses))
@@ -98,10 +100,16 @@ class Engine:
         Raises
         ------
         AudioError : it cannot be opened.
+        RelayError : the bus to the relay cannot.
         """
-        self._stream = open_stream(self._config, self.callback)
-        self.stepped = hasattr(self._stream, "advance")
-        self._stream.start()
+        self._relay.start()
+        try:
+            self._stream = open_stream(self._config, self.callback)
+            self.stepped = hasattr(self._stream, "advance")
+            self._stream.start()
+        except BaseException:
+            self._relay.stop()
+            raise
         self._words[Word.READY] = 1
 
     def serve(self) -> None:
@@ -125,11 +133,13 @@ class Engine:
         gone, when it closes a stream and when the program ends.  So that only an `AudioProcess` gets rid of one.
         """
         if self._stream is None or not self._stream.active:
+            self._relay.stop()
             return
         self._words[Word.STOP] = self._words[Word.REQUEST]
         deadline = time.monotonic() + self._guard.limits.ramp + 1.0
         while self._busy and not self._words[Word.FAULT] and time.monotonic() < deadline:
             self.serve()
+        self._relay.stop()
         self._stream.stop()
         self._stream.close()
 
@@ -148,6 +158,13 @@ class Engine:
         finally:
             if not filled:
                 outdata.fill(0.0)
+
+    def _pulse(self) -> int | None:
+        """Return what moves on while all is well, for the relay: the tone's conditions."""
+        words = self._words
+        words[Word.BEATS] = self._relay.sent
+        silent = words[Word.FAULT] or words[Word.LATCHED] or words[Word.MUTED]
+        return None if silent else int(words[Word.CALLBACKS])
 
     @property
     def _busy(self) -> bool:

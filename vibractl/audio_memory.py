@@ -54,6 +54,8 @@ class Word(enum.IntEnum):
     POSITION = 20
     """Samples of this emission that have been recorded."""
     # the process that has the stream writes, or its callback
+    BEATS = 21
+    """Heartbeats that the relay's bus has taken."""
     FAULT = 15
     """1: the stream is of no more use, the text says why."""
     READY = 16

@@ -10,6 +10,7 @@ import time
 from multiprocessing.connection import wait
 
 from rigkit.faults import FaultTable
+from rigkit.priority import all_real_time
 from vibractl.audio_engine import POLL, Engine
 from vibractl.audio_memory import Memory, Word
 from vibractl.audio_stream import AudioError
@@ -105,22 +106,11 @@ def run(config: RigConfig, memory: Memory, faults: FaultTable | None) -> None:
         memory.text = str(fault) if isinstance(fault, ValueError | OSError) else f"{type(fault).__name__}: {fault}"
         words[Word.FAULT] = 1
         return
-    if not engine.stepped:
-        _keep_the_interpreter_moving()
-    parent = multiprocessing.parent_process()
-    while not (words[Word.END] or words[Word.FAULT]) and parent is not None and parent.is_alive():
-        engine.serve()
-        wait([parent.sentinel], 0.0 if engine.stepped else _REST)  # its end wakes this at once
-    engine.close()
+    with contextlib.nullcontext() if engine.stepped else all_real_time():  # the callback's thread among them
+        parent = multiprocessing.parent_process()
+        while not (words[Word.END] or words[Word.FAULT]) and parent is not None and parent.is_alive():
+            engine.serve()
+            wait([parent.sentinel], 0.0 if engine.stepped else _REST)  # its end wakes this at once
+        engine.close()
     if words[Word.FAULT]:
         os._exit(1)  # what an interpreter does at its end hangs in PortAudio when the audio server is gone
-
-
-def _keep_the_interpreter_moving() -> None:
-    """Ask for real-time priority for the waiting thread, the lowest there is, where that is allowed.
-
-    The audio server gives the callback's thread a high one.  When the waiting thread holds the interpreter and an
-    ordinary process takes its core away, the callback would have to wait for both.
-    """
-    with contextlib.suppress(AttributeError, PermissionError):
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(os.sched_get_priority_min(os.SCHED_FIFO)))

@@ -6,6 +6,7 @@ from typing import Any, Literal, Self
 from pydantic import Field, model_validator
 
 from rigkit.config import Section, setting
+from rigkit.relay.config import Relay
 from rigkit.service.config import Daemon
 from vibractl.channel_map import collision
 
@@ -45,6 +46,17 @@ class Audio(Section):
     far_field_full_scale: float = setting(200.0, "Pa", "sound pressure at digital full scale", gt=0, le=1e6)
     isolated: bool = setting(True, "", "run the stream in a process of its own")
     attempts: int = setting(3, "", "times a shot with an xrun, a slip or a bad sample is tried", ge=1, le=20)
+    relay: Relay = Field(default_factory=Relay)
+
+    @model_validator(mode="after")
+    def _beats_no_quicker_than_it_plays(self) -> Self:
+        shortest = 2 * self.blocksize / self.rate
+        if self.relay.bus and not self.relay.period >= shortest:
+            raise ValueError(
+                f"audio.relay.period is {self.relay.period:g} s, must be >= {shortest:.3g} s, two blocks of "
+                "audio.blocksize: it tells that they go by"
+            )
+        return self
 
 
 class Limits(Section):

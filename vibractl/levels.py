@@ -24,8 +24,8 @@ class Levels:
         Of the emission under way; 0 between two.
     xruns, late : int
         Callbacks of the last emission with a flag for lost data, and late ones.
-    callbacks : int
-        Since the stream was opened.
+    callbacks, beats : int
+        Since the stream was opened; beats: heartbeats that the relay's bus has taken.
     """
 
     drive_peak: np.ndarray
@@ -35,6 +35,7 @@ class Levels:
     xruns: int
     late: int
     callbacks: int
+    beats: int
 
 
 def levels(memory: Memory, audio: Audio, limits: Limits) -> Levels:
@@ -51,6 +52,7 @@ def levels(memory: Memory, audio: Audio, limits: Limits) -> Levels:
         int(words[Word.INPUT_XRUNS] + words[Word.OUTPUT_XRUNS]),
         int(words[Word.LATE]),
         int(words[Word.CALLBACKS]),
+        int(words[Word.BEATS]),
     )
 
 

@@ -104,7 +104,7 @@ def joint_numbers(text: str, most: int) -> tuple[int, ...]:
         match = re.fullmatch(r"\s*(\d+)(?:\s*-\s*(\d+))?\s*", part)
         first, last = (int(match[1]), int(match[2] or match[1])) if match else (0, 0)
         if not 1 <= first <= last <= most:
-            raise ValueError(f"--joints {text!r}: {part.strip()!r} must be a number or a range from 1 to {most}")
+            raise ValueError(f"joints are {text!r}: {part.strip()!r} must be a number or a range from 1 to {most}")
         found += range(first - 1, last)
     return tuple(dict.fromkeys(found))
 

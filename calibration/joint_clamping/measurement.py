@@ -6,6 +6,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from calibration.joint_clamping.maps_page import draw_map
 from calibration.joint_clamping.requests import Requests
 from calibration.joint_clamping.samples import Samples
@@ -19,6 +21,10 @@ APPROACH = "approach.wav"
 """The way to the clamp: from it the axes are found about which the tracked links turn."""
 
 Tell = Callable[[str], None]
+
+
+def unwatched(run: "ClampRun") -> None:  # noqa: ARG001 (an observer's own argument)
+    """Look at nothing."""
 
 
 class ClampAborted(ValueError):
@@ -48,15 +54,17 @@ class ClampRun:
         Writes and draws; what would make the clock wait is done elsewhere.
     every_cycle : bool
         Whether maps are drawn as each cycle ends; else as each joint does.
+    watch : callable(ClampRun)
+        Called after every tick.
     """
 
     def __init__(
         self, robot: Block, search: ClampSearch, rate: float, folder: Path, tell: Tell, asked: Requests,
-        work: Executor, every_cycle: bool,
+        work: Executor, every_cycle: bool, watch: Callable[["ClampRun"], object],
     ) -> None:  # fmt: skip
         self.graph, self.search = _graph(robot, search, rate), search
         self._folder, self._tell, self._asked, self._work = folder, tell, asked, work
-        self._every_cycle = every_cycle
+        self._every_cycle, self._watch = every_cycle, watch
         seen = {port.name for port in robot.outputs} & set(SEEN)
         self._samples = Samples({name: self.graph.signal(f"robot.{name}") for name in SEEN if name in seen}, SEEN)
         self._joint, self._reference = self.graph.signal("search.joint"), self.graph.signal("search.reference")
@@ -72,6 +80,7 @@ class ClampRun:
         """
         if self.graph.ticks == 0:
             return False
+        self._watch(self)
         if self.search.cause is not None:
             rests = bool((self._reference == self._last_reference).all())
             self._last_reference[:] = self._reference
@@ -81,6 +90,21 @@ class ClampRun:
         self._keep()
         self._say()
         return self.search.done or self._asked.stop
+
+    def growing(self) -> tuple[int, int, np.ndarray, np.ndarray] | None:
+        """Return what is known of the joint that is moved now, from any thread; None where none is.
+
+        Returns
+        -------
+        joint, cycles : int
+            From 0; those that are done.
+        angle, torque : arrays, shape (samples,), rad and N m
+        """
+        joint, cycles = self._before, self._cycles
+        if joint < 0 or not len(self._samples):
+            return None
+        angle, torque = self._map(joint)
+        return joint, cycles, angle, torque
 
     def finish(self) -> None:
         """Wait for the files, and say how it ended.
@@ -138,10 +162,14 @@ class ClampRun:
         self._samples.clear()
 
     def _draw(self, joint: int) -> None:
-        made = self._samples.recording(self.graph.rate)
-        angle, torque = (made.select([f"{name}_{joint + 1}"]).data[:, 0] for name in ("angle", "torque"))
+        angle, torque = self._map(joint)
         self._drawn = self._work.submit(partial(draw_map, self._folder, joint, angle, torque, self._cycles))
         self._written.append(self._drawn)
+
+    def _map(self, joint: int) -> tuple[np.ndarray, np.ndarray]:
+        made = self._samples.recording(self.graph.rate)
+        angle, torque = made.select([f"angle_{joint + 1}", f"torque_{joint + 1}"]).data.T
+        return angle, torque
 
     def _say(self) -> None:
         if self.search.step != self._step and not self.search.done:

@@ -1,6 +1,6 @@
 """A clamping experiment in its folder, over the wires or on the simulated arm: only what is not recorded yet."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +15,7 @@ from calibration.joint_clamping.measurement import (
     Tell,
     missing,
     recording_name,
+    unwatched,
 )
 from calibration.joint_clamping.requests import Requests
 from ctlblocks import Block, recording
@@ -28,10 +29,11 @@ from stagectl.robot.config import CellConfig
 from stagectl.wire.egm import RATE
 
 NOTE = "config.json"
+Watch = Callable[[ClampRun], object]
 
 
 def measure(
-    cell: CellConfig, joints: Sequence[int], folder: Path, tell: Tell, asked: Requests
+    cell: CellConfig, joints: Sequence[int], folder: Path, tell: Tell, asked: Requests, watch: Watch = unwatched
 ) -> tuple[dict[int, Recording], Recording | None]:
     """Run the procedure for the joints that have no recording yet; return those of all, and of the way to the clamp.
 
@@ -45,6 +47,8 @@ def measure(
     tell : callable(str)
         Told each step in words as it begins.
     asked : Requests
+    watch : callable(ClampRun)
+        Called after every tick.
 
     Raises
     ------
@@ -57,7 +61,7 @@ def measure(
     left = missing(folder, joints)
     if left:
         search = ClampSearch(clamp_procedure(cell.clamping, arm_with_tool(cell), left))
-        (_run_live if cell.clamping.live else _run_simulated)(cell, search, folder, tell, asked)
+        (_run_live if cell.clamping.live else _run_simulated)(cell, search, folder, tell, asked, watch)
     way = folder / APPROACH
     found = {joint: recording.read(folder / recording_name(joint)) for joint in joints}
     return found, recording.read(way) if way.exists() else None
@@ -77,11 +81,14 @@ def _note(folder: Path, cell: CellConfig) -> None:
 
 
 def _told(cell: CellConfig) -> str:
-    return cell.model_dump_json(indent=1)
+    """Return all that a recording depends on: not the daemon that may have made it."""
+    return cell.model_dump_json(indent=1, exclude={"daemon"})
 
 
-def _run_simulated(cell: CellConfig, search: ClampSearch, folder: Path, tell: Tell, asked: Requests) -> None:
-    run = ClampRun(simulated_robot(cell), search, RATE, folder, tell, asked, Here(), every_cycle=False)
+def _run_simulated(
+    cell: CellConfig, search: ClampSearch, folder: Path, tell: Tell, asked: Requests, watch: Watch
+) -> None:
+    run = ClampRun(simulated_robot(cell), search, RATE, folder, tell, asked, Here(), False, watch)
     _note(folder, cell)
     while not run.look():
         run.graph.tick()
@@ -96,14 +103,14 @@ def simulated_robot(cell: CellConfig) -> Block:
     return named_block(simulator.clamped, {**given, **simulator.options})
 
 
-def _run_live(cell: CellConfig, search: ClampSearch, folder: Path, tell: Tell, asked: Requests) -> None:
+def _run_live(cell: CellConfig, search: ClampSearch, folder: Path, tell: Tell, asked: Requests, watch: Watch) -> None:
     """Run it with the robot's reports as the clock; whatever ends it, the robot is held where it is."""
     arm, clamping = search.procedure.arm, cell.clamping
     approach = [clamping.approach] * arm.joints
     refuse_haste(cell, arm, {"clamping.approach": approach, "clamping.speed": clamping.speed})
     _compile(search)
     with aside(nothing) as work, wired_arm(cell, clamping.track, tell) as robot:
-        run = ClampRun(robot, search, RATE, folder, tell, asked, work, every_cycle=True)
+        run = ClampRun(robot, search, RATE, folder, tell, asked, work, True, watch)
         _note(folder, cell)
         try:
             lead(robot, run.graph, run.look)

@@ -5,22 +5,22 @@ from typing import Annotated
 
 import typer
 
+from calibration.milling.live import live_steps, refuse_unfit
 from calibration.milling.report import FIT_HEAD, figures, fit_rows, milling_report
-from calibration.milling.session import calibrate, dry_run
+from calibration.milling.session import SWEEP, Calibrated, calibrate, dry_run, raw_trials
 from calibration.milling.sweep_session import sweep, sweep_steps
-from calibration.raw_folder import raw_folder
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
-from rigkit.run_folder import CONFIG, RunFolder
 from rigkit.stop import stoppable
 from stagectl.machining.run import Conduct
 from stagectl.robot.config import CellConfig
+from stagectl.robot.live.guide import refuse_needless_yes
+from stagectl.robot.live.person import Person
 from stagectl.robot.milling.milling_models import write_milling
 from stagectl.robot.milling.torque_file import UNITS
-from stagectl.trials.session import Runner, run_simulated
+from stagectl.trials.live import performing
+from stagectl.trials.session import Runner, Tell
 from stagectl.trials.trial import TASKS, cell_for_task
-
-SWEEP = "sweep.wav"
 
 
 def milling_command(
@@ -29,6 +29,8 @@ def milling_command(
     ] = None,
     config: ConfigOption = None,
     task: Annotated[str, typer.Option(metavar="TASK", help=f"{', '.join(TASKS)}.")] = "pocket28",
+    is_live: Annotated[bool, typer.Option("--live", help="The robot of [robot]; else the simulated cell.")] = False,
+    is_sure: Annotated[bool, typer.Option("--yes", help="Live: go on from motion to motion without asking.")] = False,
     dry: Annotated[bool, typer.Option("--dry-run", help="Print every motion, and make none.")] = False,
     png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
     settings: SetOption = None,
@@ -39,25 +41,28 @@ def milling_command(
     A sweep through the workspace, chirps above the workpiece, trials of the path in the air until it is learned, and
     one in material.  Stopped or killed, the same command goes on from there.
 
-    Example: `calibrate milling --config cell.toml --out milling.h5`
+    Live, it asks before the sweep and before each trial.  Ctrl-C in a trial lifts the tool out.
+
+    Examples: `calibrate milling --config cell.toml --out milling.h5`,
+    `calibrate milling --config cell.toml --live --out milling.h5`
     """
+    refuse_needless_yes(is_sure, is_live)
     cell = cell_for_task(rig_file.load(config, CellConfig, settings or []), task)
+    moves = [*(step.words for step in sweep_steps(cell)), *dry_run(cell, task), *(live_steps(cell) if is_live else ())]
     if dry:
-        moves = [*(step.words for step in sweep_steps(cell)), *dry_run(cell, task)]
         for number, each in enumerate(moves, start=1):
             typer.echo(f"{number:3d}  {each}")
         return
     if out is None:
         raise ValueError("--out is missing: recordings are kept beside the model file")
+    if is_live:
+        refuse_unfit(cell, is_sure)
     stream = words(json)
 
     def tell(text: str) -> None:
         print(text, file=stream, flush=True)  # noqa: T201
 
-    with _raw(out, cell) as folder, stoppable() as stop:
-        swept = sweep(cell, False, folder.path / SWEEP, tell, stop)
-        run = Runner(folder, Conduct(folder.event, lambda: stop.made), run_simulated, tell)
-        found = calibrate(cell, task, run, swept)
+    found = _measured(out, cell, task, is_live, is_sure, tell)
     write_milling(out, found.models, UNITS)
     report = milling_report(found, str(out))
     report.write(out.with_suffix(".html"))
@@ -68,11 +73,13 @@ def milling_command(
     write_json(json, figures(found))
 
 
-def _raw(out: Path, cell: CellConfig) -> RunFolder:
-    """Make the folder of raw recordings, or take it up again where it is of the same configuration."""
-    path, text = raw_folder(out), rig_file.dump(cell)
-    if not (path / CONFIG).exists():
-        return RunFolder.create(path, text)
-    if (path / CONFIG).read_text(encoding="utf-8") != text:
-        raise ValueError(f"{path}/ was recorded with another configuration; choose another name for the model")
-    return RunFolder.open(path)
+def _measured(out: Path, cell: CellConfig, task: str, is_live: bool, is_sure: bool, tell: Tell) -> Calibrated:
+    """Make all motions, or go on with them, and fit all models."""
+    with raw_trials(out, cell, is_live) as folder, stoppable() as stop:
+        conduct = Conduct(folder.event, lambda: stop.made)
+        person = Person(tell, conduct.stopped, not is_sure) if is_live else None
+        if person is not None and not (folder.path / SWEEP).exists():
+            person.confirm(f"the sweep, {len(sweep_steps(cell))} motions: no block, nobody in the cell")
+        swept = sweep(cell, is_live, folder.path / SWEEP, tell, stop)
+        with performing(cell, person, conduct) as perform:
+            return calibrate(cell, task, Runner(folder, conduct, perform, tell), swept)

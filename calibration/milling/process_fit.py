@@ -21,6 +21,8 @@ ORDERS = (1, 2, 3)
 """Of the models, that are tried."""
 HORIZON = 20
 """Samples, of the subspace method: 0.4 s."""
+SHORTEST = 8.0
+"""s in material, of which less than what is held back is enough for models with these horizons."""
 LINES = 200
 """Frequencies at which G_K G_M of the shorter record is kept."""
 
@@ -49,6 +51,23 @@ class ProcessFit:
     force_model: np.ndarray
     deflection_model: np.ndarray
     orders: tuple[int, int]
+
+
+def refuse_short(milled: np.ndarray, rate: float) -> None:
+    """Refuse a path that is in the material too shortly for its models; before anything moves.
+
+    Parameters
+    ----------
+    milled : array of bool, shape (N,)
+        Which samples are in the material.
+    rate : float, samples/s
+    """
+    seconds = float(np.ptp(np.flatnonzero(milled))) / rate
+    if seconds < SHORTEST:
+        raise ValueError(
+            f"the path is in the material for {seconds:.3g} s, must be >= {SHORTEST:g} s to tell G_M and G_K from it: "
+            "a larger pocket.size, or a smaller pocket.feed"
+        )
 
 
 def fit_process(

@@ -39,7 +39,7 @@ def figures(found: Calibrated) -> dict[str, Any]:
             force: {"force": process.force_fresh.tolist(), "compliance": process.compliance_fresh.tolist()}
             for force, process in models.process.items()
         },
-        "torques": {"fit": found.torques.fit.tolist(), "inside": found.torques.inside.tolist()},
+        "torques": {name: getattr(found.torques, name).tolist() for name in ("fit", "inside", "inertia")},
         "mae": {each.name: each.mae.tolist() for each in (*found.free, found.milled)},
     }
 
@@ -64,11 +64,30 @@ def milling_report(found: Calibrated, source: str) -> Report:
 
 
 def _sections(found: Calibrated) -> Iterator[Section]:
+    yield Section("Friction", plots=(_friction(found),))
     yield Section("Robot", plots=tuple(_response(found, side) for side in SIDES))
     for force, fit in found.processes.items():
         yield Section(f"Force, {force}", plots=(_beside(fit, fit.force, fit.force_model, 1.0, "N", "G_M"),))
         plot = _beside(fit, fit.deflection, fit.deflection_model, 1e6, "µm", "G_K")
         yield Section(f"Deflection, {force} force", plots=(plot,))
+
+
+def _friction(found: Calibrated) -> Plot:
+    """Draw the range of each joint's friction over its speed, both on scales that are linear near rest."""
+    speed, low, high = (np.asarray(found.models.torques[f"friction/{name}"]) for name in ("speed", "low", "high"))
+    figure = Figure(figsize=(8.0, 5.2))
+    for joint, panel in enumerate(figure.subplots(2, 3, sharex=True).flat):
+        across = np.degrees(speed[:, joint])
+        panel.fill_between(across, low[:, joint], high[:, joint], color=COLOURS[0], alpha=0.35, linewidth=0)
+        panel.plot(across, (low[:, joint] + high[:, joint]) / 2, color=COLOURS[0], linewidth=0.9)
+        panel.set_xscale("symlog", linthresh=0.1, linscale=0.5)
+        panel.set_xticks((-10, -1, 0, 1, 10), ("-10", "-1", "0", "1", "10"))
+        panel.set_title(f"joint {joint + 1}")
+        if joint % 3 == 0:
+            panel.set_ylabel("friction, N m")
+        if joint >= 3:
+            panel.set_xlabel("speed, °/s")
+    return Plot(figure, "What friction may be at a speed, seen from the joint, and the middle of it.")
 
 
 def _response(found: Calibrated, side: str) -> Plot:

@@ -12,6 +12,8 @@ ROUNDS = 20
 
 LARGEST, INSIDE = 1 - 1e-6, 0.995
 """Of a zero of the denominator: at most, and where a fit begins at most."""
+NOTHING = 1e-15
+"""A denominator that has come to zero by rounding, on the way to another."""
 
 
 def fit_response(frequency: np.ndarray, response: np.ndarray, weight: np.ndarray, rate: float) -> AxisModel:
@@ -69,7 +71,9 @@ def _free(denominator: np.ndarray) -> np.ndarray:
 
 
 def _residual(found: np.ndarray, turn: np.ndarray, wanted: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    model = np.polyval(found[:ORDER], turn) / np.polyval(_denominator(found[ORDER:]), turn)
+    below = np.polyval(_denominator(found[ORDER:]), turn)
+    below[np.abs(below) < NOTHING] = NOTHING
+    model = np.polyval(found[:ORDER], turn) / below
     return _real(weight * (model - wanted))
 
 

@@ -2,15 +2,19 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from calibration.milling.chirp_path import ChirpPath
-from calibration.milling.process_fit import ProcessFit, fit_process
+from calibration.milling.process_fit import ProcessFit, fit_process, refuse_short
 from calibration.milling.robot_fit import AxisFit, fit_axis
 from calibration.milling.torque_fit import TorqueFit, friction_and_gravity
+from calibration.raw_folder import raw_folder
 from ctlblocks.recording import Recording
+from rigkit import config as rig_file
 from rigkit.provenance import now, software
+from rigkit.run_folder import CONFIG, RunFolder
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.force_model import ForceModel
 from stagectl.robot.milling.milling_models import FORCES, SIDES, MillingModels, RobotModel
@@ -18,10 +22,14 @@ from stagectl.robot.milling.torque_file import torque_arrays
 from stagectl.robot.milling.trial_error import kinematic_error
 from stagectl.trials.campaign import FIRST, Forces, Learner, learn_free_space
 from stagectl.trials.done import DoneTrial
+from stagectl.trials.signals import tracker_late
 from stagectl.trials.tool_path import RATE
 from stagectl.trials.trial import Trial, first_trial, in_the_air
 
-CHIRPS = "chirps"
+CHIRPS, SWEEP = "chirps", "sweep.wav"
+PLACE = "cell.txt"
+"""File of the folder of recordings: whether they are of the live cell."""
+LIVE, SIMULATED = "live", "simulated"
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +58,35 @@ class Calibrated:
     forces: Forces
     free: list[DoneTrial]
     milled: DoneTrial
+
+
+def raw_trials(out: Path, cell: CellConfig, is_live: bool = False) -> RunFolder:
+    """Make the folder of a model file's raw recordings, or take it up again where it is of the same configuration.
+
+    Parameters
+    ----------
+    out : Path
+    cell : CellConfig
+    is_live : bool
+        Whether they are of a robot behind its wires.
+
+    Raises
+    ------
+    ValueError : another configuration, the other cell, or `out` is something else's.
+    """
+    path, text, place = raw_folder(out), rig_file.dump(cell), LIVE if is_live else SIMULATED
+    if not (path / CONFIG).exists():
+        folder = RunFolder.create(path, text)
+        folder.write(PLACE, f"{place}\n")
+        return folder
+    told = path / PLACE
+    was = told.read_text(encoding="utf-8").strip() if told.exists() else SIMULATED
+    if was != place:
+        raise ValueError(f"{path}/ was recorded on the {was} cell, this is the {place} one; choose another name")
+    kept = rig_file.load(path / CONFIG, CellConfig)
+    if kept.model_copy(update={"daemon": cell.daemon}) != cell:
+        raise ValueError(f"{path}/ was recorded with another configuration; choose another name for the model")
+    return RunFolder.open(path)
 
 
 def chirp_path(cell: CellConfig) -> ChirpPath:
@@ -120,11 +157,14 @@ def calibrate(cell: CellConfig, task: str, run: Callable[[str, Trial], DoneTrial
     """
     chirps, first = in_the_air(cell, chirp_path(cell).path(cell.pocket)), first_trial(cell, task)
     friction, gravity, torques = friction_and_gravity(swept, first.arm, cell.friction)
-    forces = ForceModel(first.arm, gravity, friction, cell.force_estimate.tie_break)
-    axes = fit_robot(cell, run(CHIRPS, chirps))
+    settings = cell.force_estimate
+    forces = ForceModel(first.arm, gravity, friction, torques.inertia, settings.tie_break, settings.margin)
+    chirped = run(CHIRPS, chirps)
+    late = tracker_late(chirped.trial, chirped.records)
+    axes = fit_robot(cell, DoneTrial(CHIRPS, replace(chirped.trial, late=late), chirped.records))
     about = {"made": now(), "software": software(), "task": task}
     robot = {side: robot_model(fits) for side, fits in axes.items()}
-    models = MillingModels(robot, {}, first.path.pocket.depth, torque_arrays(friction, gravity), about)
+    models = MillingModels(robot, {}, first.path.pocket.depth, torque_arrays(friction, gravity, torques.inertia), about)
 
     def told(angle: np.ndarray, torque: np.ndarray) -> np.ndarray:
         return forces.estimate(angle, torque, RATE).force
@@ -143,8 +183,13 @@ def dry_run(cell: CellConfig, task: str) -> list[str]:
     ----------
     cell : CellConfig
     task : str
+
+    Raises
+    ------
+    ValueError : a path that the robot does not reach, or that is in the material too shortly.
     """
     chirps, first = chirp_path(cell), first_trial(cell, task)
+    refuse_short(first.path.milled, RATE)
     path, free = first.path, cell.learning.free + 1
     lowest, highest = (1e3 * each(path.wanted, axis=0) for each in (np.min, np.max))
     return [

@@ -24,6 +24,11 @@ APPROACH = 0.05
 """rad/s, of the fastest joint on the way to the sweep's first pose."""
 
 Tell = Callable[[str], None]
+Watch = Callable[[Graph], object]
+
+
+def unwatched(graph: Graph) -> None:  # noqa: ARG001 (an observer's own argument)
+    """Look at nothing."""
 
 
 class SweepAborted(ValueError):
@@ -40,7 +45,9 @@ def sweep_steps(cell: CellConfig) -> list[SweepStep]:
     return plan_sweep(cell.friction, arm_with_tool(cell), _box(cell), _start(cell))
 
 
-def sweep(cell: CellConfig, live: bool, file: Path, tell: Tell, stop: StopRequest) -> Recording:
+def sweep(
+    cell: CellConfig, live: bool, file: Path, tell: Tell, stop: StopRequest, watch: Watch = unwatched
+) -> Recording:
     """Run the sweep, write its record, and return it; a record that is there already is read.
 
     Parameters
@@ -53,6 +60,8 @@ def sweep(cell: CellConfig, live: bool, file: Path, tell: Tell, stop: StopReques
     tell : callable(str)
         Told each motion in words as it begins.
     stop : StopRequest
+    watch : callable(Graph)
+        Called after every tick.
 
     Raises
     ------
@@ -67,13 +76,13 @@ def sweep(cell: CellConfig, live: bool, file: Path, tell: Tell, stop: StopReques
     path, numbers = path_of(steps, _start(cell), RATE)
     block = Sweep(path, numbers, APPROACH)
     if not live:
-        run, cause = _SweepRun(simulated_robot(cell), block, steps, tell, stop), ""
+        run, cause = _SweepRun(simulated_robot(cell), block, steps, tell, stop, watch), ""
         while not run.look():
             run.graph.tick()
         return run.finish(file, cause)
     _refuse_haste(cell, arm_with_tool(cell), path)
     with wired_arm(cell, False, tell) as robot:
-        run, cause = _SweepRun(robot, block, steps, tell, stop), ""
+        run, cause = _SweepRun(robot, block, steps, tell, stop, watch), ""
         try:
             lead(robot, run.graph, run.look)
         except LinkError as fault:
@@ -99,7 +108,9 @@ def _refuse_haste(cell: CellConfig, arm: Arm, path: np.ndarray) -> None:
 class _SweepRun:
     """A sweep in a graph that somebody ticks, and what is kept of it."""
 
-    def __init__(self, robot: Block, block: Sweep, steps: list[SweepStep], tell: Tell, stop: StopRequest) -> None:
+    def __init__(
+        self, robot: Block, block: Sweep, steps: list[SweepStep], tell: Tell, stop: StopRequest, watch: Watch
+    ) -> None:
         self.graph, self.block = Graph(RATE), block
         self.graph.add("robot", robot)
         self.graph.add("sweep", block)
@@ -108,7 +119,7 @@ class _SweepRun:
         for name in ("reference", "soft", "clamp"):
             self.graph.connect(f"sweep.{name}", f"robot.{name}", delayed=True)
         self.graph.prepare()
-        self._steps, self._tell, self._stop, self._said = steps, tell, stop, 0
+        self._steps, self._tell, self._stop, self._watch, self._said = steps, tell, stop, watch, 0
         self._step = self.graph.signal("sweep.step")
         signals = {"angle": "robot.angle", "torque": "robot.torque", "step": "sweep.step"}
         self._samples = Samples({name: self.graph.signal(signal) for name, signal in signals.items()}, SEEN)
@@ -116,6 +127,8 @@ class _SweepRun:
     def look(self) -> bool:
         """Keep what the last tick showed; return whether the run is over."""
         step = int(self._step[0, 0])
+        if self.graph.ticks:
+            self._watch(self.graph)
         if step > 0:
             self._samples.keep()
         if step > self._said:

@@ -1,9 +1,10 @@
-"""Gravity and friction ranges from a record of a sweep, with their fit on motions that were held back."""
+"""Gravity, friction ranges and inertia from a record of a sweep, with their fit on motions held back."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from calibration.milling.inertia_fit import SLIDES, beside_friction, joint_inertia
 from ctlblocks.recording import Recording
 from stagectl.robot.arm import Arm
 from stagectl.robot.milling.config import Friction
@@ -16,8 +17,6 @@ FINEST = 0.002
 """rad/s: below it knots are evenly apart, above it evenly in the logarithm."""
 STEADY, STEADIEST = 0.15, 0.03
 """rad/s^2: where any joint gains speed faster, its inertia would count as friction; as gravity."""
-SLIDES = 0.005
-"""rad/s: faster, friction has the sign of the speed for certain."""
 LOOK = 0.1
 """s, over which that is looked at, and by whose mean noise is told from friction."""
 FEWEST = 20
@@ -34,7 +33,7 @@ class SweepError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class TorqueFit:
-    """What held-back motions say of gravity and friction.
+    """What else the sweep says, of gravity and friction on held-back motions.
 
     Parameters
     ----------
@@ -46,16 +45,19 @@ class TorqueFit:
         Rms of what they leave there, noise included.
     combinations : int
         Of the links' moments that the sweep tells.
+    inertia : array, shape (6,), kg m^2
+        Of each joint, from all motions.
     """
 
     fit: np.ndarray
     inside: np.ndarray
     residual: np.ndarray
     combinations: int
+    inertia: np.ndarray
 
 
 def friction_and_gravity(recorded: Recording, arm: Arm, settings: Friction) -> tuple[FrictionRange, Gravity, TorqueFit]:
-    """Find gravity, friction ranges and the noise of the torques.
+    """Find gravity, friction ranges, the noise of the torques and the joints' inertia.
 
     Parameters
     ----------
@@ -67,7 +69,7 @@ def friction_and_gravity(recorded: Recording, arm: Arm, settings: Friction) -> t
 
     Raises
     ------
-    SweepError : too little steady motion, a joint that does not turn both ways.
+    SweepError : too little steady motion, a joint that does not turn both ways, or whose inertia does not show.
 
     Source
     ------
@@ -91,8 +93,15 @@ def friction_and_gravity(recorded: Recording, arm: Arm, settings: Friction) -> t
     smooth = _means(friction, SMOOTH)
     low, high = _ranges(smooth[fitted], speed[fitted], knots, settings.left_out)
     found = FrictionRange(knots, low, high, covariance, settings.smoothing)
+    inertia = joint_inertia(angle, friction, knots, recorded.rate)
+    small = np.flatnonzero(~(inertia > 0))
+    if len(small):
+        raise SweepError(
+            f"joint {small[0] + 1} seems to have an inertia of {inertia[small[0]]:.3g} kg m^2, must be > 0: it gains "
+            "speed too slowly"
+        )
     judged = _fit(found, gravity.torque(arm, angle[held]), torque[held], smooth[held], speed[held], slides[held])
-    return found, gravity, TorqueFit(*judged, combinations)
+    return found, gravity, TorqueFit(*judged, combinations, inertia)
 
 
 def _gained(angle: np.ndarray, rate: float) -> np.ndarray:
@@ -129,27 +138,14 @@ def _gravity(
         if here.sum() < FEWEST * KNOTS:
             found, least = SMOOTH * here.sum(), SMOOTH * FEWEST * KNOTS
             raise SweepError(f"joint {joint + 1} slides steadily in {found} samples, must be >= {least}")
-        hats = _hats(speed[few][here, joint], knots[:, joint])
         both = np.column_stack([regressor[here, joint], torque[few][here, joint]])
-        basis, _ = np.linalg.qr(hats[:, hats.any(axis=0)])
-        both -= basis @ (basis.T @ both)
-        parts.append(both)
+        parts.append(beside_friction(both, speed[few][here, joint], knots[:, joint]))
     moments, told = np.zeros(24), 0
     for _ in range(2):  # each joint weighs by what it leaves, at first by all
         left = [max(float(np.std(both[:, -1] - both[:, :-1] @ moments)), 1e-9) for both in parts]
         both = np.concatenate([part / size for part, size in zip(parts, left, strict=True)])
         moments, told = smallest_moments(both[:, :-1], both[:, -1])
     return Gravity(moments.reshape(6, 4)), told
-
-
-def _hats(speed: np.ndarray, knots: np.ndarray) -> np.ndarray:
-    """Return the weights of knots in linear interpolation, shape (samples, knots)."""
-    above = np.clip(np.searchsorted(knots, speed), 1, len(knots) - 1)
-    share = np.clip((speed - knots[above - 1]) / (knots[above] - knots[above - 1]), 0.0, 1.0)
-    found = np.zeros((len(speed), len(knots)))
-    row = np.arange(len(speed))
-    found[row, above - 1], found[row, above] = 1 - share, share
-    return found
 
 
 def _noise(friction: np.ndarray, used: np.ndarray, width: int) -> np.ndarray:

@@ -12,31 +12,26 @@ from calibration.experiment import RawFolder
 from calibration.raw_folder import raw_folder
 from calibration.stage_axes.bench import Bench, ExcitedAxis
 from calibration.stage_axes.calibration import AxisCalibration, calibrate_axes
+from calibration.stage_axes.files import ALL, axes_of, write
 from calibration.stage_axes.live_bench import LiveBench
 from calibration.stage_axes.order import MOST
 from calibration.stage_axes.report import (
     INNER_HEAD,
     MODEL_HEAD,
     OUTER_HEAD,
-    axis_report,
     calibration_figures,
     inner_row,
     model_rows,
     outer_row,
     without_loop,
 )
-from calibration.stage_axes.rig import calibrated_rig
 from calibration.subspace.realization import Method
-from rigkit import atomic
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.stop import Stopped, stoppable
 from stagectl.config import StageConfig
 from stagectl.link.stage_link import StageLink
-from stagectl.model_file import write_model
 from stagectl.stage.piezo_pid import Pid
-
-ALL = "all"
 
 
 def stage_command(
@@ -62,28 +57,17 @@ def stage_command(
     laid_over = [*(settings or []), *([f"simulator.options.seed={seed}"] if seed is not None else [])]
     laid_over += ["session.live=true"] * live
     rig = rig_file.load(config, StageConfig, laid_over)
-    axes = _axes(rig, axis)
+    axes = axes_of(rig, axis)
     if order is not None and not 1 <= order <= MOST:
         raise ValueError(f"--order is {order}, must be 1 to {MOST}")
     if method not in ("moesp", "n4sid"):
         raise ValueError(f"--method is {method!r}, must be moesp or n4sid")
     with RawFolder(raw_folder(out)) as raw:
         found = _calibrated(rig, axes, raw, order, cast(Method, method))
-        for each in found:
-            _write(each, _file(out, each.axis, axis), rig, png)
-        atomic.write(out.with_suffix(".toml"), rig_file.dump(calibrated_rig(rig, found)))
+        write(found, out, axis == ALL, rig, png)
     _print(found, out, json)
     if any(without_loop(found)):
         raise typer.Exit(1)
-
-
-def _axes(rig: StageConfig, axis: str) -> list[int]:
-    names = rig.stage.axes
-    if axis == ALL:
-        return list(range(len(names)))
-    if axis not in names:
-        raise ValueError(f"--axis is {axis!r}, must be {', '.join(names)} or {ALL}")
-    return [names.index(axis)]
 
 
 def _calibrated(
@@ -108,20 +92,6 @@ def _bench(rig: StageConfig, stopped: Callable[[], bool]) -> Iterator[Callable[[
 
 def _say(text: str) -> None:
     sys.stderr.write(f"{text}\n")
-
-
-def _file(out: Path, name: str, axis: str) -> Path:
-    return out if axis != ALL else out.with_stem(f"{out.stem}-{name}")
-
-
-def _write(found: AxisCalibration, path: Path, rig: StageConfig, png: Path | None) -> None:
-    write_model(path.with_stem(f"{path.stem}-open"), found.opened.one.model)
-    write_model(path.with_stem(f"{path.stem}-simo"), found.closed.every.model)
-    write_model(path, found.closed.one.model)
-    report = axis_report(found, rig.rig.name)
-    report.write(path.with_suffix(".html"))
-    if png is not None:
-        report.png(png / found.axis)
 
 
 def _print(found: Sequence[AxisCalibration], out: Path, json: str | None) -> None:

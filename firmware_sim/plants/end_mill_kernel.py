@@ -4,8 +4,8 @@ import math
 
 from numba import njit
 
-RADIUS, TEETH, TURN, HELIX, SUBSTEPS, TOOTH, DISH, SPAN, GIVE, PERIOD, SETTINGS = range(11)
-"""Of `given`: m, 1, rad a sample, tangent, 1 a sample, s a tooth, tangent, samples, m/N, s a sample."""
+RADIUS, TEETH, TURN, HELIX, SUBSTEPS, TOOTH, DISH, SPAN, PERIOD, SETTINGS = range(10)
+"""Of `given`: m, 1, rad a sample, tangent, 1 a sample, s a tooth, tangent, samples, s a sample."""
 ANGLE, CHIPS, TURNED = range(3)
 """Of `turned`: rad, m^3 of chips."""
 TANGENTIAL, RADIAL, AXIAL = range(3)
@@ -16,16 +16,19 @@ EDGE = 1e-6
 ROUNDS = 12
 CLOSE = 1e-7
 """m/s, of a speed that is found."""
+MASS = 4.0
+"""kg, of what the speed of a tool is found with beside what gives way at once; a robot with a spindle has 7 and more.
+Chosen: from a third of the true mass down nothing shakes, and force lags it by 2 `PERIOD`^2 / `MASS` times damping."""
 
 
 @njit(cache=True, nogil=True)
-def mean_push(speed_x, speed_y, around, width, hardness, given, push):  # type: ignore[no-untyped-def]
-    """Fill `push` (7,): the flank's mean force over a turn, N, at a speed, m/s, and how x and y change with it."""
-    push[:] = 0.0
+def flank(speed, around, width, hardness, given, push, slope):  # type: ignore[no-untyped-def]
+    """Fill `push` (3,), the flank's mean force over a turn, N, at `speed` (3,), m/s, and its `slope` (3, 3), N s/m."""
+    push[:], slope[:] = 0.0, 0.0
     share = given[TEETH] / BINS
     for j in range(BINS):
         x, y = around[j, 0], around[j, 1]
-        h = given[TOOTH] * (speed_x * x + speed_y * y)
+        h = given[TOOTH] * (speed[0] * x + speed[1] * y)
         if h <= 0.0 or width[j, 0] == 0.0:
             continue
         rub, growth = min(h / EDGE, 1.0), (1.0 / EDGE if h < EDGE else 0.0)
@@ -38,42 +41,103 @@ def mean_push(speed_x, speed_y, around, width, hardness, given, push):  # type: 
         tangential = wide * given[TOOTH] * (hardness[0, TANGENTIAL] + hardness[1, TANGENTIAL] * growth)
         radial = wide * given[TOOTH] * (hardness[0, RADIAL] + hardness[1, RADIAL] * growth)
         along, across = -tangential * y - radial * x, tangential * x - radial * y
-        push[3] += along * x
-        push[4] += along * y
-        push[5] += across * x
-        push[6] += across * y
+        up = -wide * given[TOOTH] * (hardness[0, AXIAL] + hardness[1, AXIAL] * growth)
+        slope[0, 0] += along * x
+        slope[0, 1] += along * y
+        slope[1, 0] += across * x
+        slope[1, 1] += across * y
+        slope[2, 0] += up * x
+        slope[2, 1] += up * y
 
 
 @njit(cache=True, nogil=True)
-def meet(given_speed, held, around, width, hardness, given, push, speed):  # type: ignore[no-untyped-def]
-    """Find the speed (m/s) and the force that belong together where the tool gives way at once, along x and y.
+def is_sinking(speed, given):  # type: ignore[no-untyped-def]
+    """Whether the tool comes down more steeply than its edges below are hollow."""
+    return -speed[2] > given[DISH] * math.sqrt(speed[0] * speed[0] + speed[1] * speed[1])
 
-    v = v_given + g (F(v) - F_held), g = `GIVE` / `PERIOD`; `given_speed` (3,), m/s, came with the force `held` (3,), N.
-    By Newton's method, with steps halved until they help; `speed` (3,) is where it begins and ends, and `push` (7,) its
-    force.
+
+@njit(cache=True, nogil=True)
+def ends(speed, share, hardness, given, push, slope):  # type: ignore[no-untyped-def]
+    """Add to `push` and its `slope` what the edges below the tool feel; return the moment about its axis, N m.
+
+    `share` of them touches material.  They cut where the tool comes down more steeply than they are hollow.
     """
-    give = given[GIVE] / given[PERIOD]
-    x, y = speed[0], speed[1]
-    mean_push(x, y, around, width, hardness, given, push)
-    a = x - given_speed[0] - give * (push[0] - held[0])
-    b = y - given_speed[1] - give * (push[1] - held[1])
+    along = math.sqrt(speed[0] * speed[0] + speed[1] * speed[1])
+    h = given[TOOTH] * (-speed[2] - given[DISH] * along)
+    if h <= 0.0 or share == 0.0:
+        return 0.0
+    length, rub = given[TEETH] * given[RADIUS] * share, min(h / EDGE, 1.0)
+    push[2] += length * (hardness[0, RADIAL] * h + hardness[1, RADIAL] * rub)
+    growth = length * given[TOOTH] * (hardness[0, RADIAL] + (hardness[1, RADIAL] / EDGE if h < EDGE else 0.0))
+    slope[2, 2] -= growth
+    if along > 0.0:
+        for r in range(2):
+            slope[2, r] -= growth * given[DISH] * speed[r] / along
+    return 0.5 * given[RADIUS] * length * (hardness[0, TANGENTIAL] * h + hardness[1, TANGENTIAL] * rub)
+
+
+@njit(cache=True, nogil=True)
+def meet(free, held, give, share, around, width, hardness, given, meeting):  # type: ignore[no-untyped-def]
+    """Find the speed (m/s) and the force that belong together where the tool gives way at once.
+
+    v = v_free + (give / T + T / `MASS`) (F(v) - F_held), T = `PERIOD`; `free` (3,), m/s, is the tool's speed if the
+    force stays as `held` (3,), N, and `give` (9,), m/N, row by row, what a force moves it at once.  By Newton's method,
+    with steps halved until they help; `meeting` has the speed (3,), where it begins and ends, its force (3,), and room,
+    (3, 3) and (6, 3).
+    """
+    speed, push, slope, room = meeting
+    off, step, near, newton = room[0], room[1], room[2], room[3:]
+    flank(speed, around, width, hardness, given, push, slope)
+    ends(speed, share, hardness, given, push, slope)
+    size = _apart(speed, free, held, give, push, given, off)
     for _ in range(ROUNDS):
-        size = math.sqrt(a * a + b * b)
         if size < CLOSE:
             break
-        xx, xy, yx, yy = 1.0 - give * push[3], -give * push[4], -give * push[5], 1.0 - give * push[6]
-        whole = xx * yy - xy * yx
-        step_x, step_y = (yy * a - xy * b) / whole, (xx * b - yx * a) / whole
-        part = 1.0
+        for r in range(3):
+            for c in range(3):
+                newton[r, c] = 1.0 if r == c else 0.0
+                for k in range(3):
+                    newton[r, c] -= give[3 * r + k] / given[PERIOD] * slope[k, c]
+                newton[r, c] -= given[PERIOD] / MASS * slope[r, c]
+        _solve(newton, off, step)
+        part, before = 1.0, size
         for _ in range(ROUNDS):
-            mean_push(x - part * step_x, y - part * step_y, around, width, hardness, given, push)
-            a = x - part * step_x - given_speed[0] - give * (push[0] - held[0])
-            b = y - part * step_y - given_speed[1] - give * (push[1] - held[1])
-            if a * a + b * b < size * size:
+            for r in range(3):
+                near[r] = speed[r] - part * step[r]
+            flank(near, around, width, hardness, given, push, slope)
+            ends(near, share, hardness, given, push, slope)
+            size = _apart(near, free, held, give, push, given, off)
+            if size < before:
                 break
             part *= 0.5
-        x, y = x - part * step_x, y - part * step_y
-    speed[0], speed[1] = x, y
+        speed[:] = near
+
+
+@njit(cache=True, nogil=True)
+def _apart(speed, free, held, give, push, given, off):  # type: ignore[no-untyped-def]
+    """Fill by how much a speed and its force do not belong together, m/s; return the length of that."""
+    for r in range(3):
+        off[r] = speed[r] - free[r] - given[PERIOD] / MASS * (push[r] - held[r])
+        for k in range(3):
+            off[r] -= give[3 * r + k] / given[PERIOD] * (push[k] - held[k])
+    return math.sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2])
+
+
+@njit(cache=True, nogil=True)
+def _solve(matrix, right, found):  # type: ignore[no-untyped-def]
+    """Solve three equations by Cramer's rule."""
+    whole = 0.0
+    found[:] = 0.0
+    for r in range(3):
+        a, b = (r + 1) % 3, (r + 2) % 3
+        for c in range(3):
+            d, e = (c + 1) % 3, (c + 2) % 3
+            minor = matrix[a, d] * matrix[b, e] - matrix[a, e] * matrix[b, d]
+            found[c] += minor * right[r]
+            if r == 0:
+                whole += minor * matrix[0, c]
+    for c in range(3):
+        found[c] /= whole
 
 
 @njit(cache=True, nogil=True)
@@ -127,27 +191,3 @@ def turn(last, at, speed, around, width, hardness, wobble, layer, given, turned,
         turned[ANGLE] = (turned[ANGLE] + step) % (2.0 * math.pi)
     for r in range(6):
         wrench[r] /= substeps
-
-
-@njit(cache=True, nogil=True)
-def descent(given_speed, held, given, push, speed):  # type: ignore[no-untyped-def]
-    """Return by how much the tool comes down faster than its edges below are hollow, m/s, as far as its flank goes."""
-    hollow = given[DISH] * math.sqrt(speed[0] * speed[0] + speed[1] * speed[1])
-    return -(given_speed[2] + given[GIVE] / given[PERIOD] * (push[2] - held[2])) - hollow
-
-
-@njit(cache=True, nogil=True)
-def plunge(sink, share, hardness, given, push):  # type: ignore[no-untyped-def]
-    """Find speed and force that belong together along z: add to `push[2]` what the edges below the tool feel.
-
-    `share` of them touches material.  Return the moment about the tool's axis, N m.
-    """
-    if sink <= 0.0 or share == 0.0:
-        return 0.0
-    give, tooth, length = given[GIVE] / given[PERIOD], given[TOOTH], given[TEETH] * given[RADIUS] * share
-    cut, edge = give * length * hardness[0, RADIAL] * tooth, give * length * hardness[1, RADIAL]
-    slow = sink / (1.0 + cut + edge * tooth / EDGE)
-    rub = min(slow * tooth / EDGE, 1.0)
-    chip = tooth * (slow if rub < 1.0 else (sink - edge) / (1.0 + cut))
-    push[2] += length * (hardness[0, RADIAL] * chip + hardness[1, RADIAL] * rub)
-    return 0.5 * given[RADIUS] * length * (hardness[0, TANGENTIAL] * chip + hardness[1, TANGENTIAL] * rub)

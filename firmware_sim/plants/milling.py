@@ -39,7 +39,6 @@ class PocketOptions:
     spread : float, 1, scales how far blocks differ
     length, width, thickness : float, m, of the block, along x, y and z
     cell, layer : float, m, of the block's grid
-    give : float, m/N, by which the tool moves at once for a force, at least: what the robot does within some samples
     origin : sequence of float, m, 3, the middle of the block's top in the base
 
     Raises
@@ -61,7 +60,6 @@ class PocketOptions:
     thickness: float = option(6e-3, "m", 1e-4, 0.05)
     cell: float = option(1e-4, "m", 2e-5, 5e-4)
     layer: float = option(2.5e-4, "m", 5e-5, 1e-2)
-    give: float = option(3e-6, "m/N", 0.0, 1e-4)
     origin: Sequence[float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
@@ -86,8 +84,8 @@ class PocketMilling(PocketOptions):
     through air behave, and a tool that gives way takes less.  A tooth's forces are those of `CuttingForce`, along its
     helix; runout makes teeth differ.  Edges below the tool cut where it comes down more steeply than they are hollow.
 
-    Speed and mean force are found together, sample by sample, for a tool that gives way by `give` at once; else a robot
-    whose tool answers a force within some samples would shake.  With a softer tool than that choose a larger one.
+    Speed and mean force are found together, sample by sample, for a tool that gives way to a force at once by what it
+    is told; else a robot whose tool does so would shake.  The force must reach the robot one sample late.
 
     It does not model: chatter (a chip does not know the wave that the tooth before has left), a tool that tilts or
     bends, chips that are cut again, heat, built-up edges, size effects of thin chips, a floor that springs back; a
@@ -127,23 +125,27 @@ class PocketMilling(PocketOptions):
         self._cut = kernel.Cut(
             origin=np.array(self.origin, float), distance=distance, grid=grid, hardness=strength,
             wobble=self.runout * np.cos(places), around=np.column_stack([np.cos(angles), np.sin(angles)]), given=given,
-            state=np.zeros(kernel.CELLS), turned=turned, queue=np.zeros((kernel.QUEUE, 4)), motion=np.zeros((3, 3)),
+            state=np.zeros(kernel.CELLS), turned=turned, queue=np.zeros((kernel.QUEUE, 4)), motion=np.zeros((4, 3)),
             ring=np.zeros((int(given[mill.SPAN]), 3)), width=np.zeros((mill.BINS, 1 + layers)), found=np.zeros(layers),
         )  # fmt: skip
 
-    def run(self, tool: np.ndarray, force: np.ndarray, moment: np.ndarray, teeth_force: np.ndarray) -> None:
+    def run(
+        self, tool: np.ndarray, give: np.ndarray, force: np.ndarray, moment: np.ndarray, teeth_force: np.ndarray
+    ) -> None:
         """Go on for one frame.
 
         Parameters
         ----------
         tool : array, shape (frames, 3), m
-            Where the tip really is, in axes of the base.
+            Where the tip really is, in axes of the base, with the force of the sample before on it.
+        give : array, shape (frames, 9), m/N
+            By what the tip moves at once for a force, a 3 x 3 matrix row by row; zeros for a tool on rails.
         force, moment : arrays, shape (frames, 3), N and N m, filled in place
             On the tool, about its tip, averaged over a turn of the spindle; axes of the base.
         teeth_force : array, shape (frames, 3), N, filled in place
             The force with its teeth, averaged over each sample.
         """
-        kernel.run(tool, force, moment, teeth_force, self._cut)
+        kernel.run(tool, give, force, moment, teeth_force, self._cut)
 
     @property
     def chips(self) -> float:
@@ -171,7 +173,7 @@ def _given(cut: PocketMilling) -> np.ndarray:
     given = np.zeros(mill.SETTINGS)
     given[:] = [
         0.5 * cut.tool, cut.teeth, turn, tan(cut.helix), max(1, ceil(turn / FASTEST_TURN)),
-        1.0 / (cut.teeth * cut.spindle), tan(DISH), max(1, round(cut.rate / cut.spindle)), cut.give, 1.0 / cut.rate,
+        1.0 / (cut.teeth * cut.spindle), tan(DISH), max(1, round(cut.rate / cut.spindle)), 1.0 / cut.rate,
     ]  # fmt: skip
     return given
 

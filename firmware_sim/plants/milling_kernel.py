@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from firmware_sim.plants.end_mill_kernel import BINS, PERIOD, RADIUS, SPAN, descent, meet, plunge, turn
+from firmware_sim.plants.end_mill_kernel import BINS, MASS, PERIOD, RADIUS, SPAN, ends, is_sinking, meet, turn
 from firmware_sim.plants.workpiece_kernel import LAYER, look, sweep, swept_layers
 
 DONE, WAY, HEAD, TAIL, LAYERS, CELLS = range(6)
@@ -88,9 +88,9 @@ class Cut(NamedTuple):
 
     `origin` (3,) is the middle of the block's top, m; `distance` and `grid` as in `workpiece_kernel`; `hardness` (2, 3)
     as `CuttingForce.table`; `wobble` (teeth,), m; `around` (BINS, 2) has directions; `given` and `turned` as in
-    `end_mill_kernel`; `state` and `queue` (QUEUE, 4) as above; `motion` (3, 3) has where the tool was (m), the force on
-    it (N) and its speed along x and y (m/s), `ring` (SPAN, 3) the last moments on it (N m); `width` (BINS, 1 + layers)
-    and `found` (layers,) are room.
+    `end_mill_kernel`; `state` and `queue` (QUEUE, 4) as above; `motion` (4, 3) has where the tool was (m), the force on
+    it (N), its speed (m/s) and the force before (N), `ring` (SPAN, 3) the last moments on it (N m); `width` (BINS, 1 +
+    layers) and `found` (layers,) are room.
     """
 
     origin: np.ndarray
@@ -110,27 +110,32 @@ class Cut(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def _push(at, given_speed, cut, push, wrench):  # type: ignore[no-untyped-def]
-    """Fill `push` (7,) with the mean force, N, and `wrench` (6,) with force and moment of this sample's teeth."""
-    held, speed, given = cut.motion[1], cut.motion[2], cut.given
+def _push(at, free, give, cut, meeting, wrench):  # type: ignore[no-untyped-def]
+    """Fill `meeting` with speed and mean force, N, and `wrench` (6,) with force and moment of this sample's teeth."""
+    given, (speed, _, slope, room) = cut.given, meeting
     last = _engage(at, cut.around, cut.distance, cut.grid, given, cut.found, cut.width)
-    meet(given_speed, held, cut.around, cut.width, cut.hardness, given, push, speed)
-    flank = push[2]
-    faster = descent(given_speed, held, given, push, speed)
-    share = _touching(at, cut.around, cut.distance, cut.grid, given, cut.found) if faster > 0.0 else 0.0
-    twist = plunge(faster, share, cut.hardness, given, push)
+    share = 0.0
+    meet(free, cut.motion[1], give, share, cut.around, cut.width, cut.hardness, given, meeting)
+    if is_sinking(speed, given):
+        share = _touching(at, cut.around, cut.distance, cut.grid, given, cut.found)
+        meet(free, cut.motion[1], give, share, cut.around, cut.width, cut.hardness, given, meeting)
     turn(
         last, at, speed, cut.around, cut.width, cut.hardness, cut.wobble, cut.grid[LAYER], given, cut.turned, wrench
     )  # fmt: skip
-    wrench[2] += push[2] - flank
-    wrench[5] += twist
+    lift = room[0]
+    lift[:] = 0.0
+    wrench[5] += ends(speed, share, cut.hardness, given, lift, slope)
+    wrench[2] += lift[2]
 
 
 @njit(cache=True, nogil=True)
-def run(tool: np.ndarray, force: np.ndarray, moment: np.ndarray, teeth_force: np.ndarray, cut: Cut) -> None:
+def run(tool, give, force, moment, teeth_force, cut):  # type: ignore[no-untyped-def]
     """Run one frame; signals as in `PocketMilling.run`."""
-    at, given_speed, wrench, push = np.empty(3), np.empty(3), np.empty(6), np.empty(7)
-    was, held, given, span = cut.motion[0], cut.motion[1], cut.given, int(cut.given[SPAN])
+    at, free, wrench = np.empty(3), np.empty(3), np.empty(6)
+    was, held, before = cut.motion[0], cut.motion[1], cut.motion[3]
+    given, span = cut.given, int(cut.given[SPAN])
+    meeting = cut.motion[2], np.empty(3), np.empty((3, 3)), np.empty((6, 3))
+    push = meeting[1]
     for n in range(tool.shape[0]):
         done = int(cut.state[DONE])
         for r in range(3):
@@ -138,14 +143,17 @@ def run(tool: np.ndarray, force: np.ndarray, moment: np.ndarray, teeth_force: np
         if done == 0:
             was[:] = at
             cut.queue[0, :3] = at
-        for r in range(3):
-            given_speed[r] = (at[r] - was[r]) / given[PERIOD]
+        for r in range(3):  # less what the tool gave way for the last change of force, which it has just done
+            free[r] = at[r] - was[r]
+            for k in range(3):
+                free[r] -= give[n, 3 * r + k] * (held[k] - before[k])
+            free[r] = free[r] / given[PERIOD] + given[PERIOD] / MASS * (held[r] - before[r])
         was[:] = at
         _take(at, cut.distance, cut.grid, given, cut.state, cut.queue)
-        _push(at, given_speed, cut, push, wrench)
+        _push(at, free, give[n], cut, meeting, wrench)
         cut.ring[done % span] = wrench[3:]
         for r in range(3):
-            held[r] = push[r]
+            before[r], held[r] = held[r], push[r]
             force[n, r], teeth_force[n, r], moment[n, r] = push[r], wrench[r], 0.0
             for k in range(span):
                 moment[n, r] += cut.ring[k, r] / span

@@ -240,9 +240,13 @@ class RobotPlant(RobotOptions):
     def tool_compliance(self) -> np.ndarray:
         """Return that of the free tool as loaded now, motors held, shape (6, 6), m and rad per N and N m."""
         parts = self._parts
-        soft = parts.joints[[ACROSS_X, ACROSS_Y]].T.ravel()
         along = parts.jacobian @ np.linalg.solve(self._tangents(), parts.jacobian.T)
-        return np.asarray(along + (parts.across * soft) @ parts.across.T)
+        return np.asarray(along + self.tilting_compliance())
+
+    def tilting_compliance(self) -> np.ndarray:
+        """Return the part of it that has no mass, what tilts across the axes, shape (6, 6), m and rad per N and N m."""
+        across, soft = self._parts.across, self._parts.joints[[ACROSS_X, ACROSS_Y]].T.ravel()
+        return np.asarray((across * soft) @ across.T)
 
     def _tangents(self) -> np.ndarray:
         state = self._parts.state
@@ -252,7 +256,7 @@ class RobotPlant(RobotOptions):
 def _parts(links: np.ndarray, joints: np.ndarray) -> Parts:
     shapes = {
         "state": (9, 6), "soft": (2, 6), "switches": (8,), "frames": (8, 3, 4), "centre": (7, 3), "jacobian": (6, 6),
-        "across": (6, 12), "moment": (6, 3), "frozen": (6, 22), "anchor": (5, 6), "environment": (6, 6),
+        "across": (6, 12), "moment": (6, 3), "frozen": (6, 23), "anchor": (5, 6), "environment": (6, 6),
         "tilt": (6, 2), "wrench": (6,), "work": (6, 10),
     }  # fmt: skip
     return Parts(links=links, joints=joints, **{name: np.zeros(shape) for name, shape in shapes.items()})

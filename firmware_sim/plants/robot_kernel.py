@@ -34,9 +34,10 @@ BRAKE, TRIPPED, CLAMPED, SLIP_FORCE, STEP, REFRESH, PHASE, SLIPPED = range(8)
 class Parts(NamedTuple):
     """All arrays of an arm; `links`, `joints` and `state` as the kernels say.
 
-    `frozen` (6, 22) has what is renewed each millisecond: mass, Jacobian, the clamp's stiffness in the joints (6
-    columns each), load, gravity, angle, the clamp's torque.  `anchor` (5, 6): how far the clamp has slipped, its
-    wrench, and in the last three rows the frame it holds.  `work` (6, 10) is room for the solution.
+    `frozen` (6, 23) has what is renewed each millisecond: mass, Jacobian, the clamp's stiffness in the joints (6
+    columns each), load, gravity, angle, the clamp's torque, what turning links load.  `anchor` (5, 6): how far the
+    clamp has slipped, its wrench, and in the last three rows the frame it holds.  `work` (6, 10) is room for the
+    solution.
     """
 
     links: np.ndarray
@@ -57,27 +58,35 @@ class Parts(NamedTuple):
     work: np.ndarray
 
 
-MASS, JACOBIAN, HOLD, LOAD, WEIGHT, ANGLE, HELD = 0, 6, 12, 18, 19, 20, 21
+MASS, JACOBIAN, HOLD, LOAD, WEIGHT, ANGLE, HELD, WHIRL = 0, 6, 12, 18, 19, 20, 21, 22
 """Columns of `frozen`."""
 
 
 @njit(cache=True, nogil=True)
 def refresh(external: np.ndarray, tool: float, parts: Parts) -> None:
     """Renew what changes with configuration: geometry, masses, loads, and how the clamp is felt in the joints."""
-    frozen, state, joints = parts.frozen, parts.state, parts.joints
+    frozen, state = parts.frozen, parts.state
     zero = np.zeros((6, 2))
     place(state[LINK], zero, parts.links, tool, parts.frames)
     centres(parts.frames, parts.links, parts.centre)
     jacobians(parts.frames, parts.jacobian, parts.across)
     masses(parts.frames, parts.centre, parts.links, frozen[:, MASS : MASS + 6])
     weights(parts.frames, parts.centre, parts.links, parts.moment)
-    whirls(parts.frames, parts.centre, parts.links, state[LINK_SPEED], frozen[:, LOAD])
+    whirls(parts.frames, parts.centre, parts.links, state[LINK_SPEED], frozen[:, WHIRL])
     frozen[:, JACOBIAN : JACOBIAN + 6] = parts.jacobian
     frozen[:, ANGLE], frozen[:, WEIGHT] = state[LINK], parts.moment[:, 2]
     frozen[:, HOLD : HOLD + 6], frozen[:, HELD] = 0.0, 0.0
-    parts.wrench[:] = external
     if parts.switches[CLAMPED] != 0.0:
         _hold(external, parts)
+    bear(external, parts)
+
+
+@njit(cache=True, nogil=True)
+def bear(external: np.ndarray, parts: Parts) -> None:
+    """Renew what the wrench on the tool loads and tilts, in a geometry that stays."""
+    frozen, joints = parts.frozen, parts.joints
+    parts.wrench[:] = external
+    if parts.switches[CLAMPED] != 0.0:
         parts.wrench[:] += parts.anchor[1]
     for i in range(6):
         for column in range(2):
@@ -86,6 +95,7 @@ def refresh(external: np.ndarray, tool: float, parts: Parts) -> None:
                 load += parts.across[r, 2 * i + column] * parts.wrench[r]
             parts.tilt[i, column] = joints[ACROSS_X + column, i] * load
     for i in range(6):
+        frozen[i, LOAD] = frozen[i, WHIRL]
         for r in range(6):
             frozen[i, LOAD] -= parts.jacobian[r, i] * external[r]
         frozen[i, LOAD] -= frozen[i, WEIGHT]

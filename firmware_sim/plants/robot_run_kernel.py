@@ -6,7 +6,7 @@ from numba import njit
 from firmware_sim.plants.noise_kernel import NOISE_SCALE, four_uniforms
 from firmware_sim.plants.robot_geometry_kernel import place
 from firmware_sim.plants.robot_joint_kernel import LINK, MOTOR
-from firmware_sim.plants.robot_kernel import PHASE, REFRESH, Parts, advance, refresh
+from firmware_sim.plants.robot_kernel import PHASE, REFRESH, Parts, advance, bear, refresh
 
 
 @njit(cache=True, nogil=True)
@@ -36,6 +36,8 @@ def run_arm(
         for k in range(steps):
             if switches[PHASE] == 0.0:
                 refresh(wrench[n], tool, parts)
+            elif k == 0:
+                bear(wrench[n], parts)
             for i in range(6):
                 wanted[i] = last[i] + (reference[n, i] - last[i]) * (k + 1) / steps
             advance(wanted, held, parts)

@@ -86,6 +86,8 @@ class Client:
         DaemonError : refused, or no answer.
         """
         headers = {"X-Control": self._key} if self._key else {}
+        if self._at.path and not Path(self._at.path).is_socket():
+            raise DaemonError(0, f"no answer from the daemon at {self._at.path}: there is no such socket")
         try:
             answer = self._http.request(method, path, json=body, params=query or None, headers=headers, timeout=seconds)
             told = answer.json()

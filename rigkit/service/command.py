@@ -4,9 +4,11 @@ import getpass
 import os
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
@@ -16,6 +18,7 @@ from rich.text import Text
 
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
+from rigkit.command import run as run_commands
 from rigkit.config import Section
 from rigkit.lock import holder
 from rigkit.service.access import TOKENS, new_tokens
@@ -24,34 +27,72 @@ from rigkit.service.config import Daemon
 from rigkit.service.daemon import LOCK, run
 from rigkit.service.rig import Rig
 
-Config = TypeVar("Config", bound=Section)
+_QUICK = (["status"], ["stop"])
+"""First words of command lines which are not to wait for anything."""
 
 _COLOURS = {"good": "green", "near": "yellow", "over": "red", "unknown": "dim", "free": ""}
 
 
-def add_daemon_commands(
-    app: typer.Typer, model: type[Config], own: Callable[[Config], Daemon], rig: Callable[[Callable[[], Config]], Rig]
-) -> None:
+@dataclass(frozen=True)
+class Kind:
+    """One kind of rig that a command line serves.
+
+    Parameters
+    ----------
+    model : subclass of Section
+        What a whole rig file of it holds; its table `daemon` is a `Daemon`.
+    rig : str
+        "package.module:Class", which makes the `Rig` from a function that reads the rig file again; imported by the
+        daemon alone.
+    """
+
+    model: type[Section]
+    rig: str
+
+
+Choose = Callable[[Path | None, Sequence[str]], Kind]
+"""From a rig file, or none, and the settings to lay over it, to the kind of rig that it is of."""
+
+
+def add_daemon_commands(app: typer.Typer, choose: Choose) -> None:
     """Add the commands to a rig's command line.
 
     Parameters
     ----------
     app : Typer
-    model : subclass of Section
-        What a whole rig file holds.
-    own : callable(config) -> Daemon
-        Its daemon's table.
-    rig : callable(load) -> Rig
-        Makes the rig; `load` reads the rig file again.
+    choose : callable(config, settings) -> Kind
     """
-    _add_daemon(app, model, own, rig)
-    _add_status(app, model, own)
-    _add_stop(app, model, own)
+    _add_daemon(app, choose)
+    _add_status(app, choose)
+    _add_stop(app, choose)
 
 
-def _add_daemon(
-    app: typer.Typer, model: type[Config], own: Callable[[Config], Daemon], rig: Callable[[Callable[[], Config]], Rig]
-) -> None:
+def run_application(app: typer.Typer, commands: str, *packages: str) -> int:
+    """Run a rig's command line and return its exit status; `status` and `stop` wait for no other command's imports.
+
+    Parameters
+    ----------
+    app : Typer
+        With the daemon's commands.
+    commands : str
+        Module that adds the others to it.
+    packages : str
+        As of `rigkit.command.run`.
+    """
+    if sys.argv[1:2] not in _QUICK:
+        import_module(commands)
+    return run_commands(app, *packages)
+
+
+def _own(config: Path | None, choose: Choose, settings: Sequence[str] | None) -> Daemon:
+    """Return the daemon's table of a rig file."""
+    laid_over = settings or ()
+    made: Any = rig_file.load(config, choose(config, laid_over).model, laid_over)
+    table: Daemon = made.daemon
+    return table
+
+
+def _add_daemon(app: typer.Typer, choose: Choose) -> None:
     @app.command("daemon")
     def daemon_command(
         config: ConfigOption = None,
@@ -64,18 +105,20 @@ def _add_daemon(
 
         Example: `daemon --config rig.toml`, then open its address in a browser
         """
+        kind = choose(config, settings or ())
 
-        def load() -> Config:
-            return rig_file.load(config, model, settings or ())
+        def load() -> Section:
+            return rig_file.load(config, kind.model, settings or ())
 
-        table = own(load())
+        table = _own(config, choose, settings)
         if renew:
             Path(table.data).mkdir(parents=True, exist_ok=True)
             new_tokens(Path(table.data) / TOKENS)
-        run(rig(load), table, _say)
+        made: Rig = rig_file.resolve(kind.rig)(load)
+        run(made, table, _say)
 
 
-def _add_status(app: typer.Typer, model: type[Config], own: Callable[[Config], Daemon]) -> None:
+def _add_status(app: typer.Typer, choose: Choose) -> None:
     @app.command("status")
     def status_command(
         config: ConfigOption = None,
@@ -87,7 +130,7 @@ def _add_status(app: typer.Typer, model: type[Config], own: Callable[[Config], D
 
         Example: `status --config rig.toml --watch`
         """
-        with Client.of(own(rig_file.load(config, model, settings or ()))) as client:
+        with Client.of(_own(config, choose, settings)) as client:
             if watch:
                 _watch(client)
             shown = client.snapshot()
@@ -97,7 +140,7 @@ def _add_status(app: typer.Typer, model: type[Config], own: Callable[[Config], D
             raise typer.Exit(1)
 
 
-def _add_stop(app: typer.Typer, model: type[Config], own: Callable[[Config], Daemon]) -> None:
+def _add_stop(app: typer.Typer, choose: Choose) -> None:
     @app.command("stop")
     def stop_command(
         config: ConfigOption = None,
@@ -108,7 +151,7 @@ def _add_stop(app: typer.Typer, model: type[Config], own: Callable[[Config], Dae
 
         Example: `stop --config rig.toml --why "smoke"`
         """
-        table = own(rig_file.load(config, model, settings or ()))
+        table = _own(config, choose, settings)
         try:
             with Client.of(table) as client:
                 told = client.stop(getpass.getuser(), why)

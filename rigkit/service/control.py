@@ -13,6 +13,7 @@ from rigkit.config_fault import ConfigError, explained
 from rigkit.service.desk import Board, OpenDesk
 from rigkit.service.journal import Journal
 from rigkit.service.lease import Lease, Refused
+from rigkit.service.not_begun import NotBegun, reason
 from rigkit.service.rig import Procedure, Rig
 from rigkit.service.state import ACTIVE, Event, Machine, NotNow, State
 from rigkit.stop import Stopped
@@ -93,6 +94,7 @@ class Control:
         with self._one_command, self.changing:
             who = self._commander(key)
             told = self._take(event, who, why or procedure.title, procedure=name, options=dict(options))
+            self.board.clear()
             self.desk = OpenDesk(procedure, who, self.board, self.journal)
             self._worker = threading.Thread(target=self._work, args=(self.desk, chosen), name=name, daemon=True)
             self._worker.start()
@@ -195,6 +197,8 @@ class Control:
             desk.procedure.run(desk, options)
         except Stopped as end:
             why = str(end)
+        except NotBegun as refused:
+            why = f"{desk.procedure.title} has not begun: {refused}"
         except Exception as fault:
             self.fault(reason(fault), desk.procedure.name)
         with self.changing:
@@ -240,18 +244,8 @@ class Control:
         return there[name]
 
 
-def reason(fault: Exception) -> str:
-    """Say what has gone wrong, in one line; the kind of what is a slip of ours as well."""
-    match fault:
-        case OSError(filename=str() | None as place, strerror=str() as text):
-            return f"{place}: {text}" if place else text
-        case ValueError() | OSError():
-            return " ".join(str(fault).split())
-    return " ".join(f"{type(fault).__name__}: {fault}".split())
-
-
 def _checked(procedure: Procedure, options: Mapping[str, Any]) -> Section:
     try:
         return procedure.options.model_validate_json(json.dumps(options))
     except ValidationError as fault:
-        raise ConfigError(explained(fault, procedure.options, options)[1]) from None
+        raise ConfigError(explained(fault, procedure.options, options, procedure.name)[1]) from None

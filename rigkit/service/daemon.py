@@ -18,13 +18,14 @@ from rigkit.service.control import DAEMON, Control
 from rigkit.service.journal import Journal
 from rigkit.service.lease import Lease
 from rigkit.service.link import serve
+from rigkit.service.paths import RUNS
 from rigkit.service.rig import Rig
 from rigkit.service.slot import Slot
 from rigkit.service.snapshot import RATE, as_bytes, snapshot
 from rigkit.service.sockets import listening, notify, watchdog_seconds
 from rigkit.service.web_process import WebProcess, Wires
 
-LOCK, EVENTS, RUNS = ".lock", "events.jsonl", "runs"
+LOCK, EVENTS = ".lock", "events.jsonl"
 LONGEST_END = 15.0
 """s for a procedure to end."""
 _AGAIN = 1.0

@@ -24,6 +24,11 @@ class Board:
             self._revision += 1
             self._panels[name] = self._revision, panel
 
+    def clear(self) -> None:
+        """Take all panels away: another procedure begins.  Revisions go on, so that none comes twice."""
+        with self._lock:
+            self._panels.clear()
+
     def revisions(self) -> dict[str, int]:
         """Return what panels there are, and their revisions."""
         with self._lock:

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Awaitable, Callable, Mapping, MutableMapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from rigkit.json_text import json_text
@@ -73,7 +74,10 @@ class Rules:
 
 
 class Gate:
-    """An ASGI application in front of another; the role goes on in `scope["state"]["role"]`.
+    """An ASGI application in front of another.
+
+    In `scope["state"]` go on the `role` of whoever asks, and `refused`, which the application calls, with a `Refusal`,
+    to have one of its own told.
 
     Parameters
     ----------
@@ -96,10 +100,29 @@ class Gate:
         except Refusal as refusal:
             await self._refuse(scope, send, refusal)
             return
+        scope.setdefault("state", {})["refused"] = partial(self._tell, scope)
         if scope["type"] == "websocket":
             await self._app(scope, receive, send)
             return
-        await self._app(scope, _capped(receive), _with_headers(send))
+        await self._pass(scope, receive, send)
+
+    async def _pass(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Let a request through; cut off a body that turns out longer than it may be, whatever it said of itself."""
+        seen = 0
+
+        async def capped() -> Message:
+            nonlocal seen
+            message = await receive()
+            seen += len(message.get("body", b""))
+            return message if seen <= LARGEST_BODY else {"type": "http.disconnect"}
+
+        async def sending(message: Message) -> None:
+            if seen <= LARGEST_BODY:  # else what it makes of a body cut short is no answer
+                await send(_with_headers(message))
+
+        await self._app(scope, capped, sending)
+        if seen > LARGEST_BODY:
+            await self._refuse(scope, send, Refusal(413, f"a request of more than {LARGEST_BODY} bytes"))
 
     def _look_at(self, scope: Scope) -> None:
         address, now = _address(scope), time.monotonic()
@@ -131,11 +154,14 @@ class Gate:
             raise Refusal(401, "the token is not this daemon's" if token else "there is no token")
         return role
 
-    async def _refuse(self, scope: Scope, send: Send, refusal: Refusal) -> None:
+    def _tell(self, scope: Scope, refusal: Refusal) -> None:
         address = _address(scope)
         if self._told.allows(address, time.monotonic()):
             fields = {"address": address, "path": scope["path"][:200], "status": refusal.status, "why": str(refusal)}
             self._rules.refused(fields)
+
+    async def _refuse(self, scope: Scope, send: Send, refusal: Refusal) -> None:
+        self._tell(scope, refusal)
         if scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": 1008, "reason": str(refusal)[:120]})
             return
@@ -155,24 +181,8 @@ def _address(scope: Scope) -> str:
     return str(scope["client"][0]) if scope.get("client") else "socket"
 
 
-def _capped(receive: Receive) -> Receive:
-    """Cut off a body that turns out longer than it may be, whatever it said of itself."""
-    seen = 0
-
-    async def capped() -> Message:
-        nonlocal seen
-        message = await receive()
-        seen += len(message.get("body", b""))
-        return message if seen <= LARGEST_BODY else {"type": "http.disconnect"}
-
-    return capped
-
-
-def _with_headers(send: Send) -> Send:
-    async def sending(message: Message) -> None:
-        if message["type"] == "http.response.start":
-            own = {name.lower() for name, _ in message.get("headers", ())}
-            message["headers"] = [*message.get("headers", ()), *(pair for pair in _ENCODED if pair[0] not in own)]
-        await send(message)
-
-    return sending
+def _with_headers(message: Message) -> Message:
+    if message["type"] == "http.response.start":
+        own = {name.lower() for name, _ in message.get("headers", ())}
+        message["headers"] = [*message.get("headers", ()), *(pair for pair in _ENCODED if pair[0] not in own)]
+    return message

@@ -1,5 +1,6 @@
 """The event log: the newest in memory for the page, all of them in a file, which nobody waits for."""
 
+import json
 import queue
 import threading
 from collections import deque
@@ -35,7 +36,7 @@ class Journal:
 
     def __init__(self, path: Path) -> None:
         self._path, self._lock = path, threading.Lock()
-        self._kept: deque[dict[str, Any]] = deque(maxlen=KEPT)
+        self._kept: deque[str] = deque(maxlen=KEPT)
         self.number = self.unwritten = 0
         """Number of the last event, and how many the disk has not taken."""
         self._fault = ""
@@ -48,18 +49,19 @@ class Journal:
         """Add an event: what, whose doing, and its particulars."""
         with self._lock:
             self.number += 1
-            entry = {"number": self.number, "time": now(), "event": event, "who": who, **fields}
-            self._kept.append(entry)
+            line = json_text({"number": self.number, "time": now(), "event": event, "who": who, **fields})
+            self._kept.append(line)
             try:
-                self._waiting.put_nowait(json_text(entry))
+                self._waiting.put_nowait(line)
             except queue.Full:
                 self.unwritten += 1
 
     def since(self, number: int, most: int = KEPT) -> list[dict[str, Any]]:
         """Return the events after event `number` that are kept in memory, the newest `most` of them, in order."""
         with self._lock:
-            found = [entry for entry in self._kept if entry["number"] > number]
-        return found[-most:] if most > 0 else []
+            wanted = max(0, min(most, self.number - number, len(self._kept)))
+            found = [self._kept[place] for place in range(-wanted, 0)]
+        return [json.loads(line) for line in found]
 
     @property
     def fault(self) -> str:

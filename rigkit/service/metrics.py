@@ -1,7 +1,10 @@
 """The snapshot for Prometheus: state, gauges and counters in its text format."""
 
 import json
+import math
 from collections.abc import Callable, Iterable, Iterator
+from datetime import datetime
+from typing import Any
 
 from prometheus_client import CollectorRegistry, generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
@@ -14,6 +17,7 @@ from rigkit.service.state import State
 PREFIX = "vibrostage"
 _UNITS = {"V": "volts", "m": "metres", "s": "seconds", "dB": "decibels", "m/s^2": "metres_per_second_squared"}
 _UNITS |= {"Pa": "pascals", "N": "newtons", "N m": "newton_metres", "Hz": "hertz", "1": "", "samples": "samples"}
+_UNITS |= {"byte": "bytes", "rad": "radians", "m/s": "metres_per_second", "K": "kelvins"}
 
 
 class Metrics(Collector):
@@ -54,12 +58,37 @@ class Metrics(Collector):
         yield CounterMetricFamily(f"{PREFIX}_ticks", "snapshots of the rig's process", shown["tick"])
         yield CounterMetricFamily(f"{PREFIX}_late_ticks", "of those, late ones", shown["late_ticks"])
         yield CounterMetricFamily(f"{PREFIX}_events", "events in the log", shown["events"])
-        yield GaugeMetricFamily(f"{PREFIX}_recording", "1 while recording", float(shown["recording"]))
-        if shown["procedure"] is not None:
-            part = shown["procedure"]["done"] / (shown["procedure"]["total"] or 1.0)
-            yield GaugeMetricFamily(f"{PREFIX}_procedure_done_ratio", "part of the procedure that is done", part)
+        for name, meaning, value in _standing(shown):
+            yield GaugeMetricFamily(f"{PREFIX}_{name}", meaning, value)
+        over = GaugeMetricFamily(
+            f"{PREFIX}_over_limit", "1 for a gauge beyond one of its limits", labels=["gauge", "title"]
+        )
         for gauge in shown["gauges"]:
             yield from _gauge(gauge)
+            if gauge["verdict"] in ("good", "near", "over"):
+                over.add_metric([gauge["name"], gauge["title"]], float(gauge["verdict"] == "over"))
+        yield over
+
+
+def _standing(shown: dict[str, Any]) -> Iterator[tuple[str, str, float]]:
+    """Give name, meaning and value of what holds for every rig."""
+    made = datetime.fromisoformat(shown["time"]).timestamp()
+    outputs = [gauge["value"] for gauge in shown["gauges"] if gauge["is_output"]]
+    yield "snapshot_timestamp_seconds", "when the rig's process gave its last sign of life, Unix time", made
+    yield "recording", "1 while recording", float(shown["recording"])
+    yield "output_on", "1 while the rig puts something out", float(any(outputs))
+    yield "control_held", "1 while somebody has control", float(shown["control"] is not None)
+    yield "faults_on_purpose", "sensors with a fault that was put in on purpose", float(len(shown["faults"]))
+    yield "journal_fault", "1 while events do not get to the disk", float(shown["journal_fault"] != "")
+    procedure = shown["procedure"]
+    if procedure is not None:
+        yield (
+            "procedure_done_ratio",
+            "part of the procedure that is done",
+            procedure["done"] / (procedure["total"] or 1.0),
+        )
+        left = math.nan if procedure["seconds_left"] is None else procedure["seconds_left"]
+        yield "procedure_seconds_left", "how long the procedure will take, about; NaN before it is known", left
 
 
 def _gauge(gauge: dict[str, object]) -> Iterator[Metric]:

@@ -1,6 +1,50 @@
 """Paths that come from outside: they stay within a folder, or are refused."""
 
+import time
+from collections.abc import Collection
 from pathlib import Path
+
+RUNS = "runs"
+"""The folder of runs, in the data folder."""
+
+
+def run_path(data: str, name: str) -> Path:
+    """Return where a run of that name belongs; one without a name has date and time for it.
+
+    Parameters
+    ----------
+    data : str
+        The data folder.
+    name : str
+        Empty for none.
+    """
+    return Path(data) / RUNS / (name or time.strftime("%Y%m%d-%H%M%S"))
+
+
+def data_file(data: str, option: str, name: str, words: Collection[str] = ()) -> Path:
+    """Return the file in the data folder that an option of a procedure names.
+
+    Parameters
+    ----------
+    data : str
+        The data folder.
+    option, name : str
+        The option, and what it says.
+    words : collection of str
+        What else it may say, for the error.
+
+    Raises
+    ------
+    ValueError : there is no such file in the data folder; the text names the option.
+    """
+    try:
+        path = confined(Path(data), name)
+    except PermissionError:
+        path = None
+    if path is None or not path.is_file():
+        allowed = ", ".join([*words, f"{'or ' * bool(words)}a file in the data folder, {Path(data).absolute()}"])
+        raise ValueError(f"{option} is {name[:80]!r}, must be {allowed}")
+    return path
 
 
 def confined(root: Path, text: str) -> Path:

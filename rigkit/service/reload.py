@@ -1,15 +1,27 @@
 """What an edit of a rig file touches, so that the least is done for it."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from pydantic import BaseModel
 
+from rigkit.service.config import Daemon
 from rigkit.toml_text import key_text
 
 Model = TypeVar("Model", bound=BaseModel)
+
+
+class Served(Protocol):
+    """A rig file of a daemon."""
+
+    @property
+    def daemon(self) -> Daemon:
+        """The daemon's own table."""
+
+    def model_dump(self) -> dict[str, Any]:
+        """Return all values."""
 
 
 class Reach(IntEnum):
@@ -46,7 +58,33 @@ class Change:
         return max(self.keys.values(), default=Reach.NOTHING)
 
 
-def change(old: BaseModel, new: BaseModel, reaches: Mapping[str, Reach]) -> Change:
+def reloaded(old: Served, new: Served, reaches: Mapping[str, Reach], take: Callable[[Change], str]) -> Change:
+    """Put an edited rig file in force; what is the daemon's own holds when that is started again.
+
+    Parameters
+    ----------
+    old, new : Section
+        Of one model.
+    reaches : mapping of str to Reach
+        As of `change`.
+    take : callable(Change) -> str
+        Does it, where anything has changed; says when what is the rig's holds, if something of it has changed.
+
+    Raises
+    ------
+    ValueError : the data folder is another one; nothing has been done.
+    """
+    found = change(old, new, reaches)
+    if found.reach is Reach.NOTHING:
+        return found
+    if new.daemon.data != old.daemon.data:
+        raise ValueError("daemon.data cannot change while the daemon runs")
+    rigs = {key: reach for key, reach in found.keys.items() if not key.startswith("daemon.")}
+    parts = [take(Change(rigs)), "[daemon] when the daemon is started again" * (len(rigs) < len(found.keys))]
+    return Change(found.keys, "; ".join(filter(None, parts)))
+
+
+def change(old: Served, new: Served, reaches: Mapping[str, Reach]) -> Change:
     """Compare two rig files.
 
     Parameters

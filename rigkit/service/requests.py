@@ -1,4 +1,4 @@
-"""What the API takes and gives, as its published description has it."""
+"""What the API takes, as its published description has it."""
 
 from typing import Annotated, Any
 
@@ -48,9 +48,3 @@ class Fault(Strict):
 
     sensor: str = Field(max_length=60, description="one of fault_sensors of /api/rig")
     kind: str = Field(max_length=20, description="one of fault_kinds of /api/rig; none takes it away")
-
-
-class Error(BaseModel):
-    """Why nothing was done, in one line."""
-
-    error: str

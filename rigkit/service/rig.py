@@ -59,7 +59,7 @@ class Procedure:
         What it may be begun with; every key has a default.
     run : callable(desk, options)
         In a thread of its own.  It returns at its end, or soon after `ending` says so, with the output at zero.
-        Whatever it raises is a FAULT, except `rigkit.stop.Stopped`.
+        Whatever it raises is a FAULT, except `rigkit.stop.Stopped`, and `NotBegun` of what is made within `making`.
     """
 
     name: str

@@ -4,8 +4,9 @@ from datetime import UTC, datetime
 from typing import Any
 
 from rigkit.json_text import json_text
-from rigkit.service.control import Control, reason
+from rigkit.service.control import Control
 from rigkit.service.journal import now
+from rigkit.service.not_begun import reason
 from rigkit.service.state import State
 
 RATE = 25.0

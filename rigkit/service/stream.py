@@ -19,6 +19,9 @@ PATIENCE = 1.5
 LOOK = 0.01
 """s between two looks for a new snapshot."""
 
+_NOT_AS_IT_MUST_BE = (1002, 1007, 1009)
+"""Codes with which a WebSocket is closed for what came through it: no frame, no text, too long."""
+
 
 class _Client:
     """One WebSocket: what is on its way to it, and whether there is news."""
@@ -120,7 +123,12 @@ class Audience:
                 if not (text.isascii() and text.isdigit() and client.read(int(text))):
                     self._dropped(_place(socket), f"it says {text!r}, which is not the tick of a snapshot sent to it")
                     break
-        except (WebSocketDisconnect, RuntimeError, KeyError):  # gone; or it sent bytes
+        except KeyError:
+            self._dropped(_place(socket), "it sends bytes, must be text")
+        except WebSocketDisconnect as end:
+            if end.code in _NOT_AS_IT_MUST_BE:
+                self._dropped(_place(socket), end.reason or f"it breaks the protocol, {end.code}")
+        except RuntimeError:  # gone
             pass
         client.is_over = True
         client.moved.set()

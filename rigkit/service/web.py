@@ -1,33 +1,37 @@
 """The API over HTTP and WebSocket: it checks what a request looks like and hands it to the rig's process."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
-from fastapi import FastAPI, Header, Query, Request, Response
+from fastapi import APIRouter, FastAPI, Header, Query, Request, Response, Security
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import FileResponse, JSONResponse, PlainTextResponse
+from fastapi.responses import FileResponse, JSONResponse
+from fastapi.security import HTTPBearer
 from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException
+from starlette.routing import Match
+from starlette.types import Receive, Scope, Send
 
-from rigkit.service import requests
+from rigkit.service import answers, requests, runs
+from rigkit.service.gate import Refusal
 from rigkit.service.journal import KEPT
 from rigkit.service.link import Asking, NoAnswer
 from rigkit.service.metrics import Metrics
 from rigkit.service.panel_cache import PanelCache
-from rigkit.service.paths import confined
 from rigkit.service.slot import Slot
 from rigkit.service.snapshot import as_bytes
 from rigkit.service.stream import Audience
 
+Found = TypeVar("Found")
 Key = Annotated[str, Header(alias="X-Control", max_length=60, description="key of the lease of control")]
 
 _ERRORS: dict[int | str, dict[str, Any]] = {
-    status: {"model": requests.Error, "description": text}
+    status: {"model": answers.Error, "description": text}
     for status, text in (
         (400, "not JSON"),
         (401, "no token, or none of this daemon's"),
@@ -37,9 +41,12 @@ _ERRORS: dict[int | str, dict[str, Any]] = {
         (413, "too long"),
         (422, "a value is not as it must be"),
         (429, "too many requests"),
+        (500, "a slip of this program's, which the text names"),
         (503, "the rig's process could not do it, or does not answer"),
     )
 }
+_TOKEN = Security(HTTPBearer(auto_error=False, description="a token of the daemon's token file"))
+"""Of the description alone: the gate has looked at the token before anything comes here."""
 
 
 @dataclass(frozen=True)
@@ -78,115 +85,147 @@ def application(ends: Ends, audience: Audience, metrics: Metrics, name: str) -> 
         with suppress(asyncio.CancelledError):
             await following
 
-    app = FastAPI(
-        title=f"{name} daemon", version="1", lifespan=lifespan, docs_url=None, redoc_url=None, responses=_ERRORS
-    )
+    app = FastAPI(title=f"{name} daemon", version="1", lifespan=lifespan, docs_url=None, redoc_url=None)
     app.add_exception_handler(HTTPException, _as_error)
     app.add_exception_handler(RequestValidationError, _as_error)
     app.add_exception_handler(NoAnswer, _as_error)
-    _add_views(app, ends, metrics)
-    _add_files(app, ends)
-    _add_commands(app, ends)
-    _add_commands_with_a_reason(app, ends)
+    api = APIRouter(responses=_ERRORS, dependencies=[_TOKEN])
+    _add_views(api, ends)
+    _add_metrics(api, metrics)
+    _add_files(api, ends)
+    _add_commands(api, ends)
+    _add_commands_with_a_reason(api, ends)
+    app.include_router(api)
+    app.state.routes = api.routes
     app.add_api_websocket_route("/api/stream", audience.attend)
-    if ends.page.is_dir():
-        app.mount("/", StaticFiles(directory=ends.page, html=True))
+    app.router.default = _page(StaticFiles(directory=ends.page, html=True))
     return app
 
 
-def _add_views(app: FastAPI, ends: Ends, metrics: Metrics) -> None:
+def _page(files: StaticFiles) -> Callable[[Scope, Receive, Send], Awaitable[None]]:
+    """Return what answers where nothing else does: files of the page, which speaks no WebSocket."""
+
+    async def page(scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "websocket":
+            await send({"type": "websocket.close", "code": 1008, "reason": "there is no such stream"})
+            return
+        await files(scope, receive, send)
+
+    return page
+
+
+def _add_views(app: APIRouter, ends: Ends) -> None:
     def of_the_rig(name: str) -> tuple[int, bytes]:
         status, told = _answered(ends.asking, "panel", name=name)
         return status, as_bytes(told)
 
     panels = PanelCache(ends.slot, of_the_rig)
 
-    @app.get("/api/snapshot")
+    @app.get("/api/snapshot", response_model=answers.Snapshot)
     async def snapshot() -> Response:
         """Return what the stream sends, once."""
-        return Response(ends.slot.get() or b"null", media_type="application/json")
+        content = ends.slot.get()
+        if content is None:
+            raise HTTPException(503, "the rig's process shows nothing")
+        return Response(content, media_type="application/json")
 
-    @app.get("/api/rig")
+    @app.get("/api/rig", response_model=answers.Rig)
     async def rig(request: Request) -> JSONResponse:
         """Return which rig this is, the procedures it can be told to do, and what the token may: view or operate."""
         return await _asked(ends.asking, "rig", role=request.state.role)
 
-    @app.get("/api/settings")
+    @app.get("/api/settings", response_model=str)
     async def settings() -> JSONResponse:
         """Return the settings in force, as TOML in a text."""
         return await _asked(ends.asking, "settings")
 
-    @app.get("/api/events")
+    @app.get("/api/events", response_model=list[answers.Event])
     async def events(
         after: Annotated[requests.Tick, Query()] = 0, most: Annotated[int, Query(ge=1, le=KEPT)] = 200
     ) -> JSONResponse:
         """Return the newest events after event number `after`, in order."""
         return await _asked(ends.asking, "events", number=after, most=most)
 
-    @app.get("/api/panels/{name}")
+    @app.get("/api/panels/{name}", response_model=answers.Panel)
     async def panel(name: str) -> Response:
         """Return a panel: curves, an image or a table; the snapshot says which there are, and their revisions."""
         status, content = await panels.get(name)
         return Response(content, status, media_type="application/json")
 
-    @app.get("/metrics", response_class=PlainTextResponse)
+
+def _add_metrics(app: APIRouter, metrics: Metrics) -> None:
+    @app.get("/metrics", response_class=Response, responses=_of_type("text/plain", "the gauges"))
     async def measured() -> Response:
         """Return the gauges in Prometheus' text format."""
         return Response(await asyncio.to_thread(metrics.text), media_type=metrics.media_type)
 
 
-def _add_files(app: FastAPI, ends: Ends) -> None:
-    @app.get("/api/runs")
-    async def runs() -> JSONResponse:
-        """Return the names of the folders of runs, the newest first."""
-        return JSONResponse(await asyncio.to_thread(_folders, ends.runs))
+def _of_type(media: str, what: str, form: str | None = None) -> dict[int | str, dict[str, Any]]:
+    """Describe an answer that is no JSON."""
+    schema = {"type": "string"} | ({"format": form} if form else {})
+    return {200: {"description": what, "content": {media: {"schema": schema}}}}
 
-    @app.get("/api/runs/{path:path}", response_class=FileResponse)
-    async def file(path: str) -> FileResponse:
+
+def _add_files(app: APIRouter, ends: Ends) -> None:
+    @app.get("/api/runs", response_model=list[answers.Run])
+    async def listed() -> JSONResponse:
+        """Return the folders of runs, the newest first."""
+        return _Json(await asyncio.to_thread(runs.listed, ends.runs))
+
+    @app.get("/api/runs/{run}", response_model=list[answers.File])
+    async def files(run: str) -> JSONResponse:
+        """Return the files of a run, by path."""
+        return _Json(await asyncio.to_thread(_found, runs.files, ends.runs, run))
+
+    @app.get(
+        "/api/runs/{run}/{path:path}", response_class=FileResponse, responses=_of_type("*/*", "the file", "binary")
+    )
+    async def file(run: str, path: str) -> FileResponse:
         """Return a file of a run."""
-        return FileResponse(await asyncio.to_thread(_file, ends.runs, path))
+        found = await asyncio.to_thread(_found, runs.file, ends.runs, run, path)
+        return FileResponse(found, filename=found.name)
 
 
-def _add_commands(app: FastAPI, ends: Ends) -> None:
-    @app.post("/api/control")
+def _add_commands(app: APIRouter, ends: Ends) -> None:
+    @app.post("/api/control", response_model=answers.Lease)
     async def take_control(asked: requests.Control) -> JSONResponse:
         """Take control; its `key` goes with every command, and proves who commands."""
         return await _asked(ends.asking, "take_control", who=asked.who, over=asked.over)
 
-    @app.put("/api/control")
+    @app.put("/api/control", response_model=answers.Owner)
     async def renew(key: Key = "") -> JSONResponse:
         """Keep control for another while."""
         return await _asked(ends.asking, "renew", key=key)
 
-    @app.delete("/api/control")
+    @app.delete("/api/control", response_model=answers.GivenBack)
     async def give_back(key: Key = "") -> JSONResponse:
         """Give control back."""
         return await _asked(ends.asking, "give_back", key=key)
 
-    @app.post("/api/stop")
+    @app.post("/api/stop", response_model=answers.Made)
     async def stop(asked: requests.Stop | None = None) -> JSONResponse:
         """Bring the output to zero and disarm, now.  It needs no control, and no body."""
         asked = asked or requests.Stop()
         return await _asked(ends.urgent, "stop", who=asked.who, why=asked.why)
 
-    @app.post("/api/begin")
+    @app.post("/api/begin", response_model=answers.Made)
     async def begin(asked: requests.Begin, key: Key = "") -> JSONResponse:
         """Begin a procedure."""
         told = {"name": asked.procedure, "options": asked.options, "why": asked.why}
         return await _asked(ends.asking, "begin", key=key, **told)
 
-    @app.post("/api/fault")
+    @app.post("/api/fault", response_model=answers.Injected)
     async def fault(asked: requests.Fault, key: Key = "") -> JSONResponse:
         """Put a fault into a sensor on purpose, where daemon.faults allows it."""
         return await _asked(ends.asking, "inject", key=key, sensor=asked.sensor, kind=asked.kind)
 
-    @app.post("/api/reload")
+    @app.post("/api/reload", response_model=answers.Reloaded)
     async def reload(key: Key = "") -> JSONResponse:
         """Read the rig file again, and do the least for what has changed."""
         return await _asked(ends.asking, "reload", key=key)
 
 
-def _add_commands_with_a_reason(app: FastAPI, ends: Ends) -> None:
+def _add_commands_with_a_reason(app: APIRouter, ends: Ends) -> None:
     for name, meaning in (
         ("arm", "Make the rig ready for procedures."),
         ("disarm", "Take that back."),
@@ -195,7 +234,8 @@ def _add_commands_with_a_reason(app: FastAPI, ends: Ends) -> None:
         ("abort", "Let it end after the step under way; the rig stays armed."),
         ("acknowledge", "Leave FAULT, after finding out why."),
     ):
-        app.post(f"/api/{name}", name=name, description=meaning)(_with_reason(ends.asking, name))
+        add = app.post(f"/api/{name}", name=name, description=meaning, response_model=answers.Made)
+        add(_with_reason(ends.asking, name))
 
 
 def _with_reason(asking: Asking, name: str) -> Any:
@@ -221,27 +261,33 @@ class _Json(JSONResponse):
         return as_bytes(content)
 
 
-async def _as_error(_: Request, fault: Exception) -> JSONResponse:
+async def _as_error(request: Request, fault: Exception) -> JSONResponse:
     """Answer with one line, whatever it is that has no better answer."""
     if isinstance(fault, RequestValidationError):
         wrong = fault.errors()[0]
         where = ".".join(map(str, wrong["loc"]))
         return _Json({"error": f"{where}: {wrong['msg']}"}, 422)
     if isinstance(fault, HTTPException):
-        return _Json({"error": str(fault.detail)}, fault.status_code)
+        if fault.status_code == 403:
+            request.state.refused(Refusal(403, str(fault.detail)))
+        headers = dict(fault.headers or {})
+        if fault.status_code == 405 and (there := _methods(request)):
+            headers["Allow"] = ", ".join(there)
+        return _Json({"error": str(fault.detail)}, fault.status_code, headers)
     return _Json({"error": str(fault)}, 503)
 
 
-def _folders(runs: Path) -> list[str]:
-    held = [path for path in runs.iterdir() if path.is_dir() and not path.name.startswith(".")] if runs.is_dir() else []
-    return [path.name for path in sorted(held, key=lambda path: path.stat().st_mtime, reverse=True)]
+def _methods(request: Request) -> list[str]:
+    """Return the methods of all ways in at a path: Starlette tells those of the first."""
+    there = (route for route in request.app.state.routes if route.matches(request.scope)[0] is not Match.NONE)
+    return sorted({method for route in there for method in getattr(route, "methods", None) or ()})
 
 
-def _file(runs: Path, text: str) -> Path:
+def _found(look: Callable[..., Found], root: Path, *names: str) -> Found:
+    """Look for something among the runs; what is not there, or not to be had, is an answer as well."""
     try:
-        path = confined(runs, text)
+        return look(root, *names)
     except PermissionError as fault:
         raise HTTPException(403, str(fault)) from None
-    if not path.is_file():
-        raise HTTPException(404, f"there is no file {text[:200]!r} among the runs")
-    return path
+    except LookupError as fault:
+        raise HTTPException(404, str(fault.args[0])) from None

@@ -1,6 +1,7 @@
 """What runs in the web process: uvicorn, the gate, the API, and what follows the snapshots."""
 
 import asyncio
+import gc
 import multiprocessing
 import signal
 import threading
@@ -66,7 +67,10 @@ def run(daemon: Daemon, tokens: Tokens, name: str, wires: Wires) -> None:
     ends = Ends(wires.slot, asking, urgent, data / "runs", Path(str(files("rigkit.service"))) / "page")
     rules = Rules(names(daemon), origins(daemon), tokens, daemon.requests, _is_open, lambda told: tell("refused", told))
     app = Gate(application(ends, audience, metrics, name), rules)
-    asyncio.run(_serve(_Server(_settings(app, daemon)), wires, daemon))
+    server = _Server(_settings(app, daemon))
+    gc.collect()
+    gc.freeze()  # all that stays; else requests' cycles would lie about until they were a quarter of it
+    asyncio.run(_serve(server, wires, daemon))
 
 
 async def _serve(server: _Server, wires: Wires, daemon: Daemon) -> None:

@@ -1,13 +1,14 @@
 """The procedure that follows: a run of the stage behind its link, or of the simulated one, paced."""
 
-import time
 from collections.abc import Mapping
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 from rigkit.faults import FaultTable
 from rigkit.provenance import software
 from rigkit.run_folder import EVENTS, RunFolder
+from rigkit.service.paths import run_path
+from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
 from rigkit.stream_recorder import StreamRecorder
 from stagectl import live, session
@@ -15,9 +16,10 @@ from stagectl.cell import RECORDED, Cell, simulated
 from stagectl.config import StageConfig
 from stagectl.daemon.monitor import Monitor
 from stagectl.daemon.pace import Pace
-from stagectl.daemon.panels import Panels
+from stagectl.daemon.panels import PERIOD, Panels
 from stagectl.daemon.ready import Ready
 from stagectl.daemon.spoiled import spoiled
+from stagectl.held_reference import HeldReference
 from stagectl.reference import wanted_position
 from stagectl.report import run_report
 from stagectl.streamed import convert, recorder
@@ -48,12 +50,12 @@ class Following:
         self._ready, self._desk, self._faults = ready, desk, faults
         desk.progress(0.0, config.session.seconds, "designing the loops")
         self._made = ready.setup(config)
-        path = Path(config.daemon.data) / "runs" / (name or time.strftime("%Y%m%d-%H%M%S"))
+        path = run_path(config.daemon.data, name)
         self._folder = session.make_folder(path, self._made, ready.models)
         self._folder.listener = self._heard
         self.monitor = Monitor(self._made)
         self.pace = Pace(self._made.timeline.rate)
-        self._stopped = False
+        self._stopped = self._is_held = False
 
     def stop(self) -> None:
         """Take the stage to rest: within ten milliseconds, from any thread."""
@@ -68,13 +70,13 @@ class Following:
                 folder.withdraw()
                 return
             try:
-                with Panels(self._desk, self._made, self.monitor):
+                with Regularly(Panels(self._desk, self._made, self.monitor).draw, PERIOD):
                     kept = self._followed(folder)
             except BaseException:
                 if not (folder.path / EVENTS).exists():
                     folder.withdraw()
                 raise
-            figures = live.finish(folder, self._made, kept)
+            figures = live.finish(folder, replace(self._made, held=self.monitor.held), kept)
             ended = "left" if self._is_ending() else "finished"
             self._desk.event(ended, {"run": folder.path.name, **figures})
             if ended == "finished":  # else nobody waits for it: `stagectl report` draws it at any time
@@ -92,7 +94,7 @@ class Following:
             if self._ready.link is None:
                 return self._simulated(folder)
             watching = {"monitor": self.monitor}
-            return live.follow(self._ready.link, folder, self._made, self._is_ending, watching)
+            return live.follow(self._ready.link, folder, self._made, self._is_ending, watching, self._hold)
         finally:
             self._desk.recording(False)
 
@@ -106,12 +108,22 @@ class Following:
         cell = Cell(made, wanted, seen, config.deflection.on, {"record": kept, "monitor": self.monitor})
         folder.event("started", {"software": software(), **session.designed(made)})
         with kept:
-            fault = cell.run(self.pace.until, self._is_ending)
+            fault = cell.run(self.pace.until, self._is_ending, self._hold)
         convert(folder, config, kept)
         session.tell_recorded(folder, session.RECORDING, cell, kept.recorded)
         if fault is not None:
             raise ValueError(fault)
         return kept
+
+    def _hold(self, reference: HeldReference, ticks: int) -> None:
+        """Hold the reference as the desk says; tell when it has come to a stop, and when it has its pace again."""
+        reference.hold(self._desk.held() and not self._is_ending())
+        self.monitor.held = reference.held
+        if reference.is_held and not self._is_held:
+            self._folder.event("held", {"sample": ticks})
+        elif reference.is_playing and self._is_held:
+            self._folder.event(session.RESUMED, {"sample": ticks, "samples": reference.held})
+        self._is_held = reference.is_held or (self._is_held and not reference.is_playing)
 
     def _heard(self, event: str, fields: Mapping[str, Any]) -> None:
         if event not in _LONG:

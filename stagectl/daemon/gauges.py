@@ -49,6 +49,8 @@ def linked(link: StageLink) -> Iterator[Gauge]:
     yield Gauge("link_late", "Blocks from the stage late", counts.late, "1")
     yield Gauge("link_garbled", "Frames garbled", counts.garbled, "1")
     yield Gauge("link_silence", "Longest silence of the stage", counts.longest_silence, "s", high=link.link.stall)
+    if link.link.relay.bus:
+        yield Gauge("relay_beats", "Heartbeats to the relay", link.beats, "1")
     status = link.status
     if status is not None:
         yield Gauge("reference_lost", "Blocks to the stage lost", status.lost, "1")

@@ -22,6 +22,8 @@ class Monitor(Block):
     Attributes
     ----------
     seen : int, samples since `prepare`
+    held : int, samples
+        Of those, that the reference was held; whoever holds it says so.
     position : array, shape (axes,), m
     voltage : array, shape (axes,), V
     """
@@ -29,7 +31,7 @@ class Monitor(Block):
     def __init__(self, made: Setup) -> None:
         axes = made.config.stage.axes
         self.inputs = ports_of(("reference", "position", "voltage"), axes)
-        self.seen = 0
+        self.seen = self.held = 0
         self.position, self.voltage = np.full((2, len(axes)), np.nan)
         self._proper = made.timeline.proper
         self._kept = 0
@@ -37,7 +39,7 @@ class Monitor(Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Forget everything."""
-        self.seen = self._kept = 0
+        self.seen = self.held = self._kept = 0
         self._error = np.zeros((max(round(WINDOW * rate), frames), len(self.position)))
         self.position.fill(np.nan)
         self.voltage.fill(np.nan)
@@ -45,7 +47,7 @@ class Monitor(Block):
     def process(self, reference: np.ndarray, position: np.ndarray, voltage: np.ndarray) -> None:
         """Look at one frame; its error counts within the run proper."""
         frames = len(reference)
-        if self._proper.start <= self.seen < self._proper.stop:
+        if self._proper.start <= self.seen - self.held < self._proper.stop:
             start = self._kept % len(self._error)
             first = min(frames, len(self._error) - start)
             np.subtract(reference[:first], position[:first], out=self._error[start : start + first])

@@ -1,9 +1,9 @@
 """What the stage's procedures may be begun with."""
 
-from pathlib import Path
+from typing import Literal
 
 from rigkit.config import Section, setting
-from rigkit.service.paths import confined
+from rigkit.service.paths import data_file
 from stagectl.config import Reference, StageConfig
 
 _NAME_OR_NONE = r"^([A-Za-z0-9][A-Za-z0-9._-]{0,79})?$"
@@ -31,6 +31,13 @@ class HoldOptions(_RunOptions):
     )
 
 
+class CalibrationOptions(Section):
+    """Models of the axes, and their loops."""
+
+    axis: str = setting("all", "", "which axis by its name, or all", min_length=1, max_length=40)
+    method: Literal["moesp", "n4sid"] = setting("moesp", "", "subspace method")
+
+
 def asked(config: StageConfig, options: FollowOptions | HoldOptions) -> StageConfig:
     """Return the settings of a run, with what its options lay over them.
 
@@ -51,7 +58,7 @@ def asked(config: StageConfig, options: FollowOptions | HoldOptions) -> StageCon
         if options.reference == "hold":
             reference = reference.model_copy(update={"signal": "hold"})
         elif options.reference:
-            file = confined(Path(config.daemon.data), options.reference)
+            file = data_file(config.daemon.data, "reference", options.reference, ["hold"])
             reference = reference.model_copy(update={"signal": str(file)})
         if options.deflection and config.session.live:
             raise ValueError("deflection is true, must be false where session.live is: no laser is read there")

@@ -28,10 +28,14 @@ class Pace:
         self._rate, self._now, self._sleep = rate, now, sleep
         self._start: float | None = None
 
+    def restart(self) -> None:
+        """Count the samples of another graph from now on; what was late stays counted."""
+        self._start = None
+
     def until(self, sample: int) -> None:
         """Return when that sample, counted from 0, is due."""
         if self._start is None:
-            self._start = self._now() - sample / self._rate
+            self._start = self._now() - self.behind - sample / self._rate
         ahead = self._start + self.behind + sample / self._rate - self._now()
         if ahead >= 0:
             self._sleep(ahead)

@@ -1,8 +1,5 @@
 """What the page draws of a run, twice a second: how the error is distributed, and its spectrum."""
 
-import threading
-from typing import Self
-
 import numpy as np
 from scipy.signal import welch
 
@@ -24,7 +21,7 @@ _STEP = 1e-12
 
 
 class Panels:
-    """Draws a run on a desk, and tells its progress, from a thread of its own, for the length of a `with` block.
+    """Draws a run on a desk, and tells its progress.
 
     Parameters
     ----------
@@ -35,28 +32,10 @@ class Panels:
 
     def __init__(self, desk: Desk, made: Setup, monitor: Monitor) -> None:
         self._desk, self._made, self._monitor = desk, made, monitor
-        self._over = threading.Event()
-        self._thread = threading.Thread(target=self._work, name="panels", daemon=True)
 
-    def __enter__(self) -> Self:
-        """Begin."""
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Draw a last time, and end."""
-        self._over.set()
-        self._thread.join()
-
-    def _work(self) -> None:
-        while True:
-            over = self._over.wait(PERIOD)
-            self._draw()
-            if over:
-                return
-
-    def _draw(self) -> None:
-        times, seen = self._made.timeline, self._monitor.seen
+    def draw(self) -> None:
+        """Draw the last second, and tell how far it has come."""
+        times, seen = self._made.timeline, self._monitor.seen - self._monitor.held
         self._desk.progress(min(seen, times.total) / times.rate, times.total / times.rate, self._stands(seen))
         error, axes = self._monitor.error(), self._made.config.stage.axes
         if len(error):
@@ -90,7 +69,7 @@ def histogram(error: np.ndarray, axes: tuple[str, ...]) -> Curves:
     parts = (np.histogram(column, edges)[0] / len(column) for _, column in columns)
     traces = tuple(Trace(axis, middle, part) for axis, part in zip(axes, parts, strict=True))
     means = ", ".join(f"{axis} {1e6 * tracking(column).mae:.3f}" for axis, column in columns)
-    title = f"Error in the last {WINDOW:g} s, MAE {means} µm"
+    title = f"Error, last {WINDOW:g} s, MAE {means} µm"
     return Curves(title, Axis("error", "m"), Axis("part of the samples", "1"), traces)
 
 
@@ -114,4 +93,4 @@ def spectrum(error: np.ndarray, axes: tuple[str, ...], rate: float) -> Curves:
     size = np.sqrt(density[shown])
     traces = tuple(Trace(axis, frequency[shown], column) for axis, column in zip(axes, size.T, strict=True))
     ends = Axis("frequency", "Hz", "log"), Axis("error", "m/√Hz", "log")
-    return Curves(f"Spectrum of the error in the last {WINDOW:g} s", *ends, traces)
+    return Curves(f"Spectrum of the error, last {WINDOW:g} s", *ends, traces)

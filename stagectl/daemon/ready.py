@@ -1,10 +1,11 @@
-"""What arming makes ready: the models, the link to a live stage, and the loops once they are wanted."""
+"""What arming makes ready: the link to a live stage; and the models and loops, once they are wanted."""
 
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from rigkit import config as rig_file
 from rigkit.disk_space import refuse_full
 from stagectl.config import StageConfig
 from stagectl.link.bus import LinkError
@@ -12,7 +13,11 @@ from stagectl.link.stage_link import StageLink
 from stagectl.link.tell import Tell, nobody
 from stagectl.model_file import read_model
 from stagectl.setup import Setup, setup
+from stagectl.stage.piezo_pid import pid
 from stagectl.wire.messages import Fault
+
+CHOSEN = "stage.toml"
+"""In the data folder: the rig file that a calibration has made, with what it has chosen."""
 
 
 class Ready:
@@ -24,16 +29,16 @@ class Ready:
 
     Raises
     ------
-    ValueError, OSError : models are missing or do not fit, the disk is full, the stage is not heard, or it reports a
-        fault; nothing is held.
+    ValueError, OSError : models do not fit, the disk is full, the stage is not heard, or it reports a fault; nothing is
+        held.
     """
 
     def __init__(self, config: StageConfig) -> None:
         data = Path(config.daemon.data)
         refuse_full(data)
         self.config = config
-        self.models = _models(config, data)
-        for file in self.models:
+        self.models: list[Path] = []
+        for file in filter(Path.is_file, _files(config)):
             read_model(file, rate=config.stage.rate)
         self.tell: Tell = nobody
         """Told of what happens on the link."""
@@ -54,10 +59,19 @@ class Ready:
         ----------
         config : StageConfig
             Unlike `self.config` in session, reference and deflection at most.
+
+        Raises
+        ------
+        ValueError : models are missing, or were measured with other inner loops.
         """
         if self._made is None:
+            self.models = _models(self.config)
             self._made = setup(self.config, self.models)
         return replace(self._made, config=config)
+
+    def take(self, config: StageConfig) -> None:
+        """Take over the settings that a calibration has chosen: models and loops are made anew."""
+        self.config, self._made = config, None
 
     def close(self) -> None:
         """Give up the link."""
@@ -77,12 +91,33 @@ class Ready:
         self.tell(event, fields)
 
 
-def _models(config: StageConfig, data: Path) -> list[Path]:
+def _files(config: StageConfig) -> list[Path]:
+    return [Path(config.daemon.data) / f"stage-{axis}.h5" for axis in config.stage.axes]
+
+
+def _models(config: StageConfig) -> list[Path]:
     """Return the model files in the data folder, one an axis; of a live stage, none where none is there."""
-    files = [data / f"stage-{axis}.h5" for axis in config.stage.axes]
+    files, data = _files(config), Path(config.daemon.data)
     missing = [file for file in files if not file.is_file()]
     if config.session.live and len(missing) == len(files):
         return []
     if missing:
-        raise ValueError(f"{missing[0]} is missing: calibrate stage --out {data / 'stage.h5'} makes one for each axis")
+        raise ValueError(
+            f"{missing[0]} is missing: the procedure calibrate, or `calibrate stage --out {data / 'stage.h5'}`, makes "
+            "one for each axis"
+        )
+    _refuse_other_loops(config, data / CHOSEN)
     return files
+
+
+def _refuse_other_loops(config: StageConfig, chosen: Path) -> None:
+    """Refuse inner loops other than those that the models were measured with, where a file says which those are."""
+    if not chosen.is_file():
+        return
+    inner = rig_file.load(chosen, StageConfig).inner
+    for number, axis in enumerate(config.stage.axes):
+        if pid(inner, number) != pid(config.inner, number):
+            raise ValueError(
+                f"[inner] is not what the models were measured with: axis {axis} has {pid(config.inner, number)}, "
+                f"{chosen} has {pid(inner, number)}; start the daemon with --config {chosen}, or calibrate again"
+            )

@@ -2,17 +2,20 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Protocol
 
 from rigkit import config as rig_file
+from rigkit.config import resolve
 from rigkit.disk_space import RESERVE, free
 from rigkit.faults import FaultTable
-from rigkit.service.reload import Change, Reach, change, taken
+from rigkit.service.not_begun import making
+from rigkit.service.reload import Change, Reach, reloaded, taken
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Gauge
 from stagectl.config import StageConfig
 from stagectl.daemon.following import Following
 from stagectl.daemon.gauges import linked, motion, tracked
-from stagectl.daemon.options import FollowOptions, HoldOptions, asked
+from stagectl.daemon.options import CalibrationOptions, FollowOptions, HoldOptions, asked
 from stagectl.daemon.ready import Ready
 from stagectl.daemon.spoiled import sensor_names
 
@@ -24,6 +27,21 @@ REACHES = {
     "link": Reach.DEVICES,
     "simulator": Reach.DEVICES,
 }
+
+
+PAUSED = "The reference comes to a stop within limits.ramp, and stays; it goes on from there. Recording goes on."
+CALIBRATION = "calibration.stage_axes.procedure:StageProcedure"
+"""Found when it is asked for: calibration stands above this package."""
+CALIBRATION_ENDS = (
+    "The stage goes to rest, this excitation is discarded; begun again, it goes on from what is recorded."
+)
+
+
+class _UnderWay(Protocol):
+    """A procedure while it runs."""
+
+    def stop(self) -> None:
+        """Take the stage to rest, from any thread."""
 
 
 class PiezoStage:
@@ -45,32 +63,43 @@ class PiezoStage:
         self._load, self.config = load, load()
         self.name = self.config.rig.name
         self._ready: Ready | None = None
-        self._following: Following | None = None
+        self._under_way: _UnderWay | None = None
         self.faults = _fault_table(self.config)
         ends = "The stage goes to mid-travel, what has come is kept, and the rig stays armed."
         self.procedures: Sequence[Procedure] = (
-            Procedure("follow", "Follow a reference", "run", "s", False, "", ends, FollowOptions, self._follow),
+            Procedure("follow", "Follow a reference", "run", "s", True, PAUSED, ends, FollowOptions, self._follow),
             Procedure("hold", "Hold a position", "run", "s", False, "", ends, HoldOptions, self._follow),
+            Procedure(
+                "calibrate",
+                "Calibration",
+                "calibrate",
+                "axes",
+                False,
+                "",
+                CALIBRATION_ENDS,
+                CalibrationOptions,
+                self._calibrate,
+            ),
         )
 
     def gauges(self) -> Sequence[Gauge]:
         """Return travel, voltages and errors against limits, how the link does, and room on the disk."""
-        ready, following = self._ready, self._following
+        ready, following = self._ready, self._under_way
         found: list[Gauge] = []
         link = None if ready is None else ready.link
         if ready is not None and link is not None:
             position = link.signal("position")[1] + link.link.origin
             found += motion(ready.config, position, link.signal("voltage")[1])
             found += linked(link)
-        elif following is not None:
+        elif isinstance(following, Following):
             found += motion(self.config, following.monitor.position, following.monitor.voltage)
-        if ready is not None and following is not None:
+        if ready is not None and isinstance(following, Following):
             found += tracked(ready.config, following)
         there = free(Path(self.config.daemon.data).absolute())
         return [*found, Gauge("disk_free", "Room on the disk", there, "byte", low=RESERVE)]
 
     def arm(self) -> None:
-        """Open the link, or see that there is all that the simulation needs."""
+        """Open the link, or see that there is room to record."""
         if self._ready is None:
             self._ready = Ready(self.config)
 
@@ -81,9 +110,9 @@ class PiezoStage:
 
     def stop(self) -> None:
         """Take the stage to mid-travel."""
-        following = self._following
-        if following is not None:
-            following.stop()
+        under_way = self._under_way
+        if under_way is not None:
+            under_way.stop()
 
     def acknowledge(self, who: str) -> None:
         """End a fault of the link and of the stage behind it; a simulated stage went with its run."""
@@ -98,22 +127,17 @@ class PiezoStage:
     def reload(self) -> Change:
         """Read the rig file again: what a run is told holds from the next one on, the rest from the next arming on."""
         new = self._load()
-        found = change(self.config, new, REACHES)
-        if found.reach is Reach.NOTHING:
-            return found
-        if new.daemon.data != self.config.daemon.data:
-            raise ValueError("daemon.data cannot change while the daemon runs")
+        return reloaded(self.config, new, REACHES, lambda change: self._take(new, change))
+
+    def _take(self, new: StageConfig, change: Change) -> str:
         if self.faults is not None and self.faults.names != sensor_names(new):
             self.faults = FaultTable(sensor_names(new))
-        now = [key for key, reach in found.keys.items() if reach is Reach.PARAMETERS]
+        now = [key for key, reach in change.keys.items() if reach is Reach.PARAMETERS]
         if self._ready is not None:
             self._ready.config = taken(self._ready.config, new, now)
         self.config = new
-        own = any(key.startswith("daemon.") for key in found.keys)
-        later = len(now) + own < len(found.keys)
-        parts = ["from the next run on" * bool(now), "the rest when it is armed again" * later]
-        parts.append("[daemon] when the daemon is started again" * own)
-        return Change(found.keys, "; ".join(filter(None, parts)))
+        later = len(now) < len(change.keys)
+        return "; ".join(["from the next run on"] * bool(now) + ["the rest when it is armed again"] * later)
 
     def close(self) -> None:
         """Give up the link."""
@@ -124,11 +148,25 @@ class PiezoStage:
     def _follow(self, desk: Desk, options: FollowOptions | HoldOptions) -> None:
         assert self._ready is not None, "a procedure begins armed"
         ready = self._ready
-        self._following = Following(ready, asked(ready.config, options), options.run, desk, self.faults)
+        with making():
+            following = Following(ready, asked(ready.config, options), options.run, desk, self.faults)
+        self._under_way = following
         try:
-            self._following.run()
+            following.run()
         finally:
-            self._following = None
+            self._under_way = None
+
+    def _calibrate(self, desk: Desk, options: CalibrationOptions) -> None:
+        """Calibrate; what was chosen is in force from then on, until the rig file is read again."""
+        assert self._ready is not None, "a procedure begins armed"
+        with making():
+            procedure = resolve(CALIBRATION)(self._ready.config, options, desk, self._ready.link)
+        self._under_way = procedure
+        try:
+            self.config = procedure.run()
+        finally:
+            self._under_way = None
+        self._ready.take(self.config)
 
 
 def _fault_table(config: StageConfig) -> FaultTable | None:

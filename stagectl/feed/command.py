@@ -1,7 +1,8 @@
 """The command `stagectl force`: milling with the force controlled by the feed, segment by segment."""
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TextIO
 
 import typer
 
@@ -11,15 +12,18 @@ from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
 from stagectl.feed import process_session, session
 from stagectl.feed.job import POCKETS, PROCESS, Job, pocket_of
+from stagectl.feed.live import LivePockets, steps
 from stagectl.feed.plan import feed_plan
 from stagectl.feed.process_run import process_figures
 from stagectl.feed.report import HEAD, PAGE, TYPE_HEAD, feed_report, pocket_rows, type_rows
 from stagectl.feed.surroundings import plants_of
 from stagectl.link.tell import nobody
-from stagectl.machining.run import Advance, Conduct, offline, paced
+from stagectl.machining.run import Conduct, offline, paced
 from stagectl.named_block import named_block
 from stagectl.planning.pocket import PLANNERS, UNTRAINED
 from stagectl.robot.config import CellConfig
+from stagectl.robot.live.guide import refuse_needless_yes, refuse_unattended
+from stagectl.robot.live.person import Person
 
 Task = Annotated[str, typer.Option(metavar="TASK", help=f"{', '.join(POCKETS)}, POCKET.json, or {PROCESS}.")]
 Newtons = Annotated[float | None, typer.Option("--force", metavar="N", help="The force wanted.")]
@@ -35,6 +39,9 @@ Compares = Annotated[
 ]
 Seed = Annotated[int, typer.Option(min=0, help="Of what the planner draws.")]
 Paced = Annotated[bool, typer.Option("--paced", help="In real time; else as fast as it goes.")]
+Live = Annotated[bool, typer.Option("--live", help="The robot of [robot]; else the simulated cell.")]
+Sure = Annotated[bool, typer.Option("--yes", help="Live: go on from pocket to pocket without asking.")]
+Dry = Annotated[bool, typer.Option("--dry-run", help="Print every motion of a live run, and make none.")]
 Png = Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")]
 
 
@@ -50,34 +57,88 @@ def force(
     compares: Compares = False,
     seed: Seed = 0,
     is_paced: Paced = False,
+    is_live: Live = False,
+    is_sure: Sure = False,
+    dry: Dry = False,
     png: Png = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
     """Mill as fast as the force allows: forces, kappa and beta with their uncertainty, feed; the planner goes along.
 
-    Example: `stagectl force --config cell.toml --force 10 --task pocket --compare --out RUN/`
+    Live, it asks for a fresh piece before each pocket.  Ctrl-C in a strip goes back along it and holds the robot.
+
+    Examples: `stagectl force --config cell.toml --force 10 --task pocket --compare --out RUN/`,
+    `stagectl force --config cell.toml --live --task slot --out RUN/`
     """
     given = [*(settings or []), *([f"force.force={newtons}"] if newtons is not None else [])]
     cell = rig_file.load(config, CellConfig, given)
     if png is not None and out is None:
         raise ValueError("--png goes with --out RUN/, which is not given")
     job = Job(task, pocket_of(task, cell.segments), planner_name, is_untrained, pockets, seed, compares)
+    way = Way(is_live, is_sure, is_paced)
+    way.refuse(cell, job, out)
+    if dry:
+        _say_steps(cell, job, model)
+        return
     if job.pocket is None:
         _process(cell, job, model, out, png, json)
     else:
-        _tell(_pockets(cell, job, model, out, paced if is_paced else offline), out, task, json)
+        _tell(_pockets(cell, job, model, out, way, words(json)), out, task, json)
         if png is not None and out is not None:
             feed_report(out, png)
 
 
-def _pockets(cell: CellConfig, job: Job, model: Path | None, out: Path | None, advance: Advance) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Way:
+    """How pockets are milled.
+
+    Parameters
+    ----------
+    is_live, is_sure : bool
+        On the robot; without asking before each pocket.
+    is_paced : bool
+        In real time.
+    """
+
+    is_live: bool
+    is_sure: bool
+    is_paced: bool
+
+    def refuse(self, cell: CellConfig, job: Job, out: Path | None) -> None:
+        """Refuse what cannot be, before anything moves or is written, by ValueError."""
+        refuse_needless_yes(self.is_sure, self.is_live)
+        if not self.is_live:
+            return
+        if job.pocket is None:
+            raise ValueError(f"--live needs a pocket to mill, --task {PROCESS} has no robot")
+        if self.is_paced or out is None:
+            raise ValueError("--live keeps what it records in --out RUN/, and takes no --paced: the robot is its clock")
+        refuse_unattended(cell, self.is_sure)
+
+
+def _say_steps(cell: CellConfig, job: Job, model: Path | None) -> None:
+    if job.pocket is None:
+        raise ValueError(f"--dry-run needs a pocket to mill, --task {PROCESS} has no robot")
+    plan = feed_plan(cell, job.pocket, session.velocity_model(model))
+    for number, each in enumerate(steps(plan, job), start=1):
+        typer.echo(f"{number:3d}  {each}")
+
+
+def _pockets(
+    cell: CellConfig, job: Job, model: Path | None, out: Path | None, way: Way, stream: TextIO
+) -> dict[str, Any]:
     """Mill the pockets of a job, keep them where they are to be kept, and return the figures."""
     assert job.pocket is not None
-    made, known, cells = job.make(), session.velocity_model(model), job.pocket.rows * job.pocket.cols
-    plants_of(feed_plan(cell, job.pocket, known))  # whatever is wrong is told before there is a folder
+    known = session.velocity_model(model)
+    plan = feed_plan(cell, job.pocket, known)
+    if way.is_live:
+        assert out is not None  # a live run without it is refused
+        return _live(cell, job, model, out, way, stream)
+    plants_of(plan)  # whatever is wrong is told before there is a folder
+    made, cells = job.make(), job.pocket.rows * job.pocket.cols
     with stoppable() as stop, progress("cells milled", cells * (job.pockets + job.compares)) as meter:
-        conduct = Conduct(nobody, lambda: stop.made, meter.show, advance)
+        conduct = Conduct(nobody, lambda: stop.made, meter.show, paced if way.is_paced else offline)
         pockets = session.mill_pockets(cell, job.pocket, made, known, conduct, job.pockets, job.compares)
         if out is None:
             found = session.summary(list(pockets))
@@ -87,6 +148,33 @@ def _pockets(cell: CellConfig, job: Job, model: Path | None, out: Path | None, a
             feed_report(out)
     if stop.made:
         raise Stopped(f"stopped{'' if out is None else f'; what is recorded is in {out}'}")
+    return found
+
+
+def _live(cell: CellConfig, job: Job, model: Path | None, out: Path, way: Way, stream: TextIO) -> dict[str, Any]:
+    """Mill them on the robot; a folder in which nothing was recorded is taken away."""
+
+    def tell(text: str) -> None:
+        print(text, file=stream, flush=True)  # noqa: T201
+
+    assert job.pocket is not None
+    known = session.velocity_model(model)
+    with stoppable() as stop, session.create(out, cell, job, model) as folder:
+        conduct = Conduct(folder.event, lambda: stop.made)
+        live = LivePockets(cell, Person(tell, conduct.stopped, not way.is_sure))
+        pockets = session.mill_pockets(
+            cell, job.pocket, job.make(), known, conduct, job.pockets, job.compares, perform=live
+        )
+        try:
+            found = session.keep_all(folder, pockets)
+            live.leave(conduct)
+        finally:
+            if session.is_recorded(folder.path):
+                feed_report(out)
+            else:
+                folder.withdraw()
+    if stop.made:
+        raise Stopped(f"stopped; what is recorded is in {out}")
     return found
 
 

@@ -87,6 +87,13 @@ class FeedGraph:
         self.port.start()
         self.judged.start()
 
+    def leaves(self) -> bool:
+        """Have the tool retreat from a strip (between ticks); return whether it does."""
+        if isinstance(self.control, FeedForce) and not self.control.is_idle:
+            self.control.retreat()
+            return True
+        return False
+
     def _blame(self, reason: str) -> None:
         """Keep what is wrong with the force sensor; force control retreats for want of a valid force."""
         self.blamed = self.blamed or reason

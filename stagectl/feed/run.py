@@ -82,6 +82,7 @@ def mill_pocket(
             break
     else:
         conduct.advance(cell.graph, rest)
+    conduct.rest()
     kept = named(cell.record, recorded, about)
     return Pocketed(kept, tuple(cell.segments.done), cell.port.reason or cell.blamed)
 
@@ -91,14 +92,17 @@ def _what_is_wrong(cell: FeedGraph, conduct: Conduct, ticks: int) -> str:
     task = cell.plan.cell.segments
     control = cell.control
     if isinstance(control, FeedForce) and control.has_retreated:
-        return f"{cell.blamed or control.reason}; segment {cell.number}"
+        why = cell.blamed or control.reason
+        return f"{why}; segment {cell.number}" if why else STOPPED
     if cell.blamed and (isinstance(control, ConstantFeed) or control.is_idle):
         return f"{cell.blamed}; segment {cell.number}"
     most = cell.plan.cell.force.overload
     if isinstance(control, ConstantFeed) and cell.resultant > most:
         return f"the force is beyond force.overload, {most:g} N; segment {cell.number}"
-    if cell.port.reason or conduct.stopped():
-        return cell.port.reason or STOPPED
+    if cell.port.reason:
+        return cell.port.reason
+    if conduct.stopped():
+        return "" if cell.leaves() else STOPPED
     if cell.move.milling > task.patience:
         return f"segment {cell.number} is not milled after {cell.move.milling:.3g} s, must be <= {task.patience:g} s"
     if cell.graph.ticks >= ticks:

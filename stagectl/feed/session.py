@@ -2,7 +2,7 @@
 
 import json
 import shutil
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,8 @@ from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
 from stagectl.wire.egm import RATE
 
+Perform = Callable[[FeedPlan, Planner, Conduct], Pocketed]
+"""Mills a pocket: `mill_simulated`, or `live.LivePockets`."""
 JOB, MODEL, FEEDS, SEGMENTS = "job.json", "velocity.h5", "feeds.json", "segments.csv"
 
 
@@ -67,8 +69,9 @@ def mill_pockets(
     conduct: Conduct,
     pockets: int = 1,
     compares: bool = False,
+    perform: Perform | None = None,
 ) -> Iterator[Kept]:
-    """Mill pocket after pocket in the simulated cell, each in a piece of its own, until one is held.
+    """Mill pocket after pocket, each in a piece of its own, until one is held.
 
     Parameters
     ----------
@@ -82,6 +85,8 @@ def mill_pockets(
     pockets : int
     compares : bool
         Whether the last pocket is milled once more, the same way, by position control at the safe feed.
+    perform : Perform, optional
+        Mills one; in the simulated cell if not given.
 
     Raises
     ------
@@ -89,17 +94,18 @@ def mill_pockets(
     """
     milled: list[Strip] = []
     area = pocket.rows * pocket.cols
+    mills = perform or mill_simulated
     for piece in range(1, pockets + 1):
         plan = feed_plan(cell, pocket, model, piece)
-        plants_of(plan)  # a wrong option is told before anything is written
-        done = _mill(plan, planner, conduct, (piece - 1) * area)
+        done = mills(plan, planner, _after(conduct, (piece - 1) * area))
         yield Kept(plan, done)
         if done.reason:
             return
         milled += strips(done, cell)
     if compares:
         plan = feed_plan(cell, pocket, model, pockets, safe_feeds(milled, pocket.types))
-        yield Kept(plan, _mill(plan, Repeated([each.cut for each in done.segments]), conduct, pockets * area))
+        again = Repeated([each.cut for each in done.segments])
+        yield Kept(plan, mills(plan, again, _after(conduct, pockets * area)))
 
 
 def simulated_pockets(cell: CellConfig, pocket: Pocket, planner: Planner, pockets: int) -> list[list[Milled]]:
@@ -124,10 +130,15 @@ def simulated_pockets(cell: CellConfig, pocket: Pocket, planner: Planner, pocket
     return found
 
 
-def _mill(plan: FeedPlan, planner: Planner, conduct: Conduct, before: int) -> Pocketed:
-    """Mill a pocket after so many cells `before` it."""
-    shown = replace(conduct, show=lambda cells: conduct.show(before + cells))
-    return mill_pocket(plan, once(planner), shown, simulated, recorded_of(plan), _about(plan))
+def _after(conduct: Conduct, before: int) -> Conduct:
+    """Return the conduct of a pocket after so many cells `before` it."""
+    return replace(conduct, show=lambda cells: conduct.show(before + cells))
+
+
+def mill_simulated(plan: FeedPlan, planner: Planner, conduct: Conduct) -> Pocketed:
+    """Mill a pocket in the simulated cell; ValueError for plants that do not take their options."""
+    plants_of(plan)  # a wrong option is told before anything is written
+    return mill_pocket(plan, once(planner), conduct, simulated, recorded_of(plan), about(plan))
 
 
 def recorded_of(plan: FeedPlan) -> tuple[Any, ...]:
@@ -180,6 +191,11 @@ def summary(pockets: list[Kept]) -> dict[str, Any]:
     return found
 
 
+def is_recorded(path: Path) -> bool:
+    """Whether a folder has a pocket."""
+    return any(event["event"] == "milled" for event in read_events(path))
+
+
 def read_back(path: Path) -> tuple[Job, list[Kept]]:
     """Return what a folder's run was asked to do, and every pocket that it has recorded, in their order.
 
@@ -206,5 +222,6 @@ def read_back(path: Path) -> tuple[Job, list[Kept]]:
     return job, found
 
 
-def _about(plan: FeedPlan) -> dict[str, str]:
+def about(plan: FeedPlan) -> dict[str, str]:
+    """Return the provenance of a recording that is made now."""
     return {"control": plan.control, "piece": str(plan.piece), "date": now(), "software": software()}

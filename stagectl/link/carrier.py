@@ -5,10 +5,10 @@ from collections.abc import Callable
 from threading import Condition, Event, Thread
 from typing import Any
 
+from rigkit.priority import real_time
 from stagectl.link.bus import LinkDown, LinkError, message, open_bus
 from stagectl.link.config import Link
 from stagectl.link.conversation import Conversation
-from stagectl.link.priority import real_time
 from stagectl.wire.messages import PERIOD, HostState
 
 _LISTEN = 0.02

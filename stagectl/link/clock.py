@@ -4,8 +4,8 @@ from collections.abc import Callable
 from typing import Protocol
 
 from ctlblocks.graph import Graph
+from rigkit.priority import real_time
 from stagectl.link.bus import LinkError
-from stagectl.link.priority import real_time
 
 
 class Pacemaker(Protocol):

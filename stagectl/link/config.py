@@ -2,9 +2,10 @@
 
 from typing import Any, Literal, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from rigkit.config import Section, setting
+from rigkit.relay.config import Relay
 from stagectl.wire.bus_load import least_load
 from stagectl.wire.messages import HOLD, SILENCE
 
@@ -26,6 +27,7 @@ class Link(Section):
     silence: float = setting(SILENCE, "s", "without a heartbeat of the host that is a fault", ge=0.01, le=10)
     hold: float = setting(HOLD, "s", "beyond silence, for which references, and the stage, may stay away", ge=0, le=10)
     patience: float = setting(2.0, "s", "for the stage to be heard at first, and to answer", ge=0.05, le=60)
+    relay: Relay = Field(default_factory=Relay)
 
     @property
     def stall(self) -> float:

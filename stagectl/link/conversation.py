@@ -1,10 +1,10 @@
 """What the host makes of all that comes and goes: the state of the link, and the fault that latches."""
 
+from rigkit.wire.layout import WireError
 from stagectl.link.config import Link
 from stagectl.link.inbox import Inbox
 from stagectl.link.outbox import Outbox
 from stagectl.link.tell import Tell
-from stagectl.wire.layout import WireError
 from stagectl.wire.messages import DRIVES, PERIOD, Drive, Fault, HostState, State
 
 

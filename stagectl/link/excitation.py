@@ -8,12 +8,12 @@ import numpy as np
 from ctlblocks import Graph
 from ctlblocks.recording import Recording
 from ctlblocks.replay import Replay
+from rigkit.priority import undisturbed
 from rigkit.stop import Stopped
 from stagectl.link.blocks import Excite
 from stagectl.link.bus import LinkError
 from stagectl.link.capture import Capture
 from stagectl.link.clock import run_linked
-from stagectl.link.priority import undisturbed
 from stagectl.link.stage_link import StageLink
 from stagectl.wire.messages import AXES, BLOCK, LONGEST_AHEAD, STATUS, Drive
 

@@ -5,10 +5,10 @@ from collections import deque
 import numpy as np
 
 from rigkit.ring import Ring
+from rigkit.wire.layout import GarbledError, Layout
 from stagectl.link.account import Counts, Status
 from stagectl.link.capture import Capture
 from stagectl.wire import messages, samples
-from stagectl.wire.layout import GarbledError, Layout
 from stagectl.wire.messages import AXES, RATE, Fault, State
 from stagectl.wire.sequence import Sequence
 

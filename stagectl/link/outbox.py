@@ -5,8 +5,8 @@ from collections import deque
 import numpy as np
 
 from rigkit.ring import Ring
+from rigkit.wire.layout import Layout
 from stagectl.wire import messages, samples
-from stagectl.wire.layout import Layout
 from stagectl.wire.messages import AXES, BLOCK, RATE, Command, HostState
 
 _CAPACITY = RATE // 5
@@ -16,7 +16,7 @@ _CAPACITY = RATE // 5
 class Outbox:
     """Makes the frames to send.  `ring` is filled by the graph's thread; `frames` is called by the one that sends.
 
-    `references` is how references go, `stream` how what is in the ring does.
+    `references` is how references go, `stream` how what is in the ring does; `sent` counts blocks, `beats` heartbeats.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ class Outbox:
 
     def __init__(self, form: str) -> None:
         self.ring = Ring(len(AXES), _CAPACITY)
-        self.sent = 0
+        self.sent = self.beats = 0
         self.due = 0.0
         classic = form == "classic"
         self.references = messages.SLOW_REFERENCE if classic else messages.REFERENCE
@@ -59,6 +59,7 @@ class Outbox:
         if now >= self.due:
             self.due = max(self.due + messages.HEARTBEAT, now)
             out.append(self._pack(messages.HOST_HEARTBEAT, state, 0, round(1e3 * uptime) % 2**32))
+            self.beats += 1
         while self._waiting:
             layout, values = self._waiting.popleft()
             out.append(self._pack(layout, *values))

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from threading import Condition, Event, Thread
 from typing import Protocol
 
+from rigkit.priority import real_time
 from stagectl.link.bus import LinkError
-from stagectl.link.priority import real_time
 
 _LARGEST = 65_536
 _LONGEST_END = 2.0

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from threading import Condition, Event, Thread
 from typing import Protocol
 
+from rigkit.priority import real_time
 from stagectl.link.bus import LinkError
-from stagectl.link.priority import real_time
 
 _RETRY = 0.2
 """s between attempts to connect."""

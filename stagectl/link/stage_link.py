@@ -10,6 +10,7 @@ from typing import Self
 import numpy as np
 
 from rigkit.latch import to_clear
+from rigkit.relay.heartbeat import Heartbeat
 from rigkit.ring import Ring
 from stagectl.link.account import Counts, Status
 from stagectl.link.bus import LinkError
@@ -48,6 +49,7 @@ class StageLink:
     Raises
     ------
     LinkError : on entry, when the bus cannot be opened or the stage is not heard.
+    RelayError : on entry, when the bus to the relay cannot be opened.
     """
 
     def __init__(self, link: Link, tell: Tell = nobody, now: Callable[[], float] = time.monotonic) -> None:
@@ -55,6 +57,7 @@ class StageLink:
         self._tell, self._now = tell, now
         self._conversation = Conversation(link, tell, now())
         self._carrier = Carrier(link, self._conversation, now)
+        self._relay = Heartbeat(link.relay, self._pulse)
         self._tokens = itertools.count(random.randrange(256))  # no two programs' first commands are the same
 
     def __enter__(self) -> Self:
@@ -63,6 +66,11 @@ class StageLink:
         if not self._until(lambda: self._conversation.inbox.heard > -np.inf, self.link.patience):
             self._carrier.close()
             raise LinkError(f"the stage on {self.link.channel} is not heard within {self.link.patience:g} s")
+        try:
+            self._relay.start()
+        except BaseException:
+            self._carrier.close()
+            raise
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -71,6 +79,7 @@ class StageLink:
             if self._conversation.state is HostState.STREAMING:
                 self.stop()
         finally:
+            self._relay.stop()
             self._carrier.close()
 
     @property
@@ -119,6 +128,11 @@ class StageLink:
         counts = self._conversation.inbox.counts
         garbled = counts.garbled + self._carrier.garbled
         return replace(counts, garbled=garbled)
+
+    @property
+    def beats(self) -> int:
+        """Heartbeats that the relay's bus has taken."""
+        return self._relay.sent
 
     @property
     def sent(self) -> int:
@@ -203,8 +217,7 @@ class StageLink:
         """
         reason = self.reason or (self.stage_fault.name if self.stage_fault is not Fault.NONE else "")
         to_clear("the link to the stage", reason, by)
-        heard = self._now() - self._conversation.inbox.heard
-        if not (self._carrier.is_up and heard <= max(self.link.stall, _AGAIN)):
+        if not self._is_heard:
             raise LinkError(f"{by} cannot acknowledge yet: the stage on {self.link.channel} is not heard")
         if not self._until(lambda: self.state in (State.HOLDING, State.FAULT), self.link.patience):
             raise LinkError(f"{by} cannot acknowledge yet: the stage is {self.state.name}")
@@ -260,6 +273,16 @@ class StageLink:
         chunks = self._conversation.inbox.chunks
         self._until(lambda: all(number in chunks for number in numbers), _AGAIN)
         return {number: chunks.pop(number) for number in numbers if number in chunks}
+
+    @property
+    def _is_heard(self) -> bool:
+        silence = self._now() - self._conversation.inbox.heard
+        return self._carrier.is_up and silence <= max(self.link.stall, _AGAIN)
+
+    def _pulse(self) -> int | None:
+        """Return what moves on while all is well, for the relay: what the stage hears of this program."""
+        is_well = self._is_heard and not self.reason and self.stage_fault is Fault.NONE
+        return self._conversation.outbox.beats if is_well else None
 
     def _begin(self, command: Command, argument: int, drive: Drive | None, capture: Capture | None) -> None:
         self.refuse_when_latched()

@@ -39,6 +39,10 @@ def never() -> bool:
     return False
 
 
+def nothing() -> None:
+    """Do nothing: nobody is led any more."""
+
+
 def quietly(done: int) -> None:
     """Show nothing of the ticks done."""
 
@@ -74,12 +78,15 @@ class Conduct:
         Told of the ticks done, now and then.
     advance : callable(Graph, int)
         `offline` or `paced`.
+    rest : callable()
+        Called once the graph ticks no more: a live robot is held from then on.
     """
 
     tell: Tell = nobody
     stopped: Callable[[], bool] = never
     show: Callable[[int], object] = quietly
     advance: Advance = offline
+    rest: Callable[[], object] = nothing
 
 
 def mill(

@@ -5,6 +5,7 @@ from typing import Any, Literal, Self
 from pydantic import Field, model_validator
 
 from rigkit.config import Section, setting
+from rigkit.service.config import Daemon
 from stagectl.feed.config import FeedPlants, SegmentTask
 from stagectl.link.config import CLASS, Link
 from stagectl.robot.clamp_config import Clamping
@@ -16,6 +17,12 @@ from stagectl.robot.pocket_config import Learning, LearningChirp, Pocket
 from stagectl.robot.toroid_config import Feedback, Plants, Toroid
 
 Box = tuple[float, float, float]
+
+
+class Rig(Section):
+    """Which cell this is."""
+
+    name: str = setting("simulated-cell", "", "name of the cell, on its daemon's page and in its metrics", min_length=1)
 
 
 class Robot(Section):
@@ -36,6 +43,11 @@ class Robot(Section):
         6511, "", "TCP port of the robot's own program: soft servo, clamp; 0 for none", ge=0, le=65_535
     )
     signals: int = setting(6512, "", "TCP port where motor torques come from; 0 for none", ge=0, le=65_535)
+    height: float = setting(
+        0.03, "m", "over a workpiece, where the tool goes across to where it begins, and waits", ge=5e-3, le=1
+    )
+    travel: float = setting(0.05, "m/s", "speed of the tool on the way there, at most", gt=0, le=0.25)
+    changer: bool = setting(False, "", "its own program changes workpieces, by BLOCK 1 and BLOCK 0; else a person does")
 
 
 class RobotLimits(Section):
@@ -90,6 +102,7 @@ class Simulator(Section):
 class CellConfig(Section):
     """A whole file of the robot cell."""
 
+    rig: Rig = Field(default_factory=Rig)
     robot: Robot = Field(default_factory=Robot)
     limits: RobotLimits = Field(default_factory=RobotLimits)
     tracker: Tracker = Field(default_factory=Tracker)
@@ -109,3 +122,4 @@ class CellConfig(Section):
     segments: SegmentTask = Field(default_factory=SegmentTask)
     feed_plants: FeedPlants = Field(default_factory=FeedPlants)
     chirp: LearningChirp = Field(default_factory=LearningChirp)
+    daemon: Daemon = Field(default_factory=Daemon)

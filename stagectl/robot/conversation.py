@@ -5,12 +5,12 @@ from enum import Enum
 
 import numpy as np
 
+from rigkit.wire.layout import GarbledError
 from stagectl.link.tell import Tell
 from stagectl.robot.config import Robot
 from stagectl.robot.guard import CommandGuard
 from stagectl.robot.lag import Lag
 from stagectl.wire.egm import MODULUS, RATE, Command, Motion, Report, pack_command, unpack_report
-from stagectl.wire.layout import GarbledError
 from stagectl.wire.sequence import Sequence
 
 _JITTER = 0.5
@@ -102,6 +102,10 @@ class RobotConversation:
         if self.report is None:
             return np.full(self.guard.width, np.nan)
         return self.report.planned_angle if self.guard.mode == "joints" else self.report.pose
+
+    def count_from(self, counter: int) -> None:
+        """Let the next answer have the counter after this one."""
+        self._counter = counter
 
     def begin(self) -> None:
         """Let references go out, from where the robot is; it is held there until the first has come."""

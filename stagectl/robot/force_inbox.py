@@ -82,7 +82,7 @@ class ForceInbox:
             counts.late += 1
             return
         counts.lost += missing
-        if record.status & SATURATED or np.any(np.abs(record.wrench) >= _NEARLY * sensor.range):
+        if is_saturated(record, sensor):
             counts.saturated += 1
             self._end = now if self._end is None else self._end
             self.seen = now
@@ -153,6 +153,11 @@ class ForceInbox:
             return
         self.fault, self.is_watched = name, False
         self._tell(f"the force sensor {'has' if name == 'drifted' else 'is'} {name}: {why}")
+
+
+def is_saturated(record: Record, sensor: ForceSensor) -> bool:
+    """Whether a record is at an end of the range, or says so."""
+    return bool(record.status & SATURATED or np.any(np.abs(record.wrench) >= _NEARLY * sensor.range))
 
 
 def _three(values: np.ndarray) -> str:

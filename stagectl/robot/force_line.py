@@ -8,56 +8,9 @@ import numpy as np
 
 from ctlblocks.block import Block, Port
 from stagectl.link.bus import LinkError
-from stagectl.link.robot_datagrams import Datagrams, resolved
 from stagectl.robot.force_config import ForceSensor
 from stagectl.robot.force_inbox import ForceCounts, ForceInbox
-from stagectl.wire.force_sensor import Request, pack_request, unpack_records
-from stagectl.wire.layout import GarbledError
-
-_LOOK = 0.005
-"""s without a datagram after which the thread looks at the time."""
-_AGAIN = 0.5
-"""s of silence after which the stream is asked for again: the box has been off, or the request was lost."""
-
-
-class _Talk:
-    """Asks for the stream, and again after a silence; hands records on."""
-
-    def __init__(self, inbox: ForceInbox, counts: np.ndarray, now: Callable[[], float]) -> None:
-        self.peer: tuple[str, int] | None = None
-        self.inbox, self.is_over = inbox, False
-        self._counts, self._now, self._asked = counts, now, -np.inf
-
-    def take(self, data: bytes, sender: tuple[str, int], now: float) -> None:
-        """Take a datagram of the box; others are not listened to."""
-        if sender != self.peer:
-            return
-        try:
-            records = unpack_records(data, self._counts)
-        except GarbledError:
-            self.inbox.counts.garbled += 1
-            return
-        for record in records:
-            self.inbox.accept(record, now)
-
-    def give(self) -> bytes | None:
-        """Return a request where one is due."""
-        if self.is_over:
-            return pack_request(Request.STOP)
-        now = self._now()
-        if now - max(self._asked, self.inbox.seen) < _AGAIN:
-            return None
-        self._asked = now
-        self.inbox.lose()
-        return pack_request(Request.STREAM)
-
-    def watch(self, now: float) -> None:
-        """Look at the time."""
-        self.inbox.watch(now)
-
-    def finish(self) -> None:
-        """Ask for the end of the stream from now on."""
-        self.is_over = True
+from stagectl.robot.force_stream import ForceStream
 
 
 class ForceLine:
@@ -85,24 +38,17 @@ class ForceLine:
     ) -> None:
         self.sensor, self.inbox, self.reason = sensor, ForceInbox(sensor, self._fail), ""
         self._hold, self._now, self._patience = hold, now, patience
-        self._talk = _Talk(self.inbox, sensor.counts, now)
-        self._carrier = Datagrams(sensor.listen, 0, self._talk, now, _LOOK, "force_sensor")
+        self._stream = ForceStream(sensor, self.inbox, now, patience)
 
     def __enter__(self) -> Self:
         """Ask for the stream, and wait for it."""
-        self._talk.peer = resolved(self.sensor.host, self.sensor.port, "force_sensor")
-        self._carrier.open()
-        if not self._until(lambda: self.inbox.seen > -np.inf):
-            self._carrier.close()
-            host, port = self.sensor.host, self.sensor.port
-            raise LinkError(f"the force sensor on {host}:{port} sends nothing within {self._patience:g} s")
+        self._stream.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
         """End the stream."""
         self.stop()
-        self._carrier.ask(self._talk.finish)
-        self._carrier.close()
+        self._stream.__exit__()
 
     @property
     def counts(self) -> ForceCounts:
@@ -135,8 +81,8 @@ class ForceLine:
         """
         done = self.inbox.rests
         self.inbox.fault = self.reason = ""
-        self._carrier.ask(lambda: self.inbox.rest(self._now()))
-        self._until(lambda: bool(self.reason) or self.inbox.rests > done, self.sensor.rest)
+        self._stream.ask(lambda: self.inbox.rest(self._now()))
+        self._stream.until(lambda: bool(self.reason) or self.inbox.rests > done, self._patience + self.sensor.rest)
         self.inbox.move()
         if self.reason or self.inbox.rests == done:
             raise LinkError(self.reason or f"the force sensor sends no {self.sensor.rest:g} s of records at rest")
@@ -145,10 +91,6 @@ class ForceLine:
     def _fail(self, reason: str) -> None:
         self.reason = reason
         self._hold(reason)
-
-    def _until(self, met: Callable[[], bool], more: float = 0.0) -> bool:
-        with self._carrier.arrived:
-            return self._carrier.arrived.wait_for(met, self._patience + more)
 
 
 class MeasuredForce(Block):

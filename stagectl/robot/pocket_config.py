@@ -65,7 +65,7 @@ class Learning(Section):
     epsilon: float = setting(1e-3, "1", "of the regularised inverse", ge=0, le=1)
     gap: float = setting(0.05, "s", "without a sample in a log is refused", gt=0, le=1)
     correction: float = setting(
-        2e-3,
+        3e-3,
         "m",
         "distance by which learning may move the tool; in place of limits.correction",
         gt=0,

@@ -60,13 +60,15 @@ class RobotPort:
         self._tell, self._now = tell, now
         guard = CommandGuard(arm_of(config), config.limits, config.robot.mode, config.robot.tool)
         self.conversation = RobotConversation(config.robot, guard, tell)
+        # a robot that an earlier port has led must not take this one's commands for late ones
+        self.conversation.count_from(int(now() * RATE))
         patience = 0.5 / RATE
         self._carrier = Datagrams(config.robot.listen, config.robot.port, self.conversation, now, patience)
 
     def __enter__(self) -> Self:
         """Listen until the robot is heard."""
         self._carrier.open()
-        if not self._until(lambda: self.conversation.report is not None, self.robot.patience):
+        if not self.until(lambda: self.conversation.report is not None, self.robot.patience):
             self._carrier.close()
             host, port = self.address
             raise LinkError(f"the robot is not heard on {host}:{port} within {self.robot.patience:g} s")
@@ -183,13 +185,14 @@ class RobotPort:
     def wait(self, samples: int, seconds: float) -> bool:
         """Return True as soon as so many reports have come in all, False on a fault or after `seconds`."""
         counts = self.conversation.counts
-        self._until(lambda: counts.received >= samples or bool(self.reason), seconds)
+        self.until(lambda: counts.received >= samples or bool(self.reason), seconds)
         return counts.received >= samples and not self.reason
 
     def flush(self) -> None:
         """Have the reference that waits sent now."""
         self._carrier.flush()
 
-    def _until(self, met: Callable[[], bool], seconds: float) -> bool:
+    def until(self, met: Callable[[], bool], seconds: float) -> bool:
+        """Return whether `met` holds, as soon as something has come after which it does, or after `seconds`."""
         with self._carrier.arrived:
             return self._carrier.arrived.wait_for(met, seconds)

@@ -50,6 +50,10 @@ class RobotProgram:
         """Close the clamp that holds the tool, or open it."""
         self._do(f"CLAMP {int(is_clamped)}")
 
+    def change(self, is_there: bool) -> None:
+        """Have a fresh workpiece put under the tool, or taken away, by a changer of the robot's own."""
+        self._do(f"BLOCK {int(is_there)}")
+
     def reset(self) -> None:
         """Switch the motors on again, and begin guided motion anew where the robot is."""
         self._do("RESET")

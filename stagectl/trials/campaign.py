@@ -9,9 +9,10 @@ from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.convergence import Contraction, Doubt, cautious, contraction
 from stagectl.robot.milling.learning import LearningLaw, predicted, update
 from stagectl.robot.milling.milling_models import MillingModels
+from stagectl.robot.milling.step_size import heeding
 from stagectl.robot.milling.trial_error import TrialSignals, kinematic_error, tool_position
 from stagectl.trials.done import DoneTrial
-from stagectl.trials.signals import torque_log, touched_block, touched_off
+from stagectl.trials.signals import torque_log, touched_block, touched_off, tracker_late
 from stagectl.trials.tool_path import RATE, refuse_large, refuse_outside
 from stagectl.trials.trial import Trial
 
@@ -65,12 +66,13 @@ class Learner:
     def _doubt(self, method: int | None) -> Doubt:
         return self.models.doubt(SIDE[method], None if method is None else FORCE[method])
 
-    def next_path(self, done: DoneTrial, method: int | None) -> np.ndarray:
+    def next_path(self, done: Sequence[DoneTrial], method: int | None) -> np.ndarray:
         """Return the path of the next trial, shape (N, 3), m.
 
         Parameters
         ----------
-        done : DoneTrial
+        done : sequence of DoneTrial
+            The trials so far: the last one is learned from, the others tell how much of a correction proves right.
         method : int or None
             None for free space.
 
@@ -79,17 +81,18 @@ class Learner:
         ValueError : a law that may diverge, a signal that is missing, a path that leaves the workpiece.
         """
         kinematic = kinematic_error([each.signals for each in self.free]) if method in (2, 3) else None
-        return self.corrected(done.trial, self.signals(done, method), method, kinematic)
+        return self.corrected(done[-1].trial, [self.signals(each, method) for each in done], method, kinematic)
 
     def corrected(
-        self, trial: Trial, signals: TrialSignals, method: int | None, kinematic: np.ndarray | None
+        self, trial: Trial, signals: Sequence[TrialSignals], method: int | None, kinematic: np.ndarray | None
     ) -> np.ndarray:
-        """Return the path of the trial after one with these signals, shape (N, 3), m.
+        """Return the path of the trial after those with these signals, shape (N, 3), m.
 
         Parameters
         ----------
         trial : Trial
-        signals : TrialSignals
+            The last one.
+        signals : sequence of TrialSignals
         method : int or None
         kinematic : array, shape (N, 3), m, or None
             d_e; methods 2 and 3 need it.
@@ -100,9 +103,10 @@ class Learner:
         """
         law = self.law(method)
         self.contraction(method).refuse_divergence()
-        where = tool_position(signals, method or 1, RATE, law.process, kinematic)
-        sent = update(signals.sent, trial.path.wanted - where, law)
-        come = predicted(where, sent - signals.sent, law)
+        where = [tool_position(each, method or 1, RATE, law.process, kinematic) for each in signals]
+        law = heeding(law, [each.sent for each in signals], where)
+        sent = update(signals[-1].sent, trial.path.wanted - where[-1], law)
+        come = predicted(where[-1], sent - signals[-1].sent, law)
         refuse_outside(trial.path.pocket, trial.path.wanted, come, self.cell.learning.stray)
         refuse_large(trial.path.wanted, sent, self.cell.learning.correction)
         return sent
@@ -142,11 +146,12 @@ def learn_free_space(first: Trial, learner: Learner, run: Run) -> Trial:
     for number in range(learner.cell.learning.free):
         done = run(f"{FREE}-{number}", trial)
         if number == 0:  # where the tool rests is where the tracker has the workpiece, and where that is clamped
+            trial = replace(trial, late=tracker_late(trial, done.records))
             touched = touched_off(trial, done.records), touched_block(trial, done.records)
             trial = replace(trial, zero=touched[0], block=touched[1])
             done = DoneTrial(done.name, trial, done.records)
         learner.free.append(done)
-        trial = trial.again(learner.next_path(done, None), False)
+        trial = trial.again(learner.next_path([done], None), False)
     learner.free.append(run(f"{FREE}-{learner.cell.learning.free}", trial))
     return trial.again(trial.sent, True)
 
@@ -165,7 +170,7 @@ def learn_pocket(first: DoneTrial, learner: Learner, method: int, iterations: in
     """
     done = [first]
     for iteration in range(1, iterations + 1):
-        sent = learner.next_path(done[-1], method)
+        sent = learner.next_path(done, method)
         trial = replace(first.trial.again(sent, True), number=BLOCK * method + first.trial.number + iteration)
         done.append(run(f"method-{method}-{iteration}", trial))
     return done

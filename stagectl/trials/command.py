@@ -2,29 +2,26 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, TextIO
+from typing import Annotated
 
 import typer
 
 from rigkit import config as rig_file
-from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
-from rigkit.run_folder import RunFolder
-from rigkit.stop import stoppable
-from stagectl.machining.run import Conduct
+from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
 from stagectl.robot.config import CellConfig
+from stagectl.robot.live.guide import refuse_needless_yes, refuse_unattended
 from stagectl.robot.milling.milling_models import MillingModels, read_milling
 from stagectl.robot.milling.torque_file import read_force_model
 from stagectl.robot.milling.trial_error import METHODS, kinematic_error
-from stagectl.trials.campaign import FIRST, Learner, determined, learn_free_space, learn_pocket
-from stagectl.trials.done import DoneTrial
-from stagectl.trials.log_folder import LogFolder, write_logs, write_path
-from stagectl.trials.report import HEAD, TABLE_HEAD, figures, method_rows, trial_report, trial_rows
-from stagectl.trials.session import LEARNING, Runner, grouped, read_back, run_simulated
+from stagectl.trials.campaign import Learner, determined
+from stagectl.trials.job import Job, run_trials
+from stagectl.trials.live import steps
+from stagectl.trials.log_folder import LogFolder, write_path
 from stagectl.trials.surroundings import refuse_wrong_plants
 from stagectl.trials.tool_path import RATE
 from stagectl.trials.trial import TASKS, Trial, cell_for_task, first_trial
 
-ALL, PAGE, LOGS, AIR, NEXT = "all", "report.html", "logs", "free", "next.csv"
+ALL, AIR, NEXT = "all", "free", "next.csv"
 
 
 def ilc(
@@ -32,6 +29,9 @@ def ilc(
     iterations: Annotated[int, typer.Option(help="Trials in material after the first one.", min=1, max=50)] = 4,
     task: Annotated[str, typer.Option(metavar="TASK", help=f"{', '.join(TASKS)}.")] = "pocket28",
     out: Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make for trials and report.")] = None,
+    is_live: Annotated[bool, typer.Option("--live", help="The robot of [robot]; else the simulated cell.")] = False,
+    is_sure: Annotated[bool, typer.Option("--yes", help="Live: go on from trial to trial without asking.")] = False,
+    dry: Annotated[bool, typer.Option("--dry-run", help="Print every motion of a live run, and make none.")] = False,
     logs: Annotated[
         Path | None, typer.Option("--from", metavar="LOGDIR", help="Learn from the logs of one trial; run nothing.")
     ] = None,
@@ -47,12 +47,20 @@ def ilc(
     force estimated from motor torques.  With --from it reads the logs of a trial that was run elsewhere, and writes
     the path to send next into that folder.
 
+    Live, it asks before each trial: for no block, or for a fresh one.  Ctrl-C in a trial lifts the tool out.
+
     Examples: `stagectl ilc --config cell.toml --method 1 --iterations 4 --task pocket28 --out RUN/`,
-    `stagectl ilc --method 3 --from LOGDIR/`
+    `stagectl ilc --config cell.toml --method 1 --live --out RUN/`, `stagectl ilc --method 3 --from LOGDIR/`
     """
     methods = wanted_methods(method)
+    if is_live and logs is not None:
+        raise ValueError("--live and --from are given, must be one of them: logs are of a trial that was run elsewhere")
+    refuse_needless_yes(is_sure, is_live)
     cell = cell_for_task(rig_file.load(config, CellConfig, settings or []), task)
     first = first_trial(cell, task)
+    if dry:
+        _say_steps(cell, first, 1 + iterations * len(methods))
+        return
     learner = learner_of(cell, model or Path(cell.learning.model), first, methods)
     if logs is not None:
         if len(methods) != 1:
@@ -63,41 +71,26 @@ def ilc(
         return
     if out is None:
         raise ValueError("--out is missing: trials are kept there")
-    found = _learned(out, task, first, learner, methods, iterations, png, words(json))
-    write_json(json, found)
+    job = Job(task, first, methods, iterations, is_live, is_sure)
+    _refuse(job, learner)
+    write_json(json, run_trials(out, job, learner, png, words(json)))
 
 
-def _learned(
-    out: Path, task: str, first: Trial, learner: Learner, methods: tuple[int, ...], iterations: int,
-    png: Path | None, stream: TextIO,
-) -> dict[str, Any]:  # fmt: skip
-    """Run all trials of all methods; keep, report and tell of them."""
-    for each in (None, *methods):
-        learner.contraction(each).refuse_divergence()
-    refuse_wrong_plants(first)
+def _say_steps(cell: CellConfig, first: Trial, trials: int) -> None:
+    for number, each in enumerate(steps(cell, first, trials), start=1):
+        typer.echo(f"{number:3d}  {each}")
 
-    def tell(text: str) -> None:
-        print(text, file=stream, flush=True)  # noqa: T201
 
-    with RunFolder.create(out, rig_file.dump(learner.cell)) as folder, stoppable() as stop:
-        folder.write(LEARNING, f"{task}\n")
-        runner = Runner(folder, Conduct(folder.event, lambda: stop.made), run_simulated, tell)
-
-        def run(name: str, trial: Trial) -> DoneTrial:
-            done = runner(name, trial)
-            write_logs(folder.path / LOGS / name, done)
-            return done
-
-        try:
-            milled = run(FIRST, learn_free_space(first, learner, run))
-            learned = {each: learn_pocket(milled, learner, each, iterations, run) for each in methods}
-        finally:
-            found = report_again(folder.path, png)
-            folder.summarise(found)
-    print_table(f"{out}: errors of every trial", HEAD, trial_rows(learner.free, learned), stream)
-    print_table(f"{out}: as Table 5.1", TABLE_HEAD, method_rows(learned), stream)
-    tell(f"report: {out / PAGE}")
-    return found
+def _refuse(job: Job, learner: Learner) -> None:
+    """Refuse what cannot be run, before anything moves or is written, by ValueError."""
+    for learned in (None, *job.methods):
+        learner.contraction(learned).refuse_divergence()
+    if not job.is_live:
+        refuse_wrong_plants(job.first)
+        return
+    if 3 in job.methods and not learner.cell.robot.signals:
+        raise ValueError("robot.signals is 0: method 3 needs the motors' torques, must be the port of their line")
+    refuse_unattended(learner.cell, job.is_sure)
 
 
 def wanted_methods(text: str) -> tuple[int, ...]:
@@ -105,7 +98,7 @@ def wanted_methods(text: str) -> tuple[int, ...]:
     known = {str(each): each for each in METHODS}
     found = list(known.values()) if text == ALL else [known.get(part.strip(), 0) for part in text.split(",")]
     if not all(found):
-        raise ValueError(f"--method is {text!r}, must be {', '.join(known)}, several of them, or {ALL}")
+        raise ValueError(f"method is {text!r}, must be {', '.join(known)}, several of them, or {ALL}")
     return tuple(dict.fromkeys(found))
 
 
@@ -126,7 +119,7 @@ def learner_of(cell: CellConfig, file: Path, first: Trial, methods: tuple[int, .
     models: MillingModels = read_milling(file)
     if 3 not in methods:
         return Learner(cell, models)
-    known = read_force_model(file, first.arm, cell.force_estimate.tie_break)
+    known = read_force_model(file, first.arm, cell.force_estimate)
     return Learner(cell, models, lambda angle, torque: known.estimate(angle, torque, RATE).force)
 
 
@@ -153,23 +146,6 @@ def learn_from_logs(folder: Path, first: Trial, learner: Learner, method: int) -
     if method == 3 and air is not None:
         told = [determined(learner.forces, *each.torques, str(each.path)) for each in (done, air)]
         signals = replace(signals, force=told[0] - told[1])
-    sent = learner.corrected(first, signals, method, kinematic)
+    sent = learner.corrected(first, [signals], method, kinematic)
     write_path(folder / NEXT, sent, first.path.joints(first.arm, sent))
     return folder / NEXT
-
-
-def report_again(path: Path, png: Path | None = None) -> dict[str, Any]:
-    """Draw the report of a folder of trials again, and return its figures.
-
-    Parameters
-    ----------
-    path : Path
-    png : Path, optional
-        Folder for the figures as PNG files as well.
-    """
-    free, learned = grouped(read_back(path))
-    report = trial_report(free, learned, path)
-    report.write(path / PAGE)
-    if png is not None:
-        report.png(png)
-    return figures(free, learned)

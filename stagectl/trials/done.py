@@ -15,6 +15,8 @@ from stagectl.trials.trial import Trial
 
 SUFFIXES = {"trial": "csv", "truth": "csv", "tracker": "wav"}
 """Formats: of many channels a WAV is smaller and quicker; both keep every bit."""
+WHOLE = "-sent.csv"
+"""How the file ends that is written last of a trial."""
 SENT = ("sent_x", "sent_y", "sent_z")
 
 
@@ -79,11 +81,11 @@ class DoneTrial:
         """Write its recordings, and the path that was sent."""
         for name, kept in self.records.items():
             recording.write(folder / f"{self.name}-{name}.{SUFFIXES[name]}", kept)
-        recording.write(folder / f"{self.name}-sent.csv", self._sent())
+        recording.write(folder / f"{self.name}{WHOLE}", self._sent())
 
     def _sent(self) -> Recording:
         trial = self.trial
-        about = {"number": str(trial.number), "milled": str(int(trial.is_milled))}
+        about = {"number": str(trial.number), "milled": str(int(trial.is_milled)), "late": repr(trial.late)}
         for name, place in (("zero", trial.zero), ("block", trial.block)):
             if place is not None:
                 about[name] = " ".join(repr(float(each)) for each in place)
@@ -104,14 +106,15 @@ def read_trial(folder: Path, name: str, first: Trial) -> DoneTrial:
     ------
     RecordingError : a file that is not there, or not whole.
     """
-    sent = recording.read(folder / f"{name}-sent.csv")
+    sent = recording.read(folder / f"{name}{WHOLE}")
     about = sent.provenance
     places = {key: np.array([float(each) for each in about[key].split()]) for key in ("zero", "block") if key in about}
-    trial = Trial(first.cell, first.path, int(about["number"]), sent.data, about["milled"] == "1", **places)
+    late = float(about.get("late", "0"))
+    trial = Trial(first.cell, first.path, int(about["number"]), sent.data, about["milled"] == "1", **places, late=late)
     files = {each: folder / f"{name}-{each}.{suffix}" for each, suffix in SUFFIXES.items()}
     return DoneTrial(name, trial, {each: recording.read(file) for each, file in files.items() if file.exists()})
 
 
 def has_trial(folder: Path, name: str) -> bool:
     """Whether a folder has a trial of that name; its path is written last."""
-    return (folder / f"{name}-sent.csv").exists()
+    return (folder / f"{name}{WHOLE}").exists()

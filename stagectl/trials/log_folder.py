@@ -11,8 +11,8 @@ from stagectl.robot.milling.axis_model import AxisModel, robot_response
 from stagectl.robot.milling.trial_error import TrialSignals
 from stagectl.robot.milling.zero_phase import filtered
 from stagectl.trials.done import DoneTrial
-from stagectl.trials.recorded import REFERENCE
-from stagectl.trials.signals import rest, torque_log, tracker_log
+from stagectl.trials.recorded import REFERENCE, TORQUE
+from stagectl.trials.signals import ANGLE, NO_TORQUES, rest, tracker_log
 from stagectl.trials.tool_path import RATE
 from stagectl.trials.trial import Trial
 
@@ -185,13 +185,14 @@ def write_logs(folder: Path, done: DoneTrial) -> None:
     done : DoneTrial
     """
     folder.mkdir(parents=True, exist_ok=True)
-    angle, torque = torque_log(done.records)
-    time = np.arange(len(angle)) / RATE
+    own = done.records["trial"]
+    time = np.arange(len(own.data)) / RATE
     write_path(folder / SENT, done.trial.sent, done.trial.joints)
-    asked = done.records["trial"].select(REFERENCE.channels).data
-    heads = [[f"{name} [{unit}]" for name in names] for names, unit in (
-        (ANGLES, "rad"), (TORQUES, "N m"), (REFERENCES, "rad"))]  # fmt: skip
-    _write(folder / ROBOT, ("time [s]", *heads[0], *heads[1], *heads[2]), (time, angle, torque, asked))
+    kept = [(ANGLES, "rad", ANGLE), (REFERENCES, "rad", REFERENCE)]
+    if NO_TORQUES not in own.provenance:
+        kept.insert(1, (TORQUES, "N m", TORQUE))
+    head = [f"{name} [{unit}]" for names, unit, _ in kept for name in names]
+    _write(folder / ROBOT, ("time [s]", *head), (time, *(own.select(each.channels).data for *_, each in kept)))
     _write(folder / TRACKER, ("time [s]", *(f"{name} [m]" for name in POSITION)), tracker_log(done.records))
     assert done.signals.force is not None
     _write(folder / FORCE, ("time [s]", *(f"{name} [N]" for name in FORCES)), (time, done.signals.force))

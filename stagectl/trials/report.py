@@ -82,7 +82,8 @@ def _sections(free: Sequence[DoneTrial], learned: Learned) -> Iterator[Section]:
     for method, done in learned.items():
         yield Section(f"Path, method {method}", plots=(_path(done),))
         yield Section(f"Error along the path, method {method}", plots=(_along(done),))
-    yield Section("Free space", plots=(_along(free),))
+    if free:
+        yield Section("Free space", plots=(_along(free),))
 
 
 def _iterations(learned: Learned) -> Plot:

@@ -48,5 +48,6 @@ def run(
         if made.port.reason or made.path.is_clear:
             conduct.advance(graph, min(left, total - done))
             break
+    conduct.rest()
     kept = {name: named(made.records[name], signals, about) for name, signals in recorded.items()}
     return Milled(kept, made.reason, made.figures())

@@ -11,7 +11,7 @@ from rigkit.run_folder import CONFIG, RunFolder
 from stagectl.machining.run import Conduct, Milled
 from stagectl.robot.config import CellConfig
 from stagectl.trials.campaign import FIRST, FREE
-from stagectl.trials.done import DoneTrial, TrialEnded, has_trial, read_trial
+from stagectl.trials.done import WHOLE, DoneTrial, TrialEnded, has_trial, read_trial
 from stagectl.trials.recorded import RECORDED
 from stagectl.trials.run import run
 from stagectl.trials.surroundings import simulated
@@ -20,12 +20,21 @@ from stagectl.trials.trial import Trial, first_trial
 LEARNING = "task.txt"
 """File of a run's folder that has the name of its task."""
 Tell = Callable[[str], None]
+Perform = Callable[[Trial, Conduct], Milled]
+"""Runs a trial: `run_simulated`, or `live.LiveTrials`."""
 
 
 def run_simulated(trial: Trial, conduct: Conduct) -> Milled:
     """Run a trial on the simulated cell."""
     about = {"trial": str(trial.number), "date": now(), "software": software()}
     return run(trial, conduct, simulated, RECORDED, about)
+
+
+def create(path: Path, cell: CellConfig, task: str) -> RunFolder:
+    """Make the folder of new trials; ValueError where something is in it already."""
+    with RunFolder.filled(path, rig_file.dump(cell)) as folder:
+        folder.write(LEARNING, f"{task}\n")
+    return folder
 
 
 class Runner:
@@ -35,15 +44,12 @@ class Runner:
     ----------
     folder : RunFolder
     conduct : Conduct
-    perform : callable(Trial, Conduct) -> Milled
-        Runs a trial: `run_simulated`, or a live one.
+    perform : Perform
     tell : callable(str)
         Told a line of each trial.
     """
 
-    def __init__(
-        self, folder: RunFolder, conduct: Conduct, perform: Callable[[Trial, Conduct], Milled], tell: Tell
-    ) -> None:
+    def __init__(self, folder: RunFolder, conduct: Conduct, perform: Perform, tell: Tell) -> None:
         self.folder, self._conduct, self._perform, self._tell = folder, conduct, perform, tell
 
     def __call__(self, name: str, trial: Trial) -> DoneTrial:
@@ -52,12 +58,17 @@ class Runner:
         Raises
         ------
         TrialEnded : a fault ended it; what was recorded until then is kept.
+        OSError : a live robot that did not come to its beginning.
         """
         path = self.folder.path
         if has_trial(path, name):
             return read_trial(path, name, trial)
         self.folder.event("started", {"trial": name, "milled": trial.is_milled})
-        came = self._perform(trial, self._conduct)
+        try:
+            came = self._perform(trial, self._conduct)
+        except OSError as fault:
+            self.folder.event("ended", {"trial": name, "reason": str(fault)})
+            raise
         done = DoneTrial(name if not came.reason else f"{name}-ended", trial, came.recordings)
         done.write(path)
         self.folder.event("ended", {"trial": name, "reason": came.reason, **came.figures})
@@ -74,15 +85,20 @@ def is_of_trials(path: Path) -> bool:
     return (path / CONFIG).is_file() and (path / LEARNING).is_file()
 
 
+def is_recorded(path: Path) -> bool:
+    """Whether a folder has a trial."""
+    return any(path.glob(f"*{WHOLE}"))
+
+
 def read_back(path: Path) -> list[DoneTrial]:
     """Return all trials of a folder, in the order of their numbers; ValueError if it is none of theirs, or empty."""
     if not is_of_trials(path):
         raise ValueError(f"{path}/ is not the folder of trials: it has no {CONFIG} and {LEARNING}")
     task = (path / LEARNING).read_text(encoding="utf-8").strip()
     first = first_trial(rig_file.load(path / CONFIG, CellConfig), task)
-    names = [file.name.removesuffix("-sent.csv") for file in path.glob("*-sent.csv")]
-    if not names:
+    if not is_recorded(path):
         raise ValueError(f"{path}: nothing is recorded")
+    names = [file.name.removesuffix(WHOLE) for file in path.glob(f"*{WHOLE}")]
     return sorted((read_trial(path, name, first) for name in names), key=lambda each: each.trial.number)
 
 
@@ -101,6 +117,6 @@ def grouped(trials: list[DoneTrial]) -> tuple[list[DoneTrial], dict[int, list[Do
         if found := re.fullmatch(r"method-(\d)-\d+", each.name):
             learned.setdefault(int(found[1]), list(first)).append(each)
     if free and free[-1].trial.zero is not None:  # the first was run before it was known where the tracker has the work
-        zero, block = free[-1].trial.zero, free[-1].trial.block
-        free[0] = replace(free[0], trial=replace(free[0].trial, zero=zero, block=block))
+        last = free[-1].trial
+        free[0] = replace(free[0], trial=replace(free[0].trial, zero=last.zero, block=last.block, late=last.late))
     return free, learned

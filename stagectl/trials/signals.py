@@ -6,7 +6,7 @@ import numpy as np
 
 from ctlblocks.recording import Recording
 from stagectl.machining.recorded import ROBOT
-from stagectl.robot.milling.alignment import on_grid
+from stagectl.robot.milling.alignment import on_grid, shift
 from stagectl.robot.milling.trial_error import TrialSignals
 from stagectl.trials.recorded import FELT, MADE, TORQUE, TRUTH
 from stagectl.trials.run import FOLLOW
@@ -17,6 +17,10 @@ BEFORE = 0.1
 """s before the path begins that are not counted as rest."""
 ANGLE = next(signal for signal in ROBOT if signal.name == "motor_angle")
 STAMP = "stamp"
+NO_TORQUES = "no_torques"
+"""In a recording's provenance: why its torques are none."""
+LATEST = 0.2
+"""s by which the tracker's clock may be behind the robot's, after the quickest messages of both."""
 
 
 def signals_of(trial: Trial, records: Mapping[str, Recording], force: np.ndarray | None = None) -> TrialSignals:
@@ -52,7 +56,7 @@ def tool_seen(trial: Trial, tracker: Recording, count: int) -> np.ndarray:
     """
     stamp, seen = tracker_log({"tracker": tracker})
     grid, patience = np.arange(count) / RATE, trial.cell.learning.gap
-    return np.asarray(on_grid(stamp, seen, grid, patience, "the tracker") - trial.seen_origin)
+    return np.asarray(on_grid(stamp - trial.late, seen, grid, patience, "the tracker") - trial.seen_origin)
 
 
 def tracker_log(records: Mapping[str, Recording]) -> tuple[np.ndarray, np.ndarray]:
@@ -66,6 +70,24 @@ def tracker_log(records: Mapping[str, Recording]) -> tuple[np.ndarray, np.ndarra
     seen = tracker.select(MADE["tracker"][0].channels).data
     new = np.flatnonzero((np.diff(seen, axis=0) != 0).any(axis=1)) + 1
     return tracker.select([STAMP]).data[new, 0], seen[new]
+
+
+def tracker_late(trial: Trial, records: Mapping[str, Recording]) -> float:
+    """Return by how much later than the motors the tracker has the tool, s, in the air; 0 where they have one clock.
+
+    A real tracker's clock is brought to the robot's by the messages that came quickest, so what is left is how long it
+    looks and thinks: found by the motion, as of logs.  In the simulated cell a time stamp is exact.
+
+    Parameters
+    ----------
+    trial : Trial
+    records : mapping of str to Recording
+    """
+    if "truth" in records:
+        return 0.0
+    own = records["trial"]
+    joints = trial.path.in_workpiece(trial.arm, own.select(ANGLE.channels).data)
+    return shift(joints, tool_seen(trial, records["tracker"], len(joints)), RATE, LATEST)
 
 
 def touched_off(trial: Trial, records: Mapping[str, Recording]) -> np.ndarray:
@@ -84,12 +106,16 @@ def touched_off(trial: Trial, records: Mapping[str, Recording]) -> np.ndarray:
 def tared(trial: Trial, force: np.ndarray) -> np.ndarray:
     """Return a force less what it is on average at rest before the path, shape (N, 3), N.
 
+    Its zero is taken in the beginning of that rest, which does not count.
+
     Parameters
     ----------
     trial : Trial
     force : array, shape (N, 3), N
     """
-    return np.asarray(force - force[rest(trial)].mean(axis=0))
+    still = rest(trial)
+    known = max(still.start, round((trial.cell.force_sensor.rest + BEFORE) * RATE))
+    return np.asarray(force - force[min(known, still.stop - 1) : still.stop].mean(axis=0))
 
 
 def rest(trial: Trial) -> slice:
@@ -132,6 +158,12 @@ def torque_log(records: Mapping[str, Recording]) -> tuple[np.ndarray, np.ndarray
     Parameters
     ----------
     records : mapping of str to Recording
+
+    Raises
+    ------
+    ValueError : a live trial without torques, by its reason.
     """
     own = records["trial"]
+    if NO_TORQUES in own.provenance:
+        raise ValueError(own.provenance[NO_TORQUES])
     return own.select(ANGLE.channels).data, own.select(TORQUE.channels).data

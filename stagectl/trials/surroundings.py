@@ -28,6 +28,7 @@ def simulated(graph: Graph, trial: Trial) -> Sources:
     if trial.is_milled:
         graph.add("cut", named_block(plants.pocket, options["cut"]))
         graph.connect("robot.position", "cut.tool")
+        graph.connect("robot.give", "cut.give")
     else:
         graph.add("cut", Still(), SLOW)
     graph.add("sensor", named_block(plants.force_sensor, options["sensor"]))

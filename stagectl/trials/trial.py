@@ -40,6 +40,8 @@ class Trial:
         Where the tracker sees the workpiece's origin; where its gateway and the robot agree if not given.
     block : array, shape (3,), m, optional
         Where the simulated workpiece's origin is in the base: it is touched off with the tool as the arm bends.
+    late : float, s
+        By how much later than the motors the tracker has the tool.
     """
 
     cell: CellConfig
@@ -49,6 +51,7 @@ class Trial:
     is_milled: bool
     zero: np.ndarray | None = None
     block: np.ndarray | None = None
+    late: float = 0.0
 
     @cached_property
     def arm(self) -> Arm:

@@ -1,7 +1,7 @@
 """How long frames keep the bus busy, at worst."""
 
+from rigkit.wire.layout import Layout
 from stagectl.wire import messages
-from stagectl.wire.layout import Layout
 
 _CLASSIC_ENDS = 47
 """Bits of a classic frame with 11 bits of identifier beside its data: 34 that may be stuffed, 10 not, 3 of silence."""

@@ -14,7 +14,7 @@ import numpy as np
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from google.protobuf.message import DecodeError
 
-from stagectl.wire.layout import GarbledError, WireError
+from rigkit.wire.layout import GarbledError, WireError
 
 RATE = 250.0
 """Reports/s."""

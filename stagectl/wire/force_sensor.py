@@ -14,7 +14,7 @@ from enum import IntEnum, IntFlag
 
 import numpy as np
 
-from stagectl.wire.layout import GarbledError, WireError
+from rigkit.wire.layout import GarbledError, WireError
 
 PORT = 49_152
 """Where the box listens."""

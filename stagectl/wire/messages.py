@@ -2,7 +2,7 @@
 
 from enum import IntEnum
 
-from stagectl.wire.layout import LONG, NEVER, SHORT, Field, Layout
+from rigkit.wire.layout import LONG, NEVER, SHORT, Field, Layout
 
 RATE = 10_000
 """Samples/s of the stage's loops."""

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stagectl.wire.layout import GarbledError, WireError
+from rigkit.wire.layout import GarbledError, WireError
 
 LARGEST = 65_536
 """Bytes of a set at most."""

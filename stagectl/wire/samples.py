@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from rigkit.wire.layout import GarbledError, Layout, WireError
 from stagectl.wire import messages
-from stagectl.wire.layout import GarbledError, Layout, WireError
 
 FULL_SCALE = 32_767
 """Counts; one more to the other side stands for a sample that is not valid."""

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stagectl.wire.checksum import crc16
-from stagectl.wire.layout import WireError
+from rigkit.wire.checksum import crc16
+from rigkit.wire.layout import WireError
 
 MODULUS = 1 << 32
 MAGIC = b"TRK1"

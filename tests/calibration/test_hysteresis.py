@@ -47,6 +47,7 @@ def test_what_a_model_makes_is_fitted_to_its_last_digits() -> None:
     np.testing.assert_allclose([*found.model.rising, *found.model.falling], [-0.1, 0.05, 0.1, 0.0], atol=0.04)
 
 
+@pytest.mark.slow
 def test_a_lag_is_told_from_the_loops_where_a_record_has_several_rates() -> None:
     voltage = _swept(3_000)
     response = respond(replace(TRUE, lag=0.02), voltage)

@@ -57,9 +57,6 @@ from stagectl.robot.port import RobotPort
 from stagectl.robot.port_blocks import JointCommand, JointReport, PoseCommand, PoseReport
 from stagectl.robot.program import MotorTorque, RobotProgram, TorqueSignals
 from stagectl.robot.tracker import TrackedPose, TrackerLine
-from stagectl.robot.wired_force import WiredForce
-from stagectl.robot.wired_port import WiredPort
-from stagectl.robot.wired_tracker import WiredTracker
 from stagectl.stage.controller import PiezoController, StageController
 from stagectl.stage.guard import VoltageGuard
 from stagectl.stage.hysteresis import HysteresisModel
@@ -75,6 +72,7 @@ from stagectl.wire.egm import Report, pack_report
 from stagectl.wire.messages import Drive
 from tests.contract.conformance import Example
 from tests.contract.feed_examples import FEED_EXAMPLES
+from tests.contract.live_examples import LIVE_EXAMPLES
 from tests.contract.stage_daemon_examples import STAGE_DAEMON_EXAMPLES
 from tests.stagectl.robot.milling.torque_models import wide_model
 from vibractl.algorithm import Algorithm
@@ -283,12 +281,9 @@ EXAMPLES: dict[type[Block], Example] = {
         lambda: PocketCut(length=0.15, width=0.15, thickness=0.02, cell=5e-4, layer=5e-3), rate=10_000.0
     ),
     ForceSensor: Example(lambda: ForceSensor(sample_rate=8_000.0), rate=8_000.0),
-    WiredForce: Example(lambda: WiredForce(ForceSensorConfig(), print), rate=500.0),
     MeasuredForce: Example(lambda: MeasuredForce(ForceLine(ForceSensorConfig(), print, now=lambda: 1.0)), _push, 250.0),
     TrackerView: Example(lambda: TrackerView(delay=0.0), rate=300_000.0),
     TrialPath: Example(lambda: TrialPath(*(np.full((100, 6), each) for each in (0.1, 0.01, 0.2)), 0.1, (0.02, 0.2))),
-    WiredPort: Example(lambda: WiredPort(CellConfig(), np.zeros(6)), rate=250.0),
-    WiredTracker: Example(lambda: WiredTracker(TrackerConfig(), print), rate=2_000.0),
     RelativePosition: Example(
         lambda: RelativePosition((3.0, 3.0, 3.0), (True, False, False), 0.004, 0.01, 0.02), rate=2_000.0
     ),
@@ -296,5 +291,6 @@ EXAMPLES: dict[type[Block], Example] = {
     Standstill: Example(Standstill, rate=250.0),
     Segments: Example(lambda: Segments(POCKET, lambda: planner("exact", POCKET)), rate=250.0),
     **FEED_EXAMPLES,
+    **LIVE_EXAMPLES,
     **STAGE_DAEMON_EXAMPLES,
 }

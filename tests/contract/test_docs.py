@@ -30,7 +30,8 @@ CONTRACT_LINES = 800
 
 DEVICES = {"sounddevice", "can", "serial", "socket"}
 EDGES = re.compile(
-    r"firmware_sim/.*|rigkit/service/sockets\.py|vibractl/audio\.py|stagectl/link/(bus|slcan|robot_\w+)\.py|.*/__main__\.py"
+    r"firmware_sim/.*|rigkit/(service/sockets|relay/bus)\.py|vibractl/audio\.py|stagectl/link/(bus|slcan|robot_\w+)\.py|"
+    r".*/__main__\.py"
 )
 
 _ENTRY = re.compile(r"^(\w+(?:, \w+)*) : (.+(?:\n +.+)*)", re.MULTILINE)

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 import typer
 
-from stagectl.__main__ import app as stagectl
+from stagectl.commands import app as stagectl
 from tests.contract.source_tree import ROOT
-from vibractl.__main__ import app as vibractl
+from vibractl.commands import app as vibractl
 
 UNITS = sorted((ROOT / "packaging" / "systemd").iterdir())
 SERVICES = {"vibractl.service": 2.0, "stagectl.service": 2.5, "vibrostage-prune.service": 1.5}

@@ -6,8 +6,8 @@ import numpy as np
 
 from firmware_sim.slcan_adapter import Frame
 from firmware_sim.stage_processor import Loops, Settings, StageProcessor
+from rigkit.wire.layout import Layout
 from stagectl.wire import messages, samples
-from stagectl.wire.layout import Layout
 from stagectl.wire.messages import Command, Drive, Fault, HostState, State
 
 

@@ -24,7 +24,7 @@ def home(robot: GuidedRobot, frames: int) -> np.ndarray:
 
 def test_it_reports_250_times_a_second_and_stands_where_it_starts() -> None:
     robot = GuidedRobot(arm="kuka", noise=0.0)
-    report, motors, angle, planned, position, _, torque = run(robot, home(robot, 400))
+    report, motors, angle, planned, position, _, torque, _ = run(robot, home(robot, 400))
     np.testing.assert_array_equal(report[:, 0], 1 + np.arange(400) // 8)
     np.testing.assert_allclose(planned, home(robot, 400), atol=1e-12)
     np.testing.assert_allclose(angle, planned, atol=5e-6)
@@ -59,7 +59,7 @@ def test_a_mute_robot_goes_on_moving_and_reports_nothing_new() -> None:
     robot = GuidedRobot(arm="kuka", mute=0.1, mute_for=0.05)
     reference = home(robot, 500)
     reference[:, 0] += 0.02 * np.arange(500) / RATE
-    report, _, angle, _, position, _, torque = run(robot, reference)
+    report, _, angle, _, position, _, torque, _ = run(robot, reference)
     assert (
         np.ptp(report[200:300]) == 0.0 == np.ptp(angle[200:300], axis=0).max() == np.ptp(torque[200:300], axis=0).max()
     )
@@ -74,7 +74,7 @@ def test_its_motors_torque_answers_a_force_on_the_tool_through_the_jacobian() ->
     robot.prepare(RATE, 2_000)
     outputs = [np.empty((2_000, port.width)) for port in robot.outputs]
     robot.process(np.tile(robot.start, (2_000, 1)), force, np.zeros_like(force), *outputs)
-    before, after = outputs[-1][999], outputs[-1][-400:].mean(axis=0)
+    before, after = outputs[-2][999], outputs[-2][-400:].mean(axis=0)
     tool = robot.plant.frames[7][:, 3]
     axes = [(frame[:, 2], frame[:, 3]) for frame in robot.plant.frames[:6]]
     wanted = [-np.cross(axis, tool - origin) @ force[-1] for axis, origin in axes]

@@ -55,7 +55,7 @@ def slot() -> np.ndarray:
 
 def test_a_slot_pushes_the_tool_and_bends_the_arm() -> None:
     config = cell()
-    milling, flying = cell_controller(config, cell_cut(config)), cell_controller(config)
+    milling, flying = cell_controller(config, cell_cut), cell_controller(config)
     for each in (milling, flying):
         to_the_start(each, config)
     (tips, wrenches), (free, nothing) = (follow(each, config, slot()) for each in (milling, flying))
@@ -74,3 +74,29 @@ def test_a_wrong_option_of_the_block_is_refused_by_name() -> None:
         cell_cut(cell(teeth=0))
     with pytest.raises(ValueError, match="plants.pocket_options: .*blades"):
         cell_cut(cell(blades=3))
+
+
+def test_the_program_puts_another_block_under_the_tool_or_none() -> None:
+    config = cell()
+    controller = cell_controller(config, cell_cut)
+    to_the_start(controller, config)
+    follow(controller, config, slot())
+    assert np.abs(controller.wrench).max() > 10.0
+    assert controller.do("BLOCK 0") == "OK"
+    controller.advance()
+    assert np.abs(controller.wrench).max() == 0.0
+    assert controller.do("BLOCK 1") == "OK"
+    controller.advance()
+    assert controller.do("BLOCK 2").startswith("ERROR 'BLOCK 2' is none of SOFT, CLAMP, BLOCK, RESET")
+    assert cell_controller(config).do("BLOCK 1") == "ERROR there is no changer for blocks"
+
+
+def test_an_arm_that_tilts_by_more_than_3_um_a_newton_mills_without_shaking() -> None:
+    """Guards the exchange: arms 3 and 8 shook sample by sample, with peaks of kilonewtons."""
+    config = cell()
+    config.simulator.options["seed"] = 8
+    milling = cell_controller(config, cell_cut)
+    to_the_start(milling, config)
+    force = follow(milling, config, slot())[1][-200:, :3]
+    assert np.abs(force).max() < 100.0
+    assert np.abs(np.diff(force, axis=0)).max() < 5.0

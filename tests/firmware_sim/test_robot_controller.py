@@ -90,7 +90,7 @@ def test_its_program_softens_clamps_and_says_why_not() -> None:
     assert robot.do("CLAMP 0") == "OK"
     assert robot.do("SOFT 0.5 0 0").startswith("ERROR softness")
     assert robot.do("SOFT a b c d e f").startswith("ERROR could not convert")
-    assert robot.do("DANCE") == "ERROR 'DANCE' is none of SOFT, CLAMP, RESET"
+    assert robot.do("DANCE") == "ERROR 'DANCE' is none of SOFT, CLAMP, BLOCK, RESET"
 
 
 def test_its_signals_are_angles_in_degrees_and_torques() -> None:

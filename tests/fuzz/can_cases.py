@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from rigkit.wire.layout import GarbledError, Layout
 from stagectl.link.inbox import Inbox
 from stagectl.link.slcan import SlcanBus
 from stagectl.wire import messages, samples
-from stagectl.wire.layout import GarbledError, Layout
 from tests.fuzz.judge import Finding, is_accepted
 
 BURST = {8: 8, 64: 16}

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from rigkit.wire.layout import GarbledError
 from stagectl.link.laser_protocol import LONGEST_LINE, LaserError, Lines, Reading, reading, said
 from stagectl.wire import egm, force_sensor, tracker
-from stagectl.wire.layout import GarbledError
 from tests.fuzz.judge import Finding, is_accepted
 from tests.fuzz.mutation import mutated, of_bytes
 

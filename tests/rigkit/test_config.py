@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from rigkit.config import ConfigError, load, resolve
+from rigkit.config import ConfigError, load, refuse_absent, resolve
 from tests.rigkit.rig_file import RigFile
 
 
@@ -194,3 +194,14 @@ def test_a_module_that_fails_on_import_is_not_called_absent(tmp_path: Path, monk
     (tmp_path / "needs_more.py").write_text("import a_package_nobody_has\n")
     with pytest.raises(ConfigError, match="module needs_more cannot be imported: No module named 'a_package"):
         resolve("needs_more:X")
+
+
+def test_a_module_is_looked_for_without_importing_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "explodes.py").write_text("raise RuntimeError")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    refuse_absent("explodes:Anything")
+    for name in ("absent:X", "absent.below:X", "rigkit.absent:X"):
+        with pytest.raises(ConfigError, match=f"{name}: there is no module {name.split(':')[0]} on the Python path"):
+            refuse_absent(name)
+    with pytest.raises(ConfigError, match="must be package.module:Name"):
+        refuse_absent("explodes")

@@ -1,5 +1,6 @@
 """Files that grow by a line."""
 
+import errno
 import os
 from pathlib import Path
 
@@ -48,3 +49,31 @@ def test_a_full_disk_leaves_the_lines_before(tmp_path: Path, monkeypatch: pytest
     with pytest.raises(OSError, match="No space left"):
         line_file.append(path, "two")
     assert path.read_bytes() == b"one\n"
+
+
+def test_a_disk_that_fails_when_half_is_written_leaves_the_lines_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "events.jsonl"
+    line_file.append(path, "one")
+    write = os.write
+
+    def half(handle: int, content: bytes) -> int:
+        write(handle, content[:2])
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "write", half)
+        with pytest.raises(OSError, match="Input/output error"):
+            line_file.append(path, "two")
+    line_file.append(path, "three")
+    assert line_file.lines(path) == ["one", "three"]
+
+
+def test_the_first_line_is_read_once_it_is_whole(tmp_path: Path) -> None:
+    path = tmp_path / "qc.csv"
+    assert line_file.first(path) == ""
+    path.write_bytes(b"sho")
+    assert line_file.first(path) == ""
+    path.write_bytes(b"shot,level\n0,1\n")
+    assert line_file.first(path) == "shot,level"

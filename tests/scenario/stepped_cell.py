@@ -8,7 +8,7 @@ from collections.abc import Callable
 from threading import Event, Thread
 from typing import Any
 
-from firmware_sim.robot_bench import Addresses, RobotBench, cell_controller
+from firmware_sim.robot_bench import Addresses, Blocks, RobotBench, cell_controller, cell_force_box
 from firmware_sim.tracker import TrackerFaults
 from stagectl.robot.config import CellConfig
 from stagectl.wire.egm import RATE
@@ -26,17 +26,21 @@ class SteppedCell:
 
     Parameters
     ----------
+    block : callable(CellConfig, int), optional
+        Makes the blocks under the tool, for its changer; as `cell_controller` has it.
     settings : dict of tables of a cell's file
     """
 
-    def __init__(self, **settings: dict[str, Any]) -> None:
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-            free.bind(("127.0.0.1", 0))
-            port = free.getsockname()[1]
-        controller = cell_controller(CellConfig.model_validate_json(json.dumps(settings)))
+    def __init__(self, block: Blocks | None = None, **settings: dict[str, Any]) -> None:
+        port = _free_port()
+        settings = settings | {"force_sensor": {"port": _free_port()} | settings.get("force_sensor", {})}
+        given = CellConfig.model_validate_json(json.dumps(settings))
+        faults = TrackerFaults(noise=2e-5, lost=0.01, unseen=0.01)
+        force = cell_force_box(given)
         self.bench = RobotBench(
-            controller, Addresses(motion=port), TRACKER_RATE, TrackerFaults(noise=2e-5, lost=0.01, unseen=0.01)
+            cell_controller(given, block), Addresses(motion=port), TRACKER_RATE, faults, force=force
         )
+        self._force = force
         commands, signals, tracker = (
             each.address[1] for each in (self.bench.program, self.bench.signals, self.bench.tracker)
         )
@@ -44,8 +48,11 @@ class SteppedCell:
         found = {
             "robot": times | {"port": port, "commands": commands, "signals": signals},
             "tracker": {"port": tracker, "blind": BUSY, "lag": BUSY},
+            "force_sensor": {"silence": BUSY},
         }
-        self.config = CellConfig.model_validate_json(json.dumps(settings | found))
+        whole = settings | {name: table | settings.get(name, {}) for name, table in found.items()}
+        self.config = CellConfig.model_validate_json(json.dumps(whole))
+        self.cycles = 0
         self.over = Event()
         self.mishaps: deque[Callable[[], None]] = deque()
         self._thread = Thread(target=self._run, daemon=True)
@@ -59,18 +66,29 @@ class SteppedCell:
         """End."""
         self.over.set()
         self._thread.join(BUSY)
-        for each in (self.bench.program, self.bench.signals, self.bench.tracker, self.bench._socket):  # noqa: SLF001
+        ends = self.bench.program, self.bench.signals, self.bench.tracker, self.bench._socket, self._force  # noqa: SLF001
+        for each in ends:
             each.close()
+
+    def now(self) -> float:
+        """Return the bench's time, s: a clock for the other ends, however slowly both go."""
+        return self.cycles / RATE
 
     def _run(self) -> None:
         line = self.bench._socket  # noqa: SLF001 (its own run keeps real time)
-        cycles, taken = 0, 0
+        taken = 0
         while not self.over.is_set():
-            cycles += 1
-            self.bench.serve(cycles / RATE)
+            self.cycles += 1
+            self.bench.serve(self.now())
             while self.mishaps:
                 self.mishaps.popleft()()
-            self.bench.cycle(cycles / RATE)
+            self.bench.cycle(self.now())
             speaks = self.bench.controller.counts.taken > taken
             taken = self.bench.controller.counts.taken
             select.select([line], [], [], 0.05 if speaks else 1 / RATE)
+
+
+def _free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        return int(free.getsockname()[1])

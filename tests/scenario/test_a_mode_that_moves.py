@@ -64,12 +64,14 @@ def test_it_is_caught_within_four_shots_and_two_more_a_band_restore_convergence(
     assert worst(marks[-1]) < -6.0
 
 
+@pytest.mark.slow
 def test_with_the_drive_taken_away_as_the_text_says_it_is_not_restored(model: TransferMatrix) -> None:
     kept, _ = watched(model, 24, *MOVES)
     zeroed, _ = watched(model, 24, *MOVES, "watch.input=zeroed")
     assert worst(zeroed[-1]) > worst(kept[-1]) + 6.0
 
 
+@pytest.mark.slow
 def test_a_vibrator_that_keeps_its_modes_raises_no_alarm(model: TransferMatrix) -> None:
     _, decisions = watched(model, 30)
     assert decisions == []

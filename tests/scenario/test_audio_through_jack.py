@@ -74,7 +74,7 @@ def test_the_recorded_response_of_the_vibrator_is_that_of_the_plant_offline() ->
 
 
 @pytest.mark.usefixtures("server")
-@pytest.mark.parametrize("blocksize", [PERIOD, 1000])
+@pytest.mark.parametrize("blocksize", [PERIOD, pytest.param(1000, marks=pytest.mark.slow)])
 def test_shot_after_shot_and_stream_after_stream_the_round_trip_is_the_same(blocksize: int, tmp_path: Path) -> None:
     rng = np.random.default_rng(1)
     files = [str(tmp_path / f"{n}.wav") for n in (1, 2)]

@@ -55,6 +55,7 @@ def test_errors_stay_within_their_bound_in_95_percent_of_lines_and_shots(default
     assert default.covered >= 0.95
 
 
+@pytest.mark.slow
 def test_a_strongly_nonlinear_vibrator_meets_the_objective_within_15_shots() -> None:
     assert run(measured=(*SEED, "simulator.options.nonlinearity=1.6"), count=18).shot <= 15
 

@@ -58,12 +58,14 @@ def test_a_sine_of_24_hz_meets_the_objective_by_shot_24_and_goes_10_db_below(mod
     assert worst(rows, 50) <= -10
 
 
+@pytest.mark.slow
 def test_identification_without_preload_fails(tmp_path: Path) -> None:
     """Page 131: convergence could only be achieved with the preloaded estimate."""
     unloaded = measured_model(tmp_path, "characterisation.preload=0.0", "characterisation.passes=1")
     assert met(learned(tmp_path / "run", unloaded, 31)) is None
 
 
+@pytest.mark.slow
 def test_decentralised_control_of_the_two_sides_fails(model: Path, tmp_path: Path) -> None:
     """Page 135: because of the cross couplings, decentralised ILC was ruled out."""
     rows = learned(tmp_path / "run", model, 31, "learning.structure=decentralised")
@@ -71,6 +73,7 @@ def test_decentralised_control_of_the_two_sides_fails(model: Path, tmp_path: Pat
     assert len(rows) < 31 or worst(rows, 30) > 10
 
 
+@pytest.mark.slow
 def test_one_drive_for_both_sides_is_poor(model: Path, mimo: list[dict[str, str]], tmp_path: Path) -> None:
     """Page 135: with the same input to both sides, poor tracking performance was obtained."""
     rows = learned(tmp_path / "run", model, 31, "learning.structure=common")

@@ -17,6 +17,7 @@ def found() -> Outcome:
     return outcome(seed=1, order=18)
 
 
+@pytest.mark.slow
 def test_order_18_does_not_say_all_of_the_response(found: Outcome) -> None:
     """Page 140: VAF 75.9 %.  Measured here: 91.7 %."""
     assert 70 < found.vaf < 95

@@ -214,6 +214,7 @@ def test_errors_stay_within_their_bound_on_simulated_vibrators(seed: int) -> Non
     assert learned(identified(rig).matrix, rig, 15).covered >= 0.95
 
 
+@pytest.mark.slow
 def test_four_coils_of_two_vibrators_learn_together() -> None:
     rig = (*ARRAY, "reference.signal=chirp:40:90:2")
     made = setup(rig_file.load(None, RigConfig, rig), identified(rig).matrix, fresh_plans=False)

@@ -1,12 +1,12 @@
 """The spectrum of what is heard now, while a shot is played."""
 
-import threading
 from collections.abc import Callable
 from typing import Self
 
 import numpy as np
 from scipy.signal.windows import blackmanharris
 
+from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
 from rigkit.service.show import Axis, Curves, Trace
 from vibractl.audio import Line
@@ -36,29 +36,26 @@ class LiveSpectrum:
 
     def __init__(self, desk: Desk, config: RigConfig, line: Callable[[], Line | None]) -> None:
         self._desk, self._config, self._line = desk, config, line
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._show, name="live spectrum", daemon=True)
+        self._regularly = Regularly(self._show, PERIOD)
 
     def __enter__(self) -> Self:
         """Begin, with nothing heard yet."""
         sides = len(self._config.audio.response_channels)
         self._desk.show("live", live_panel(np.zeros((0, sides)), self._config))
-        self._thread.start()
+        self._regularly.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
         """End."""
-        self._ended.set()
-        self._thread.join()
+        self._regularly.__exit__()
 
     def _show(self) -> None:
-        while not self._ended.wait(PERIOD):
-            line = self._line()
-            if line is None:
-                continue
-            emitted, response = line.lately(SECONDS)
-            if len(response) and np.abs(emitted[: len(emitted) // 2]).max() > 0:
-                self._desk.show("live", live_panel(response, self._config))
+        line = self._line()
+        if line is None:
+            return
+        emitted, response = line.lately(SECONDS)
+        if len(response) and np.abs(emitted[: len(emitted) // 2]).max() > 0:
+            self._desk.show("live", live_panel(response, self._config))
 
 
 def live_panel(response: np.ndarray, config: RigConfig) -> Curves:

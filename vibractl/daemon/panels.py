@@ -1,6 +1,5 @@
 """What the page draws of a run: convergence, errors against the limit, certificates, spectrograms."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +7,7 @@ import numpy as np
 from rigkit.service.rig import Desk
 from rigkit.service.show import Axis, Curves, Image, Table, Trace
 from vibractl.algorithm import Algorithm
+from vibractl.daemon.history import History
 from vibractl.figures.lines import largest_by_span
 from vibractl.figures.spectrogram import magnitudes
 from vibractl.quality import Judge, Marks, decibels
@@ -38,9 +38,7 @@ class Panels:
         names = [f"{made.judged.sensor} {sensor + 1}" for sensor in made.judged.sensors]
         self._sides = dict(enumerate(names, start=1))
         self._loudest = magnitudes(made.judged.reference, self._rate, COLUMNS, ROW)[1].max(axis=(0, 1))
-        self._shots: list[int] = []
-        self._worst: list[np.ndarray] = []
-        self._iae: list[np.ndarray] = []
+        self._worst, self._iae = History(1 + len(names)), History(1 + len(names))
         self._first: list[Trace] = []
 
     def draw(self, shot: int, marks: Marks, response: np.ndarray, algorithm: Algorithm) -> None:
@@ -55,9 +53,8 @@ class Panels:
         algorithm : Algorithm
             After it has learned from the shot.
         """
-        self._shots.append(shot)
-        self._worst.append(marks.worst_line_db)
-        self._iae.append(marks.iae)
+        self._worst.add(shot, *marks.worst_line_db)
+        self._iae.add(shot, *marks.iae)
         self._convergence()
         over = self._levels(response)
         self._spectra(shot, over)
@@ -67,7 +64,7 @@ class Panels:
         self._absolute_error()
 
     def _convergence(self) -> None:
-        limit = Trace("objective", np.array([0, self._shots[-1]]), np.zeros(2), "limit")
+        limit = Trace("objective", np.array([0.0, self._worst.rows[-1, 0]]), np.zeros(2), "limit")
         worst = self._over_shots(self._worst)
         over = Axis("worst line over the objective", "dB")
         self._desk.show("convergence", Curves("Convergence", _SHOT, over, (*worst, limit)))
@@ -76,10 +73,10 @@ class Panels:
         error = Axis("sum of |error|", self._judge.place.unit, "log")
         self._desk.show("error", Curves("Integrated absolute error", _SHOT, error, tuple(self._over_shots(self._iae))))
 
-    def _over_shots(self, values: Sequence[np.ndarray]) -> list[Trace]:
-        columns = np.array(values).T
-        shots = np.array(self._shots)
-        return [Trace(side, shots, column) for side, column in zip(self._sides.values(), columns, strict=True)]
+    def _over_shots(self, history: History) -> list[Trace]:
+        shots, *columns = history.rows.T
+        named = zip(self._sides.values(), columns, strict=True)
+        return [Trace(side, *largest_by_span(shots, column)) for side, column in named]
 
     def _levels(self, response: np.ndarray) -> np.ndarray:
         """Return the errors of the judged lines, (lines, sides), dB re reference."""
@@ -96,7 +93,7 @@ class Panels:
             if len(self._first) < side:
                 self._first.append(replace(last, role="reference"))
             title = f"Error of {self._sides[side]}, line by line"
-            before = (self._first[side - 1],) if len(self._shots) > 1 else ()
+            before = (self._first[side - 1],) if len(self._worst.rows) > 1 else ()
             self._desk.show(f"spectrum_{side}", Curves(title, *axes, (*before, last, limit)))
 
     def _certificate(self, algorithm: Algorithm) -> None:
@@ -130,7 +127,7 @@ class Panels:
         time, size = magnitudes(self._decimator.apply(heard), self._rate, COLUMNS, ROW)
         span, rows = (float(time[0]), float(time[-1])), (0.0, ROW * (len(size) - 1))
         axes = Axis("time", "s"), _FREQUENCY, Axis("level re reference", "dB")
-        ends = ("first", "last") if len(self._shots) == 1 else ("last",)
+        ends = ("first", "last") if len(self._worst.rows) == 1 else ("last",)
         for side, levels in zip(self._sides, np.moveaxis(size, 2, 0), strict=True):
             shown = np.maximum(decibels(levels / self._loudest[side - 1]), 1.25 * self._objective)
             title = f"{self._sides[side].capitalize()}, shot {shot}"

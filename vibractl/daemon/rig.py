@@ -5,10 +5,11 @@ from pathlib import Path
 from typing import Protocol
 
 from rigkit import config as rig_file
-from rigkit.config import resolve
+from rigkit.config import refuse_absent, resolve
 from rigkit.disk_space import RESERVE, free, refuse_full
 from rigkit.faults import FaultTable
-from rigkit.service.reload import Change, Reach, change
+from rigkit.service.not_begun import making
+from rigkit.service.reload import Change, Reach, reloaded
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Gauge
 from vibractl.audio import Line
@@ -95,9 +96,12 @@ class Vibrator:
         return [*found, Gauge("disk_free", "Room on the disk", there, "byte", low=RESERVE)]
 
     def arm(self) -> None:
-        """See that there is an audio interface to open, and room to record."""
+        """See that there is what opens an audio interface, and room to record.
+
+        It is imported in the audio process alone: PortAudio aborts a program whose audio server has died, at its end.
+        """
         refuse_full(Path(self.config.daemon.data))
-        resolve(self.config.audio.stream)
+        refuse_absent(self.config.audio.stream)
 
     def disarm(self) -> None:
         """Nothing: the audio line is open while a procedure runs and no longer."""
@@ -119,18 +123,16 @@ class Vibrator:
     def reload(self) -> Change:
         """Read the rig file again; a run that goes on takes what it can."""
         new = self._load()
-        found = change(self.config, new, REACHES)
-        if found.reach is Reach.NOTHING:
-            return found
-        if new.daemon.data != self.config.daemon.data:
-            raise ValueError("daemon.data cannot change while the daemon runs")
+        return reloaded(self.config, new, REACHES, lambda change: self._take(new, change))
+
+    def _take(self, new: RigConfig, change: Change) -> str:
         under_way = self._under_way
         self.config = new
         if self.faults is not None and self.faults.names != input_names(new.audio):
             self.faults = FaultTable(input_names(new.audio))
-        done = under_way.take(new, found) if isinstance(under_way, Running) else "from the next procedure on"
-        own = any(key.startswith("daemon.") for key in found.keys)
-        return Change(found.keys, done + "; [daemon] when the daemon is started again" * own)
+        if not change.keys:
+            return ""
+        return under_way.take(new, change) if isinstance(under_way, Running) else "from the next procedure on"
 
     def close(self) -> None:
         """Nothing is open."""
@@ -147,13 +149,19 @@ class Vibrator:
         yield Gauge("alignment", "Alignment, last shot", line.residual, "samples", -SLIP, SLIP)
         yield Gauge("xruns", "Callbacks with lost data, last shot", now.xruns, "1", high=0)
         yield Gauge("late", "Late callbacks, last shot", now.late, "1")
+        if self.config.audio.relay.bus:
+            yield Gauge("relay_beats", "Heartbeats to the relay", now.beats, "1")
 
     def _run(self, desk: Desk, options: RunOptions) -> None:
-        self._follow(Running(self.config, options, desk, self._supervision()))
+        with making():
+            running = Running(self.config, options, desk, self._supervision())
+        self._follow(running)
 
     def _calibrate(self, desk: Desk, options: CalibrationOptions) -> None:
         out = Path(self.config.daemon.data) / options.model
-        self._follow(resolve(CALIBRATION)(self.config, out, desk, self._supervision()))
+        with making():
+            calibration = resolve(CALIBRATION)(self.config, out, desk, self._supervision())
+        self._follow(calibration)
 
     def _supervision(self) -> Supervision:
         return Supervision(self.config.daemon.mute_after, self.faults)

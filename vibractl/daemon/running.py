@@ -1,13 +1,12 @@
 """The procedure that learns: a run shot by shot, which can pause between two shots and take up new settings there."""
 
-import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from rigkit import config as rig_file
 from rigkit.run_folder import CONFIG, RunFolder
-from rigkit.service.paths import confined
+from rigkit.service.paths import confined, run_path
 from rigkit.service.reload import Change, Reach, taken
 from rigkit.service.rig import Desk
 from vibractl.audio import Line
@@ -47,7 +46,7 @@ class Running:
         self.discarded = 0
         self._waiting: RigConfig | None = None
         desk.progress(0, options.shots or config.session.shots, "getting ready")
-        path = data / "runs" / (options.run or time.strftime("%Y%m%d-%H%M%S"))
+        path = run_path(config.daemon.data, options.run)
         if options.resume:
             self._folder = RunFolder.open(path)
         else:

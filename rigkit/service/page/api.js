@@ -38,16 +38,29 @@ export function takeTokenFromAddress() {
 
 /** Ask; return what the answer holds, or throw Refused.  `seconds` is the longest wait. */
 export async function ask(method, path, body, seconds = 12) {
-  const headers = { Authorization: `Bearer ${token()}`, "X-Control": key() };
-  if (body !== undefined) headers["Content-Type"] = "application/json";
-  let answer;
-  try {
-    const signal = AbortSignal.timeout(seconds * 1000);
-    answer = await fetch(path, { method, headers, signal, body: body === undefined ? undefined : JSON.stringify(body) });
-  } catch {
+  const headers = body === undefined ? {} : { "Content-Type": "application/json" };
+  const signal = AbortSignal.timeout(seconds * 1000);
+  const answer = await send(path, { method, headers, signal, body: body === undefined ? undefined : JSON.stringify(body) });
+  return answer.json().catch(brokenOff);
+}
+
+/** Fetch a file, which a link could not, as it brings no token along; hand it to the browser to save under `name`. */
+export async function download(path, name) {
+  const answer = await send(path);
+  const href = URL.createObjectURL(await answer.blob().catch(brokenOff));
+  Object.assign(document.createElement("a"), { href, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(href), 60_000);
+}
+
+async function send(path, { headers, ...options } = {}) {
+  const answer = await fetch(path, { ...options, headers: { ...headers, Authorization: `Bearer ${token()}`, "X-Control": key() } }).catch(() => {
     throw new Refused(0, "the daemon does not answer");
-  }
-  const told = await answer.json().catch(() => ({ error: `status ${answer.status}` }));
-  if (!answer.ok) throw new Refused(answer.status, told.error ?? `status ${answer.status}`);
-  return told;
+  });
+  if (answer.ok) return answer;
+  const { error } = await answer.json().catch(() => ({}));
+  throw new Refused(answer.status, error ?? `status ${answer.status}`);
+}
+
+function brokenOff() {
+  throw new Refused(0, "the daemon's answer broke off");
 }

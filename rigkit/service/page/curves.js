@@ -2,12 +2,14 @@
 
 import { made } from "./element.js";
 import { colours, drawFrame } from "./frame.js";
-import { digits, quantity } from "./numbers.js";
+import { quantity } from "./numbers.js";
 import { extent } from "./scale.js";
 
 /** So many points make a trace whose deepest hundredth the axis need not show. */
 const MANY = 100;
 const ROOM = 0.06;
+/** Units of an abscissa that goes on: shots and trials, time. Over another the last value of a line says nothing. */
+const COUNTED = new Set(["1", "s"]);
 
 /** Draw the panel; return the elements of its legend. */
 export function drawCurves(pen, width, height, panel) {
@@ -33,7 +35,8 @@ export function drawCurves(pen, width, height, panel) {
     else drawLine(pen, frame, trace, looks[n]);
   });
   pen.restore();
-  return looks.map(({ colour, dash }, n) => legendOf(panel.traces[n], colour, dash.length > 0, panel.drawn === "lines"));
+  const hasLast = panel.drawn === "lines" && COUNTED.has(panel.x.unit);
+  return looks.map(({ colour, dash }, n) => legendOf(panel.traces[n], colour, dash.length > 0, hasLast, panel.y.unit));
 }
 
 /** Say what a person would see: each trace's last value and largest value. */
@@ -151,9 +154,9 @@ function limitAt({ x, y }, at) {
 
 const stepOf = (x) => (x.length > 1 ? (x.at(-1) - x[0]) / (x.length - 1) : 1);
 
-function legendOf({ name, y, role }, colour, isDashed, isLine) {
+function legendOf({ name, y, role }, colour, isDashed, hasLast, unit) {
   const swatch = made("i", { className: isDashed ? "swatch dashed" : "swatch" });
   swatch.style.color = colour;
-  const last = isLine && role === "measured" && y.length <= 200 && y.length > 0 ? ` ${digits(y.at(-1))}` : "";
+  const last = hasLast && role === "measured" && y.length <= 200 && y.length > 0 ? ` ${quantity(y.at(-1), unit)}` : "";
   return made("span", {}, swatch, `${name}${last}`);
 }

@@ -44,7 +44,7 @@ class Row {
     mark(this.element, "verdict", gauge.verdict);
     write(this.#title, gauge.title);
     const largest = Math.max(Math.abs(gauge.low ?? 0), Math.abs(gauge.high ?? 0));
-    write(this.#value, quantity(gauge.value, gauge.unit, LEAST * largest));
+    write(this.#value, quantity(gauge.value, gauge.unit, LEAST * largest, largest));
     write(this.#limits, this.#told(gauge));
     if (gauge.value !== null) this.#largest = Math.max(this.#largest, Math.abs(gauge.value), ...gauge.interval ?? []);
     const ends = this.#ends(gauge);

@@ -52,5 +52,7 @@ function line(entry) {
 
 function plain(value) {
   if (typeof value === "number") return digits(value);
-  return typeof value === "string" ? value : JSON.stringify(value);
+  if (typeof value !== "object" || value === null) return String(value ?? "-");
+  const parts = Array.isArray(value) ? value.map(plain) : Object.entries(value).map(([name, part]) => `${name} ${plain(part)}`);
+  return parts.join(", ") || "none";
 }

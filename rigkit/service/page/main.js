@@ -8,6 +8,7 @@ import { Log } from "./log.js";
 import { duration } from "./numbers.js";
 import { Panels } from "./panels.js";
 import { Procedure } from "./procedure.js";
+import { Runs } from "./runs.js";
 import { showState } from "./state.js";
 import { Stop } from "./stop.js";
 import { OLD, Stream } from "./stream.js";
@@ -37,7 +38,7 @@ function login(fault) {
 function watch(rig) {
   document.title = rig.rig || rig.program;
   const stop = new Stop();
-  const parts = [new Command(rig), new Procedure(), new Gauges(), new Panels(), new Log()];
+  const parts = [new Command(rig), new Procedure(), new Gauges(), new Panels(), new Log(), new Runs()];
   let late = "";
   const stream = new Stream((snapshot) => {
     showState(snapshot);

@@ -1,7 +1,7 @@
 /** Numbers and times as people read them. */
 
 const PREFIXES = [[1e12, "T"], [1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
-const PREFIXED = new Set(["m", "s", "V", "A", "N", "Pa", "W", "Hz", "N m", "byte", "K", "rad"]);
+const PREFIXED = new Set(["m", "s", "V", "A", "N", "Pa", "W", "Hz", "N m", "byte", "K", "rad", "m/s", "rad/s", "m/√Hz"]);
 const WRITTEN = { "m/s^2": "m/s²", "m/s^2 s": "m/s", byte: "B", 1: "", "N m": "N m" };
 
 /** Return {factor, unit}: divide values up to `largest` by the factor, and they have that unit. */
@@ -22,7 +22,7 @@ function three(value) {
   const size = Math.abs(value);
   if (size === 0) return "0";
   if (size >= 1e5 || size < 1e-3) return minus(value.toExponential(2));
-  return minus(value.toFixed(size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3));
+  return minus(value.toFixed(size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : size >= 0.01 ? 3 : 5));
 }
 
 /** Write a number with the fewest digits that tell it from its neighbours on an axis. */
@@ -32,11 +32,11 @@ export function tick(value) {
   return minus(String(Number(value.toPrecision(6))));
 }
 
-/** Write a quantity with its unit; one that is smaller than `least` is 0. */
-export function quantity(value, unit, least = 0) {
+/** Write a quantity with its unit; one that is smaller than `least` is 0, and beside limits of 1 or more, "0.392 N m" is no "392 mN m". */
+export function quantity(value, unit, least = 0, limit = 0) {
   if (value === null) return "-";
   if (Math.abs(value) < least) return quantity(0, unit);
-  const scale = scaled(Math.abs(value), unit);
+  const scale = scaled(limit >= 1 ? Math.max(1, Math.abs(value)) : Math.abs(value), unit);
   const number = (PREFIXED.has(unit) ? three : digits)(value / scale.factor);
   return `${number} ${scale.unit}`.trim();
 }
@@ -52,6 +52,9 @@ export function duration(seconds) {
 
 /** Write a time of day, here. */
 export const clock = (time) => new Date(time).toLocaleTimeString("en-GB");
+
+/** Write a day and a time of day, here. */
+export const day = (time) => new Date(time).toLocaleString("en-GB", { dateStyle: "medium", timeStyle: "short" });
 
 /** Write an axis' title with its unit. */
 export const titled = (title, unit) => (unit ? `${title} (${unit})` : title);

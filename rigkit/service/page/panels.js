@@ -23,7 +23,7 @@ export class Panels {
     this.#wanted = panels;
     for (const [name, card] of this.#cards) {
       if (name in panels) continue;
-      card.element.remove(); // the daemon was started again
+      card.element.remove(); // another procedure has begun
       this.#cards.delete(name);
     }
     if (!this.#busy) this.#fetch();
@@ -34,8 +34,9 @@ export class Panels {
     this.#busy = true;
     try {
       for (const [name, revision] of Object.entries(this.#wanted)) {
-        if (this.#cards.get(name)?.revision === revision) continue;
-        this.#put(name, await ask("GET", `/api/panels/${encodeURIComponent(name)}`));
+        if (!(name in this.#wanted) || this.#cards.get(name)?.revision === revision) continue;
+        const panel = await ask("GET", `/api/panels/${encodeURIComponent(name)}`);
+        if (name in this.#wanted) this.#put(name, panel);
         await new Promise((resume) => setTimeout(resume, PAUSE));
       }
     } catch {
@@ -76,6 +77,8 @@ class Card {
     if (isTable) {
       this.#table.setAttribute("aria-label", panel.title);
       fillTable(this.#table, panel);
+      this.element.classList.remove("broad"); // a table that is wider than a panel has the place of all of a row
+      this.element.classList.toggle("broad", this.#table.scrollWidth > this.#table.clientWidth);
       return;
     }
     this.#canvas.setAttribute("aria-label", panel.kind === "image" ? sayImage(panel) : sayCurves(panel));

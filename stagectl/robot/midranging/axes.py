@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
 from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging.config import MidrangeConfig
@@ -13,14 +14,18 @@ from stagectl.robot.midranging.controllers import controller
 from stagectl.robot.midranging.live import run_live
 from stagectl.robot.midranging.measures import channel, figures
 from stagectl.robot.midranging.scenario import RADIUS, TOROID, Scenario
-from stagectl.robot.midranging.simulation import simulate
+from stagectl.robot.midranging.simulation import Advance, never, simulate
 
 Runs = dict[str, Recording]
 """By the axis' name, which is empty where there is one axis only."""
 
 
 def run_axes(
-    name: str, cell: CellConfig, chosen: Mapping[str, Scenario], stopped: Callable[[], bool] = lambda: False
+    name: str,
+    cell: CellConfig,
+    chosen: Mapping[str, Scenario],
+    stopped: Callable[[], bool] = never,
+    advance: Advance = run_offline,
 ) -> Runs:
     """Run one controller on every axis.
 
@@ -32,11 +37,14 @@ def run_axes(
     chosen : mapping of str to Scenario
         By axis.
     stopped : callable() -> bool
-        A live run ends early where it says so.
+        Whether to end early.
+    advance : callable(Graph, int)
+        Ticks what is simulated.
 
     Raises
     ------
     ValueError : as of `simulate`; more axes than the stage has.
+    Stopped : stopped before there was anything to record.
     LinkError : a live run that cannot begin, or ends by a fault.
     """
     config = cell.midranging
@@ -46,7 +54,7 @@ def run_axes(
         found = run_live(controller(name, config, len(chosen)), wanted, names, cell, stopped)
         return dict(zip(chosen, found, strict=True))
     return {
-        axis: simulate(controller(name, config), each, _of_axis(config, number))
+        axis: simulate(controller(name, config), each, _of_axis(config, number), stopped, advance)
         for number, (axis, each) in enumerate(chosen.items())
     }
 

@@ -1,26 +1,21 @@
 """The command `stagectl midrange`: the macro and the micro manipulator under one of the controllers."""
 
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from ctlblocks import recording
-from ctlblocks.recording import Recording
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, application, print_table, run, words, write_json
-from rigkit.provenance import now, software
 from rigkit.run_folder import RunFolder
 from rigkit.stop import stoppable
-from stagectl.link.bus import LinkError
 from stagectl.robot.config import CellConfig
-from stagectl.robot.midranging.axes import Runs, all_figures, run_axes
+from stagectl.robot.midranging import session
+from stagectl.robot.midranging.axes import all_figures, run_axes
 from stagectl.robot.midranging.controllers import CONTROLLERS
-from stagectl.robot.midranging.live import LiveFault
-from stagectl.robot.midranging.report import PAGE, write_report
-from stagectl.robot.midranging.scenario import Scenario, scenarios
+from stagectl.robot.midranging.report import PAGE
+from stagectl.robot.midranging.scenario import scenarios
 from stagectl.robot.midranging.table import table
 
 TABLE = "table-3.1"
@@ -31,11 +26,6 @@ ScenarioOption = Annotated[
         "--scenario", metavar="NAME", help="table-3.1, thesis-1, thesis-2, toroid, or a CSV or WAV file, in m."
     ),
 ]
-
-
-def recording_name(axis: str) -> str:
-    """Return how the recording of an axis is called in a run's folder."""
-    return f"recording-{axis}.csv" if axis else "recording.csv"
 
 
 def midrange(
@@ -70,59 +60,13 @@ def midrange(
             runs = run_axes(controller_name, cell, chosen, lambda: stop.made)
             _tell(all_figures(runs, chosen, cell.midranging), json)
             return
-        kept = {"controller": controller_name, "scenario": scenario_name, "time": now(), "software": software()}
+        kept = session.about(controller_name, scenario_name)
         with RunFolder.create(out, rig_file.dump(cell)) as folder:
-            runs = _run(folder, cell, chosen, kept, lambda: stop.made)
-            _tell(_keep(folder, runs, chosen, cell, kept, png), json)
+            runs = session.recorded(
+                folder, lambda: run_axes(controller_name, cell, chosen, lambda: stop.made), chosen, kept
+            )
+            _tell(session.keep(folder, runs, chosen, cell, kept, png), json)
     print(f"report: {out / PAGE}", file=words(json))  # noqa: T201
-
-
-def _run(
-    folder: RunFolder,
-    cell: CellConfig,
-    chosen: dict[str, Scenario],
-    kept: dict[str, str],
-    stopped: Callable[[], bool],
-) -> Runs:
-    """Run it; of a live run that a fault ends, what was recorded until then is kept as well.
-
-    One that comes to nothing, for a setting or a wire, leaves no folder.
-    """
-    try:
-        return run_axes(kept["controller"], cell, chosen, stopped)
-    except LiveFault as fault:
-        if not fault.recorded:
-            folder.withdraw()
-            raise
-        _write(folder, dict(zip(chosen, fault.recorded, strict=False)), kept | {"fault": str(fault)})
-        folder.event("fault", {"text": str(fault)})
-        raise
-    except (LinkError, ValueError):
-        folder.withdraw()
-        raise
-
-
-def _keep(
-    folder: RunFolder,
-    runs: Runs,
-    chosen: dict[str, Scenario],
-    cell: CellConfig,
-    kept: dict[str, str],
-    png: Path | None,
-) -> dict[str, Any]:
-    """Write recordings, figures and report of a run into its folder; return the figures."""
-    whole = _write(folder, runs, kept)
-    found = all_figures(whole, chosen, cell.midranging)
-    folder.summarise(found)
-    write_report(folder.path, whole, chosen, cell.midranging, found, png)
-    return found
-
-
-def _write(folder: RunFolder, runs: Runs, kept: dict[str, str]) -> Runs:
-    whole = {axis: Recording(each.names, each.units, each.rate, each.data, kept) for axis, each in runs.items()}
-    for axis, each in whole.items():
-        recording.write(folder.path / recording_name(axis), each)
-    return whole
 
 
 def _tell(found: dict[str, Any], json: str | None) -> None:

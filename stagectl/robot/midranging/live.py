@@ -7,9 +7,9 @@ import numpy as np
 
 from ctlblocks import Block, Graph
 from ctlblocks.recording import Recording
+from rigkit.priority import undisturbed
 from stagectl.link.bus import LinkError
 from stagectl.link.clock import run_linked
-from stagectl.link.priority import undisturbed
 from stagectl.link.stage_link import StageLink
 from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging.config import MidrangeConfig

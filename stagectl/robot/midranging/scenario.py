@@ -21,6 +21,8 @@ SECONDS = {"thesis-1": 28.0, "thesis-2": 24.0}
 RADIUS, FEED, RAMP = 35e-3, 5e-3, 1.0
 """m of the toroid's path, m/s along it, and s in which that begins and ends [Sörnmo 2015, section 2.4]."""
 TOROID = "toroid"
+SCENARIOS = (*SECONDS, TOROID)
+"""Those that need no file."""
 FURTHEST = 10.0
 """m, of a reference in a file."""
 HALF_STEP, STEPS = 4.5, 6
@@ -74,9 +76,7 @@ def scenario(name: str, rate: float) -> Scenario:
             return Scenario(name, wave + SLOPE * time, options, PERIOD)
         return Scenario(name, wave, {"gains": GAINS}, PERIOD)
     if Path(name).suffix.lower() not in (".csv", ".wav"):
-        raise ValueError(
-            f"scenario is {name!r}, must be table-3.1, {', '.join(SECONDS)}, {TOROID}, or a CSV or WAV file"
-        )
+        raise ValueError(f"scenario is {name!r}, must be table-3.1, {', '.join(SCENARIOS)}, or a CSV or WAV file")
     found = _wanted(Path(name), rate)
     if len(found.names) != 1:
         raise ValueError(f"{name}: channels are {', '.join(found.names)}, must be 1")

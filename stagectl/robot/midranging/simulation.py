@@ -1,5 +1,6 @@
 """A run of the simulated pair: reference, controller, manipulators, recorder, as fast as it goes."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -7,13 +8,31 @@ import numpy as np
 from ctlblocks import Block, Graph
 from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
+from rigkit.stop import Stopped
 from stagectl.named_block import named_block
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.scenario import Scenario
 from stagectl.robot.midranging.wiring import MEASURED, refuse_unready, split, wire
 
+CHUNK = 25
+"""Samples between two looks at whether the run is to stop."""
 
-def simulate(made: Block, chosen: Scenario, config: MidrangeConfig) -> Recording:
+Advance = Callable[[Graph, int], object]
+"""Ticks a graph so many times."""
+
+
+def never() -> bool:
+    """Do not stop."""
+    return False
+
+
+def simulate(
+    made: Block,
+    chosen: Scenario,
+    config: MidrangeConfig,
+    stopped: Callable[[], bool] = never,
+    advance: Advance = run_offline,
+) -> Recording:
     """Run one controller against the pair that the rig file names.
 
     Parameters
@@ -22,6 +41,10 @@ def simulate(made: Block, chosen: Scenario, config: MidrangeConfig) -> Recording
         InternalModel or ValvePosition, of one axis.
     chosen : Scenario
     config : MidrangeConfig
+    stopped : callable() -> bool
+        Whether to end early.
+    advance : callable(Graph, int)
+        As fast as it goes unless given.
 
     Returns
     -------
@@ -32,13 +55,17 @@ def simulate(made: Block, chosen: Scenario, config: MidrangeConfig) -> Recording
     Raises
     ------
     ValueError : a controller that must estimate first had not done so when the reference began.
+    Stopped : it was, before the reference began.
     """
     lead = round(config.session.lead * config.pair.rate)
     wanted = np.concatenate([np.zeros(lead), chosen.reference])[:, np.newaxis]
     graph = Graph(config.pair.rate)
     graph.add("pair", _pair(config, chosen.options))
     record = wire(graph, made, wanted, {name: (f"pair.{name}", True) for name in MEASURED}, "pair")
-    run_offline(graph, len(wanted))
+    while graph.ticks < len(wanted) and not stopped():
+        advance(graph, min(CHUNK, len(wanted) - graph.ticks))
+    if graph.ticks <= lead:
+        raise Stopped(f"stopped after {graph.ticks / graph.rate:g} s, before the reference began")
     refuse_unready(record, lead)
     return split(record, 1, lead)[0]
 

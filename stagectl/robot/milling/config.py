@@ -2,7 +2,7 @@
 
 from typing import Literal, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from rigkit.config import Section, setting
 
@@ -42,9 +42,24 @@ class Friction(Section):
         return self
 
 
+class Margin(Section):
+    """What the bounds of forces from motor torques hold beside friction."""
+
+    noise: float = setting(3.0, "1", "of each torque, in standard deviations as the sweep showed them", ge=0, le=10)
+    moment: float = setting(0.3, "N m", "the largest of the cut about the tool, any way", ge=0, le=100)
+    inertia: float = setting(
+        4.0,
+        "1",
+        "times a joint's inertia times its acceleration as it is seen; links behind elastic gears have more than it",
+        ge=0,
+        le=100,
+    )
+
+
 class ForceEstimation(Section):
     """Forces on the tool from motor torques."""
 
     tie_break: Literal["centre", "minimum-norm"] = setting(
         "centre", "", "of forces that are as likely: with friction in the middle of its ranges, or the smallest"
     )
+    margin: Margin = Field(default_factory=Margin)

@@ -107,13 +107,19 @@ class FeedForce(Block):
 
     @property
     def reason(self) -> str:
-        """Why it retreats or has retreated, or nothing."""
+        """Why it retreats or has retreated, or nothing, as where it was asked to."""
         settings = self.settings
         return {
             kernel.FINE: "",
+            kernel.LEAVING: "",
             kernel.OVERLOAD: f"the force is beyond force.overload, {settings.overload:g} N",
             kernel.SENSOR: f"there is no valid force for {settings.blind:g} s",
         }[int(self._state[kernel.REASON])]
+
+    def retreat(self) -> None:
+        """Go back along what is cut and stay, for want of nothing (between ticks); as any retreat once it has begun."""
+        if self._state[kernel.PHASE] < kernel.RETREATING:
+            kernel.retreat(self._state, kernel.LEAVING)
 
     @property
     def is_idle(self) -> bool:

@@ -13,7 +13,7 @@ from stagectl.robot.milling import velocity_loop_kernel as inner
 
 IDLE, APPROACHING, ESTIMATING, CONTROLLING, RETREATING, RETREATED = range(6)
 """Of `PHASE`."""
-FINE, OVERLOAD, SENSOR = range(3)
+FINE, OVERLOAD, SENSOR, LEAVING = range(4)
 """Of `REASON`."""
 (PHASE, REASON, WANTED, ASKED, SUM, LAST_VELOCITY, LAST_FORCE, TOUCHED, LOST, STRAINED, BLIND, BACK, STATE) = range(13)
 """Of `state`: m/s twice, m, m/s, N, samples of contact, without contact, of overload, without a sensor; m."""
@@ -38,7 +38,7 @@ def _begin(state, settings, estimate, observed):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _retreat(state, reason):  # type: ignore[no-untyped-def]
+def retreat(state, reason):  # type: ignore[no-untyped-def]
     """Go back, or, between segments, where that may lead into the wood, stay."""
     state[PHASE] = RETREATING if state[PHASE] != IDLE else RETREATED
     state[REASON], state[BACK] = reason, 0.0
@@ -49,7 +49,7 @@ def _watch(state, settings, force, along, is_seen):  # type: ignore[no-untyped-d
     """Go over to another phase where contact, force or sensor say so."""
     state[BLIND] = 0.0 if is_seen else state[BLIND] + 1.0
     if state[BLIND] >= settings[BLIND_SAMPLES] and state[PHASE] != IDLE:
-        _retreat(state, SENSOR)
+        retreat(state, SENSOR)
         return
     if not is_seen:
         return
@@ -57,7 +57,7 @@ def _watch(state, settings, force, along, is_seen):  # type: ignore[no-untyped-d
     state[TOUCHED] = state[TOUCHED] + 1.0 if along > settings[CONTACT] else 0.0
     state[LOST] = state[LOST] + 1.0 if along < 0.5 * settings[CONTACT] else 0.0
     if state[STRAINED] >= settings[OVERLOAD_SAMPLES]:
-        _retreat(state, OVERLOAD)
+        retreat(state, OVERLOAD)
     elif state[PHASE] == IDLE:
         return
     elif state[PHASE] == APPROACHING and state[TOUCHED] >= settings[CONTACT_SAMPLES]:

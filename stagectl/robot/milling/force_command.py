@@ -1,5 +1,6 @@
 """The command `stagectl estimate-force`: forces on the tool from a log of motor torques."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -22,7 +23,7 @@ PICTURE = "force.png"
 
 def estimate_force_command(
     log: Annotated[Path, typer.Argument(metavar="LOG.csv", help="Time (s), six angles, six torques (N m) a line.")],
-    model: Annotated[Path, typer.Option(metavar="FILE", help="Gravity and friction, of `calibrate milling`.")],
+    model: Annotated[Path, typer.Option(metavar="FILE", help="Gravity, friction and inertia, of `calibrate milling`.")],
     out: Annotated[Path, typer.Option(metavar="FILE", help="CSV file to write, a line a sample.")],
     config: ConfigOption = None,
     angles: Annotated[str | None, typer.Option(metavar="deg|rad", help="Unit of the log's angles; else deg.")] = None,
@@ -33,7 +34,7 @@ def estimate_force_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Tell the force on the tool, with all forces that are as likely, from the motors' torques in a signal log.
+    """Tell the force on the tool, and the bounds it is between, from the motors' torques in a signal log.
 
     Angles and torques are the motors', seen from the joints' side of the gears, as `robot.signals` gives them.  Gaps
     are left empty, and said.
@@ -44,7 +45,8 @@ def estimate_force_command(
         raise ValueError(f"--out {out}: must end in '.csv' and lie in a folder that is there")
     cell = rig_file.load(config, CellConfig, settings or [])
     arm = arm_of(cell).with_tool(cell.robot.tool)
-    made = read_force_model(model, arm, tie_break or cell.force_estimate.tie_break)
+    made = read_force_model(model, arm, cell.force_estimate)
+    made = replace(made, tie_break=tie_break or made.tie_break)
     read = read_torque_log(log, arm, angles)
     refuse_other_torques(read, made)
     found = made.estimate(read.joint_angle, read.torque, read.rate)
@@ -56,7 +58,7 @@ def estimate_force_command(
     rows = [
         [f"{axis}, N", *(f"{figures[axis][name]:.2f}" for name in ("mean", "rms", "peak", "width"))] for axis in AXES
     ]
-    head = ["force on the tool", "mean", "rms", "peak", "median width of the likely ones"]
+    head = ["force on the tool", "mean", "rms", "peak", "median width of its bounds"]
     print_table(f"{log}: {len(read.time)} samples at {read.rate:g} a second", head, rows, words(json))
     for text in _remarks(read, figures):
         print(text, file=words(json))  # noqa: T201

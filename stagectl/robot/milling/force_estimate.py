@@ -1,10 +1,11 @@
-"""The force on the tool from the torques of the motors, with every force that is as likely: (5.2)-(5.6)."""
+"""The force on the tool from the torques of the motors, and the bounds it is between: (5.2)-(5.6)."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from stagectl.robot.milling import force_kernel as kernel
+from stagectl.robot.milling.force_slab_kernel import SINGULAR
 
 TIE_BREAKS = {"centre": kernel.CENTRE, "minimum-norm": kernel.SMALLEST}
 """Which of forces that are as likely is the estimate."""
@@ -19,9 +20,10 @@ class ForceEstimates:
     force : array, shape (samples, parts), N, and N m behind
         NaN where nothing is determined.
     low, high : array, shape (samples, parts), N and N m
-        Each part over all forces that are as likely; infinite where nothing is determined.
+        Each part over all forces that are as likely, or with slack over all that it leaves; infinite where nothing is
+        determined.
     unique : array of bool, shape (samples,)
-        Whether there is one such force only.
+        Whether one force only is as likely.
     objective : array, shape (samples,), 1
         Of (5.6), at its least: 0 where friction alone explains the torques.
     """
@@ -39,8 +41,9 @@ def estimate_force(
     friction: np.ndarray,
     covariance: np.ndarray,
     tie_break: str = "centre",
+    slack: np.ndarray | None = None,
 ) -> ForceEstimates:
-    """Estimate the force on the tool; a moment there is taken to be none.
+    """Estimate the force on the tool; a moment there is taken to be none, but for `slack`.
 
     Parameters
     ----------
@@ -55,6 +58,9 @@ def estimate_force(
     tie_break : "centre" or "minimum-norm"
         The force that takes friction least far from the middle of its ranges, over their widths; or the smallest one.
         Either is one of those that are as likely.
+    slack : array, shape (samples, 6), N m, >= 0, optional
+        What noise, moment and inertia may add to each torque.  Bounds are then those of all forces with friction in its
+        range widened by that, and hold the true one wherever no joint has more; they say nothing of likelihood.
 
     Returns
     -------
@@ -62,7 +68,7 @@ def estimate_force(
 
     Raises
     ------
-    ValueError : shapes that do not fit, a tie-break there is not, an empty range, no covariance.
+    ValueError : shapes that do not fit, a tie-break there is not, an empty range, no covariance, slack < 0.
 
     Source
     ------
@@ -71,9 +77,11 @@ def estimate_force(
     Departs
     -------
     The force is the one on the tool, as a sensor there shows it, so that its torque is -J'f.  (5.6) as printed has more
-    unknowns than residuals: as a rule a whole set of forces makes it least, which `low` and `high` bound.
+    unknowns than residuals: as a rule a whole set of forces makes it least, which `low` and `high` bound.  Where (5.6)
+    takes noise for what it need be at least, that set is too small: `slack` leaves out no force that may be.
     """
     torque, jacobian, friction, covariance = _checked(torque, jacobian, friction, covariance)
+    slack = np.zeros(torque.shape) if slack is None else _checked_slack(slack, torque.shape)
     if tie_break not in TIE_BREAKS:
         raise ValueError(f"tie_break is {tie_break!r}, must be one of {', '.join(TIE_BREAKS)}")
     samples = len(torque)
@@ -81,7 +89,8 @@ def estimate_force(
     unique, objective = np.empty(samples, np.bool_), np.empty(samples)
     work = np.zeros((kernel.ROWS, 6))
     which = TIE_BREAKS[tie_break]
-    kernel.estimate_all(torque, jacobian, friction, covariance, which, force, low, high, unique, objective, work)
+    told = force, low, high, unique, objective
+    kernel.estimate_all(torque, jacobian, friction, slack, covariance, which, *told, work)
     return ForceEstimates(force, low, high, unique, objective)
 
 
@@ -116,7 +125,7 @@ def estimate_wrench(torque: np.ndarray, jacobian: np.ndarray, friction: np.ndarr
     fit = np.isfinite(torque).all(axis=1) & np.isfinite(jacobian).all(axis=(1, 2))
     size = np.linalg.norm(jacobian, axis=2)
     values = np.linalg.svd(jacobian[fit] / np.maximum(size[fit], 1e-300)[..., None], compute_uv=False)
-    fit[fit] = values[:, -1] > np.sqrt(kernel.SINGULAR)
+    fit[fit] = values[:, -1] > np.sqrt(SINGULAR)
     force, low, high = np.full((3, len(torque), 6), np.nan)
     low[:], high[:] = -np.inf, np.inf
     inverse = -np.linalg.inv(jacobian[fit].swapaxes(1, 2))
@@ -146,3 +155,13 @@ def _checked(*given: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np
     if not (least := np.linalg.eigvalsh(covariance)[0]) > 0:
         raise ValueError(f"covariance has the eigenvalue {least:g}, must be > 0")
     return torque, jacobian, friction, covariance
+
+
+def _checked_slack(slack: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """Return slack as an array for the kernel; refuse what none is."""
+    slack = np.ascontiguousarray(slack, float)
+    if slack.shape != shape:
+        raise ValueError(f"slack has shape {slack.shape}, must be {shape}")
+    if not (slack >= 0).all():
+        raise ValueError(f"slack is {slack[~(slack >= 0)][0]:g} N m, must be >= 0")
+    return slack

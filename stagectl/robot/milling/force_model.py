@@ -7,7 +7,9 @@ import numpy as np
 from ctlblocks.block import Block, Port
 from stagectl.robot.arm import Arm
 from stagectl.robot.milling import record_kernel as kernel
+from stagectl.robot.milling.config import Margin
 from stagectl.robot.milling.force_estimate import TIE_BREAKS, ForceEstimates
+from stagectl.robot.milling.force_margin import FADE, packed_margin
 from stagectl.robot.milling.friction_range import FrictionRange, speed_pole
 from stagectl.robot.milling.gravity import STANDARD_GRAVITY, Gravity, packed_chain
 
@@ -22,22 +24,29 @@ class ForceModel:
         Of six joints, with its tool: the force is at the flange's origin.
     gravity : Gravity
     friction : FrictionRange
+    inertia : array, shape (6,), kg m^2
+        Torque over acceleration of each joint, its motor's and what it carries, in the middle of the workspace.
     tie_break : "centre" or "minimum-norm"
         As for `estimate_force`.
+    margin : Margin
+        What bounds hold beside friction; all zeros: those of the forces that are as likely.
 
     Raises
     ------
-    ValueError : another number of joints, a tie-break there is not.
+    ValueError : another number of joints, an inertia that is none, a tie-break there is not.
     """
 
     arm: Arm
     gravity: Gravity
     friction: FrictionRange
+    inertia: np.ndarray
     tie_break: str = "centre"
+    margin: Margin = Margin()
 
     def __post_init__(self) -> None:
         """Refuse what the kernel cannot do."""
         packed_chain(self.arm)
+        packed_margin(self.margin, self.friction.covariance, self.inertia)
         if self.tie_break not in TIE_BREAKS:
             raise ValueError(f"tie_break is {self.tie_break!r}, must be one of {', '.join(TIE_BREAKS)}")
 
@@ -66,16 +75,17 @@ class ForceModel:
     def packed(self, rate: float) -> tuple[np.ndarray, ...]:
         """Return the model as the kernel reads it."""
         friction = self.friction
-        numbers = np.array([speed_pole(friction.smoothing, rate), rate, STANDARD_GRAVITY])
+        numbers = np.array([speed_pole(friction.smoothing, rate), rate, STANDARD_GRAVITY, np.exp(-1.0 / (FADE * rate))])
+        margin = packed_margin(self.margin, friction.covariance, self.inertia)
         moments = np.ascontiguousarray(self.gravity.moments, float)
         chain = packed_chain(self.arm)
-        return chain, moments, friction.speed, friction.bounds, friction.covariance, numbers
+        return chain, moments, friction.speed, friction.bounds, friction.covariance, margin, numbers
 
 
 def room() -> tuple[np.ndarray, ...]:
     """Return the kernel's memory and room, at the beginning of a record."""
-    memory = np.zeros((2, 6))
-    memory[0] = np.nan
+    memory = np.zeros((kernel.MEMORY, 6))
+    memory[kernel.ANGLE] = np.nan
     return memory, np.zeros((7, 3, 4)), np.zeros((kernel.ROWS, 6))
 
 
@@ -83,9 +93,9 @@ class ForceEstimate(Block):
     """Tell the force on the tool from the motors' torques, 250 times a second.
 
     Ports: `motor_angle` (rad, 6) and `torque` (N m, 6), seen from the joints' side, in; `force` (N, 3) on the tool in
-    base axes, `lower` and `upper` (N, 3), between which all forces are that are as likely, and `unique` (1 where there
-    is one only) out.  Where nothing is determined - a gap, a joint faster than friction is known, a singular arm - the
-    force is NaN between infinite bounds.
+    base axes, `lower` and `upper` (N, 3), its bounds, and `unique` (1 where one force only is as likely) out.  Where
+    nothing is determined - a gap, a joint faster than friction is known, a singular arm - the force is NaN between
+    infinite bounds.
 
     Parameters
     ----------

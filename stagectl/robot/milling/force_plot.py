@@ -1,4 +1,4 @@
-"""Estimated forces over time, with the band of all that are as likely."""
+"""Estimated forces over time, with the band they are in."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -38,7 +38,7 @@ def _drawn(time: np.ndarray, found: ForceEstimates, measured: np.ndarray | None)
         low, high = (
             extreme.reduceat(bound[:, place], starts) for extreme, bound in zip((np.fmin, np.fmax), bounds, strict=True)
         )
-        panel.fill_between(time[starts], low, high, color=COLOURS[4], alpha=0.5, linewidth=0, label="as likely")
+        panel.fill_between(time[starts], low, high, color=COLOURS[4], alpha=0.5, linewidth=0, label="bounds")
         if measured is not None:
             panel.plot(time[starts], measured[starts, place], color=COLOURS[1], linewidth=1.0, label="true")
         panel.plot(time[starts], found.force[starts, place], color=COLOURS[0], linewidth=0.8, label="estimated")

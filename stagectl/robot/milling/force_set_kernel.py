@@ -1,7 +1,8 @@
-"""The forces that explain a torque equally well: where six slabs |u - T f| <= 1 meet, edge by edge.
+"""The forces that explain a torque equally well: where six slabs |u - T f| <= r meet, edge by edge.
 
-A slab is what one joint's friction range leaves of the forces.  The set is bounded wherever T (6, 3) has full rank; its
-extremes are at the ends of its edges, and the point nearest to another one is inside, on a face or on an edge.
+A slab is what one joint's friction range leaves of the forces, with a reach r of 1, or more where the range is widened.
+The set is bounded wherever T (6, 3) has full rank; its extremes are at the ends of its edges, and the point nearest to
+another one is inside, on a face or on an edge.
 """
 
 import numpy as np
@@ -19,11 +20,11 @@ ROWS = GRAM + JOINTS
 
 
 @njit(cache=True, nogil=True)
-def is_inside(force: np.ndarray, middle: np.ndarray, slab: np.ndarray) -> bool:
-    """Whether a force (3,) is in all slabs `slab` (6, 3) about `middle` (6,)."""
+def is_inside(force: np.ndarray, middle: np.ndarray, slab: np.ndarray, margin: float = -SLACK) -> bool:
+    """Whether a force (3,) is in all slabs `slab` (6, 3) of reach 1 about `middle` (6,), by a `margin`."""
     for j in range(JOINTS):
         off = middle[j] - slab[j, 0] * force[0] - slab[j, 1] * force[1] - slab[j, 2] * force[2]
-        if not abs(off) <= 1.0 + SLACK:
+        if not abs(off) <= 1.0 - margin:
             return False
     return True
 
@@ -50,6 +51,7 @@ def distance(force: np.ndarray, goal: np.ndarray, weight: np.ndarray) -> float:
 def search_edges(
     middle: np.ndarray,
     slab: np.ndarray,
+    reach: np.ndarray,
     goal: np.ndarray,
     weight: np.ndarray,
     force: np.ndarray,
@@ -60,28 +62,29 @@ def search_edges(
 ) -> None:
     """Widen `low` and `high` (3,) by all edges; with `seek`, let `force` be the point of them nearest to `goal`.
 
-    `force` comes as a point of the set.
+    `reach` (6,) is of the slabs; `force` comes as a point of the set.
     """
     edge, point, gram = work[EDGE], work[POINT][:PARTS], work[GRAM:]
     nearest = distance(force, goal, weight) if seek else 0.0
-    for i in range(JOINTS):
-        for j in range(i, JOINTS):
-            gram[i, j] = slab[i, 0] * slab[j, 0] + slab[i, 1] * slab[j, 1] + slab[i, 2] * slab[j, 2]
-            gram[j, i] = gram[i, j]
+    _multiply(slab, gram)
     for i in range(JOINTS):
         for j in range(i + 1, JOINTS):
             square = gram[i, i] * gram[j, j] - gram[i, j] ** 2
             if square <= PARALLEL**2 * gram[i, i] * gram[j, j]:
                 continue
-            _crossings(i, j, square, middle, slab, work)
+            share = 1.0 / square
+            _crossings(i, j, share, middle, slab, reach, work)
             for corner in range(4):
-                at_i, at_j = 1.0 if corner % 2 else -1.0, 1.0 if corner // 2 else -1.0
+                at_i = reach[i] if corner % 2 else -reach[i]
+                at_j = reach[j] if corner // 2 else -reach[j]
                 start, end = _cut(at_i, at_j, work)
                 if start > end:
                     continue
-                for along in (start, end):
-                    _place(i, j, (middle[i] - at_i) / square, (middle[j] - at_j) / square, along, slab, work)
-                    widen(point, low, high)
+                _place(i, j, share * (middle[i] - at_i), share * (middle[j] - at_j), start, slab, work)
+                widen(point, low, high)
+                for k in range(PARTS):
+                    point[k] += (end - start) * edge[k]
+                widen(point, low, high)
                 if seek:
                     _nearest_along(start - end, point, edge, goal, weight)
                     away = distance(point, goal, weight)
@@ -91,11 +94,22 @@ def search_edges(
 
 
 @njit(cache=True, nogil=True)
-def _crossings(i: int, j: int, square: float, middle: np.ndarray, slab: np.ndarray, work: np.ndarray) -> None:
+def _multiply(slab: np.ndarray, gram: np.ndarray) -> None:
+    """Fill T T' (6, 6)."""
+    for i in range(JOINTS):
+        for j in range(i, JOINTS):
+            gram[i, j] = slab[i, 0] * slab[j, 0] + slab[i, 1] * slab[j, 1] + slab[i, 2] * slab[j, 2]
+            gram[j, i] = gram[i, j]
+
+
+@njit(cache=True, nogil=True)
+def _crossings(
+    i: int, j: int, share: float, middle: np.ndarray, slab: np.ndarray, reach: np.ndarray, work: np.ndarray
+) -> None:
     """Fill the direction in which two faces meet, and for each other slab how it cuts their edge.
 
-    Its way along the edge, half of it, and how that way moves with each face's side.  A slab along the edge has no such
-    way: then what it leaves, and half its width.
+    Its way along the edge, half of it, and how that way moves with each face's place.  A slab along the edge has no
+    such way: then what it leaves, and half its width.  `share` is 1 over the direction's square.
     """
     edge, gram = work[EDGE], work[GRAM:]
     for k in range(PARTS):
@@ -106,12 +120,12 @@ def _crossings(i: int, j: int, square: float, middle: np.ndarray, slab: np.ndarr
         if m == i or m == j:
             continue
         slope = slab[m, 0] * edge[0] + slab[m, 1] * edge[1] + slab[m, 2] * edge[2]
-        is_crossed = slope * slope > PARALLEL**2 * square * gram[m, m]
+        is_crossed = slope * slope * share > PARALLEL**2 * gram[m, m]
         scale = 1.0 / slope if is_crossed else 1.0
-        by_first = scale / square * (gram[i, m] * gram[j, j] - gram[i, j] * gram[j, m])
-        by_second = scale / square * (gram[j, m] * gram[i, i] - gram[i, j] * gram[i, m])
+        by_first = scale * share * (gram[i, m] * gram[j, j] - gram[i, j] * gram[j, m])
+        by_second = scale * share * (gram[j, m] * gram[i, i] - gram[i, j] * gram[i, m])
         work[WAY, row] = scale * middle[m] - middle[i] * by_first - middle[j] * by_second
-        work[HALF, row] = abs(scale) * (1.0 + SLACK)
+        work[HALF, row] = abs(scale) * (reach[m] + SLACK)
         work[BY_FIRST, row], work[BY_SECOND, row] = by_first, by_second
         work[CROSSED, row] = 1.0 if is_crossed else 0.0
         row += 1

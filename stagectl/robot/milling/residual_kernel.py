@@ -12,6 +12,8 @@ JOINTS, PARTS, REST = 6, 3, 3
 MOST_ROUNDS = 100
 NOTHING = 1e-12
 """Relative: a gradient or residual below it is rounding."""
+HELD = 1e-6
+"""Cosine between residual and what a joint's friction does to it, above which that is no rounding."""
 
 # Rows of `work` (24, 6): 0 to 5 the factor L; 6 to 11 what friction does to the torque, whitened and reflected, and 12
 # the torque; 13 to 15 reflectors; 16 friction x; 17 where free x are to go; 18 to 23 for `_least_squares`.
@@ -60,6 +62,20 @@ def explain(
             total += work[FACTOR + i, j] * left[j]
         left[i] = total
     return length
+
+
+@njit(cache=True, nogil=True)
+def is_held(j: int, work: np.ndarray) -> bool:
+    """Whether, after `explain`, joint j has the same friction, at a bound, with every force that is as likely."""
+    if abs(work[FRICTION, j]) != 1.0:
+        return False
+    gradient = size = length = 0.0
+    for r in range(REST):
+        rest = _rest(r, work)
+        gradient += work[COLUMNS + PARTS + r, j] * rest
+        size += work[COLUMNS + PARTS + r, j] ** 2
+        length += rest * rest
+    return bool(gradient * gradient > HELD**2 * size * length)
 
 
 @njit(cache=True, nogil=True)

@@ -10,7 +10,15 @@ from calibration.milling.sweep_session import SweepAborted, sweep, sweep_steps
 from calibration.milling.torque_fit import SweepError, friction_and_gravity
 from ctlblocks.recording import Recording
 from firmware_sim.plants.robot import RobotPlant
-from firmware_sim.plants.robot_joint_kernel import COULOMB, STICTION, STRIBECK, TORQUE_LIMIT, VISCOUS
+from firmware_sim.plants.robot_joint_kernel import (
+    COULOMB,
+    LINK_SPEED,
+    MOTOR_SPEED,
+    STICTION,
+    STRIBECK,
+    TORQUE_LIMIT,
+    VISCOUS,
+)
 from rigkit.config import load
 from rigkit.stop import Stopped, StopRequest
 from stagectl.robot.config import CellConfig
@@ -61,6 +69,20 @@ def test_gravity_is_found_without_any_drawing(swept: Recording) -> None:
     assert gravity.torque(arm, pose) == pytest.approx(held, abs=2.0)
     assert np.abs(held).max() > 40
     assert fit.combinations == 10
+
+
+def test_inertia_is_that_of_motors_and_links(swept: Recording) -> None:
+    """By the plant's own energy, half of inertia times speed squared, one joint at a time, over the poses."""
+    _, _, fit = friction_and_gravity(swept, arm_with_tool(CELL), CELL.friction)
+    plant, true = RobotPlant(seed=1), np.zeros(6)
+    poses = swept.data[::1_000, :6].astype(float)
+    for pose in poses:
+        plant.place(pose)
+        for joint in range(6):
+            plant.state[[MOTOR_SPEED, LINK_SPEED]] = np.eye(6)[joint]
+            true[joint] += 2 * plant.energy() / len(poses)
+    assert fit.inertia == pytest.approx(true, rel=0.35)
+    assert fit.inertia[:3] == pytest.approx(true[:3], rel=0.25)
 
 
 def test_a_record_that_tells_too_little_is_refused(swept: Recording) -> None:

@@ -14,6 +14,9 @@ from rigkit.service.reload import Change
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Axis, Curves, Gauge, Image, Table, Trace
 
+DRAWN = 100
+"""Steps that are drawn: a demonstration may be of very many."""
+
 
 class Options(Section):
     """What a demonstration may be begun with."""
@@ -100,7 +103,7 @@ class DemoRig:
             errors.append(0.8**step)
             desk.progress(step + 1, options.steps, f"error {errors[-1]:.3g}")
             desk.event("step", {"step": step, "error": errors[-1]})
-            self._draw(desk, errors)
+            self._draw(desk, errors[-DRAWN:])
         desk.recording(False)
 
     def _draw(self, desk: Desk, errors: list[float]) -> None:
@@ -122,3 +125,8 @@ class DemoRig:
         plane = draw.normal(-60, 3, (40, 60))
         axes = Axis("time", "s"), Axis("frequency", "Hz"), Axis("level", "dB")
         desk.show("spectrogram", Image("Spectrogram", *axes, (0.0, 5.9), (0.0, 650.0), (-80.0, 0.0), plane))
+
+
+def anew(load: object) -> DemoRig:  # noqa: ARG001 (as any rig is made)
+    """Return one as a command line makes it."""
+    return DemoRig()

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from rigkit.service.access import TOKENS, Tokens, read_tokens
 from rigkit.service.client import Client, DaemonError
@@ -59,15 +59,38 @@ class Served:
             client.begin("demonstrate", **options)
 
 
+Started = TypeVar("Started", bound=Served)
+
+
 def children(pid: int) -> list[int]:
-    """Return the processes that a process has started."""
+    """Return the processes that a process' main thread has started."""
     return [int(text) for text in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+def offspring(pid: int) -> list[int]:
+    """Return the processes that any thread of a process has started."""
+    threads = Path(f"/proc/{pid}/task").iterdir()
+    return [int(text) for thread in threads for text in (thread / "children").read_text().split()]
 
 
 def free_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])
+
+
+@contextmanager
+def answering(made: Started, ready: float = 180, ending: float = 60) -> Iterator[Started]:
+    """Wait until a daemon that was started answers, and end it after the block; at most so many seconds each."""
+    process = made.process
+    try:
+        until(lambda: process.poll() is not None or answers(made), ready)
+        assert process.poll() is None, process.communicate()[1]
+        yield made
+    finally:
+        process.send_signal(signal.SIGCONT)
+        process.terminate()
+        process.communicate(timeout=ending)
 
 
 @contextmanager
@@ -78,15 +101,8 @@ def served(folder: Path, environment: dict[str, str] | None = None, **settings: 
     process = subprocess.Popen(
         command, cwd=ROOT, stderr=subprocess.PIPE, text=True, env={**os.environ, **(environment or {})}
     )
-    made = Served(table, process)
-    try:
-        until(lambda: process.poll() is not None or answers(made), 180)
-        assert process.poll() is None, process.communicate()[1]
+    with answering(Served(table, process), ending=40) as made:
         yield made
-    finally:
-        process.send_signal(signal.SIGCONT)
-        process.terminate()
-        process.communicate(timeout=40)
 
 
 def answers(daemon: Served) -> bool:

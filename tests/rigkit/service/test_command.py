@@ -19,16 +19,15 @@ import sys
 from pydantic import Field
 from rigkit.command import application, run
 from rigkit.config import Section
-from rigkit.service.command import add_daemon_commands
+from rigkit.service.command import Kind, add_daemon_commands
 from rigkit.service.config import Daemon
-from tests.rigkit.service.demo_rig import DemoRig
 
 class Rig(Section):
     "A rig file."
     daemon: Daemon = Field(default_factory=Daemon)
 
 app = application("A demonstration.")
-add_daemon_commands(app, Rig, lambda config: config.daemon, lambda load: DemoRig())
+add_daemon_commands(app, lambda *_: Kind(Rig, "tests.rigkit.service.demo_rig:anew"))
 sys.exit(run(app))
 """
 

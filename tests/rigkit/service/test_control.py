@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from rigkit.service.lease import Refused
+from rigkit.service.not_begun import making
 from rigkit.service.reload import Change, Reach
 from rigkit.service.state import NotNow, State
 from tests.rigkit.service.conftest import Bench
@@ -21,6 +22,23 @@ def test_a_procedure_runs_to_its_end_and_leaves_the_rig_armed(bench: Bench) -> N
     assert (bench.state, bench.rig.output) == (State.ARMED, 0.0)
     assert bench.events() == ["control", "arm", "run", "step", "step", "step", "end"]
     assert bench.control.board.panel("convergence")["traces"][0]["x"].tolist() == [0, 1, 2]
+
+
+def test_panels_stay_when_a_procedure_has_ended_and_go_when_another_begins(bench: Bench) -> None:
+    bench.arm()
+    bench.begin(steps=2, seconds=0.0)
+    bench.ended()
+    before = bench.control.board.revisions()
+    bench.begin("measure", **LONG)
+    assert bench.control.board.revisions() == {}
+    bench.control.stop("Bob", "")
+    bench.ended()
+    bench.arm()
+    bench.begin(steps=1, seconds=0.0)
+    bench.ended()
+    after = bench.control.board.revisions()
+    assert after.keys() == before.keys()
+    assert min(after.values()) > max(before.values())  # none is taken for one that was fetched before
 
 
 def test_a_calibration_is_a_state_of_its_own_and_cannot_be_held(bench: Bench) -> None:
@@ -90,6 +108,38 @@ def test_a_step_that_begins_in_the_moment_of_a_stop_is_stopped_too(bench: Bench)
     assert bench.rig.output == 0.0
     del bench.control._desk().ending  # noqa: SLF001
     until(lambda: bench.control.settle() or not bench.control.machine.busy)
+
+
+@pytest.mark.parametrize(
+    "refused", [ValueError("no model"), FileNotFoundError("no model"), PermissionError("no model")]
+)
+def test_a_procedure_that_is_refused_while_it_is_made_has_not_begun_and_the_rig_stays_armed(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, refused: Exception
+) -> None:
+    def run(*_: object) -> None:
+        with making():
+            raise refused
+
+    monkeypatch.setattr(bench.rig, "_run", run)
+    bench.arm()
+    bench.begin()
+    bench.ended()
+    assert (bench.state, bench.control.machine.last.why) == (State.ARMED, "Demonstration has not begun: no model")
+    assert bench.rig.armed
+
+
+def test_what_the_system_fails_at_while_a_procedure_is_made_is_a_fault(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def run(*_: object) -> None:
+        with making():
+            raise OSError(28, "No space left on device", "/data")
+
+    monkeypatch.setattr(bench.rig, "_run", run)
+    bench.arm()
+    bench.begin()
+    bench.ended()
+    assert (bench.state, bench.control.machine.last.why) == (State.FAULT, "/data: No space left on device")
 
 
 def test_a_procedure_that_breaks_is_a_fault_that_somebody_must_acknowledge(bench: Bench) -> None:

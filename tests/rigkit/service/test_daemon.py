@@ -6,6 +6,7 @@ import select
 import signal
 import socket
 import subprocess
+import time
 from pathlib import Path
 
 import httpx
@@ -15,6 +16,7 @@ from prometheus_client.parser import text_string_to_metric_families
 from rigkit.lock import holder
 from rigkit.service.client import Client, DaemonError
 from rigkit.service.daemon import LOCK
+from tests.contract import monitoring
 from tests.rigkit.service.served import answers, listener, served
 from tests.rigkit.service.until import until
 
@@ -179,3 +181,9 @@ def test_prometheus_gets_state_gauges_and_limits(tmp_path: Path) -> None:
     assert samples["vibrostage_output_volts", None] == 0
     assert samples["vibrostage_travel_metres_high_limit", None] == 1.05e-6
     assert samples["vibrostage_ticks_total", None] > 0
+    assert samples["vibrostage_output_on", None] == samples["vibrostage_journal_fault", None] == 0
+    assert 0 <= time.time() - samples["vibrostage_snapshot_timestamp_seconds", None] < 60
+    assert monitoring.missing(text, (monitoring.DAEMON,)) == {
+        "vibrostage_disk_free_bytes",
+        "vibrostage_disk_free_bytes_low_limit",
+    }

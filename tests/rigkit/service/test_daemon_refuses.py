@@ -3,6 +3,7 @@
 import socket
 from collections.abc import Iterator
 from contextlib import ExitStack
+from http.client import HTTPConnection
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,10 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
+from rigkit.service import answers
 from rigkit.service.gate import STREAM, TOKEN
 from rigkit.service.stream import WINDOW
+from tests.rigkit.service.described import is_described
 from tests.rigkit.service.served import Served, served
 from tests.rigkit.service.until import until
 
@@ -59,23 +62,58 @@ def test_a_request_that_may_not_is_refused_and_told(
     assert daemon.named("control") == []
 
 
+def fetched(daemon: Served, path: str) -> tuple[int, str]:
+    """Ask for a path as it stands, which clients with good manners would tidy up first."""
+    line = HTTPConnection(daemon.settings.address, timeout=20)
+    line.request("GET", path, headers=operating(daemon))
+    answer = line.getresponse()
+    status, text = answer.status, answer.read().decode()
+    line.close()
+    return status, text
+
+
 @pytest.mark.parametrize(
     "path",
-    ["../token", "%2e%2e/token", "one/../../token", "one/%2e%2e/%2e%2e/token", "one/secret", "/etc/passwd", ".lock"],
+    [
+        "../token",
+        "%2e%2e/token",
+        "one/../../token",
+        "one/%2e%2e/%2e%2e/token",
+        "one/secret",
+        "one//etc/passwd",
+        ".lock",
+    ],
 )
 def test_no_path_leads_out_of_the_runs(daemon: Served, path: str) -> None:
-    request = httpx.Request("GET", f"{base(daemon)}/api/runs/x", headers=operating(daemon))
-    request.url = httpx.URL(f"{base(daemon)}").copy_with(raw_path=f"/api/runs/{path}".encode())
-    with httpx.Client() as client:
-        answer = client.send(request)
-    assert answer.status_code in (403, 404)
-    assert daemon.tokens.operate not in answer.text
+    before = len(daemon.named("refused"))
+    status, text = fetched(daemon, f"/api/runs/{path}")
+    assert status == 403
+    assert daemon.tokens.operate not in text
+    until(lambda: len(daemon.named("refused")) > before)
+    assert "leads out of the data folder" in daemon.named("refused")[-1]["why"]
+
+
+def test_no_path_leads_out_of_the_page(daemon: Served) -> None:
+    for path in ("/../config.py", "/%2e%2e/config.py", "//etc/passwd", "/api/runs//etc/passwd", "/api/../../config.py"):
+        assert fetched(daemon, path)[0] == 404
 
 
 def test_a_file_of_a_run_is_given(daemon: Served) -> None:
     answer = httpx.get(f"{base(daemon)}/api/runs/one/report.html", headers=operating(daemon))
     assert (answer.status_code, answer.text) == (200, "<p>learned</p>")
-    assert httpx.get(f"{base(daemon)}/api/runs", headers=operating(daemon)).json() == ["one"]
+    assert answer.headers["content-disposition"] == 'attachment; filename="report.html"'
+    with daemon.client() as client:
+        assert [run["name"] for run in client.ask("GET", "/api/runs")] == ["one"]
+        listed = client.ask("GET", "/api/runs/one")
+    is_described(list[answers.File], listed)
+    assert [(file["path"], file["size"]) for file in listed] == [("report.html", 14)]
+
+
+@pytest.mark.parametrize(("path", "why"), [("two", "there is no run 'two'"), ("one/x", "there is no file 'x' in")])
+def test_what_is_not_among_the_runs_is_missed_by_name(daemon: Served, path: str, why: str) -> None:
+    answer = httpx.get(f"{base(daemon)}/api/runs/{path}", headers=operating(daemon))
+    assert answer.status_code == 404
+    assert why in answer.json()["error"]
 
 
 @pytest.mark.parametrize(
@@ -96,6 +134,23 @@ def test_a_body_that_is_not_as_it_must_be_is_refused_in_one_line(daemon: Served,
     answer = httpx.post(f"{base(daemon)}/api/control", content=body, headers=headers)
     assert answer.status_code == status, answer.text
     assert "\n" not in answer.json()["error"]
+
+
+def test_a_megabyte_that_does_not_say_how_long_it_is_is_cut_off_and_told(daemon: Served) -> None:
+    before = len(daemon.named("refused"))
+    parts = iter([b"x" * 10_000] * 100)
+    answer = httpx.post(f"{base(daemon)}/api/control", content=parts, headers=operating(daemon))
+    assert (answer.status_code, answer.json()["error"]) == (413, "a request of more than 65536 bytes")
+    until(lambda: len(daemon.named("refused")) > before)
+    assert daemon.named("refused")[-1]["status"] == 413
+
+
+def test_another_method_is_refused_with_those_that_there_are(daemon: Served) -> None:
+    there_are = {"/api/arm": "POST", "/api/rig": "GET", "/api/control": "DELETE, POST, PUT", "/": "GET, HEAD"}
+    for path, there in there_are.items():
+        answer = httpx.patch(f"{base(daemon)}{path}", headers=operating(daemon))
+        assert (answer.status_code, answer.headers["allow"]) == (405, there)
+        assert answer.json() == {"error": "Method Not Allowed"}
 
 
 def test_a_command_without_control_is_refused(daemon: Served) -> None:
@@ -127,31 +182,48 @@ def drained(line: ClientConnection) -> list[str]:
     ],
 )
 def test_a_websocket_that_may_not_is_refused_before_it_is_one(daemon: Served, more: dict[str, Any]) -> None:
+    before = len(daemon.named("refused"))
     with pytest.raises(InvalidStatus) as refused:
         stream(daemon, **more)
+    assert refused.value.response.status_code == 403
+    until(lambda: len(daemon.named("refused")) > before)
+    assert daemon.named("refused")[-1]["path"] == "/api/stream"
+
+
+def test_there_is_one_stream_and_no_other(daemon: Served) -> None:
+    with pytest.raises(InvalidStatus) as refused:
+        connect(f"ws://{daemon.settings.address}/api/other", additional_headers=operating(daemon))
     assert refused.value.response.status_code == 403
 
 
 def test_a_websocket_under_another_name_is_refused(daemon: Served) -> None:
+    before = len(daemon.named("refused"))
     host, port = daemon.settings.address.split(":")
     offered: Any = [STREAM, TOKEN + daemon.tokens.view]
     with socket.create_connection((host, int(port))) as line, pytest.raises(InvalidStatus) as refused:
         connect(f"ws://evil.example:{port}/api/stream", subprotocols=offered, sock=line)
     assert refused.value.response.status_code == 403
+    until(lambda: len(daemon.named("refused")) > before)
+    assert "the host 'evil.example" in daemon.named("refused")[-1]["why"]
 
 
-def test_a_frame_of_a_megabyte_ends_the_stream(daemon: Served) -> None:
-    with stream(daemon) as line:
-        line.send("1" * 1_000_000)
-        drained(line)
-    assert line.close_code in (1009, 1006)
-
-
-def test_one_that_says_it_has_read_what_was_not_sent_is_closed(daemon: Served) -> None:
+@pytest.mark.parametrize(
+    ("said", "why"),
+    [
+        ("1" * 1_000_000, "frame with 1000000 bytes exceeds limit of 1024 bytes"),
+        ("999999999", "it says '999999999', which is not the tick of a snapshot sent to it"),
+        ("a tick", "it says 'a tick', which is not the tick of a snapshot sent to it"),
+        (b"1", "it sends bytes, must be text"),
+    ],
+)
+def test_one_that_does_not_speak_as_it_must_is_closed_and_told(daemon: Served, said: str | bytes, why: str) -> None:
+    before = len(daemon.named("dropped"))
     with stream(daemon) as line:
         line.recv(timeout=20)
-        line.send("999999999")
+        line.send(said)
         drained(line)
+    until(lambda: len(daemon.named("dropped")) > before)
+    assert daemon.named("dropped")[-1]["why"] == why
 
 
 def test_one_that_does_not_say_that_it_reads_gets_a_few_snapshots_and_is_closed(daemon: Served) -> None:
@@ -168,6 +240,7 @@ def test_more_than_may_watch_are_sent_away_and_the_others_go_on(daemon: Served) 
         with pytest.raises(InvalidStatus):
             stream(daemon)
         assert all(each.recv(timeout=20) for each in watching)
+    until(lambda: "3 watch already (daemon.clients)" in [entry["why"] for entry in daemon.named("dropped")])
 
 
 def test_nothing_of_all_this_has_changed_the_rig(daemon: Served) -> None:
@@ -179,6 +252,22 @@ def test_nothing_of_all_this_has_changed_the_rig(daemon: Served) -> None:
 def test_the_description_of_the_api_is_published_and_names_every_way_in(daemon: Served) -> None:
     described = httpx.get(f"{base(daemon)}/openapi.json").json()
     assert {"/api/stop", "/api/arm", "/api/begin", "/api/panels/{name}", "/metrics"} <= described["paths"].keys()
+
+
+def test_the_description_says_of_every_way_in_what_it_answers_how_it_refuses_and_that_it_wants_a_token(
+    daemon: Served,
+) -> None:
+    described = httpx.get(f"{base(daemon)}/openapi.json").json()
+    operations = [operation for path in described["paths"].values() for operation in path.values()]
+    assert len(operations) >= 20
+    for operation in operations:
+        (content,) = operation["responses"]["200"]["content"].values()
+        assert content["schema"], operation["operationId"]
+        for status in ("401", "403", "422", "429", "500", "503"):
+            refusal = operation["responses"][status]["content"]["application/json"]["schema"]
+            assert refusal == {"$ref": "#/components/schemas/Error"}
+        assert operation["security"] == [{"HTTPBearer": []}]
+    assert described["components"]["securitySchemes"]["HTTPBearer"]["scheme"] == "bearer"
 
 
 def test_a_second_daemon_on_the_same_data_or_address_is_refused_in_one_line(daemon: Served, tmp_path: Path) -> None:

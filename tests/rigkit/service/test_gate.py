@@ -148,9 +148,11 @@ def test_an_upgrade_to_a_websocket_passes_the_same_way(headers: dict[str, str], 
 
 def test_a_body_that_is_longer_than_it_says_is_cut_off() -> None:
     door = Door()
-    door.ask("/api/arm", {**OPERATE, "content-length": "10"}, parts=(b"x" * 50_000, b"x" * 50_000))
+    status = door.ask("/api/arm", {**OPERATE, "content-length": "10"}, parts=(b"x" * 50_000, b"x" * 50_000))
+    assert status == 413
     assert door.behind.cut_off
     assert len(door.behind.body) == 50_000
+    assert [told["status"] for told in door.told] == [413]
 
 
 def test_too_many_requests_are_refused_and_a_stop_never_is() -> None:

@@ -1,4 +1,4 @@
-"""A stage under the daemon's authority, without processes."""
+"""A stage, or a robot cell, under the daemon's authority, without processes."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,6 +8,7 @@ from rigkit import config as rig_file
 from rigkit.service.control import Control
 from rigkit.service.journal import Journal
 from rigkit.service.lease import Lease
+from rigkit.service.rig import Rig
 from rigkit.service.show import Gauge
 from rigkit.service.state import State
 from stagectl.config import StageConfig
@@ -28,9 +29,9 @@ QUICK = ["session.recording=wav", "session.lead=0.5", "session.seconds=0.5"]
 
 @dataclass
 class Lab:
-    """A stage, its control and the rig file it reads."""
+    """A rig, its control and the rig file it reads."""
 
-    rig: PiezoStage
+    rig: Any
     control: Control
     key: str
     file: Path
@@ -77,7 +78,11 @@ def lab_in(folder: Path, *settings: str) -> Lab:
     for model in write_models(data):
         model.rename(data / f"stage-{model.name}")
     edit(file, data, *settings)
-    rig = PiezoStage(lambda: rig_file.load(file, StageConfig))
+    return lab_of(PiezoStage(lambda: rig_file.load(file, StageConfig)), file, data)
+
+
+def lab_of(rig: Rig, file: Path, data: Path) -> Lab:
+    """Return a rig with its control."""
     control = Control(rig, Lease(1e6), Journal(data / "events.jsonl"))
     return Lab(rig, control, control.take_control("Ada", False)["key"], file, data)
 

@@ -14,7 +14,7 @@ from rigkit.growing_wav import GROWING
 from stagectl import session
 from stagectl.__main__ import main
 from stagectl.config import StageConfig
-from tests.rigkit.service.served import ROOT, Served, answers, free_port
+from tests.rigkit.service.served import ROOT, Served, answering, free_port
 from tests.rigkit.service.until import until
 from tests.stagectl.daemon.bench import lab_in
 
@@ -27,14 +27,8 @@ def daemon_of(file: Path) -> Iterator[Served]:
     """Start `stagectl daemon`, and see that it is gone afterwards."""
     command = [sys.executable, "-m", "stagectl", "daemon", "--config", str(file)]
     process = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True)
-    made = Served(rig_file.load(file, StageConfig).daemon, process)
-    try:
-        until(lambda: process.poll() is not None or answers(made), 100)
-        assert process.poll() is None, process.communicate()[1]
+    with answering(Served(rig_file.load(file, StageConfig).daemon, process), ready=100) as made:
         yield made
-    finally:
-        process.terminate()
-        process.communicate(timeout=60)
 
 
 def test_a_daemon_killed_while_the_stage_follows_leaves_a_whole_recording_and_comes_back_disarmed(

@@ -11,6 +11,9 @@ from firmware_sim.stage_processor import Settings
 from rigkit.service.state import State
 from stagectl import session
 from stagectl.link.stage_link import StageLink
+from tests.contract import monitoring
+from tests.contract.monitoring import missing_of
+from tests.rigkit.service.described import views_are_described
 from tests.rigkit.service.until import until
 from tests.stagectl.daemon.bench import Lab, lab_in
 from tests.stagectl.link.stand_in import PATIENT, link_to, running
@@ -39,6 +42,8 @@ def test_a_run_is_streamed_recorded_and_stopped(bench: tuple[Lab, CanNode]) -> N
     lab.until_follows()
     until(lambda: abs((lab.gauge("position_z").value or 0.0) - 250e-6) < 1e-6)
     assert lab.gauge("led").value == 1.0
+    assert views_are_described(lab.control)["procedure"]["name"] == "hold"
+    assert missing_of(lab.control, monitoring.RIG, monitoring.STAGE, monitoring.LINK) == set()
     lab.control.stop("Ada", "smoke")
     assert lab.state is State.DISARMED
     lab.ended()

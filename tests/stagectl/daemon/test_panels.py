@@ -10,7 +10,7 @@ RATE = 10_000.0
 def test_a_histogram_counts_every_sample_and_tells_the_mean_absolute_error() -> None:
     error = np.array([[1e-6, 0.0], [-1e-6, 0.0], [3e-6, 0.0], [1e-6, 0.0]])
     panel = histogram(error, ("x", "y"))
-    assert panel.title == "Error in the last 1 s, MAE x 1.500, y 0.000 µm"
+    assert panel.title == "Error, last 1 s, MAE x 1.500, y 0.000 µm"
     one, other = panel.traces
     assert len(one.x) <= BINS + 1
     assert np.allclose([one.y.sum(), other.y.sum()], 1.0)

@@ -8,11 +8,16 @@ import pytest
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording
+from rigkit.growing_wav import GROWING
 from rigkit.run_folder import read_events
 from rigkit.service.reload import Reach
 from rigkit.service.state import State
 from stagectl import session
 from stagectl.replay import replay
+from tests.contract import monitoring
+from tests.contract.monitoring import missing_of
+from tests.rigkit.service.described import views_are_described
+from tests.rigkit.service.until import until
 from tests.stagectl.daemon.bench import Lab, edit, lab_in
 
 
@@ -36,8 +41,11 @@ def test_a_reference_is_followed_shown_recorded_and_reported_and_the_rig_stays_a
     voltage, drive = lab.gauge("voltage_x"), lab.gauge("drive_x")
     assert (voltage.low, voltage.high, drive.is_output) == (0.0, 1000.0, True)
     assert lab.gauge("position_x").high == 430e-6
+    assert views_are_described(lab.control)["recording"]
+    assert missing_of(lab.control, monitoring.RIG, monitoring.STAGE, monitoring.SIMULATED) == set()
     lab.ended()
     assert lab.state is State.ARMED, lab.why
+    assert views_are_described(lab.control)["panels"] == lab.control.board.revisions()
     path = lab.run_folder()
     assert (path / "report.html").is_file()
     assert replays(path)
@@ -52,6 +60,37 @@ def test_a_reference_is_followed_shown_recorded_and_reported_and_the_rig_stays_a
     means = ", ".join(f"{axis} {1e6 * figures['position_error'][axis]['mae']:.3f}" for axis in "xyz")
     assert panels.panel("histogram")["title"].endswith(f"MAE {means} µm")  # its last second is the whole of it
     assert [gauge.name for gauge in lab.rig.gauges()] == ["disk_free"]
+
+
+def test_a_reference_is_held_where_it_comes_to_a_stop_and_goes_on_and_the_run_replays(lab: Lab) -> None:
+    time = np.arange(1_500) / 1_000.0
+    wanted = 225e-6 + 20e-6 * np.column_stack([np.sin(2 * np.pi * 2 * time)] * 3)
+    recording.write(lab.data / "wave.csv", Recording(("x", "y", "z"), ("m",) * 3, 1_000.0, wanted))
+    lab.begin(reference="wave.csv", seconds=1.5)
+    lab.until_follows()
+    lab.control.hold(lab.key, "look")
+    assert lab.state is State.HOLD
+    until(lambda: lab.events("held"), 100)
+    growing = lab.run_folder() / f"{session.RECORDING}{GROWING}"
+    size = growing.stat().st_size
+    until(lambda: growing.stat().st_size > size + 500_000, 100)  # 0.3 s
+    lab.control.resume(lab.key, "all is well")
+    lab.ended()
+    assert lab.state is State.ARMED, lab.why
+    path = lab.run_folder()
+    made = session.setup_of(path)
+    assert made.held > 2_500 + 2_000
+    assert replays(path)
+    record = session.read_recording(path, session.RECORDING)
+    assert record is not None
+    assert len(record.data) == made.timeline.total
+    asked = record.select(["wanted_x"]).data[:, 0]
+    proper = asked[made.timeline.proper]
+    assert np.sum(np.diff(proper) == 0.0) > 2_500
+    assert np.abs(np.diff(proper[:-20], 2)).max() < 2e-9  # it comes to a stop, and goes on, without a jump of speed
+    figures = session.summary(path, made)
+    assert figures["seconds"] == pytest.approx(1.5 + made.held / 10_000.0)
+    assert all(figures["position_error"][axis]["peak"] < 3e-6 for axis in "xyz")
 
 
 def test_a_stop_takes_the_stage_to_mid_travel_and_keeps_what_has_come(lab: Lab) -> None:
@@ -92,11 +131,19 @@ def test_a_sensor_that_fails_is_a_fault_with_its_reason_until_a_person_has_ackno
     assert lab.state is State.ARMED, lab.why
 
 
-def test_it_stays_disarmed_without_models(lab: Lab) -> None:
-    (lab.data / "stage-y.h5").unlink()
-    with pytest.raises(ValueError, match=r"stage-y.h5 is missing: calibrate stage --out .*/stage.h5 makes one"):
-        lab.control.arm(lab.key, "a test")
-    assert lab.state is State.DISARMED
+def test_nothing_is_followed_without_models_or_with_other_inner_loops_than_theirs(lab: Lab) -> None:
+    (lab.data / "stage-y.h5").rename(lab.data / "elsewhere.h5")
+    lab.begin("hold")
+    lab.ended()
+    assert "stage-y.h5 is missing: the procedure calibrate, or `calibrate stage --out " in lab.why
+    assert lab.state is State.ARMED
+    (lab.data / "elsewhere.h5").rename(lab.data / "stage-y.h5")
+    (lab.data / "stage.toml").write_text("[inner]\ngain = [6.5e-8, 6.1e-8, 6.5e-8]\n")
+    lab.begin("hold")
+    lab.ended()
+    assert "[inner] is not what the models were measured with: axis y has Pid(" in lab.why
+    assert "start the daemon with --config" in lab.why
+    assert not lab.run_folder().exists()
 
 
 def test_a_place_outside_the_travel_is_refused(lab: Lab) -> None:

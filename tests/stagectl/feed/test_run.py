@@ -150,3 +150,19 @@ def test_a_segment_that_takes_too_long_is_a_fault() -> None:
 
 def test_who_stops_it_is_named() -> None:
     assert milled(small(), conduct=Conduct(stopped=lambda: True)).reason == STOPPED
+
+
+def test_a_stop_within_a_strip_goes_back_along_it_before_the_robot_is_held() -> None:
+    looks: list[int] = []
+
+    def stopped() -> bool:
+        looks.append(1)
+        return len(looks) > 60  # 20 ms each: the force is controlled by then
+
+    done = milled(small(), conduct=Conduct(stopped=stopped))
+    assert done.reason == STOPPED
+    assert at(done, "phase")[-1] == PHASES.index("retreated")
+    begun = int(np.argmax(at(done, "is_running") > 0.5))
+    along = np.abs(at(done, "place_x") - at(done, "place_x")[begun])[begun:]
+    assert along.max() - along[-1] == pytest.approx(2e-3, rel=0.3)
+    assert np.hypot(at(done, "true_force_x"), at(done, "true_force_y"))[-1] == 0.0

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rigkit.wire.layout import Layout
 from stagectl.link.config import Link
 from stagectl.link.conversation import Conversation
 from stagectl.wire import messages, samples
-from stagectl.wire.layout import Layout
 from stagectl.wire.messages import Command, Fault, HostState, State
 
 

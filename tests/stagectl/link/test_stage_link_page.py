@@ -6,9 +6,9 @@ import re
 import pytest
 
 from firmware_sim.can_node import MISHAPS
+from rigkit.wire.layout import Layout
 from stagectl.wire import messages, samples
 from stagectl.wire.bus_load import frame_time, least_load
-from stagectl.wire.layout import Layout
 from stagectl.wire.messages import LAYOUTS, Command, Fault, HostState, Result, State
 from tests.contract.source_tree import ROOT
 

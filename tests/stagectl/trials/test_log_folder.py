@@ -113,5 +113,5 @@ def test_a_file_that_is_no_log_is_refused(tmp_path: Path, text: str, words: str)
 
 def test_methods_are_read_one_several_or_all() -> None:
     assert [wanted_methods(text) for text in ("2", "1,3", "all")] == [(2,), (1, 3), (1, 2, 3)]
-    with pytest.raises(ValueError, match="--method is '4', must be 1, 2, 3"):
+    with pytest.raises(ValueError, match="method is '4', must be 1, 2, 3"):
         wanted_methods("4")

@@ -32,6 +32,9 @@ def test_a_trial_in_the_air_follows_its_path_and_feels_nothing(touched: Trial, a
     assert air.reason == ""
     assert np.abs(air.recordings["truth"].select(["force_x"]).data).max() == 0.0
     assert np.linalg.norm(done.mae) < 300e-6
+    force = done.signals.force
+    assert force is not None
+    assert np.abs(force[touched.path.milled].mean(axis=0)).max() < 0.1  # the sensor's bias, of 5 N, is not left in it
     assert done.true_mae is not None
     assert np.linalg.norm(done.true_mae) < np.linalg.norm(done.mae)
 
@@ -73,5 +76,5 @@ def test_a_silent_robot_is_held_where_it_is(first: Trial) -> None:
 
 
 def test_a_correction_beyond_the_limit_never_reaches_the_robot(first: Trial) -> None:
-    done = ran(replace(first, sent=first.sent + [0.0, 0.0, 2.2e-3]))
-    assert done.reason.startswith("the correction moves the tool by 2.2 mm, must be <= 2 mm")
+    done = ran(replace(first, sent=first.sent + [0.0, 0.0, 3.2e-3]))
+    assert done.reason.startswith("the correction moves the tool by 3.2 mm, must be <= 3 mm")

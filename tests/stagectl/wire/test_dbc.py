@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stagectl
+from rigkit.wire.layout import Layout
 from stagectl.wire.dbc import dbc_text
-from stagectl.wire.layout import Layout
 from stagectl.wire.messages import LAYOUTS, STATUS
 from tests.stagectl.wire.test_layout import ANY, some_values
 

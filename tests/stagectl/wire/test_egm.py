@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from rigkit.wire.layout import GarbledError, WireError
 from stagectl.wire.egm import (
     Command,
     Motion,
@@ -12,7 +13,6 @@ from stagectl.wire.egm import (
     unpack_command,
     unpack_report,
 )
-from stagectl.wire.layout import GarbledError, WireError
 
 ANGLES = np.radians([10.0, -20.0, 30.0, 0.0, 45.0, 90.0])
 POSE = np.array([0.515, -0.1, 0.712, 0.5, 0.5, -0.5, 0.5])

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from rigkit.wire.layout import GarbledError, WireError
 from stagectl.wire.force_sensor import Record, Request, pack_record, pack_request, unpack_records, unpack_request
-from stagectl.wire.layout import GarbledError, WireError
 
 COUNTS = np.repeat([1e6, 2e6], 3)
 

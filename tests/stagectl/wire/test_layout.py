@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rigkit.wire.layout import LONG, NEVER, SHORT, Field, GarbledError, Layout, WireError
 from stagectl.wire import messages
-from stagectl.wire.layout import LONG, NEVER, SHORT, Field, GarbledError, Layout, WireError
 from stagectl.wire.messages import LAYOUTS
 
 ANY = st.sampled_from(LAYOUTS)

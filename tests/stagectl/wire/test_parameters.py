@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from stagectl.wire.layout import GarbledError, WireError
+from rigkit.wire.layout import GarbledError, WireError
 from stagectl.wire.parameters import LARGEST, checksum, chunks, pack_parameters, unpack_parameters
 
 NAMES = st.text("abcxyz_.0123456789", min_size=1, max_size=20)

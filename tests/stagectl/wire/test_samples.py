@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from rigkit.wire.layout import GarbledError, Layout, WireError
 from stagectl.wire import messages, samples
-from stagectl.wire.layout import GarbledError, Layout, WireError
 
 LONG = (messages.REFERENCE, messages.POSITION, messages.EXTENSION, messages.VOLTAGE)
 SHORT = (messages.SLOW_REFERENCE, messages.SLOW_POSITION, messages.SLOW_EXTENSION, messages.SLOW_VOLTAGE)

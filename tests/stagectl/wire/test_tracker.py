@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stagectl.wire.layout import WireError
+from rigkit.wire.layout import WireError
 from stagectl.wire.tracker import Packets, Sample, Sighting, pack_sample
 
 POSE = np.array([0.1, 0.2, 0.3, 1.0, 0.0, 0.0, 0.0])

@@ -16,8 +16,7 @@ import numpy as np
 
 from rigkit import config as rig_file
 from rigkit.service.config import Daemon
-from tests.rigkit.service.served import ROOT, Served, answers, children, free_port
-from tests.rigkit.service.until import until
+from tests.rigkit.service.served import ROOT, Served, answering, free_port, offspring
 from vibractl.config import Audio, Learning, Reference, RigConfig, Simulator
 from vibractl.model_file import write_model
 from vibractl.transfer_matrix import TransferMatrix
@@ -53,10 +52,10 @@ class KilledDaemon(Served):
         drive = np.fromfile(self.log).reshape(-1, 2)
         return drive[np.isfinite(drive[:, 0])]
 
-    def command(self, name: str, **options: Any) -> None:
+    def command(self, name: str, procedure: str = "run", **options: Any) -> None:
         """Take control and give one command."""
         with self.client() as client, client.control("Ada", over=True):
-            client.begin("run", **options) if name == "begin" else client.command(name, "a test")
+            client.begin(procedure, **options) if name == "begin" else client.command(name, "a test")
 
     def done(self) -> int:
         """Return the shots that are recorded, as the event log says."""
@@ -64,10 +63,10 @@ class KilledDaemon(Served):
 
     def kill(self) -> float:
         """Kill the rig's process; return for how long the drive went on afterwards, s."""
-        audio = [os.pidfd_open(pid) for pid in children(self.process.pid)]
+        others = [os.pidfd_open(pid) for pid in offspring(self.process.pid)]
         before = self.written()
         self.process.send_signal(signal.SIGKILL)
-        for pid in audio:
+        for pid in others:
             assert select.select([pid], [], [], 30)[0], "a process outlived the rig's"
             os.close(pid)
         self.process.wait()
@@ -103,11 +102,5 @@ def straight_daemon(folder: Path, mute_after: float = 1.0) -> Iterator[KilledDae
     (folder / "rig.toml").write_text(rig_file.dump(config))
     command = [sys.executable, "-m", "vibractl", "daemon", "--config", str(folder / "rig.toml")]
     process = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True)
-    made = KilledDaemon(config.daemon, process, folder / "log")
-    try:
-        until(lambda: process.poll() is not None or answers(made), 180)
-        assert process.poll() is None, process.communicate()[1]
+    with answering(KilledDaemon(config.daemon, process, folder / "log")) as made:
         yield made
-    finally:
-        process.terminate()
-        process.communicate(timeout=60)

@@ -8,6 +8,9 @@ import pytest
 
 from rigkit.run_folder import read_events, read_quality
 from rigkit.service.state import State
+from tests.contract import monitoring
+from tests.contract.monitoring import missing_of
+from tests.rigkit.service.described import views_are_described
 from tests.rigkit.service.until import until
 from tests.vibractl.daemon.bench import Lab, lab_in
 from vibractl.config import RigConfig
@@ -41,6 +44,7 @@ def test_a_run_is_learned_shown_and_reported_and_the_rig_stays_armed(lab: Lab) -
     assert (lab.data / "runs" / "one" / "report.html").is_file()
     assert [event["shot"] for event in lab.events("shot")] == [0, 1, 2]
     panels = lab.control.board
+    assert views_are_described(lab.control)["panels"] == panels.revisions()
     assert set(panels.revisions()) == {"live", "convergence", "error", "certificate", "lines"} | {
         f"{which}_{side}" for which in ("spectrum", "first_spectrogram", "last_spectrogram") for side in (1, 2)
     }
@@ -67,6 +71,8 @@ def test_gauges_tell_levels_against_the_limits_while_the_line_is_open(lab: Lab) 
     lab.begin(run="one", shots=1000)
     lab.until_shot(2)
     found = {gauge.name: gauge for gauge in lab.rig.gauges()}
+    assert len(views_are_described(lab.control)["gauges"]) == len(found)
+    assert missing_of(lab.control, monitoring.RIG, monitoring.VIBRATOR) == set()
     lab.control.stop("Ada", "")
     lab.ended()
     assert found["drive_peak_1"].high == RigConfig().limits.peak
@@ -109,10 +115,11 @@ def test_a_run_that_is_held_is_silent_and_goes_on_with_the_next_shot(lab: Lab) -
     assert len([event for event in read_events(path) if event["event"] == "started"]) == 2
 
 
-def test_what_a_run_lacks_is_a_fault_with_its_reason_and_leaves_no_folder(lab: Lab) -> None:
+def test_a_run_without_its_model_does_not_begin_leaves_no_folder_and_the_rig_stays_armed(lab: Lab) -> None:
     lab.begin(run="one", model="another.h5")
     lab.ended()
-    assert lab.state is State.FAULT
+    assert lab.state is State.ARMED
+    assert lab.control.machine.last.why.startswith("Learning run has not begun: ")
     assert "another.h5" in lab.control.machine.last.why
     assert not (lab.data / "runs" / "one").exists()
 
@@ -120,7 +127,7 @@ def test_what_a_run_lacks_is_a_fault_with_its_reason_and_leaves_no_folder(lab: L
 def test_a_reference_from_outside_the_data_folder_is_refused(lab: Lab) -> None:
     lab.begin(reference="../secret.wav")
     lab.ended()
-    assert lab.state is State.FAULT
+    assert lab.state is State.ARMED
     assert "leads out of the data folder" in lab.control.machine.last.why
 
 
@@ -163,3 +170,18 @@ def test_a_limit_that_the_drive_breaks_after_a_reload_is_a_fault(lab: Lab) -> No
     lab.ended()
     assert lab.state is State.FAULT
     assert "limits.peak is 0.1 V" in lab.control.machine.last.why
+
+
+def test_arming_does_not_import_what_opens_the_audio_interface(lab: Lab, monkeypatch: pytest.MonkeyPatch) -> None:
+    (lab.data / "explodes.py").write_text("raise RuntimeError('imported')\n")
+    monkeypatch.syspath_prepend(str(lab.data))
+    lab.edit("audio.stream=explodes:Stream")
+    lab.control.reload(lab.key)
+    lab.control.arm(lab.key, "a test")
+    assert lab.state is State.ARMED
+    lab.control.disarm(lab.key, "")
+    lab.edit("audio.stream=nowhere:Stream")
+    lab.control.reload(lab.key)
+    with pytest.raises(ValueError, match="nowhere:Stream: there is no module nowhere on the Python path"):
+        lab.control.arm(lab.key, "a test")
+    assert lab.state is State.DISARMED

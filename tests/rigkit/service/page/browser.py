@@ -110,6 +110,10 @@ class Browser:
         """Return what the browser has complained of in its console: errors, refusals of the content policy."""
         return [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
 
+    def save_into(self, folder: Path) -> None:
+        """Let what the page has to be saved go into a folder, without asking."""
+        self.driver.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(folder)})
+
     def picture(self, path: Path, whole: bool = False) -> None:
         """Save what is seen, or the whole page, as PNG."""
         options = {"format": "png", "captureBeyondViewport": whole}

@@ -1,5 +1,6 @@
 """How the page looks and reads: on a phone, to a screen reader, by what is measured, with nothing from elsewhere."""
 
+from itertools import combinations
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -12,6 +13,8 @@ from tests.rigkit.service.served import Served
 from tests.rigkit.service.until import until
 
 PANELS = 5
+LEADING = 8
+"""Pixels by which letters' boxes may reach into the lines above and below."""
 NAMED = {"button", "textbox", "combobox", "progressbar", "image", "checkbox", "spinbutton", "list", "region", "form"}
 
 
@@ -101,6 +104,37 @@ def test_a_table_has_its_numbers_in_columns_of_equal_places(visit: Visit) -> Non
     assert rows == [["1", "120.0", "−2.5"], ["2", "180.5", "-"]]
 
 
+def test_a_table_wider_than_a_panel_has_the_whole_row(visit: Visit) -> None:
+    visit.daemon.begin(steps=100_000)
+    _drawn(visit.tab)
+    is_broad = "return document.querySelector('.panel table').closest('.panel').classList.contains('broad')"
+    assert not visit.tab.run(is_broad)
+    visit.tab.run("document.getElementById('panels').style.gridTemplateColumns = '10rem 10rem 10rem'")
+    until(lambda: visit.tab.run(is_broad))
+    assert not visit.tab.run("const box = document.querySelector('.wide'); return box.scrollWidth > box.clientWidth")
+
+
+@pytest.mark.parametrize("width", [1000, 1280, 1440, 1920, 2560])
+def test_the_name_of_the_state_and_how_much_is_done_stand_apart(visit: Visit, width: int) -> None:
+    visit.tab.resize((width, 1000))
+    with visit.daemon.client() as client, client.control("Ada", over=True):
+        client.command("arm", "a test")
+        client.begin("measure", steps=100_000)
+        until(lambda: "left" in visit.tab.text("summary"))
+    texts = visit.tab.run(
+        "return ['state-name', 'state-why', 'lights', 'summary', 'stop'].map((id) => {"
+        "  const range = document.createRange(); range.selectNodeContents(document.getElementById(id));"
+        "  const { left, right, top, bottom } = range.getBoundingClientRect(); return [left, right, top, bottom] })"
+    )
+    for one, other in combinations(texts, 2):
+        assert max(one[0], other[0]) >= min(one[1], other[1]) or max(one[2], other[2]) > min(one[3], other[3]) - LEADING
+
+
+def test_options_are_told_in_the_event_log_as_words(visit: Visit) -> None:
+    visit.daemon.begin(steps=100_000, seconds=0.123456)
+    until(lambda: "options steps 100000, seconds 0.123" in visit.tab.text("events"))
+
+
 def test_every_control_that_can_be_pressed_is_reached_by_the_tab_key(visit: Visit) -> None:
     visit.take_control()
     visit.begin()
@@ -157,6 +191,10 @@ def test_the_head_has_the_colour_of_what_is_measured(
         ("quantity(null, 'V')", "-"),
         ("quantity(3, '1')", "3"),
         ("quantity(0, 'V')", "0 V"),
+        ("quantity(0.392, 'N m', 0, 200)", "0.392 N m"),
+        ("quantity(329, 'V', 0, 1000)", "329 V"),
+        ("quantity(0.00213, 'm/(N s)')", "0.00213 m/(N s)"),
+        ("quantity(0.0251, 'm/s')", "25.1 mm/s"),
         ("quantity(-39.96, 'dB')", "−40.0 dB"),
         ("duration(59.7)", "1 min 00 s"),
         ("duration(8070)", "2 h 14 min"),

@@ -8,7 +8,7 @@ import pytest
 
 from ctlblocks.recording import Recording, read, write
 from rigkit import config as rig_file
-from stagectl.__main__ import app
+from stagectl.commands import app
 from stagectl.link.bus import LinkError
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.controllers import controller

@@ -12,7 +12,7 @@ from stagectl.__main__ import main
 from stagectl.robot.kinematics import jacobian
 from stagectl.robot.milling.torque_file import FORMAT, UNITS, torque_arrays
 from stagectl.robot.milling.torque_log import TorqueLogError, read_torque_log
-from tests.stagectl.robot.milling.torque_models import ARM, some_gravity, wide_friction
+from tests.stagectl.robot.milling.torque_models import ARM, INERTIA, some_gravity, wide_friction
 
 RATE, SAMPLES = 250.0, 500
 FORCE = np.array([30.0, -20.0, 10.0])
@@ -34,7 +34,8 @@ def write_log(path: Path, rows: np.ndarray, head: str = "") -> None:
 @pytest.fixture
 def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-untyped-def] # noqa: ANN201
     friction = wide_friction(0.5, smoothing=0.0)
-    write_model_file(tmp_path / "milling.h5", ModelFile(FORMAT, torque_arrays(friction, some_gravity()), UNITS))
+    arrays = torque_arrays(friction, some_gravity(), INERTIA)
+    write_model_file(tmp_path / "milling.h5", ModelFile(FORMAT, arrays, UNITS))
     monkeypatch.chdir(tmp_path)
 
     def run(rows: np.ndarray, *options: str, head: str = "") -> int:

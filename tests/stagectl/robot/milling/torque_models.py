@@ -21,8 +21,12 @@ def some_gravity() -> Gravity:
     return Gravity(np.random.default_rng(3).uniform(0.1, 2.0, (6, 4)))
 
 
+INERTIA = np.array([6.0, 9.0, 3.0, 0.2, 0.3, 0.05])
+"""kg m^2."""
+
+
 def wide_model() -> ForceModel:
-    return ForceModel(ARM, some_gravity(), wide_friction())
+    return ForceModel(ARM, some_gravity(), wide_friction(), INERTIA)
 
 
 def angles(samples: int, seed: int = 1, arm: Arm = ARM) -> np.ndarray:

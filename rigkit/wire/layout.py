@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Literal
 
-from stagectl.wire.checksum import crc8, crc16
+from rigkit.wire.checksum import crc8, crc16
 
 SHORT, LONG = 8, 64
 """Bytes of a frame: as classic CAN carries, and as CAN FD does."""
@@ -57,7 +57,7 @@ class Layout:
     ----------
     name : str
     identifier : int, 11 bits; the lower goes first on a busy bus
-    sender : str, "host" or "stage"
+    sender : str, such as "host"
     size : int, bytes, `SHORT` or `LONG`
     fields : tuple of Field
     period : float, s between two of them at most; infinite where it is sent on demand
@@ -66,7 +66,7 @@ class Layout:
 
     name: str
     identifier: int
-    sender: Literal["host", "stage"]
+    sender: str
     size: int
     fields: tuple[Field, ...]
     period: float

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator
 
 _TASKS = "/proc/self/task"
+_NOT_INHERITED = getattr(os, "SCHED_RESET_ON_FORK", 0)
 _TURN = 5e-4
 """s for which a thread of Python may keep others from running."""
 
@@ -18,6 +19,17 @@ def real_time() -> Iterator[None]:
     For threads that mostly wait.  Where it is not granted (it needs root, or `ulimit -r`) the block runs as it would.
     """
     with _raised([0]):
+        yield
+
+
+@contextlib.contextmanager
+def all_real_time() -> Iterator[None]:
+    """Run the block with every thread that this program has now as `real_time` runs one.
+
+    One of them that has the interpreter's lock and not its turn on a busy machine would keep the others waiting.  What
+    they start meanwhile is ordinary.
+    """
+    with _raised(_threads(), _NOT_INHERITED):
         yield
 
 
@@ -36,7 +48,7 @@ def undisturbed() -> Iterator[None]:
     gc.disable()
     sys.setswitchinterval(_TURN)
     try:
-        with _raised([int(task) for task in os.listdir(_TASKS)] if os.path.isdir(_TASKS) else []):
+        with _raised(_threads()):
             yield
     finally:
         sys.setswitchinterval(turn)
@@ -45,18 +57,28 @@ def undisturbed() -> Iterator[None]:
             gc.enable()
 
 
+def _threads() -> list[int]:
+    """Return the numbers of all threads of this program, where the system tells them."""
+    return [int(task) for task in os.listdir(_TASKS)] if os.path.isdir(_TASKS) else []
+
+
 @contextlib.contextmanager
-def _raised(threads: list[int]) -> Iterator[None]:
-    """Give threads, 0 for this one, real-time priority for the length of the block."""
+def _raised(threads: list[int], more: int = 0) -> Iterator[None]:
+    """Give threads, 0 for this one, real-time priority for the length of the block; those that have some keep theirs.
+
+    A thread keeps the flags `more` of its policy afterwards, too: only root may take SCHED_RESET_ON_FORK away.
+    """
     if not hasattr(os, "sched_setscheduler"):
         yield
         return
-    before = []
+    lowest, before = os.sched_param(os.sched_get_priority_min(os.SCHED_FIFO)), []
     for thread in threads:
         with contextlib.suppress(PermissionError, ProcessLookupError):
             policy, parameters = os.sched_getscheduler(thread), os.sched_getparam(thread)
-            os.sched_setscheduler(thread, os.SCHED_FIFO, os.sched_param(os.sched_get_priority_min(os.SCHED_FIFO)))
-            before.append((thread, policy, parameters))
+            if policy & ~_NOT_INHERITED in (os.SCHED_FIFO, os.SCHED_RR):
+                continue
+            os.sched_setscheduler(thread, os.SCHED_FIFO | more, lowest)
+            before.append((thread, policy | more, parameters))
     try:
         yield
     finally:

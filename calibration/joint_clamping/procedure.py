@@ -1,0 +1,136 @@
+"""The joints' calibration as the daemon begins it: the same as `calibrate joints` in one pose, told to a desk."""
+
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from functools import partial
+from pathlib import Path
+
+from calibration.guided_arm import arm_with_tool
+from calibration.joint_clamping.aside import Here, aside
+from calibration.joint_clamping.command import WAY_OF, joint_numbers
+from calibration.joint_clamping.joints_file import write_joints
+from calibration.joint_clamping.live_map import LiveMap
+from calibration.joint_clamping.maps_page import nothing
+from calibration.joint_clamping.measurement import ClampRun, missing
+from calibration.joint_clamping.report import HEAD, joints_report, rows
+from calibration.joint_clamping.requests import Requests
+from calibration.joint_clamping.results import RAW, Clamped, of_recording
+from calibration.joint_clamping.session import measure
+from calibration.raw_folder import raw_folder
+from rigkit.provenance import now, software
+from rigkit.service.regularly import Regularly
+from rigkit.service.rig import Desk
+from rigkit.service.show import Gauge, Table
+from stagectl.daemon.cell.conductor import Conductor
+from stagectl.daemon.cell.gauges import Motion, timed
+from stagectl.daemon.cell.options import JointsOptions
+from stagectl.daemon.cell.strips import PERIOD
+from stagectl.robot.clamp_config import clamp_procedure
+from stagectl.robot.config import CellConfig
+
+SOURCES = {"reference": "search.reference", "torque": "robot.torque"}
+
+
+class JointsProcedure:
+    """One calibration of joints under the daemon; one that was stopped goes on with the joints that are missing.
+
+    Parameters
+    ----------
+    config : CellConfig
+    options : JointsOptions
+    desk : Desk
+
+    Raises
+    ------
+    ValueError : a live one is to be paced, joints that the arm has not, limits that do not fit to it, or a model
+        that is something else's.
+    """
+
+    def __init__(self, config: CellConfig, options: JointsOptions, desk: Desk) -> None:
+        options.refuse_live("clamping.live", config.clamping.live)
+        self._conductor, self._desk = Conductor(desk, SOURCES, options.paced), desk
+        self._cell, self._options = config, options
+        self._out = Path(config.daemon.data) / options.model
+        self._folder = raw_folder(self._out)
+        self._arm = arm_with_tool(config)
+        self._joints = joint_numbers(options.joints, self._arm.joints)
+        self._pose = clamp_procedure(config.clamping, self._arm, self._joints).pose
+        left = missing(self._folder, self._joints)
+        self._steps = len(clamp_procedure(config.clamping, self._arm, left).steps()) if left else 0
+        self._asked, self._motion = Requests(), Motion(config)
+        self._run: ClampRun | None = None
+
+    def stop(self) -> None:
+        """Hold the arm where it is: soft servo and clamp stay."""
+        self._conductor.stop()
+
+    def gauges(self) -> list[Gauge]:
+        """Return where the tool is, how fast references move, and each joint's torque against its limit."""
+        watch, limits = self._conductor.watch, self._cell.clamping.torque
+        torque = watch.newest("torque")
+        told = [] if torque is None else zip(torque.tolist(), limits, strict=True)
+        pushed = [
+            Gauge(f"torque_{joint}", f"Joint {joint}, torque", value, "N m", -most, most)
+            for joint, (value, most) in enumerate(told, start=1)
+        ]
+        return [*pushed, *self._motion.gauges(watch), *timed(watch)]
+
+    def run(self) -> None:
+        """Measure, extract the models, write them and their report.
+
+        Raises
+        ------
+        Stopped : the desk said that it is to end; the arm holds.
+        ClampAborted, LinkError : something went wrong; the arm holds.
+        """
+        desk, cell = self._desk, self._cell
+        desk.progress(0, self._steps, "getting ready")
+        with self._recording(), self._beside() as work, Regularly(partial(self._draw, LiveMap(desk, work)), PERIOD):
+            recorded, way = measure(cell, self._joints, self._folder, self._told, self._asked, self._look)
+        desk.progress(self._steps, self._steps, "extracting the models")
+        clamped = Clamped(self._arm, self._pose, cell.clamping.environment)
+        chosen = WAY_OF[self._options.compensate]
+        results = [of_recording(recorded[joint], way, joint, clamped, chosen) for joint in self._joints]
+        source = f"{self._folder.name}/"
+        write_joints(self._out, results, {"recording": source, "made": now(), "software": software()})
+        joints_report(results, None, source).write(self._out.with_suffix(".html"))
+        maps = LiveMap(desk, Here())
+        for each in results:
+            cycles = f"{each.models[RAW].cycles:g} cycles"
+            maps.show(each.joint, cycles, each.map.angle, each.map.torque, each.models[RAW])
+        desk.show("joints", Table("Joints", HEAD, tuple(rows(results))))
+        said = {f"joint_{each.joint + 1}": each.best[1].backlash_said for each in results}
+        desk.event("calibrated", {"model": self._out.name, **said})
+
+    def _beside(self) -> AbstractContextManager[Executor]:
+        """Give what fits models: a process of its own where a robot waits for this one."""
+        return aside(nothing) if self._cell.clamping.live else nullcontext(Here())
+
+    @contextmanager
+    def _recording(self) -> Iterator[None]:
+        self._desk.recording(True)
+        try:
+            yield
+        finally:
+            self._desk.recording(False)
+            self._run = None
+            self._conductor.watch.forget()
+
+    def _look(self, run: ClampRun) -> None:
+        """See what a tick has done, and ask for a stop where one is wanted."""
+        self._run = run
+        self._conductor.watch.look(run.graph)
+        if self._conductor.ending():
+            self._asked.stopping.made = True
+
+    def _told(self, text: str) -> None:
+        time, _, words = text.partition(" s  ")
+        self._desk.event("step", {"told": words or text, "seconds": time.strip()})
+
+    def _draw(self, maps: LiveMap) -> None:
+        run = self._run
+        if run is not None:
+            step = min(run.search.step, self._steps - 1)
+            self._desk.progress(step, self._steps, run.search.steps[step].words)
+            maps.draw(run.growing())

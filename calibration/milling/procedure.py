@@ -1,0 +1,125 @@
+"""The calibration of milling as the daemon begins it: the same as `calibrate milling`, told to a desk."""
+
+from pathlib import Path
+
+from calibration.milling.report import FIT_HEAD, fit_rows, milling_report
+from calibration.milling.session import CHIRPS, SWEEP, calibrate, raw_trials
+from calibration.milling.sweep_session import sweep, sweep_steps
+from ctlblocks import Graph
+from ctlblocks.recording import Recording
+from rigkit.service.regularly import Regularly
+from rigkit.service.rig import Desk
+from rigkit.service.show import Axis, Gauge, Table
+from rigkit.stop import StopRequest
+from stagectl.daemon.cell.conductor import Conductor
+from stagectl.daemon.cell.gauges import Motion, timed
+from stagectl.daemon.cell.learning_panels import along, errors, path
+from stagectl.daemon.cell.options import MillingOptions
+from stagectl.daemon.cell.strips import PERIOD, force_strip, strip
+from stagectl.daemon.cell.trial_runner import SOURCES, TrialRunner
+from stagectl.daemon.cell.watch import WINDOW
+from stagectl.robot.config import CellConfig
+from stagectl.robot.milling.milling_models import write_milling
+from stagectl.robot.milling.torque_file import UNITS
+from stagectl.trials.campaign import FREE
+from stagectl.trials.done import DoneTrial
+from stagectl.trials.surroundings import refuse_wrong_plants
+from stagectl.trials.trial import cell_for_task, first_trial
+
+SWEPT = {"reference": "sweep.reference", "torque": "robot.torque"}
+"""What is seen of the sweep."""
+
+
+class MillingProcedure:
+    """One calibration of milling under the daemon; one that was stopped goes on from what it had recorded.
+
+    Parameters
+    ----------
+    config : CellConfig
+    options : MillingOptions
+    desk : Desk
+
+    Raises
+    ------
+    ValueError : a path out of reach, plants that do not take their options, or a model that is something else's.
+    """
+
+    def __init__(self, config: CellConfig, options: MillingOptions, desk: Desk) -> None:
+        self._desk, self._task = desk, options.task
+        self._cell = cell_for_task(config, options.task)
+        self._out = Path(config.daemon.data) / options.model
+        first = first_trial(self._cell, options.task)
+        refuse_wrong_plants(first)
+        self._steps, self._moves = [step.words for step in sweep_steps(self._cell)], 0
+        self._conductor = Conductor(desk, SOURCES, options.paced)
+        self._sweeping = Conductor(desk, SWEPT, options.paced)
+        self._motion, self._total = Motion(self._cell), 4 + config.learning.free
+        self._folder = raw_trials(self._out, self._cell)
+        self._trials = TrialRunner(self._conductor, self._folder, 1, self._total, self._show)
+        self._free: list[DoneTrial] = []
+        self._request = StopRequest()
+
+    def stop(self) -> None:
+        """Lift the tool out of the material; in the sweep, hold the arm."""
+        self._sweeping.stop()
+        self._conductor.stop()
+
+    def gauges(self) -> list[Gauge]:
+        """Return where the tool is, how fast the joints turn, when it was seen, and the force on it."""
+        swept = self._sweeping.watch
+        return [*self._motion.gauges(swept), *timed(swept), *self._trials.gauges()]
+
+    def run(self) -> None:
+        """Measure, fit, and write the models and their report.
+
+        Raises
+        ------
+        Stopped : the desk said that it is to end.
+        SweepAborted, TrialEnded : a fault.
+        """
+        desk, total = self._desk, self._total
+        desk.progress(0, total, "getting ready")
+        with self._folder as folder, Regularly(self._draw, PERIOD):
+            swept = self._swept(folder.path / SWEEP)
+            found = calibrate(self._cell, self._task, self._trials, swept)
+        desk.progress(total, total, "writing models and report")
+        write_milling(self._out, found.models, UNITS)
+        milling_report(found, str(self._out)).write(self._out.with_suffix(".html"))
+        desk.show("fits", Table("Fits on what was held back, %", FIT_HEAD, tuple(fit_rows(found))))
+        desk.event("calibrated", {"model": self._out.name, "fits": {row[0]: row[1:] for row in fit_rows(found)}})
+
+    def _swept(self, file: Path) -> Recording:
+        def tell(text: str) -> None:
+            self._moves += 1
+            words = f"sweep, motion {self._moves}: {text.strip()}"
+            self._desk.progress(self._moves / len(self._steps), self._total, words)
+
+        self._desk.recording(True)
+        try:
+            return sweep(self._cell, False, file, tell, self._request, self._look)
+        finally:
+            self._desk.recording(False)
+            self._sweeping.watch.forget()
+
+    def _look(self, graph: Graph) -> None:
+        """See what a tick of the sweep has done, and ask for a stop where one is wanted."""
+        self._sweeping.watch.look(graph)
+        self._request.made = self._sweeping.ending()
+
+    def _show(self, done: DoneTrial) -> None:
+        self._desk.show("error", along(done))
+        if done.name == CHIRPS:
+            return
+        self._desk.show("path", path(done))
+        if done.name.startswith(FREE) and done.trial.zero is not None:
+            self._free.append(done)
+            self._desk.show("free_space", errors("Free space", dict(enumerate(self._free, start=1))))
+
+    def _draw(self) -> None:
+        found = force_strip(self._conductor.watch)
+        if found is not None:
+            self._desk.show("force", found)
+        time, torque = self._sweeping.watch.lately("torque")
+        if len(time):
+            names = tuple(f"joint {joint}" for joint in range(1, 7))
+            self._desk.show("torque", strip(f"Torques, last {WINDOW:g} s", Axis("torque", "N m"), time, torque, names))

@@ -1,0 +1,118 @@
+"""The stage's calibration as the daemon begins it: the same as `calibrate stage`, told to a desk."""
+
+from pathlib import Path
+
+import numpy as np
+
+from calibration.experiment import RawFolder
+from calibration.raw_folder import raw_folder
+from calibration.stage_axes.bench import Bench, ExcitedAxis
+from calibration.stage_axes.calibration import AxisCalibration, calibrate_axes
+from calibration.stage_axes.files import axes_of, write
+from calibration.stage_axes.live_bench import LiveBench
+from calibration.stage_axes.report import (
+    INNER_HEAD,
+    MODEL_HEAD,
+    OUTER_HEAD,
+    inner_row,
+    model_rows,
+    outer_row,
+    without_loop,
+)
+from calibration.stage_axes.rig import calibrated_rig
+from rigkit.progress import told_to
+from rigkit.service.rig import Desk
+from rigkit.service.show import Axis, Curves, Table, Trace
+from stagectl.config import StageConfig
+from stagectl.daemon.options import CalibrationOptions
+from stagectl.link.stage_link import StageLink
+from stagectl.stage.piezo_pid import Pid
+
+OUT = "stage.h5"
+"""In the data folder: the models are stage-x.h5 and so on, and stage.toml is the rig file that belongs to them."""
+POINTS = 400
+"""At which a response is drawn."""
+
+
+class StageProcedure:
+    """One calibration of the stage under the daemon; one that was stopped goes on from what it had recorded.
+
+    Parameters
+    ----------
+    config : StageConfig
+    options : CalibrationOptions
+    desk : Desk
+    link : StageLink or None
+        Of a live stage, open.
+
+    Raises
+    ------
+    ValueError : an axis that the stage has not, or files that are something else's.
+    """
+
+    def __init__(self, config: StageConfig, options: CalibrationOptions, desk: Desk, link: StageLink | None) -> None:
+        self._config, self._options, self._desk, self._link = config, options, desk, link
+        self._axes = axes_of(config, options.axis)
+        self._out = Path(config.daemon.data) / OUT
+        self._raw = RawFolder(raw_folder(self._out))
+        self._found: list[AxisCalibration] = []
+        self._stopped = False
+
+    def stop(self) -> None:
+        """Take the stage to rest, from any thread."""
+        self._stopped = True
+
+    def run(self) -> StageConfig:
+        """Measure, write the models and their reports, and return the rig file with what was chosen.
+
+        Raises
+        ------
+        Stopped : the desk said that it is to end.
+        ExcitationError, LinkError : something went wrong; the stage has gone to rest.
+        """
+        config = self._config
+        self._desk.recording(True)
+        try:
+            with self._raw as raw, told_to(self._progress):
+                for axis in self._axes:
+                    self._found += calibrate_axes(config, [axis], raw, None, self._options.method, self._bench)
+                    self._show()
+                self._desk.recording(False)
+                self._desk.progress(len(self._axes), len(self._axes), "writing models and reports")
+                write(self._found, self._out, True, config)
+        finally:
+            self._desk.recording(False)
+        lacking = without_loop(self._found)
+        told = {"models": [each.axis for each in self._found], "rig_file": str(self._out.with_suffix(".toml"))}
+        self._desk.event("calibrated", told | ({"without_loop": lacking} if lacking else {}))
+        return calibrated_rig(config, self._found)
+
+    def _bench(self, axis: int, loop: Pid | None) -> ExcitedAxis:
+        if self._link is None:
+            return Bench(self._config, axis, loop, self._ending)
+        return LiveBench(self._config, axis, loop, self._link, self._ending, self._say)
+
+    def _ending(self) -> bool:
+        return self._stopped or self._desk.ending()
+
+    def _say(self, text: str) -> None:
+        self._desk.event("repeated", {"told": text})
+
+    def _progress(self, done: float, total: float, note: str) -> None:
+        """Tell how many axes are done; the excitations of an axis are told in words."""
+        self._desk.progress(len(self._found), len(self._axes), f"{note}: {done:.0f} of {total:.0f} s")
+
+    def _show(self) -> None:
+        """Draw what has been found of all axes so far."""
+        found, desk = self._found, self._desk
+        desk.show("models", Table("Models", MODEL_HEAD, tuple(row for each in found for row in model_rows(each))))
+        desk.show("inner", Table("Inner loops", INNER_HEAD, tuple(map(inner_row, found))))
+        desk.show("outer", Table("Outer loops", OUTER_HEAD, tuple(map(outer_row, found))))
+        low, high = self._config.characterisation.band
+        frequency = np.geomspace(low, high, POINTS)
+        traces = tuple(
+            Trace(each.axis, frequency, np.abs(each.closed.one.model.frequency_response(frequency)[:, 0, 0]))
+            for each in found
+        )
+        axes = Axis("frequency", "Hz", "log"), Axis("gain", "m/m", "log")
+        desk.show("response", Curves("From the inner loop's reference to the position", *axes, traces))

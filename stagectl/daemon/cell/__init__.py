@@ -1,0 +1,1 @@
+"""The robot cell under the daemon: its procedures, gauges and panels."""

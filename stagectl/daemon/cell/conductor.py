@@ -1,0 +1,77 @@
+"""Between the daemon's desk and a run of the cell: whether it is to stop or to wait, and what it does meanwhile."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rigkit.run_folder import EVENTS, RunFolder
+from rigkit.service.rig import Desk
+from rigkit.stop import Stopped
+from stagectl.daemon.cell.watch import Watch
+from stagectl.machining.run import Conduct
+
+_OWN = ("started", "ended", "milled")
+"""Events of a run's folder that a procedure tells in words of its own."""
+
+
+class Conductor:
+    """How a procedure of the cell is conducted.
+
+    Parameters
+    ----------
+    desk : Desk
+    sources : mapping of str to str
+        Of its `Watch`.
+    is_paced : bool
+    """
+
+    def __init__(self, desk: Desk, sources: Mapping[str, str], is_paced: bool) -> None:
+        self.desk, self.watch = desk, Watch(sources, is_paced)
+        self._stopped = False
+
+    def stop(self) -> None:
+        """Let what is under way retreat or hold, at its next look: from any thread."""
+        self._stopped = True
+
+    def stopped(self) -> bool:
+        """Whether a STOP has come: then what is under way ends at once."""
+        return self._stopped
+
+    def ending(self) -> bool:
+        """Whether it is to end, by a STOP or an abort."""
+        return self._stopped or self.desk.ending()
+
+    def conduct(self, folder: RunFolder, stopped: Callable[[], bool], show: Callable[[int], object]) -> Conduct:
+        """Return how its runs are conducted, and have the folder's events told.
+
+        Parameters
+        ----------
+        folder : RunFolder
+        stopped : callable() -> bool
+            `stopped`, or `ending` of what ends at once on an abort, too.
+        show : callable(int)
+            As of `Conduct`.
+        """
+        folder.listener = self._heard
+        return Conduct(folder.event, stopped, show, self.watch.advance)
+
+    def between(self, where: Mapping[str, Any]) -> None:
+        """Wait here while it is held; `where` is for the event log.
+
+        Raises
+        ------
+        Stopped : it is to end.
+        """
+        if self.desk.held() and not self.ending():
+            self.desk.event("held", where)
+            self.desk.wait_while_held()
+        if self.ending():
+            raise Stopped("ended, as asked; what is recorded is kept")
+
+    def _heard(self, event: str, fields: Mapping[str, Any]) -> None:
+        if event not in _OWN:
+            self.desk.event(event, fields)
+
+
+def is_untouched(folder: RunFolder) -> bool:
+    """Whether nothing has come of a run: its folder may be taken away."""
+    return not (folder.path / EVENTS).exists()

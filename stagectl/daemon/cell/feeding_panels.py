@@ -1,0 +1,100 @@
+"""What is shown of milling by force: forces, kappa and beta with their uncertainty, the feed, and finished pockets."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from rigkit.service.rig import Desk
+from rigkit.service.show import Axis, Curves, Gauge, Table, Trace
+from stagectl.daemon.cell.strips import TIME, strip, thinned
+from stagectl.daemon.cell.watch import WINDOW, Watch
+from stagectl.feed.report import HEAD, TYPE_HEAD, pocket_rows, type_rows
+from stagectl.feed.session import Kept, summary
+from stagectl.robot.milling.feed_config import ForceFeed
+from stagectl.robot.milling.feed_force_kernel import CONTROLLING, IDLE
+
+SURE = 2.0
+"""Standard deviations to either side of an estimate."""
+BELIEVED = {"kappa": ("Kappa: removal for a force", "m/(N s)"), "beta": ("Beta: force across over along", "1")}
+
+
+def cutting(watch: Watch, settings: ForceFeed) -> Iterator[Gauge]:
+    """Give the force in the plane, the feed, and what is believed of the material, with its interval."""
+    seen = {name: watch.newest(name) for name in ("resultant", "valid", "feed", "phase")}
+    if any(each is None for each in seen.values()):
+        return
+    force, valid, feed, phase = (float(each[0]) for each in seen.values() if each is not None)
+    yield Gauge("force", "Force on the tool, in the plane", force if valid else None, "N", high=settings.overload)
+    yield Gauge("feed", "Feed", feed, "m/s", high=settings.highest)
+    for name, (title, unit) in BELIEVED.items():
+        value, deviation = watch.newest(name), watch.newest(f"{name}_deviation")
+        if value is None or deviation is None or phase != CONTROLLING:
+            yield Gauge(name, title, None, unit)
+            continue
+        believed, reach = float(value[0]), SURE * float(deviation[0])
+        yield Gauge(name, title, believed, unit, interval=(believed - reach, believed + reach))
+
+
+class FeedingPanels:
+    """Draws milling by force on a desk.
+
+    Parameters
+    ----------
+    desk : Desk
+    watch : Watch
+    wanted : float, N
+        f_d.
+    """
+
+    def __init__(self, desk: Desk, watch: Watch, wanted: float) -> None:
+        self._desk, self._watch, self._wanted = desk, watch, wanted
+        self._kept: list[Kept] = []
+
+    def draw(self) -> None:
+        """Draw the last seconds."""
+        time, phase = self._watch.lately("phase")
+        if not len(time):
+            return
+        self._desk.show("force", self._force())
+        self._desk.show("feed", self._feed())
+        on = phase[:, 0] == CONTROLLING
+        for name, (title, unit) in BELIEVED.items():
+            self._believed(name, title, unit, on)
+
+    def keep(self, done: Kept) -> None:
+        """Take a finished pocket into the tables."""
+        self._kept.append(done)
+        rows = summary(self._kept)["pockets"]
+        self._desk.show("pockets", Table("Pockets", HEAD, tuple(pocket_rows(rows))))
+        self._desk.show("types", Table(f"Types of {rows[-1]['name']}", TYPE_HEAD, tuple(type_rows(rows[-1]))))
+
+    def _force(self) -> Curves:
+        """Draw the force where the sensor's counts: not before it has been set to zero."""
+        time, along = self._watch.lately("along")
+        size, valid = self._watch.lately("resultant")[1], self._watch.lately("valid")[1]
+        count = min(len(time), len(size), len(valid))
+        rows = np.where(valid[-count:] > 0.5, np.column_stack([along[-count:], size[-count:]]), np.nan)
+        names = "against the feed", "across", "resultant"
+        panel = strip(f"Force, last {WINDOW:g} s", Axis("force", "N"), time[-count:], rows, names)
+        wanted = Trace("wanted", time[[0, -1]], np.full(2, self._wanted), "reference")
+        return Curves(panel.title, panel.x, panel.y, (*panel.traces, wanted))
+
+    def _feed(self) -> Curves:
+        """Draw the feed along segments; what the tool does between two of them is none."""
+        time, asked = self._watch.lately("feed")
+        seen, phase = self._watch.lately("velocity")[1], self._watch.lately("phase")[1]
+        count = min(len(time), len(seen), len(phase))
+        rows = np.where(phase[-count:] != IDLE, np.column_stack([asked[-count:], seen[-count:]]), np.nan)
+        return strip(f"Feed, last {WINDOW:g} s", Axis("speed", "m/s"), time[-count:], rows, ("asked", "seen"))
+
+    def _believed(self, name: str, title: str, unit: str, on: np.ndarray) -> None:
+        """Draw an estimate with its uncertainty, where the force is controlled."""
+        time, value = self._watch.lately(name)
+        reach = SURE * self._watch.lately(f"{name}_deviation")[1]
+        count = min(len(time), len(reach), len(on))
+        if not (count and on[-count:].any()):
+            return
+        told = np.where(on[-count:], value[-count:, 0], np.nan)
+        shown, line, low, high = thinned(time[-count:], told, told - reach[-count:, 0], told + reach[-count:, 0])
+        trace = Trace("estimated, twice its deviation", shown, line, low=low, high=high)
+        self._desk.show(name, Curves(title, TIME, Axis(name, unit), (trace,)))

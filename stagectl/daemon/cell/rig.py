@@ -1,0 +1,113 @@
+"""The robot cell as the daemon's rig."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Protocol
+
+from rigkit import config as rig_file
+from rigkit.config import resolve
+from rigkit.disk_space import RESERVE, free, refuse_full
+from rigkit.faults import FaultTable
+from rigkit.service.not_begun import making
+from rigkit.service.reload import Change, reloaded
+from rigkit.service.rig import Desk, Procedure
+from rigkit.service.show import Gauge
+from stagectl.daemon.cell.procedures import PROCEDURES
+from stagectl.robot.config import CellConfig
+from stagectl.robot.port import arm_of
+
+
+class UnderWay(Protocol):
+    """A procedure that has been made, and runs."""
+
+    def run(self) -> None:
+        """Run it to its end."""
+
+    def stop(self) -> None:
+        """Let the robot retreat or hold, at its next look; from any thread."""
+
+    def gauges(self) -> Sequence[Gauge]:
+        """Return what is measured now."""
+
+
+class RobotCell:
+    """A robot cell under the daemon, simulated in process.
+
+    Parameters
+    ----------
+    load : callable() -> CellConfig
+        Reads the cell's file, with the settings laid over it; again at each reload.
+
+    Raises
+    ------
+    ValueError : the file cannot be used.
+    """
+
+    program = "stagectl"
+    faults: FaultTable | None = None
+
+    def __init__(self, load: Callable[[], CellConfig]) -> None:
+        self._load, self.config = load, _usable(load())
+        self.name = self.config.rig.name
+        self._under_way: UnderWay | None = None
+        self.procedures: Sequence[Procedure] = tuple(each.told(self._runner(each.maker)) for each in PROCEDURES)
+
+    def gauges(self) -> Sequence[Gauge]:
+        """Return what the procedure under way measures, and room on the disk."""
+        under_way = self._under_way
+        found = [] if under_way is None else list(under_way.gauges())
+        there = free(Path(self.config.daemon.data).absolute())
+        return [*found, Gauge("disk_free", "Room on the disk", there, "byte", low=RESERVE)]
+
+    def arm(self) -> None:
+        """See that there is room to record; each procedure opens what it needs."""
+        refuse_full(Path(self.config.daemon.data))
+
+    def disarm(self) -> None:
+        """Nothing: what a procedure opens it closes."""
+
+    def stop(self) -> None:
+        """Let the robot retreat or hold."""
+        under_way = self._under_way
+        if under_way is not None:
+            under_way.stop()
+
+    def acknowledge(self, who: str) -> None:
+        """Nothing: what has latched went with its run."""
+
+    def settings(self) -> str:
+        """Return the cell's file in force."""
+        return rig_file.dump(self.config)
+
+    def reload(self) -> Change:
+        """Read the cell's file again; it holds from the next procedure on."""
+        new = _usable(self._load())
+        return reloaded(self.config, new, {}, lambda change: self._take(new, change))
+
+    def _take(self, new: CellConfig, change: Change) -> str:
+        self.config = new
+        return "from the next procedure on" if change.keys else ""
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+    def _runner(self, maker: str) -> Callable[[Desk, Any], None]:
+        def run(desk: Desk, options: Any) -> None:
+            with making():
+                self._under_way = under_way = resolve(maker)(self.config, options, desk)
+            try:
+                under_way.run()
+            finally:
+                self._under_way = None
+
+        return run
+
+
+def _usable(config: CellConfig) -> CellConfig:
+    """Return a cell's file that this daemon can serve; refuse another by ValueError."""
+    if config.daemon.faults:
+        raise ValueError(
+            "daemon.faults is true, must be false for a robot cell: [plants] has options for faults of its sensors"
+        )
+    arm_of(config)
+    return config

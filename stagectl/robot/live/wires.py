@@ -1,0 +1,164 @@
+"""All wires of a live trial: the robot's port, its torque signals, tracker and force sensor, opened together."""
+
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from typing import Self
+
+import numpy as np
+
+from stagectl.link.bus import LinkError
+from stagectl.link.tell import Tell
+from stagectl.robot.config import CellConfig
+from stagectl.robot.force_stream import ForceStream
+from stagectl.robot.live.force_records import ForceRecords
+from stagectl.robot.live.tracker_samples import TrackerSamples
+from stagectl.robot.port import RobotPort
+from stagectl.robot.program import RobotProgram, TorqueSignals, begin_motion
+from stagectl.wire.egm import RATE
+
+LISTEN = 250
+"""Reports that are listened to before a trial: by the quickest of them, and of the tracker's samples, clocks are told
+apart."""
+_APART = 3
+"""Reports in a row that came when they were due."""
+
+
+class LiveWires:
+    """The robot's other end: a context manager that opens its wires by `begin`, and holds the robot when it is left.
+
+    Parameters
+    ----------
+    cell : CellConfig
+        Its limits are looked at last, on what goes out, whatever a graph has looked at before.
+    tell : callable(event, fields)
+        Told of the port's faults.
+    tracks : bool
+        Whether tracker and torque signals are listened to as well.
+    now : callable() -> float, s, a monotonic clock
+    """
+
+    def __init__(
+        self, cell: CellConfig, tell: Tell, tracks: bool = True, now: Callable[[], float] = time.monotonic
+    ) -> None:
+        robot = cell.robot.model_copy(update={"mode": "joints"})
+        self.cell, self._now = cell.model_copy(update={"robot": robot}), now
+        self.port = RobotPort(self.cell, tell, now)
+        self.records = ForceRecords(cell.force_sensor)
+        self.tracker = TrackerSamples(cell.tracker, now, robot.patience) if tracks else None
+        self.signals: TorqueSignals | None = None
+        self.first, self.begun, self.tracker_late = 0, 0.0, 0.0
+        self._stack = ExitStack()
+
+    def __enter__(self) -> Self:
+        """Open nothing yet: what has to be made before a trial is made while nobody leads the robot."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Hold the robot, and close all."""
+        self._stack.close()
+
+    def begin(self) -> None:
+        """Open all, have guided motion begun anew where it has ended, and let the robot be led from where it is.
+
+        The next report is a trial's first.
+
+        Raises
+        ------
+        LinkError : a wire that cannot be had; the robot is silent, its motors are off, or it is not in guided motion.
+        """
+        self._open()
+        catch_up(self.port)
+        if self.tracker is not None:
+            self.tracker.skip()
+        behind, heard = np.inf, self.port.counts.received
+        for _ in range(LISTEN):
+            heard += 1
+            if not self.port.wait(heard, self.port.robot.patience) or (report := self.port.report) is None:
+                break
+            behind = min(behind, self._now() - report.counter / RATE)
+        self.port.start()
+        assert (report := self.port.report) is not None  # the port does not start without one
+        self.first, self.begun = report.counter + 1, report.time + 1.0 / RATE
+        if self.tracker is not None:
+            # when it is 0 on the tracker's clock, s after the trial's first report
+            self.tracker_late = self.tracker.behind - behind - self.first / RATE
+            self.tracker.skip()
+        self.records.skip()
+        if self.signals is not None:
+            self.signals.samples.skip()
+
+    def _open(self) -> None:
+        robot, stack = self.cell.robot, self._stack
+        stack.enter_context(self.port)
+        host = host_of(self.port)
+        if robot.signals and self.tracker is not None:
+            self.signals = stack.enter_context(TorqueSignals(robot, host, self._now))
+            if not self.signals.wait(1, robot.patience):
+                raise LinkError(f"no torque signals come from {host}:{robot.signals} within {robot.patience:g} s")
+        if self.tracker is not None:
+            stack.enter_context(self.tracker)
+        stack.enter_context(ForceStream(self.cell.force_sensor, self.records, self._now, robot.patience))
+        begin_motion_of(self.port)
+
+    @property
+    def reports(self) -> int:
+        """How many of its reports a trial has behind it, by the newest one's counter; as before while it is silent."""
+        report = self.port.report
+        return 0 if report is None else report.counter - self.first + 1
+
+
+def host_of(port: RobotPort) -> str:
+    """Return the address of an open port's robot."""
+    peer = port.conversation.peer
+    return peer[0] if peer is not None else port.robot.listen
+
+
+def begin_motion_of(port: RobotPort) -> None:
+    """Have guided motion begun anew by the robot's program, where it has one and guided motion has ended.
+
+    Parameters
+    ----------
+    port : RobotPort, open
+
+    Raises
+    ------
+    LinkError : the program is not there, or refuses.
+    """
+    if port.robot.commands:
+        with RobotProgram(port.robot, host_of(port)) as program:
+            begin_motion(port, program)
+
+
+def catch_up(port: RobotPort) -> None:
+    """Wait until no report waits any more that came while something else kept this program busy.
+
+    Parameters
+    ----------
+    port : RobotPort, open
+    """
+    apart = 0
+    for _ in range(LISTEN):
+        before = time.monotonic()
+        if apart == _APART or not port.wait(port.skip() + 1, port.patience):
+            return
+        apart = apart + 1 if time.monotonic() - before > 0.5 / RATE else 0
+
+
+def change_block(cell: CellConfig, is_there: bool, now: Callable[[], float] = time.monotonic) -> None:
+    """Have the robot's program put a fresh block under the tool, or take it away.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    is_there : bool
+    now : callable() -> float, s, a monotonic clock
+
+    Raises
+    ------
+    LinkError : the robot or its program is not there, or refuses.
+    """
+    with RobotPort(cell, now=now) as port:
+        host = host_of(port)
+    with RobotProgram(cell.robot, host) as program:
+        program.change(is_there)

@@ -1,0 +1,52 @@
+"""How to build the Blocks of a live trial, and those that judge its wires in a graph, for the conformance suite."""
+
+import numpy as np
+
+from ctlblocks import Block
+from stagectl.link.tell import nobody
+from stagectl.robot.config import CellConfig, Tracker
+from stagectl.robot.force_config import ForceSensor
+from stagectl.robot.live.blocks import LiveForce, LiveReference, LiveRobot, LiveTracker
+from stagectl.robot.live.force_records import ForceRecords
+from stagectl.robot.live.wires import LiveWires
+from stagectl.robot.port import RobotPort
+from stagectl.robot.wired_force import WiredForce
+from stagectl.robot.wired_port import WiredPort
+from stagectl.robot.wired_tracker import WiredTracker
+from stagectl.wire.egm import Report, pack_report
+from stagectl.wire.force_sensor import Record
+from stagectl.wire.tracker import Sample, Sighting, pack_sample
+from tests.contract.conformance import Example
+
+POSE = np.array([0.5, 0.0, 0.3, 1.0, 0.0, 0.0, 0.0])
+
+
+def _wires() -> LiveWires:
+    return LiveWires(CellConfig(), nobody, now=lambda: 0.0)
+
+
+def _report(block: LiveRobot) -> None:
+    report = pack_report(Report(1, 0.0, np.full(6, 0.1), np.full(6, 0.2), np.full(7, np.nan)))
+    block.wires.port.conversation.take(report, ("127.0.0.1", 1), 0.0)
+
+
+def _see(block: LiveTracker) -> None:
+    sightings = Sighting(0, 3, 1e-4, POSE), Sighting(7, 3, 2e-4, POSE)
+    block.samples.take(b"".join(pack_sample(Sample(n, n / 440, sightings)) for n in range(1, 4)), 0.0)
+
+
+def _feel(block: LiveForce) -> None:
+    block.records.skip()
+    for n in (1, 2):  # as many as are for one report
+        block.records.accept(Record(n, n, 0, np.full(6, 0.5 * n)), 0.0)
+
+
+LIVE_EXAMPLES: dict[type[Block], Example] = {
+    LiveRobot: Example(lambda: LiveRobot(_wires()), _report, 250.0),
+    LiveTracker: Example(lambda: LiveTracker(_wires()), _see, 2_000.0),
+    LiveForce: Example(lambda: LiveForce(ForceRecords(ForceSensor())), _feel, 250.0),
+    WiredForce: Example(lambda: WiredForce(ForceSensor(), print), rate=500.0),
+    WiredPort: Example(lambda: WiredPort(CellConfig(), np.zeros(6)), rate=250.0),
+    WiredTracker: Example(lambda: WiredTracker(Tracker(), print), rate=2_000.0),
+    LiveReference: Example(lambda: LiveReference(RobotPort(CellConfig())), rate=250.0),
+}

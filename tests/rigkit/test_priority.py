@@ -1,0 +1,72 @@
+"""Real-time priority is asked for, and given back."""
+
+import gc
+import os
+import sys
+import threading
+
+import pytest
+
+from rigkit.priority import all_real_time, real_time, undisturbed
+
+
+def test_the_threads_own_scheduling_is_as_before_afterwards() -> None:
+    before = os.sched_getscheduler(0)
+    with real_time():
+        assert os.sched_getscheduler(0) in (before, os.SCHED_FIFO)
+    assert os.sched_getscheduler(0) == before
+
+
+def policies() -> set[int]:
+    """Return the policies of all threads of this program, without the flag that they are not inherited."""
+    return {os.sched_getscheduler(int(task)) & ~os.SCHED_RESET_ON_FORK for task in os.listdir("/proc/self/task")}
+
+
+def test_all_threads_go_first_but_those_started_meanwhile() -> None:
+    ended, started = threading.Event(), []
+    there = threading.Thread(target=ended.wait)
+    there.start()
+    before = policies()
+    with all_real_time():
+        meanwhile = policies()
+        new = threading.Thread(target=lambda: started.append(os.sched_getscheduler(0)))
+        new.start()
+        new.join()
+    assert policies() == before
+    ended.set()
+    there.join()
+    assert meanwhile in (before, {os.SCHED_FIFO})
+    assert set(started) <= before
+
+
+def test_a_thread_that_has_priority_keeps_its_own() -> None:
+    before = os.sched_getscheduler(0), os.sched_getparam(0)
+    try:
+        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(3))
+    except PermissionError:
+        pytest.skip("real-time priority is not granted here")
+    try:
+        with all_real_time(), real_time(), undisturbed():
+            assert (os.sched_getscheduler(0), os.sched_getparam(0).sched_priority) == (os.SCHED_RR, 3)
+    finally:
+        os.sched_setscheduler(0, *before)
+
+
+def test_where_it_is_not_granted_the_block_runs_as_it_would(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> None:
+        raise PermissionError
+
+    monkeypatch.setattr(os, "sched_setscheduler", refuse)
+    ran = False
+    with real_time():
+        ran = True
+    assert ran
+
+
+def test_nothing_is_collected_while_undisturbed_and_all_is_as_before_afterwards() -> None:
+    turn = sys.getswitchinterval()
+    with undisturbed():
+        assert not gc.isenabled()
+        assert sys.getswitchinterval() < turn
+    assert gc.isenabled()
+    assert (sys.getswitchinterval(), gc.get_freeze_count()) == (turn, 0)

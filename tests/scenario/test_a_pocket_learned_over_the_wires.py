@@ -1,0 +1,180 @@
+"""Trials of a milled path on the robot behind its wires: the same graph as simulated, bit for bit from what was heard.
+
+Guards against trials that work in process alone, against recordings that a replay, a report or `--from` cannot use, and
+against faults after which the tool stays in the material or nobody knows why.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from calibration.milling.session import calibrate
+from calibration.milling.sweep_session import sweep
+from firmware_sim.robot_bench import cell_cut
+from rigkit.stop import StopRequest
+from stagectl.machining.run import STOPPED, Conduct, Milled
+from stagectl.robot.live.person import Person
+from stagectl.trials.campaign import Learner, learn_free_space, learn_pocket
+from stagectl.trials.done import DoneTrial
+from stagectl.trials.live import LiveTrials
+from stagectl.trials.log_folder import LogFolder, write_logs
+from stagectl.trials.recorded import MADE, SLOW
+from stagectl.trials.run import run
+from stagectl.trials.signals import tracker_late
+from stagectl.trials.surroundings import recorded
+from stagectl.trials.trial import Trial, first_trial
+from tests.scenario.stepped_cell import SteppedCell
+from tests.stagectl.robot.milling.test_milling_models import models
+
+SETTINGS: dict[str, Any] = {
+    "pocket": {
+        "size": [11e-3, 11e-3], "depth": 5e-4, "clearance": 3e-4, "lead": 1.0, "tail": 0.5, "feed": 0.03,
+        "workpiece": [20e-3, 20e-3, 2e-3], "slope": 0.3,
+    },
+    "robot": {"travel": 0.25, "changer": True},
+    "limits": {"speed": 1.0},
+    "tracker": {"blind": 0.5},
+}  # fmt: skip
+"""A small pocket, milled three times as fast as in a laboratory; robot and tool hurry to it."""
+WHEN = 400
+"""Samples after which something goes wrong: the tool is in the material."""
+
+
+@pytest.fixture
+def cell() -> Iterator[SteppedCell]:
+    with SteppedCell(cell_cut, **SETTINGS) as made:
+        yield made
+
+
+def height(cell: SteppedCell) -> float:
+    """Return how far the tool's tip is over the block, m."""
+    cut = cell.bench.controller._cut  # noqa: SLF001
+    assert cut is not None
+    return float(cell.bench.controller.plant.frames[7, 2, 3] - cut.origin[2])
+
+
+class Laboratory:
+    """Trials on a stepped cell, and what is told of them."""
+
+    def __init__(self, cell: SteppedCell) -> None:
+        self.cell, self.told, self.kept = cell, list[str](), list[DoneTrial]()
+        self.trials = LiveTrials(cell.config, Person(self.told.append, lambda: False, False), cell.now)
+        self.first = first_trial(cell.config, "pocket")
+
+    def run(self, name: str, trial: Trial) -> DoneTrial:
+        came = self.trials(trial, Conduct())
+        assert came.reason == ""
+        self.kept.append(DoneTrial(name, trial, came.recordings))
+        return self.kept[-1]
+
+    def spoiled(self, mishap: str, remedy: str) -> tuple[Milled, list[str]]:
+        """Mill until something happens; return what came of it, and the events."""
+        events, over = list[str](), list[bool]()
+
+        def show(done: int) -> None:
+            if done >= WHEN * SLOW and not over:
+                assert height(self.cell) < 0.0
+                over.append(mishap == STOPPED)
+                if mishap != STOPPED:
+                    self.cell.mishaps.append(lambda: self.cell.bench.suffer(mishap))
+
+        def tell(event: str, fields: Mapping[str, Any]) -> None:
+            events.append(f"{event}: {fields['reason']}")
+
+        came = self.trials(replace(self.first, is_milled=True), Conduct(tell, lambda: any(over), show))
+        if remedy:
+            self.cell.mishaps.append(lambda: self.cell.bench.suffer(remedy))
+        return came, events
+
+
+def refuse_another_replay(done: DoneTrial) -> None:
+    """Put what was heard through the trial's graph again; all must come out as it was."""
+    again = run(done.trial, Conduct(), recorded(done.records), MADE, {})
+    for name, made in again.recordings.items():
+        assert made.data.tobytes() == done.records[name].select(made.names).data.tobytes()
+
+
+def test_a_trial_goes_round_and_a_blind_tracker_lifts_the_tool_out_of_the_next(
+    cell: SteppedCell, tmp_path: Path
+) -> None:
+    made = Laboratory(cell)
+    air = made.run("free-0", made.first)
+    assert np.abs(air.error[air.trial.path.milled] - air.error[air.trial.path.milled].mean(axis=0)).mean() < 300e-6
+    assert np.abs(air.signals.force[air.trial.path.milled]).max() < 2.0
+    assert 0.0 < tracker_late(air.trial, air.records) < 0.02
+    refuse_another_replay(air)
+    write_logs(tmp_path, air)
+    logs = LogFolder(tmp_path, made.first, models().robot["motors"].axes)
+    assert logs.signals(True, True).joints == pytest.approx(air.signals.joints, abs=2e-6)
+    assert np.abs(logs.torques[1]).max() > 10.0
+    came, events = made.spoiled("blind", "see")
+    assert "no block" in made.told[0]
+    assert "a fresh block" in made.told[1]
+    assert came.reason.startswith("the tracker is blind for 0.5")
+    assert events == [f"retreat: {came.reason}"]
+    assert height(cell) == pytest.approx(cell.config.pocket.clearance, abs=2e-4)
+    refuse_another_replay(DoneTrial("milled-0-ended", replace(made.first, is_milled=True), came.recordings))
+
+
+@pytest.mark.slow
+def test_free_space_and_a_pocket_are_learned(cell: SteppedCell) -> None:
+    made = Laboratory(cell)
+    learning = cell.config.learning.model_copy(update={"free": 1})
+    learner = Learner(cell.config.model_copy(update={"learning": learning}), models())
+    milled = made.run("milled-0", learn_free_space(made.first, learner, made.run))
+    made.trials.leave(Conduct())
+    assert height(cell) == pytest.approx(cell.config.robot.height, abs=1e-3)
+    assert np.linalg.norm(learner.free[-1].mae) < 0.7 * np.linalg.norm(learner.free[0].mae)
+    assert 2.0 < np.abs(milled.signals.force[milled.trial.path.milled]).mean(axis=0).max() < 100.0
+    (again,) = learn_pocket(milled, learner, 1, 1, made.run)[1:]
+    assert np.linalg.norm(again.mae) < 0.8 * np.linalg.norm(milled.mae)
+    for each in made.kept:
+        refuse_another_replay(each)
+
+
+@pytest.mark.slow
+def test_models_are_found_over_the_wires(cell: SteppedCell, tmp_path: Path) -> None:
+    made = Laboratory(cell)
+    pocket = cell.config.pocket.model_copy(update={"size": (30e-3, 30e-3), "workpiece": (40e-3, 40e-3, 2e-3)})
+    friction = cell.config.friction.model_copy(update={"poses": 12, "seconds": 2.0})
+    update = {"pocket": pocket, "friction": friction, "learning": cell.config.learning.model_copy(update={"free": 1})}
+    config = cell.config.model_copy(update=update)
+    made.trials = LiveTrials(config, Person(made.told.append, lambda: False, False), cell.now)
+    swept = sweep(config, False, tmp_path / "sweep.wav", lambda _: None, StopRequest())
+    found = calibrate(config, "pocket", made.run, swept)
+    assert min(*found.models.robot["tool"].fresh, *found.models.robot["motors"].fresh) > 80.0
+    late = found.free[-1].trial.late
+    assert tracker_late(made.kept[0].trial, made.kept[0].records) == pytest.approx(late, abs=1e-3)
+    assert (found.models.process["measured"].compliance_fresh[:2] > 50.0).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("mishap", "reason", "remedy"),
+    [
+        ("force-saturate", "the force sensor is saturated: for 0.02", "force-recover"),
+        (STOPPED, STOPPED, ""),
+    ],
+)
+def test_whatever_else_goes_wrong_lifts_the_tool_out(cell: SteppedCell, mishap: str, reason: str, remedy: str) -> None:
+    came, events = Laboratory(cell).spoiled(mishap, remedy)
+    assert came.reason.startswith(reason)
+    assert events == [f"retreat: {came.reason}"]
+    assert height(cell) == pytest.approx(cell.config.pocket.clearance, abs=2e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("mishap", "reason"), [("mute", "the robot is silent for 1"), ("trip", "the robot's motors are off")]
+)
+def test_a_robot_at_fault_is_held_where_it_is(cell: SteppedCell, mishap: str, reason: str) -> None:
+    came, events = Laboratory(cell).spoiled(mishap, "")
+    assert came.reason.startswith(reason)
+    assert events == [f"robot_fault: {came.reason}"]
+    asked = came.recordings["trial"].select(["reference_2"]).data[-50:, 0]
+    assert np.ptp(asked) < 1e-9
+    assert height(cell) < 0.0

@@ -1,0 +1,112 @@
+"""A strip of oak milled on the robot behind its wires: the force is held, replayed bit for bit, and faults end safely.
+
+Guards against force control that works in process alone, and against a tool that stays pressed into the wood when the
+sensor, the robot or its user has had enough.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from firmware_sim.robot_bench import cell_wood
+from stagectl.feed.job import RATES, once
+from stagectl.feed.live import LivePockets
+from stagectl.feed.plan import FeedPlan, feed_plan
+from stagectl.feed.process_run import channel
+from stagectl.feed.recorded import made
+from stagectl.feed.run import Pocketed, mill_pocket
+from stagectl.feed.surroundings import recorded
+from stagectl.machining.run import STOPPED, Conduct
+from stagectl.planning.pocket import planner
+from stagectl.planning.problem import Pocket
+from stagectl.robot.live.person import Person
+from stagectl.robot.milling.feed_force import PHASES
+from stagectl.robot.milling.nominal_velocity import nominal_velocity
+from tests.scenario.stepped_cell import SteppedCell
+
+SETTINGS: dict[str, Any] = {
+    "segments": {"travel": 0.2, "plunge": 0.1, "stationary": 0.2, "slowest": 0.1},
+    "feed_plants": {"cut_options": {"knots": 0}},
+    "robot": {"travel": 0.25, "changer": True},
+    "limits": {"speed": 1.0},
+}
+"""A robot that hurries to its work."""
+
+
+@pytest.fixture
+def cell() -> Iterator[SteppedCell]:
+    with SteppedCell(cell_wood, **SETTINGS) as stepped:
+        yield stepped
+
+
+def plan_of(cell: SteppedCell) -> FeedPlan:
+    return feed_plan(cell.config, Pocket(3, 13, 3, "EW", RATES, v_lift=50.0), nominal_velocity(250.0))
+
+
+def milled(cell: SteppedCell, conduct: Conduct) -> Pocketed:
+    plan = plan_of(cell)
+    live = LivePockets(cell.config, Person(lambda _: None, lambda: False, False), cell.now)
+    return live(plan, planner("exact", plan.pocket), conduct)
+
+
+class Watch:
+    """Looks at what the live run's graph has come to, and lets something happen once the force is controlled."""
+
+    def __init__(self, cell: SteppedCell, mishap: str) -> None:
+        self.cell, self.mishap, self.events = cell, mishap, list[str]()
+        self._felt = 0
+
+    def stopped(self) -> bool:
+        """Look, as the run does now and then."""
+        force = float(np.linalg.norm(self.cell.bench.controller.wrench[0, :2]))
+        self._felt += force > 8.0
+        if self._felt == 10 and self.mishap != STOPPED:
+            self.cell.mishaps.append(lambda: self.cell.bench.suffer(self.mishap))
+        return self._felt >= 10 and self.mishap == STOPPED
+
+    def tell(self, event: str, fields: Mapping[str, Any]) -> None:
+        """Keep what is told."""
+        self.events.append(f"{event}: {fields['reason']}")
+
+
+def test_the_force_is_held_over_the_wires_and_replayed_bit_for_bit(cell: SteppedCell) -> None:
+    done = milled(cell, Conduct())
+    assert done.reason == ""
+    assert sum(each.cut.k for each in done.segments) == 3
+    record, plan = done.recording, plan_of(cell)
+    controlled = channel(record, "phase") == PHASES.index("controlling")
+    late = controlled & np.roll(controlled, 100)
+    assert channel(record, "resultant")[late].mean() == pytest.approx(10.0, abs=0.5)
+    again = mill_pocket(plan, once(planner("exact", plan.pocket)), Conduct(), recorded(record), made("force"), {})
+    for name in again.recording.names:
+        assert channel(again.recording, name).tobytes() == channel(record, name).tobytes(), name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("mishap", "reason"),
+    [
+        ("force-saturate", "the force sensor is saturated: for 0.02"),
+        (STOPPED, STOPPED),
+        ("trip", "the robot's motors are off"),
+    ],
+)
+def test_whatever_goes_wrong_takes_the_tool_back_or_holds_the_robot(
+    cell: SteppedCell, mishap: str, reason: str
+) -> None:
+    watch = Watch(cell, mishap)
+    done = milled(cell, Conduct(watch.tell, watch.stopped))
+    assert done.reason.startswith(reason)
+    assert len(watch.events) == 1
+    record = done.recording
+    place = np.column_stack([channel(record, f"place_{axis}") for axis in "xy"])
+    begun = int(np.argmax(channel(record, "is_running") > 0.5))
+    along = np.linalg.norm(place[begun:] - place[begun], axis=1)
+    back = along.max() - along[-1]
+    if mishap != "trip":
+        assert back == pytest.approx(plan_of(cell).cell.force.distance, rel=0.3)
+        assert np.linalg.norm(cell.bench.controller.wrench[0, :2]) < 1.0
+    asked = channel(record, "reference_1")[-20:]
+    assert np.ptp(asked) < 1e-9

@@ -1,0 +1,116 @@
+"""Trials under the daemon: paused between two, stopped in the material, gone on with, and ended by a fault."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ctlblocks import recording
+from rigkit.service.state import State
+from stagectl.trials.replay import replay_trials
+from stagectl.trials.session import grouped, read_back
+from tests.rigkit.service.until import until
+from tests.stagectl.daemon.bench import Lab
+from tests.stagectl.daemon.cell.bench import cell_in
+
+ILC = {"task": "pocket", "iterations": 1}
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Iterator[Lab]:
+    made = cell_in(tmp_path)
+    yield made
+    made.close()
+
+
+def done(lab: Lab) -> float:
+    return 0.0 if lab.control.desk is None else float(lab.control.desk.plain()["done"])
+
+
+def test_trials_pause_between_two_and_a_stop_in_the_air_ends_one_that_replays(lab: Lab) -> None:
+    lab.begin("ilc", **ILC)
+    until(lambda: done(lab) > 0.2, 100)
+    assert {lab.gauge(name).verdict for name in ("tool_x", "joint_speed_2", "tracker_age")} == {"good"}
+    assert lab.gauge("tool_speed").is_output
+    lab.control.hold(lab.key, "a fresh block")
+    until(lambda: lab.events("held"), 100)
+    assert [event["before"] for event in lab.events("held")] == ["free-1"]
+    assert [gauge.name for gauge in lab.rig.gauges()] == ["disk_free"]  # nothing moves
+    assert lab.state is State.HOLD
+    lab.control.resume(lab.key, "it is in")
+    until(lambda: done(lab) > 1.3, 100)
+    lab.control.stop("Ada", "smoke")
+    assert lab.state is State.DISARMED
+    lab.ended()
+    path = lab.run_folder()
+    assert {each.name for each in read_back(path)} == {"free-0", "free-1-ended"}
+    retreating = recording.read(path / "free-1-ended-trial.csv").select(["retreating"]).data
+    assert retreating[-1] == 1.0
+    assert all(each.identical for each in replay_trials(path))
+    assert not (path / "report.html").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(400)
+def test_a_stop_lifts_the_tool_out_of_the_material_and_the_run_goes_on_to_its_last_trial(lab: Lab) -> None:
+    lab.begin("ilc", **ILC)
+    until(lambda: done(lab) > 2.4, 100)
+    assert lab.gauge("force").value > 1.0
+    lab.control.stop("Ada", "smoke")
+    lab.ended()
+    path = lab.run_folder()
+    trial = next(each for each in read_back(path) if each.name == "milled-0-ended").trial
+    assert trial.block is not None
+    height = recording.read(path / "milled-0-ended-truth.csv").select(["position_z"]).data[:, 0] - trial.block[2]
+    assert height.min() < -1e-4
+    assert height[-1] == pytest.approx(3e-4, abs=1.5e-4)
+
+    lab.begin("ilc", resume=True, iterations=1)
+    until(lambda: done(lab) > 2.4, 100)
+    lab.control.abort(lab.key, "enough")
+    lab.ended()
+    assert lab.state is State.ARMED
+    assert (path / "milled-0-sent.csv").is_file()  # that trial came to its end
+    lab.begin("ilc", resume=True, iterations=1)
+    lab.ended()
+    assert lab.state is State.ARMED, lab.why
+    free, learned = grouped(read_back(path))
+    assert [each.name for each in free] == ["free-0", "free-1"]
+    sizes = [float(np.linalg.norm(each.mae)) for each in learned[1]]
+    assert sizes[1] < 0.6 * sizes[0]
+    assert all(each.identical for each in replay_trials(path))
+    assert (path / "report.html").is_file()
+    panels = lab.control.board
+    shown = {trace["name"]: trace["y"] for trace in panels.panel("convergence")["traces"]}
+    assert shown["norm"] == pytest.approx(sizes)
+    assert {"path", "error", "free_space", "trials", "force", "cutting_force_x"} <= set(panels.revisions())
+    assert len(panels.panel("trials")["rows"]) == 4
+
+
+def test_a_blind_tracker_is_a_fault_with_its_reason(tmp_path: Path) -> None:
+    lab = cell_in(tmp_path, "plants.tracker_options.blind=1.6", "plants.tracker_options.blind_for=9.0")
+    lab.begin("ilc", **ILC)
+    lab.ended()
+    assert lab.state is State.FAULT
+    assert lab.why.startswith("free-0: the tracker is blind for 0.05")
+    assert lab.events("retreat")
+    lab.control.acknowledge(lab.key, "an LED was covered")
+    assert lab.state is State.DISARMED
+    assert (lab.run_folder() / "free-0-ended-sent.csv").is_file()
+    lab.close()
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"model": "other.h5"}, "model is 'other.h5', must be a file in the data folder, "),
+        ({"resume": True}, "run is 'one', where no trials are in"),
+    ],
+)
+def test_what_cannot_be_begun_leaves_no_folder(lab: Lab, options: dict[str, object], words: str) -> None:
+    lab.begin("ilc", **{**ILC, **options})
+    lab.ended()
+    assert lab.state is State.ARMED
+    assert lab.why.startswith(f"Learn to mill has not begun: {words}")
+    assert not lab.run_folder().exists()

@@ -1,0 +1,69 @@
+"""How much of a correction is made after trials that came out otherwise than predicted."""
+
+import numpy as np
+import pytest
+
+from stagectl.robot.milling.learning import LearningLaw, predicted, update
+from stagectl.robot.milling.step_size import heeding
+from tests.stagectl.robot.milling.trial_models import RATE, axis, process, square
+
+LAW = LearningLaw((axis(2), axis(3, 0.3), axis(2, -0.5)), process())
+SENT = [square() + 1e-4 * np.random.default_rng(seed).standard_normal(square().shape) for seed in (1, 2, 3)]
+HEARD = np.array([0.5, 1.0, 2.0, 4.0, 8.0])
+"""Hz."""
+
+
+def part(come: list[np.ndarray], law: LearningLaw = LAW) -> np.ndarray:
+    return heeding(law, SENT[: len(come)], come).passed(HEARD) / law.passed(HEARD)
+
+
+def answered(factor: float) -> list[np.ndarray]:
+    """Where a tool comes that answers to a change by so much of what the models say."""
+    whole = [predicted(np.zeros_like(sent), sent, LAW) for sent in SENT]
+    return [whole[0] + factor * (each - whole[0]) for each in whole]
+
+
+def test_after_one_trial_nothing_is_known_and_the_law_stays() -> None:
+    assert heeding(LAW, SENT[:1], answered(2.0)[:1]) is LAW
+
+
+@pytest.mark.parametrize(("factor", "expected"), [(1.0, 1.0), (2.0, 0.5), (4.0, 0.25), (0.5, 1.0), (-1.0, 0.0)])
+@pytest.mark.parametrize("trials", [2, 3])
+def test_the_step_is_as_much_smaller_as_the_answer_was_larger(factor: float, expected: float, trials: int) -> None:
+    np.testing.assert_allclose(part(answered(factor)[:trials]), expected, atol=1e-9)
+
+
+def test_answers_that_have_nothing_to_do_with_what_was_sent_are_not_learned_from() -> None:
+    drawn = [np.random.default_rng(10 + n).standard_normal(SENT[0].shape) for n in range(3)]
+    assert part(drawn).max() < 0.01
+
+
+def test_noise_as_large_as_the_answer_halves_the_step() -> None:
+    whole = answered(1.0)
+    drawn = np.random.default_rng(20)
+    noise = [predicted(np.zeros_like(each), 1e-4 * drawn.standard_normal(each.shape), LAW) for each in whole]
+    found = part([each + other for each, other in zip(whole, noise, strict=True)])
+    np.testing.assert_allclose(found, 0.5, atol=0.2)
+
+
+def test_an_error_under_a_cut_that_answers_threefold_shrinks_where_it_would_have_grown() -> None:
+    wanted = SENT[0]
+    off = 1e-4 * np.sin(2 * np.pi * 1.0 * np.arange(len(wanted)) / RATE)[:, None] * [1.0, -1.0, 0.5]
+
+    def milled(sent: np.ndarray) -> np.ndarray:
+        return np.asarray(wanted + off + 3.0 * predicted(np.zeros_like(sent), sent - wanted, LAW))
+
+    sent = [wanted, update(wanted, -off, LAW)]
+    come = [milled(each) for each in sent]
+    by_models, heeded = (
+        float(np.abs(wanted - milled(update(sent[1], wanted - come[1], law))).mean())
+        for law in (LAW, heeding(LAW, sent, come))
+    )
+    assert by_models > 3.0 * np.abs(off).mean()
+    assert heeded < 0.1 * np.abs(off).mean()
+
+
+def test_what_was_cautious_before_stays_so() -> None:
+    cautious = LearningLaw(LAW.axes, LAW.process, caution=(np.array([0.0, 25.0]), np.array([0.5, 0.5])))
+    np.testing.assert_allclose(part(answered(2.0), cautious), 0.5, atol=1e-9)
+    np.testing.assert_allclose(heeding(cautious, SENT, answered(2.0)).passed(np.array([0.5])), 0.25, atol=1e-3)

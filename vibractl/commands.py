@@ -1,0 +1,200 @@
+"""The commands of `vibractl`."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rigkit import config as rig_file
+from rigkit.command import (
+    ConfigOption,
+    JsonOption,
+    SetOption,
+    print_table,
+    words,
+    write_json,
+)
+from rigkit.progress import progress
+from rigkit.retention_command import prune_command
+from rigkit.run_folder import RunFolder, read_quality
+from rigkit.stop import Stopped, stoppable
+from vibractl.application import app
+from vibractl.audio_stream import AudioError
+from vibractl.config import RigConfig
+from vibractl.doctor.command import doctor_command
+from vibractl.export.command import export_command
+from vibractl.library.command import LibraryOption, TagOption, chosen_entry, library_app
+from vibractl.predict.command import predict_command
+from vibractl.presets import PRESETS
+from vibractl.quality import Marks
+from vibractl.quality_table import prefix_of
+from vibractl.replay import replay
+from vibractl.report import run_report
+from vibractl.session import Session, create, settings_of, setup_of
+
+app.command("export")(export_command)
+app.command("prune")(prune_command)
+app.command("doctor")(doctor_command)
+app.command("predict")(predict_command)
+app.add_typer(library_app, name="library")
+
+RunArgument = Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")]
+
+
+@app.command("example-config")
+def example_config(
+    preset: Annotated[str | None, typer.Option(metavar="underwater", help="A short one for a purpose.")] = None,
+) -> None:
+    """Print a complete rig file for the simulator: every key with its unit, range and default.
+
+    Example: `vibractl example-config > rig.toml`; in water, before a hydrophone: `--preset underwater`
+    """
+    if preset is not None and preset not in PRESETS:
+        raise ValueError(f"--preset is {preset!r}, must be {' or '.join(PRESETS)}")
+    sys.stdout.write(rig_file.example(RigConfig) if preset is None else PRESETS[preset])
+
+
+@app.command("run")
+def run_command(
+    out: Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make for a new run.")] = None,
+    model: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file from `calibrate vibrator`.")] = None,
+    config: ConfigOption = None,
+    reference: Annotated[
+        str | None, typer.Option(help="chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file.")
+    ] = None,
+    shots: Annotated[int | None, typer.Option(help="Shots in all.")] = None,
+    side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
+    watch: Annotated[bool, typer.Option("--watch", help="Reidentify bands that diverge, while it goes on.")] = False,
+    law: Annotated[str | None, typer.Option(help="kalman, or thesis for the text's own law.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
+    warm: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Start from this entry of the library, or from the nearest.")
+    ] = None,
+    tag: TagOption = None,
+    library: LibraryOption = None,
+    resume: Annotated[Path | None, typer.Option(metavar="RUN/", help="Go on with a run that stopped.")] = None,
+    settings: SetOption = None,
+    json: JsonOption = None,
+) -> None:
+    """Learn a reference shot by shot, and end with a report.
+
+    Example: `vibractl run --config rig.toml --model model.h5 --reference chirp:40:90:5 --shots 30 --out RUN/`
+    """
+    flags = {"reference.signal": reference, "learning.side": side, "learning.law": law, "simulator.options.seed": seed}
+    flags |= {"watch.on": "true" if watch else None, "session.shots": shots}
+    laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
+    if resume is not None:
+        paths = {"--out": out, "--model": model, "--config": config, "--library": library}
+        given = [name for name, value in {**paths, "--warm": warm, "--tag": tag}.items() if value]
+        if given or [text for text in laid_over if not text.startswith("session.shots=")]:
+            raise ValueError(f"--resume {resume} goes on with the run's own settings; only --shots may go with it")
+        _go_on(resume, shots, json)
+        return
+    if out is None or model is None:
+        raise ValueError("a new run needs --model FILE and --out RUN/")
+    settled = rig_file.load(config, RigConfig, laid_over)
+    folder, made = create(out, settled, model, chosen_entry(warm, settled, tag, library))
+    with folder:
+        _begin(Session(folder, made), json)
+
+
+def _begin(session: Session, json: str | None) -> None:
+    """Learn from the first shot on; a run that comes to nothing leaves no folder."""
+    try:
+        _learn(session, session.config.session.shots, json)
+    except (AudioError, ValueError, OSError):
+        if session.untouched:
+            session.folder.withdraw()
+        raise
+
+
+def _go_on(path: Path, shots: int | None, json: str | None) -> None:
+    with RunFolder.open(path) as folder:
+        made = setup_of(path)
+        _learn(Session(folder, made), shots or made.config.session.shots, json)
+
+
+def _learn(session: Session, shots: int, json: str | None) -> None:
+    path = session.folder.path
+    sys.stderr.write(session.note)
+    with stoppable() as stop, progress("learning", shots, start=session.done) as meter:
+
+        def tell(shot: int, marks: Marks) -> None:
+            meter.show(shot + 1, f"shot {shot}: objective {marks.reason}")
+
+        session.run(shots, tell, lambda: stop.made)
+    figures = session.summary()
+    if stop.made and session.done < shots:
+        raise Stopped(f"{session.done} of {shots} shots are recorded; go on with: vibractl run --resume {path}")
+    run_report(path)
+    _print_shots(path, json)
+    met = figures["objective_met_shot"]
+    verdict = f"objective met from shot {met} on" if met is not None else "objective not met"
+    print(f"{verdict}; report: {path / 'report.html'}", file=words(json))
+    write_json(json, figures)
+
+
+def _print_shots(path: Path, json: str | None) -> None:
+    rows = read_quality(path)
+    prefix = prefix_of(rows)
+    sides = sum(key.startswith(f"{prefix}iae_") for key in rows[0])
+    head, keys = ["shot", "gain", "verdict"], ["shot", "gain", "verdict"]
+    for side in range(1, sides + 1):
+        head += [f"worst line {side}, dB", "at, Hz", f"IAE {side}", f"error {side}, dB"]
+        keys += [f"{prefix}{name}_{side}" for name in ("worst_line_db", "worst_line_hz", "iae", "error_db")]
+    body = [[_short(row[key]) for key in keys] for row in rows]
+    print_table(f"{path}: worst line against the limit, negative is good", head, body, words(json))
+
+
+def _short(cell: str) -> str:
+    try:
+        return cell if cell.isdigit() else f"{float(cell):.4g}"
+    except ValueError:
+        return cell
+
+
+@app.command("replay")
+def replay_command(
+    path: RunArgument,
+    shot: Annotated[int | None, typer.Option(help="Report this shot alone.")] = None,
+    model: Annotated[Path | None, typer.Option(metavar="FILE", help="Another model: what would it have done?")] = None,
+    settings: SetOption = None,
+    json: JsonOption = None,
+) -> None:
+    """Rebuild every drive of a run from its recorded responses; status 1 if one differs from the recorded one.
+
+    Example: `vibractl replay RUN/`; what would have been: `vibractl replay RUN/ --set learning.gains=[0.5]`
+    """
+    rows = []
+    settings_of(path)
+    for each in replay(path, setup_of(path, tuple(settings or ()), model)):
+        if shot in (None, each.shot):
+            same = "yes" if each.identical else "no"
+            rows.append([str(each.shot), same, f"{each.difference:.3g}", f"{each.difference_db:.1f}"])
+        if each.shot == shot:
+            break
+    if not rows:
+        raise ValueError(f"{path}: no shot {shot} is recorded")
+    differ = sum(row[1] == "no" for row in rows)
+    head = ["shot", "bit for bit", "largest difference, V", "rms difference, dB re drive"]
+    print_table(f"{path}: drives rebuilt from the recorded responses", head, rows, words(json))
+    write_json(json, {"shots": len(rows), "differing": differ})
+    asked_for_other = model is not None or settings
+    if differ and not asked_for_other:
+        raise typer.Exit(1)
+
+
+@app.command("report")
+def report_command(
+    path: RunArgument,
+    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
+    json: JsonOption = None,
+) -> None:
+    """Draw the report of a run again.
+
+    Example: `vibractl report RUN/ --png figures/`
+    """
+    figures = run_report(path, png)
+    print(f"report: {path / 'report.html'}", file=words(json))
+    write_json(json, figures)
