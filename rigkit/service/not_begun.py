@@ -4,6 +4,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 
+_OF_A_NAME = FileNotFoundError, PermissionError, IsADirectoryError, NotADirectoryError
+
+
 class NotBegun(ValueError):
     """What a procedure was told, or the files that it names, do not do; the text says what, and what would."""
 
@@ -18,11 +21,19 @@ def making() -> Iterator[None]:
     ------
     NotBegun : a ValueError, a file that is not there or may not be read.
     OSError : any other, as it was.
+    ValueError : one that such an OSError is the cause of, as it was.
     """
     try:
         yield
-    except (ValueError, FileNotFoundError, PermissionError) as refused:
+    except (ValueError, *_OF_A_NAME) as refused:
+        if _has_failed(refused.__cause__ or refused.__context__):
+            raise
         raise NotBegun(reason(refused)) from refused
+
+
+def _has_failed(cause: BaseException | None) -> bool:
+    """Tell whether the system has failed at a call: a disk, say; h5py's of a file's content have no number."""
+    return isinstance(cause, OSError) and cause.errno is not None and not isinstance(cause, _OF_A_NAME)
 
 
 def reason(fault: Exception) -> str:

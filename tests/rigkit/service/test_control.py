@@ -128,11 +128,14 @@ def test_a_procedure_that_is_refused_while_it_is_made_has_not_begun_and_the_rig_
     assert bench.rig.armed
 
 
+@pytest.mark.parametrize("cause", [None, OSError(5, "Input/output error")])
 def test_what_the_system_fails_at_while_a_procedure_is_made_is_a_fault(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, cause: OSError | None
 ) -> None:
     def run(*_: object) -> None:
         with making():
+            if cause is not None:
+                raise ValueError("/data: No space left on device") from cause
             raise OSError(28, "No space left on device", "/data")
 
     monkeypatch.setattr(bench.rig, "_run", run)
