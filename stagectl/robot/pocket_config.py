@@ -1,6 +1,6 @@
 """The tables of the robot cell's file that learning to mill reads: the pocket, and the learning."""
 
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -63,6 +63,9 @@ class Learning(Section):
     gain: float = setting(1.0, "1", "part of the correction that is made at once", gt=0, le=1)
     inverse: Inverse = setting("regularised", "", "how L inverts G_R: regularised, or mirrored (zeros)")
     epsilon: float = setting(1e-3, "1", "of the regularised inverse", ge=0, le=1)
+    cut: Literal["measured", "model"] = setting(
+        "measured", "", "how a cut answers to speed: place by place, as the last trial shows, or as G_M has it"
+    )
     gap: float = setting(0.05, "s", "without a sample in a log is refused", gt=0, le=1)
     correction: float = setting(
         3e-3,

@@ -7,10 +7,11 @@ import numpy as np
 
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.convergence import Contraction, Doubt, cautious, contraction
-from stagectl.robot.milling.learning import LearningLaw, predicted, update
+from stagectl.robot.milling.learning import LearningLaw, ProcessModel, predicted, update
+from stagectl.robot.milling.measured_cut import MeasuredCut
 from stagectl.robot.milling.milling_models import MillingModels
 from stagectl.robot.milling.step_size import heeding
-from stagectl.robot.milling.trial_error import TrialSignals, kinematic_error, tool_position
+from stagectl.robot.milling.trial_error import TrialSignals, kinematic_error, measured_cut, tool_position
 from stagectl.trials.done import DoneTrial
 from stagectl.trials.signals import torque_log, touched_block, touched_off, tracker_late
 from stagectl.trials.tool_path import RATE, refuse_large, refuse_outside
@@ -50,18 +51,30 @@ class Learner:
     def law(self, method: int | None) -> LearningLaw:
         """Return the law of a method, or of free space, as cautious as the doubt about its models asks for."""
         learning = self.cell.learning
-        if method is not None and FORCE[method] not in self.models.process:
-            raise ValueError(f"method {method} needs G_M and G_K of the {FORCE[method]} force, the model has none")
-        process = None if method is None else self.models.process[FORCE[method]].model
         whole = LearningLaw(
-            self.models.robot[SIDE[method]].axes, process, learning.cutoff, learning.highest, learning.gain,
-            learning.inverse, learning.epsilon,
+            self.models.robot[SIDE[method]].axes, self._process(method), learning.cutoff, learning.highest,
+            learning.gain, learning.inverse, learning.epsilon,
         )  # fmt: skip
         return cautious(whole, self._doubt(method))
 
     def contraction(self, method: int | None) -> Contraction:
         """Return by what errors shrink under a method, for all that the models may be instead."""
         return contraction(self.law(method), self._doubt(method))
+
+    def _process(self, method: int | None) -> ProcessModel | None:
+        if method is None:
+            return None
+        if FORCE[method] not in self.models.process:
+            raise ValueError(f"method {method} needs G_M and G_K of the {FORCE[method]} force, the model has none")
+        return self.models.process[FORCE[method]].model
+
+    def _cut(
+        self, trial: TrialSignals, method: int | None, process: ProcessModel | None, kinematic: np.ndarray | None
+    ) -> MeasuredCut | None:
+        """Return how the cut answered along a trial; None where the law goes by G_M, or by no process."""
+        if method is None or process is None or kinematic is None or self.cell.learning.cut == "model":
+            return None
+        return measured_cut(trial, method, RATE, process, kinematic)
 
     def _doubt(self, method: int | None) -> Doubt:
         return self.models.doubt(SIDE[method], None if method is None else FORCE[method])
@@ -72,7 +85,7 @@ class Learner:
         Parameters
         ----------
         done : sequence of DoneTrial
-            The trials so far: the last one is learned from, the others tell how much of a correction proves right.
+            The trials so far: the last one is learned from, the one before tells how much of a correction proves right.
         method : int or None
             None for free space.
 
@@ -80,7 +93,7 @@ class Learner:
         ------
         ValueError : a law that may diverge, a signal that is missing, a path that leaves the workpiece.
         """
-        kinematic = kinematic_error([each.signals for each in self.free]) if method in (2, 3) else None
+        kinematic = None if method is None else kinematic_error([each.signals for each in self.free])
         return self.corrected(done[-1].trial, [self.signals(each, method) for each in done], method, kinematic)
 
     def corrected(
@@ -95,17 +108,18 @@ class Learner:
         signals : sequence of TrialSignals
         method : int or None
         kinematic : array, shape (N, 3), m, or None
-            d_e; methods 2 and 3 need it.
+            d_e; methods 2 and 3 need it, and 1 to see how the cut answers place by place: else it goes by G_M.
 
         Raises
         ------
         ValueError : as `next_path`.
         """
-        law = self.law(method)
         self.contraction(method).refuse_divergence()
-        where = [tool_position(each, method or 1, RATE, law.process, kinematic) for each in signals]
-        law = heeding(law, [each.sent for each in signals], where)
-        sent = update(signals[-1].sent, trial.path.wanted - where[-1], law)
+        law, process = self.law(method), self._process(method)
+        where = [tool_position(each, method or 1, RATE, process, kinematic) for each in signals]
+        cuts = [self._cut(each, method, process, kinematic) for each in signals[-2:]]
+        law = heeding(law, [each.sent for each in signals], where, cuts[0])
+        sent = update(signals[-1].sent, trial.path.wanted - where[-1], law, cuts[-1])
         come = predicted(where[-1], sent - signals[-1].sent, law)
         refuse_outside(trial.path.pocket, trial.path.wanted, come, self.cell.learning.stray)
         refuse_large(trial.path.wanted, sent, self.cell.learning.correction)

@@ -1,11 +1,12 @@
 """Iterative learning control of a milled path, (5.8) and (5.11): one law, whatever the error was measured with."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stagectl.models import InnovationModel
 from stagectl.robot.milling.axis_model import AxisModel, robot_response
+from stagectl.robot.milling.measured_cut import MeasuredCut
 from stagectl.robot.milling.model_inverse import Inverse, inverse
 from stagectl.robot.milling.zero_phase import filtered, low_pass
 
@@ -51,6 +52,10 @@ class ProcessModel:
         rate : float, samples/s
         """
         return filtered(load, rate, self.compliance.frequency_response)
+
+    def stiffness(self) -> np.ndarray:
+        """Return the inverse of G_K at rest, shape (3, 3), N/m."""
+        return np.asarray(np.linalg.inv(self.compliance.frequency_response(np.zeros(1))[0].real))
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +110,11 @@ class LearningLaw:
         passed = self.gain * low_pass(frequency, self.cutoff, highest=self.highest)
         return passed if self.caution is None else passed * np.interp(frequency, *self.caution)
 
+    def more_cautious(self, frequency: np.ndarray, part: np.ndarray) -> "LearningLaw":
+        """Return a law whose Q is multiplied by `part` at most, both of shape (bins,), Hz rising and 1."""
+        before = 1.0 if self.caution is None else np.interp(frequency, *self.caution)
+        return replace(self, caution=(frequency, np.minimum(part, before)))
+
     def step(self, frequency: np.ndarray) -> np.ndarray:
         """Return Q L (I - G_K G_M), complex, shape (bins, 3, 3), 1, at frequencies, shape (bins,), Hz."""
         rows = np.stack([inverse(axis, frequency, self.kind, self.epsilon) for axis in self.axes], axis=-1)
@@ -126,7 +136,7 @@ class LearningLaw:
         return self.process.coupling(frequency)
 
 
-def update(sent: np.ndarray, error: np.ndarray, law: LearningLaw) -> np.ndarray:
+def update(sent: np.ndarray, error: np.ndarray, law: LearningLaw, cut: MeasuredCut | None = None) -> np.ndarray:
     """Return the path to send in the next trial, u_{k+1}, shape (N, 3), m.
 
     Parameters
@@ -136,6 +146,8 @@ def update(sent: np.ndarray, error: np.ndarray, law: LearningLaw) -> np.ndarray:
     error : array, shape (N, 3), m
         e_k, sample by sample beside it.
     law : LearningLaw
+    cut : MeasuredCut, optional
+        Stands for G_K G_M of the law.
 
     Raises
     ------
@@ -144,7 +156,23 @@ def update(sent: np.ndarray, error: np.ndarray, law: LearningLaw) -> np.ndarray:
     sent, error = np.asarray(sent, float), np.asarray(error, float)
     if sent.shape != error.shape:
         raise ValueError(f"the path sent has shape {sent.shape} and the error {error.shape}, must be alike")
-    return np.asarray(sent + filtered(error, law.axes[0].rate, law.step))
+    return np.asarray(sent + correction(error, law, cut))
+
+
+def correction(error: np.ndarray, law: LearningLaw, cut: MeasuredCut | None = None) -> np.ndarray:
+    """Return Q L (I - G_K G_M) e, shape (N, 3), m.
+
+    Parameters
+    ----------
+    error : array, shape (N, 3), m
+    law : LearningLaw
+    cut : MeasuredCut, optional
+        Stands for G_K G_M of the law.
+    """
+    rate = law.axes[0].rate
+    if cut is None:
+        return filtered(error, rate, law.step)
+    return filtered(error - cut.deflection(error, rate), rate, replace(law, process=None).step)
 
 
 def predicted(position: np.ndarray, change: np.ndarray, law: LearningLaw) -> np.ndarray:

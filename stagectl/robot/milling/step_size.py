@@ -1,54 +1,58 @@
-"""How much of a correction to make, as the trials so far show: less where they came out otherwise than predicted."""
+"""How much of a correction to make, as the last one shows: less where it came out otherwise than predicted."""
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 from scipy.fft import rfft, rfftfreq
 
-from stagectl.robot.milling.learning import LearningLaw, predicted
+from stagectl.robot.milling.learning import LearningLaw, correction
+from stagectl.robot.milling.measured_cut import MeasuredCut
 
 LINES = 400
 """Frequencies at which it is found."""
 WIDTH, LEAST = 0.35, 0.1
 """Of a frequency, and Hz at least: so far to either side spectra are summed."""
+FLOOR = 0.05
+"""Part that is made in any case: where nothing was changed nothing would be proved, and never be again."""
 
 
-def heeding(law: LearningLaw, sent: Sequence[np.ndarray], come: Sequence[np.ndarray]) -> LearningLaw:
-    """Return a law whose Q is lowered to the part that the changes of the path so far have proved right.
+def heeding(
+    law: LearningLaw, sent: Sequence[np.ndarray], come: Sequence[np.ndarray], cut: MeasuredCut | None = None
+) -> LearningLaw:
+    """Return a law whose Q is no more than the part that the last change of the path has proved right.
 
-    From one trial to the next the path changed by du, where the tool came by dy, and the models had said dp = P du.  Of
-    all real factors on the next change, g = Re <dp, dy> / <dy, dy> leaves the least error, if that one comes out as
-    they did; it is found at each frequency, over all pairs of trials and axes, and above 1 counts as 1.  It is small
-    where the cut answers by more than its model, late, or each time otherwise - what is gone does not push back - and
-    where there is more noise than motion.
+    From the last trial but one to the last the tool came by dy, for which the law would have asked for a change of the
+    path dn, where it was du.  Of all real factors on the law's correction g = Re <dn, du> / <dn, dn> would have come
+    closest, in the mean square; it is found at each frequency, over all axes, and held between `FLOOR` and 1.  It is
+    small where the cut answers by more than its model, late, or each time otherwise - what is gone does not push back -
+    and where less was moved than trials differ by themselves: by the tracker's noise, and by the blocks' hardness.
 
     Parameters
     ----------
     law : LearningLaw
     sent, come : sequences of arrays, shape (N, 3), m
         The paths sent so far, and where the tool came: the same number of both.  After one trial the law stays.
+    cut : MeasuredCut, optional
+        Of the last trial but one, as `update` takes it.
 
     Returns
     -------
     LearningLaw
         Its Q is still without phase, and nowhere above the law's: where errors shrank by the models, they still do.
     """
-    cross, own = np.zeros(1), np.zeros(1)
-    for (u, v), (y, z) in zip(pairwise(sent), pairwise(come), strict=True):
-        told, seen = rfft(predicted(np.zeros_like(u), v - u, law), axis=0), rfft(z - y, axis=0)
-        cross = cross + (told.conj() * seen).real.sum(axis=1)
-        own = own + (seen.conj() * seen).real.sum(axis=1)
-    if not own.any():
+    if len(sent) < 2:
         return law
+    bold, lines = replace(law, caution=None), rfftfreq(len(sent[0]), 1.0 / law.axes[0].rate)
+    made = bold.passed(lines)[:, None] * rfft(sent[-1] - sent[-2], axis=0)
+    needed = rfft(correction(come[-1] - come[-2], bold, cut), axis=0)
+    cross, own = ((needed.conj() * each).real.sum(axis=1) for each in (made, needed))
     frequency = np.linspace(0.0, law.highest, LINES)
-    lines = rfftfreq(len(sent[0]), 1.0 / law.axes[0].rate)
     reach = np.maximum(WIDTH * frequency, LEAST)
     first, last = np.searchsorted(lines, [frequency - reach, frequency + reach])
     wrong, right = (_sums(power, first, np.maximum(last, first + 1)) for power in (own, cross))
-    part = np.clip(right / np.maximum(wrong, np.finfo(float).tiny), 0.0, 1.0)
-    return replace(law, caution=(frequency, part if law.caution is None else part * np.interp(frequency, *law.caution)))
+    part = np.clip(right / np.maximum(wrong, np.finfo(float).tiny), FLOOR, 1.0)
+    return law.more_cautious(frequency, part)
 
 
 def _sums(power: np.ndarray, first: np.ndarray, last: np.ndarray) -> np.ndarray:

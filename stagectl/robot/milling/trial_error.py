@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stagectl.robot.milling.learning import ProcessModel
+from stagectl.robot.milling.measured_cut import MeasuredCut, cutting_gain
 
 METHODS = {
     1: "the tool as the tracker sees it",
@@ -96,6 +97,31 @@ def tool_position(
     if process is None or kinematic is None:
         raise ValueError(f"method {method} needs the models of force and compliance, and the trials in free space")
     return np.asarray(trial.joints + kinematic + process.deflection(trial.force, rate))
+
+
+def measured_cut(
+    trial: TrialSignals, method: int, rate: float, process: ProcessModel, kinematic: np.ndarray
+) -> MeasuredCut:
+    """Return how the cut answered to the tool's speed along a trial, as a method knows its force.
+
+    Parameters
+    ----------
+    trial : TrialSignals
+    method : int, of `METHODS`
+        1: the force that bends the arm at rest as far as the tracker saw it bent; 2 and 3: f.
+    rate : float, samples/s
+    process : ProcessModel
+    kinematic : array, shape (N, 3), m
+        d_e.
+
+    Raises
+    ------
+    ValueError : as `tool_position`.
+    """
+    where = tool_position(trial, method, rate, process, kinematic)
+    load = (where - trial.joints - kinematic) @ process.stiffness().T if method == 1 else trial.force
+    assert load is not None
+    return MeasuredCut(cutting_gain(load, where, rate), process.compliance)
 
 
 def mae(error: np.ndarray) -> np.ndarray:
