@@ -99,10 +99,10 @@ def _iterations(learned: Learned) -> Plot:
     panels[-1].set_title("Norm")
     for panel in panels:
         panel.set_xlabel("iteration")
-        panel.axhline(1e6 * ACCURACY, **LIMIT)
+        panel.axhline(1e6 * ACCURACY, **LIMIT, label="accuracy of the tracker")
         panel.set_ylim(bottom=0)
         panel.legend(loc="best")
-    return Plot(figure, "Mean absolute error of each iteration as the tracker sees it. Dashed: the tracker's accuracy.")
+    return Plot(figure, "Mean absolute error of each iteration as the tracker sees it.")
 
 
 def _path(done: Sequence[DoneTrial]) -> Plot:
@@ -117,7 +117,7 @@ def _path(done: Sequence[DoneTrial]) -> Plot:
     panel.set_aspect("equal")
     panel.set_xlabel("x, mm")
     panel.set_ylabel("y, mm")
-    panel.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    panel.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title=f"errors x {MAGNIFIED:g}")
     return Plot(figure, f"The path, errors magnified {MAGNIFIED:g} times.")
 
 
