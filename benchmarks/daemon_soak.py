@@ -82,17 +82,20 @@ def crowd(address: str, token: str, counts: Any) -> None:
         thread.join()
 
 
-@contextmanager
-def daemon_on(folder: Path, period: int) -> Iterator[Served]:
-    """Start `vibractl daemon` on the audio server that runs."""
-    block = period / 44_100
-    config = RigConfig(
+def audible(period: int) -> RigConfig:
+    """Return the settings of a rig on the audio server that runs."""
+    return RigConfig(
         audio=Audio(stream="sounddevice:Stream", device="shaker", blocksize=period, attempts=20),
         simulator=Simulator(speed=1.0),
-        daemon=Daemon(
-            address=f"127.0.0.1:{free_port()}", data=str(folder / "data"), mute_after=max(0.1, 0.06 + 2 * block)
-        ),
+        daemon=Daemon(mute_after=max(0.1, 0.06 + 2 * period / 44_100)),
     )
+
+
+@contextmanager
+def daemon_on(folder: Path, config: RigConfig) -> Iterator[Served]:
+    """Start `vibractl daemon` at an address of its own, with its data below `folder`."""
+    place = {"address": f"127.0.0.1:{free_port()}", "data": str(folder / "data")}
+    config = config.model_copy(update={"daemon": config.daemon.model_copy(update=place)})
     (folder / "rig.toml").write_text(rig_file.dump(config))
     command = [sys.executable, "-m", "vibractl", "daemon", "--config", str(folder / "rig.toml")]
     process = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True)
@@ -122,6 +125,13 @@ class Soak:
             if client.snapshot()["state"]["name"] == "DISARMED":
                 client.command("arm", "a soak")
             client.begin(procedure, **options)
+
+    def calibrate(self) -> None:
+        """Identify the vibrator, as a run needs it."""
+        self.begin("calibrate")
+        until(lambda: self.daemon.named("end"), 900)
+        time.sleep(1.0)  # for the snapshot to say so
+        assert self.state() == ("ARMED", False), self.daemon.named("fault")
 
     def state(self) -> tuple[str, bool]:
         """Return the rig's state, and whether a procedure is under way."""
@@ -170,7 +180,7 @@ def main() -> None:
     server = ["-R", "-P70", *(["-S"] if options.sync else [])]
     with tempfile.TemporaryDirectory() as name, open(Path(name) / "jackd.log", "w+") as log:
         with jack_server(server, 44_100, options.period, log) as jackd, vibrator_client([]) as shaker:
-            with daemon_on(Path(name), options.period) as daemon:
+            with daemon_on(Path(name), audible(options.period)) as daemon:
                 soak = Soak(daemon, {"jackd": jackd.pid, "shaker": shaker.pid})
                 soaked(soak, options.minutes * 60, options.shots, options.out)
                 log.seek(0)
@@ -180,10 +190,7 @@ def main() -> None:
 
 def soaked(soak: Soak, seconds: float, shots: int, out: Path) -> None:
     """Calibrate, run for so long with everybody watching, and print the table."""
-    soak.begin("calibrate")
-    until(lambda: soak.daemon.named("end"), 900)
-    time.sleep(1.0)  # for the snapshot to say so
-    assert soak.state() == ("ARMED", False), soak.daemon.named("fault")
+    soak.calibrate()
     context = multiprocessing.get_context("spawn")
     counts = context.Array("q", 2 * CLIENTS, lock=False)
     address, token = soak.daemon.settings.address, soak.daemon.tokens.view
