@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Thread
-from typing import Any
+from typing import Any, TextIO
 
 from benchmarks.audio_load import stolen
 from benchmarks.jack_server import jack_server, missing, vibrator_client
@@ -150,20 +150,20 @@ class Soak:
             self.run += 1
             self.begin("run", run=f"soak-{self.run:04d}", shots=shots)
 
-    def look(self, seconds: float) -> list[Held]:
-        """Look at every process once."""
+    def look(self, seconds: float, file: TextIO) -> None:
+        """Look at every process once, and add what each holds to a file of CSV."""
         done, pids = len(self.shots()), {"rig": self.daemon.process.pid, "web": self.web}
         for pid in offspring(self.daemon.process.pid):
             if pid != self.web and b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes():
                 pids["audio"] = pid
-        found = []
         for name, pid in (pids | self._others).items():
             try:
-                found.append(held(name, pid, seconds, done))
+                sample = held(name, pid, seconds, done)
             except OSError:
                 continue  # between two runs
-        self.samples += found
-        return found
+            self.samples.append(sample)
+            print(sample.row(), file=file)
+        file.flush()
 
 
 def main() -> None:
@@ -206,9 +206,7 @@ def soaked(soak: Soak, seconds: float, shots: int, out: Path) -> None:
             if soak.daemon.named("fault"):
                 break
             soak.keep_running(shots)
-            for sample in soak.look(time.monotonic() - begin):
-                print(sample.row(), file=file)
-            file.flush()
+            soak.look(time.monotonic() - begin, file)
     taken = stolen() - taken
     with soak.daemon.client() as client:
         last = client.snapshot()

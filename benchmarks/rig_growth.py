@@ -7,18 +7,18 @@ disk a shot, taken away at the end.  The growth told is that from one shot on, w
 import argparse
 import tempfile
 import time
-from itertools import pairwise
+from dataclasses import replace
 from pathlib import Path
 
 from benchmarks.daemon_soak import Soak, daemon_on
-from benchmarks.process_growth import HEAD, Held
+from benchmarks.process_growth import HEAD, table
 from rigkit.service.config import Daemon
 from vibractl.config import RigConfig, Simulator
 
 EVERY = 5.0
 """s from one look to the next."""
-SHOTS_A_DAY = 581 * 24
-"""As many as an hour of the soak has, in real time."""
+SHOT = 3600.0 / 581
+"""s from one shot to the next in real time, as in an hour of the soak."""
 
 
 def main() -> None:
@@ -36,22 +36,13 @@ def main() -> None:
         with open(options.out, "w") as file:
             print(HEAD, file=file)
             while soak.state()[1]:
-                for sample in soak.look(time.monotonic() - begin):
-                    print(sample.row(), file=file, flush=True)
+                soak.look(time.monotonic() - begin, file)
                 time.sleep(EVERY)
         print(f"{daemon.named('fault') or 'no fault'}")
-    own = [sample for sample in soak.samples if sample.process == "rig"]
+    played = [replace(each, seconds=each.shot * SHOT) for each in soak.samples if each.shot < options.shots]
     for first, last in ((options.since // 10, options.since), (options.since, options.shots)):
-        print(told([sample for sample in own if first <= sample.shot < last]))  # then it is let go
-
-
-def told(part: list[Held]) -> str:
-    """Say how much more the last look has found than the first."""
-    grown = (part[-1].rss - part[0].rss) / max(part[-1].shot - part[0].shot, 1)
-    step = max((after.rss - before.rss for before, after in pairwise(part)), default=0.0)
-    sizes = f"shot {part[0].shot} to {part[-1].shot}: {part[0].rss:.2f} to {part[-1].rss:.2f} MB"
-    a_day = f"{1e3 * grown:.2f} kB a shot, {grown * SHOTS_A_DAY:.1f} MB a day in real time"
-    return f"{sizes}, {a_day}; at most {step:.2f} MB at once"
+        print(f"shot {first} to {last}, by the clock of shots in real time:")
+        print("\n".join(table([each for each in played if each.shot < last], first * SHOT)))
 
 
 if __name__ == "__main__":
