@@ -38,8 +38,9 @@ class Frame:
 class SlcanAdapter:
     """The adapter: the host opens `path`, what it sends is given by `received`, and `send` goes to it.
 
-    Writing never blocks.  A frame of 8 bytes or fewer, sent as FD or not, keeps its form.  Not modelled: arbitration,
-    the bus' own speed, error frames, time stamps, and what a real adapter answers to half of its commands.
+    It belongs to one thread: another one that wants it unplugged asks that one.  Writing never blocks.  A frame of 8
+    bytes or fewer, sent as FD or not, keeps its form.  Not modelled: arbitration, the bus' own speed, error frames,
+    time stamps, and what a real adapter answers to half of its commands.
 
     Parameters
     ----------

@@ -10,7 +10,6 @@ from typing import Any
 import can
 
 from firmware_sim.relay import Relay, adapter_in, listen
-from firmware_sim.slcan_adapter import SlcanAdapter
 from rigkit.relay.frame import IDENTIFIER
 from tests.rigkit.service.until import until
 
@@ -56,15 +55,35 @@ def on_the_virtual_bus(channel: str) -> Iterator[Heard]:
             notifier.stop()
 
 
+class Plug:
+    """A relay that listens behind an adapter, `can` in a folder; it is plugged in at first.
+
+    The adapter belongs to the thread that listens, so what is plugged in is another one each time.
+    """
+
+    def __init__(self, folder: Path, heard: Heard) -> None:
+        self._folder, self._heard = folder, heard
+        self.plug()
+
+    def plug(self) -> None:
+        """Plug an adapter in."""
+        self._stop = threading.Event()
+        arguments = (adapter_in(self._folder), self._heard.relay, time.monotonic, self._heard.moves.append, self._stop)
+        self._thread = threading.Thread(target=listen, args=arguments)
+        self._thread.start()
+
+    def unplug(self) -> None:
+        """Return when it is pulled out."""
+        self._stop.set()
+        self._thread.join()
+
+
 @contextmanager
-def behind_an_adapter(folder: Path, patience: float = PATIENCE) -> Iterator[tuple[Heard, SlcanAdapter]]:
+def behind_an_adapter(folder: Path, patience: float = PATIENCE) -> Iterator[tuple[Heard, Plug]]:
     """Let a relay listen behind an adapter, `can` in a folder."""
-    heard, adapter, stop = Heard(patience), adapter_in(folder), threading.Event()
-    arguments = (adapter, heard.relay, time.monotonic, heard.moves.append, stop)
-    thread = threading.Thread(target=listen, args=arguments)
-    thread.start()
+    heard = Heard(patience)
+    plug = Plug(folder, heard)
     try:
-        yield heard, adapter
+        yield heard, plug
     finally:
-        stop.set()
-        thread.join()
+        plug.unplug()

@@ -102,12 +102,12 @@ def test_a_count_that_has_moved_only_while_the_guard_was_latched_is_no_beat() ->
 
 
 def test_an_adapter_that_goes_is_silence_and_one_that_is_back_is_used(tmp_path: Path) -> None:
-    with behind_an_adapter(tmp_path) as (heard, adapter), beating(Program(), **on_a_port(tmp_path)) as heart:
+    with behind_an_adapter(tmp_path) as (heard, plug), beating(Program(), **on_a_port(tmp_path)) as heart:
         heard.until(closed=True)
-        adapter.unplug()
+        plug.unplug()
         heard.until(closed=False)
         sent = heart.sent
-        adapter.plug()
+        plug.plug()
         heard.until(closed=True)
         assert heart.sent > sent
 
