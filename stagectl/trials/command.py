@@ -22,6 +22,7 @@ from stagectl.trials.tool_path import RATE
 from stagectl.trials.trial import TASKS, Trial, cell_for_task, first_trial
 
 ALL, AIR, NEXT = "all", "free", "next.csv"
+UNTOUCHED = "nothing is touched off, where the tracker's axes are off is learned as an error, and the cut goes by G_M"
 
 
 def ilc(
@@ -53,8 +54,8 @@ def ilc(
     `stagectl ilc --config cell.toml --method 1 --live --out RUN/`, `stagectl ilc --method 3 --from LOGDIR/`
     """
     methods = wanted_methods(method)
-    if is_live and logs is not None:
-        raise ValueError("--live and --from are given, must be one of them: logs are of a trial that was run elsewhere")
+    if logs is not None:
+        _refuse_with_logs({"--live": is_live, "--dry-run": dry, "--out": out is not None, "--png": png is not None})
     refuse_needless_yes(is_sure, is_live)
     cell = cell_for_task(rig_file.load(config, CellConfig, settings or []), task)
     first = first_trial(cell, task)
@@ -65,15 +66,25 @@ def ilc(
     if logs is not None:
         if len(methods) != 1:
             raise ValueError(f"--method is {method!r}, must be one with --from")
-        path = learn_from_logs(logs, first, learner, methods[0])
-        print(f"the path to send next: {path}", file=words(json))  # noqa: T201
-        write_json(json, {"path": str(path)})
+        _say_next(logs, learn_from_logs(logs, first, learner, methods[0]), json)
         return
     if out is None:
         raise ValueError("--out is missing: trials are kept there")
     job = Job(task, first, methods, iterations, is_live, is_sure)
     _refuse(job, learner)
     write_json(json, run_trials(out, job, learner, png, words(json)))
+
+
+def _refuse_with_logs(given: dict[str, bool]) -> None:
+    for name in (name for name, is_given in given.items() if is_given):
+        raise ValueError(f"{name} and --from are given, must be one of them: nothing is run, LOGDIR gets the path")
+
+
+def _say_next(logs: Path, path: Path, json: str | None) -> None:
+    if not (logs / AIR).is_dir():
+        print(f"{logs / AIR}/ is not there: {UNTOUCHED}", file=words(json))  # noqa: T201
+    print(f"the path to send next: {path}", file=words(json))  # noqa: T201
+    write_json(json, {"path": str(path)})
 
 
 def _say_steps(cell: CellConfig, first: Trial, trials: int) -> None:

@@ -71,8 +71,12 @@ def test_a_pocket_is_learned_replayed_reported_and_learned_from_its_logs(
     assert shell(monkeypatch, "stagectl", "report", str(run)) == 0
 
     logs = run / "logs/milled-0"
+    capsys.readouterr()
+    assert shell(monkeypatch, *ilc, "--method", "1", "--from", str(logs)) == 0
+    assert "nothing is touched off" in capsys.readouterr().out
     shutil.copytree(run / "logs/free-1", logs / "free")
     assert shell(monkeypatch, *ilc, "--from", str(logs)) == 0
+    assert "nothing is touched off" not in capsys.readouterr().out
     files = (logs / "next.csv", run / "logs/method-3-1/sent.csv")
     by_logs, by_run = (np.loadtxt(file, delimiter=",", skiprows=1, usecols=(1, 2, 3)) for file in files)
     assert np.abs(by_logs - by_run).mean() < 40e-6
@@ -129,6 +133,16 @@ def test_a_live_calibration_wants_wires_and_somebody_beside_the_robot(
     given = ("calibrate", "milling", "--out", str(tmp_path / "milling.h5"), *WORDS, *words)
     assert shell(monkeypatch, *given) != 0
     assert text in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("words", [("--live",), ("--dry-run",), ("--out", "RUN/"), ("--png", "FIGURES/")])
+def test_learning_from_logs_runs_nothing_and_makes_no_folder(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, words: tuple[str, ...]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert shell(monkeypatch, "stagectl", "ilc", "--from", str(tmp_path), *words) == 2
+    assert f"{words[0]} and --from are given, must be one of them" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
 
