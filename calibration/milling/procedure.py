@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from calibration.milling.report import FIT_HEAD, fit_rows, milling_report
-from calibration.milling.session import CHIRPS, SWEEP, calibrate, raw_trials
+from calibration.milling.session import CHIRPS, SWEEP, calibrate, raw_trials, refuse_unfit_path
 from calibration.milling.sweep_session import sweep, sweep_steps
 from ctlblocks import Graph
 from ctlblocks.recording import Recording
@@ -41,7 +41,8 @@ class MillingProcedure:
 
     Raises
     ------
-    ValueError : a path out of reach, plants that do not take their options, or a model that is something else's.
+    ValueError : a path out of reach, or too fast or too short for the models, plants that do not take their options, or
+        a model that is something else's.
     """
 
     def __init__(self, config: CellConfig, options: MillingOptions, desk: Desk) -> None:
@@ -50,6 +51,7 @@ class MillingProcedure:
         self._out = Path(config.daemon.data) / options.model
         first = first_trial(self._cell, options.task)
         refuse_wrong_plants(first)
+        refuse_unfit_path(self._cell, first)
         self._steps, self._moves = [step.words for step in sweep_steps(self._cell)], 0
         self._conductor = Conductor(desk, SOURCES, options.paced)
         self._sweeping = Conductor(desk, SWEPT, options.paced)

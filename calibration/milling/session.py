@@ -9,7 +9,8 @@ import numpy as np
 from calibration.milling.chirp_path import ChirpPath
 from calibration.milling.process_fit import ProcessFit, fit_process, refuse_short
 from calibration.milling.robot_fit import AxisFit, fit_axis
-from calibration.milling.torque_fit import TorqueFit, friction_and_gravity
+from calibration.milling.sweep_session import sweep_path
+from calibration.milling.torque_fit import TorqueFit, friction_and_gravity, known_speeds
 from calibration.raw_folder import raw_folder
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file
@@ -22,6 +23,7 @@ from stagectl.robot.milling.torque_file import torque_arrays
 from stagectl.robot.milling.trial_error import kinematic_error
 from stagectl.trials.campaign import FIRST, Forces, Learner, learn_free_space
 from stagectl.trials.done import DoneTrial
+from stagectl.trials.joint_speeds import refuse_unknown_speeds
 from stagectl.trials.signals import tracker_late
 from stagectl.trials.tool_path import RATE
 from stagectl.trials.trial import Trial, first_trial, in_the_air
@@ -176,6 +178,21 @@ def calibrate(cell: CellConfig, task: str, run: Callable[[str, Trial], DoneTrial
     return Calibrated(whole, axes, processes, torques, told, learner.free, milled)
 
 
+def refuse_unfit_path(cell: CellConfig, first: Trial) -> None:
+    """Refuse, before anything moves, a path from which the models cannot be had, by ValueError.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    first : Trial
+        The first trial of the path.
+    """
+    refuse_short(first.path.milled, RATE)
+    smoothing = cell.friction.smoothing
+    known = known_speeds(sweep_path(cell)[0], RATE, smoothing)
+    refuse_unknown_speeds(first, known, smoothing, "a sweep by [friction]")
+
+
 def dry_run(cell: CellConfig, task: str) -> list[str]:
     """Return in words all that moves, in order, but the sweep.
 
@@ -186,10 +203,11 @@ def dry_run(cell: CellConfig, task: str) -> list[str]:
 
     Raises
     ------
-    ValueError : a path that the robot does not reach, or that is in the material too shortly.
+    ValueError : a path that the robot does not reach, that is in the material too shortly, or on which a joint is
+        faster than its friction will be known.
     """
     chirps, first = chirp_path(cell), first_trial(cell, task)
-    refuse_short(first.path.milled, RATE)
+    refuse_unfit_path(cell, first)
     path, free = first.path, cell.learning.free + 1
     lowest, highest = (1e3 * each(path.wanted, axis=0) for each in (np.min, np.max))
     return [

@@ -45,6 +45,11 @@ def sweep_steps(cell: CellConfig) -> list[SweepStep]:
     return plan_sweep(cell.friction, arm_with_tool(cell), _box(cell), _start(cell))
 
 
+def sweep_path(cell: CellConfig) -> tuple[np.ndarray, np.ndarray]:
+    """Return the sweep's references and of each sample the number of its motion, as `path_of` does."""
+    return path_of(sweep_steps(cell), _start(cell), RATE)
+
+
 def sweep(
     cell: CellConfig, live: bool, file: Path, tell: Tell, stop: StopRequest, watch: Watch = unwatched
 ) -> Recording:
@@ -72,8 +77,7 @@ def sweep(
     """
     if file.exists():
         return recording.read(file)
-    steps = sweep_steps(cell)
-    path, numbers = path_of(steps, _start(cell), RATE)
+    steps, (path, numbers) = sweep_steps(cell), sweep_path(cell)
     block = Sweep(path, numbers, APPROACH)
     if not live:
         run, cause = _SweepRun(simulated_robot(cell), block, steps, tell, stop, watch), ""

@@ -104,6 +104,19 @@ def friction_and_gravity(recorded: Recording, arm: Arm, settings: Friction) -> t
     return found, gravity, TorqueFit(*judged, combinations, inertia)
 
 
+def known_speeds(angle: np.ndarray, rate: float, smoothing: float) -> np.ndarray:
+    """Return up to which speed, both ways, a sweep shows the friction of each joint, shape (6,), rad/s.
+
+    Parameters
+    ----------
+    angle : array, shape (samples, 6), rad
+    rate : float, samples/s
+    smoothing : float, s
+        As of the friction ranges.
+    """
+    return _fastest(smoothed_speeds(angle, rate, smoothing)[_gained(angle, rate) < STEADY])
+
+
 def _gained(angle: np.ndarray, rate: float) -> np.ndarray:
     """Return how quickly any joint gains or loses speed, shape (samples,), rad/s^2; infinite at the ends."""
     look = max(1, round(0.5 * LOOK * rate))
@@ -117,13 +130,17 @@ def _knots(speed: np.ndarray) -> np.ndarray:
     """Return speeds, shape (KNOTS, 6), rad/s, to the fastest that was seen both ways."""
     if len(speed) < 100 * KNOTS:
         raise SweepError(f"{len(speed)} samples are of steady motion, must be >= {100 * KNOTS}")
-    fastest = np.clip(np.minimum(speed.max(axis=0), -speed.min(axis=0)), 0.0, None)
+    fastest = _fastest(speed)
     slow = np.flatnonzero(~(fastest > 10 * FINEST))
     if len(slow):
         raise SweepError(
             f"joint {slow[0] + 1} turns both ways at {fastest[slow[0]]:.3g} rad/s only, must be > {10 * FINEST:g} rad/s"
         )
     return np.asarray(FINEST * np.sinh(np.linspace(-1, 1, KNOTS)[:, None] * np.arcsinh(fastest / FINEST)))
+
+
+def _fastest(speed: np.ndarray) -> np.ndarray:
+    return np.asarray(np.clip(np.minimum(speed.max(axis=0), -speed.min(axis=0)), 0.0, None))
 
 
 def _gravity(

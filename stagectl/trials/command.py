@@ -15,6 +15,7 @@ from stagectl.robot.milling.torque_file import read_force_model
 from stagectl.robot.milling.trial_error import METHODS, kinematic_error
 from stagectl.trials.campaign import Learner, determined
 from stagectl.trials.job import Job, run_trials
+from stagectl.trials.joint_speeds import refuse_unknown_speeds
 from stagectl.trials.live import steps
 from stagectl.trials.log_folder import LogFolder, write_path
 from stagectl.trials.surroundings import refuse_wrong_plants
@@ -125,12 +126,13 @@ def learner_of(cell: CellConfig, file: Path, first: Trial, methods: tuple[int, .
 
     Raises
     ------
-    ValueError : no such file, or one without what they need.
+    ValueError : no such file, or one without what they need: for method 3, friction at the speeds of the path.
     """
     models: MillingModels = read_milling(file)
     if 3 not in methods:
         return Learner(cell, models)
     known = read_force_model(file, first.arm, cell.force_estimate)
+    refuse_unknown_speeds(first, known.friction.speed[-1], known.friction.smoothing, str(file))
     return Learner(cell, models, lambda angle, torque: known.estimate(angle, torque, RATE).force)
 
 

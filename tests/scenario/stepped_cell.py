@@ -15,8 +15,8 @@ from stagectl.wire.egm import RATE
 
 BUSY = 10.0
 """s that anything may take on a busy machine."""
-
-
+ANSWER = 0.5
+"""s for which the bench waits for a program that has answered its last report; it must be less than `silence`."""
 TRACKER_RATE = 125.0
 """samples/s: fewer than a tracker's, for a test's sake."""
 
@@ -85,7 +85,7 @@ class SteppedCell:
             self.bench.cycle(self.now())
             speaks = self.bench.controller.counts.taken > taken
             taken = self.bench.controller.counts.taken
-            select.select([line], [], [], 0.05 if speaks else 1 / RATE)
+            select.select([line], [], [], ANSWER if speaks else 1 / RATE)
 
 
 def _free_port() -> int:

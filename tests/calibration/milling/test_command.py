@@ -101,6 +101,7 @@ def test_a_calibration_killed_in_its_last_trial_goes_on_to_the_same_models(
     [
         ("pocket.size=[12e-3, 12e-3]", "the path is in the material for 4.47 s, must be >= 8 s"),
         ("pocket.depth=9", "pocket.depth"),
+        ("friction.speed=0.06", "a sweep by [friction] tells the friction of joint 3 at up to"),
         ("friction.poses=2", "friction.poses"),
         ("friction.highest=[200, 8, 14, 16, 16, 16]", "joint 1"),
     ],
