@@ -138,17 +138,17 @@ def test_free_space_and_a_pocket_are_learned(cell: SteppedCell) -> None:
 
 
 @pytest.mark.slow
-def test_models_are_found_over_the_wires(cell: SteppedCell, tmp_path: Path) -> None:
-    made = Laboratory(cell)
-    path = {"feed": 0.02, "size": (30e-3, 30e-3), "workpiece": (40e-3, 40e-3, 2e-3)}
-    pocket = cell.config.pocket.model_copy(update=path)
-    quick = {"poses": 12, "seconds": 2.0, "speed": 0.5}
-    friction = cell.config.friction.model_copy(update=quick)
-    update = {"pocket": pocket, "friction": friction, "learning": cell.config.learning.model_copy(update={"free": 1})}
-    config = cell.config.model_copy(update=update)
-    made.trials = LiveTrials(config, Person(made.told.append, lambda: False, False), cell.now)
-    swept = sweep(config, False, tmp_path / "sweep.wav", lambda _: None, StopRequest())
-    found = calibrate(config, "pocket", made.run, swept)
+def test_models_are_found_over_the_wires(tmp_path: Path) -> None:
+    larger = {"feed": 0.02, "depth": 1e-3, "size": [30e-3, 30e-3], "workpiece": [40e-3, 40e-3, 3e-3]}
+    settings = SETTINGS | {
+        "pocket": SETTINGS["pocket"] | larger,
+        "friction": {"poses": 12, "seconds": 2.0, "speed": 0.5},
+        "learning": {"free": 1},
+    }
+    with SteppedCell(cell_cut, **settings) as cell:
+        made = Laboratory(cell)
+        swept = sweep(cell.config, False, tmp_path / "sweep.wav", lambda _: None, StopRequest())
+        found = calibrate(cell.config, "pocket", made.run, swept)
     assert min(*found.models.robot["tool"].fresh, *found.models.robot["motors"].fresh) > 75.0
     late = found.free[-1].trial.late
     assert tracker_late(made.kept[0].trial, made.kept[0].records) == pytest.approx(late, abs=1e-3)
