@@ -24,6 +24,9 @@ run: setup       ## the main job: identify and learn on the simulated vibrator, 
 	$(BIN)/calibrate vibrator --out $(RUN_FOLDER)/model.h5
 	$(BIN)/vibractl run --model $(RUN_FOLDER)/model.h5 --reference chirp:40:90:5 --shots 30 --out $(RUN_FOLDER)/run
 
+# As the services run: more threads of linear algebra than cores take three times as long.
+test soak: export OPENBLAS_NUM_THREADS := 1
+
 test: setup packages  ## the tests, without the slow ones and those that need a rig
 	$(BIN)/pytest -q -n 2 --dist loadfile -m "not rig and not slow"
 

@@ -19,6 +19,7 @@ from calibration.joint_clamping.correlation import correlation_length
 from calibration.joint_clamping.friction import friction_shape
 from calibration.joint_clamping.joint_model import CONFIDENCE, Estimate, JointModel, Spring
 from calibration.joint_clamping.torque_map import Branches, TorqueMap, TorqueMapError, branches
+from calibration.one_thread import on_one_thread
 
 SETTLED = 0.03
 """Part of the span after a reversal that does not count: there friction turns round, and the motor may stick."""
@@ -76,6 +77,7 @@ class _Fit:
     smooth: bool
 
 
+@on_one_thread
 def extract(joint: TorqueMap, spring: Spring | None = None) -> JointModel:
     """Extract a joint's model from its torque-position map.
 

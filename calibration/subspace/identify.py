@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from calibration.one_thread import on_one_thread
 from calibration.records import as_records
 from calibration.subspace.estimate import Compressed, Estimate, compress, estimate
 from calibration.subspace.gain_refinement import refine_gain
@@ -22,6 +23,7 @@ _SEGMENTS = 16
 """That can be left out, for the uncertainty of poles."""
 
 
+@on_one_thread
 def identify(
     drive: np.ndarray | Sequence[np.ndarray],
     response: np.ndarray | Sequence[np.ndarray],
