@@ -9,10 +9,12 @@ from pathlib import Path
 from calibration.raw_folder import raw_folder
 from ctlblocks import recording
 from rigkit import atomic
+from rigkit import config as rig_file
 from rigkit.run_folder import RunFolder, read_events, read_quality
 from rigkit.service.daemon import EVENTS
 from tests.rigkit.service.until import until
 from tests.vibractl.daemon.killed import KilledDaemon, straight_daemon
+from vibractl.config import RigConfig
 from vibractl.session import shot_files
 
 STATES = ("PLAYING", "RUNNING", "PLAYING", "HOLD", "PLAYING", "CALIBRATING", "ARMED", "FAULT", "DISARMED")
@@ -42,6 +44,18 @@ def recorded(model: Path) -> int:
     return len(files)
 
 
+def break_limit(daemon: KilledDaemon, folder: Path) -> None:
+    """Let a run break a limit that is lowered while it goes on; return when that is a fault."""
+    told, file = len(daemon.named("fault")), folder / "rig.toml"
+    shutil.rmtree(folder / "data" / "runs" / "two", ignore_errors=True)
+    daemon.command("begin", run="two", shots=1000)
+    rig = rig_file.load(file, RigConfig)
+    file.write_text(rig_file.dump(rig.model_copy(update={"limits": rig.limits.model_copy(update={"peak": 0.1})})))
+    with daemon.client() as client, client.control("Ada", over=True):
+        client.reload()
+    until(lambda: len(daemon.named("fault")) > told, 60)
+
+
 def kill_in(daemon: KilledDaemon, folder: Path, state: str, moment: float) -> float:
     """Bring a daemon to a state, wait for a moment, and kill it; return for how long the drive went on, s."""
     with daemon.client() as client:
@@ -62,8 +76,7 @@ def kill_in(daemon: KilledDaemon, folder: Path, state: str, moment: float) -> fl
     if state == "HOLD":
         daemon.command("hold")
     if state == "FAULT":
-        daemon.command("begin", run="two", model="none.h5")
-        until(lambda: daemon.named("fault"), 60)
+        break_limit(daemon, folder)
     if state in ("PLAYING", "CALIBRATING"):
         until(lambda: model.exists() or (daemon.log.exists() and daemon.drive().any()), 120)
     PATIENCE.wait(moment)
