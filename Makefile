@@ -36,7 +36,7 @@ check: setup     ## ruff, mypy, import contracts
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 
-soak: setup packages  ## the slow tests: minutes
+soak: setup packages  ## the slow tests: about an hour
 	$(BIN)/pytest -q -m slow --timeout=1800
 
 bench: setup packages ## speed beside peers, then the tables of docs/, made again on ten simulated machines each: hours
