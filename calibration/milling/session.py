@@ -189,7 +189,7 @@ def refuse_unfit_path(cell: CellConfig, first: Trial) -> None:
     """
     refuse_short(first.path.milled, RATE)
     smoothing = cell.friction.smoothing
-    known = known_speeds(sweep_path(cell)[0], RATE, smoothing)
+    known = known_speeds(sweep_path(cell), RATE, smoothing)
     refuse_unknown_speeds(first, known, smoothing, "a sweep by [friction]")
 
 

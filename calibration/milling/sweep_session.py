@@ -45,9 +45,9 @@ def sweep_steps(cell: CellConfig) -> list[SweepStep]:
     return plan_sweep(cell.friction, arm_with_tool(cell), _box(cell), _start(cell))
 
 
-def sweep_path(cell: CellConfig) -> tuple[np.ndarray, np.ndarray]:
-    """Return the sweep's references and of each sample the number of its motion, as `path_of` does."""
-    return path_of(sweep_steps(cell), _start(cell), RATE)
+def sweep_path(cell: CellConfig) -> np.ndarray:
+    """Return the sweep's references, shape (samples, 6), rad, 250 a second."""
+    return path_of(sweep_steps(cell), _start(cell), RATE)[0]
 
 
 def sweep(
@@ -77,7 +77,8 @@ def sweep(
     """
     if file.exists():
         return recording.read(file)
-    steps, (path, numbers) = sweep_steps(cell), sweep_path(cell)
+    steps = sweep_steps(cell)
+    path, numbers = path_of(steps, _start(cell), RATE)
     block = Sweep(path, numbers, APPROACH)
     if not live:
         run, cause = _SweepRun(simulated_robot(cell), block, steps, tell, stop, watch), ""
