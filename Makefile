@@ -28,7 +28,8 @@ run: setup       ## the main job: identify and learn on the simulated vibrator, 
 test soak: export OPENBLAS_NUM_THREADS := 1
 
 test: setup packages  ## the tests, without the slow ones and those that need a rig
-	$(BIN)/pytest -q -n 2 --dist loadfile -m "not rig and not slow"
+	$(BIN)/pytest -q -n 2 --dist loadfile -m "not rig and not slow and not deadline"
+	$(BIN)/pytest -q -m "deadline and not rig and not slow"
 
 check: setup     ## ruff, mypy, import contracts
 	$(BIN)/ruff check
@@ -36,8 +37,8 @@ check: setup     ## ruff, mypy, import contracts
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 
-soak: setup packages  ## the slow tests: about an hour
-	$(BIN)/pytest -q -m slow --timeout=1800
+soak: setup packages  ## the slow tests: about an hour, or SHARD=2/4 of them
+	$(BIN)/pytest -q -m slow --timeout=1800 --splits $(or $(word 2,$(subst /, ,$(SHARD))),1) --group $(or $(word 1,$(subst /, ,$(SHARD))),1)
 
 bench: setup packages ## speed beside peers, then the tables of docs/, made again on ten simulated machines each: hours
 	$(BIN)/pytest -q benchmarks --benchmark-only

@@ -20,8 +20,8 @@ from rigkit.run_folder import read_quality
 from rigkit.service.client import Client, DaemonError
 from rigkit.service.config import Daemon
 from tests.rigkit.service.served import ROOT, Served, answers, free_port
-from tests.rigkit.service.until import until
 from tests.stagectl.daemon.bench import lab_in
+from tests.until import until
 
 SECONDS = 300.0
 CHECKS = (

@@ -18,7 +18,7 @@ from websockets.exceptions import ConnectionClosed
 
 from rigkit.run_folder import read_quality
 from rigkit.service.gate import STREAM
-from tests.rigkit.service.until import until
+from tests.until import until
 from tests.vibractl.daemon.killed import KilledDaemon, straight_daemon
 
 CLIENTS = 20

@@ -11,7 +11,7 @@ from rigkit.service.access import TOKENS, read_tokens
 from rigkit.service.client import Client, DaemonError
 from tests.rigkit.service.page.browser import Browser, browser
 from tests.rigkit.service.served import free_port
-from tests.rigkit.service.until import until
+from tests.until import until
 
 PICTURES = Path(__file__).parents[1] / "docs" / "images" / "service"
 WALL = (1440, 1000)

@@ -24,7 +24,7 @@ from rigkit.run_folder import read_quality
 from rigkit.service.client import Client, DaemonError
 from rigkit.service.config import Daemon
 from tests.rigkit.service.served import ROOT, Served, answering, free_port, offspring
-from tests.rigkit.service.until import until
+from tests.until import until
 from vibractl.config import Audio, RigConfig, Simulator
 
 EVERY = 10.0

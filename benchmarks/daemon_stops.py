@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.rigkit.service.until import until
+from tests.until import until
 from tests.vibractl.daemon.killed import RATE, KilledDaemon, straight_daemon
 
 TIMES = 8

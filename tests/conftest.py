@@ -2,5 +2,6 @@
 
 import hypothesis
 
+pytest_plugins = ["tests.deadlines"]
 hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None)
 hypothesis.settings.load_profile("repeatable")

@@ -7,6 +7,7 @@ import pytest
 
 from ctlblocks import Block, Graph, Port
 from ctlblocks.clock import Timer, run_offline
+from tests.until import EVER
 
 
 class Time:
@@ -87,7 +88,7 @@ def test_offline_stops_from_another_thread_after_a_whole_tick() -> None:
     done: list[int] = []
     thread = threading.Thread(target=lambda: done.append(run_offline(graph, 10**9, stop)), daemon=True)
     thread.start()
-    assert running.wait(5)
+    assert running.wait(EVER)
     stop.set()
     thread.join(5)
     assert not thread.is_alive()
@@ -174,7 +175,7 @@ def test_a_timer_stops_from_another_thread_and_zeroes() -> None:
     timer = Timer(graph, ["work.drive"], now=time, sleep=sleep)
     thread = threading.Thread(target=timer.run, daemon=True)
     thread.start()
-    assert slept.wait(5)
+    assert slept.wait(EVER)
     timer.stop()
     thread.join(5)
     assert not thread.is_alive()

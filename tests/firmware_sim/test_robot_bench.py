@@ -18,6 +18,7 @@ from stagectl.robot.config import CellConfig, Robot, Simulator, Tracker
 from stagectl.robot.port import RobotPort
 from stagectl.robot.program import RobotProgram, TorqueSignals
 from stagectl.robot.tracker import TrackerLine
+from tests.until import EVER
 
 BUSY = 5.0
 """s that anything may take on a busy machine."""
@@ -44,7 +45,7 @@ class Cell:
         self.stop, ready = Event(), Event()
         self._thread = Thread(target=self.bench.run, args=(ready.set, self.stop))
         self._thread.start()
-        assert ready.wait(30.0)
+        assert ready.wait(EVER)
 
     def end(self) -> None:
         self.stop.set()

@@ -11,6 +11,7 @@ import can
 import pytest
 
 from firmware_sim.slcan_adapter import BUFFER, Frame, SlcanAdapter
+from tests.until import EVER
 
 LONG = bytes(range(64))
 
@@ -81,7 +82,7 @@ def test_a_line_that_is_no_frame_is_refused_and_the_next_one_taken(adapter: Slca
 def test_nothing_is_taken_or_given_while_the_channel_is_closed(adapter: SlcanAdapter) -> None:
     host = os.open(adapter.path, os.O_RDWR | os.O_NOCTTY)
     os.write(host, b"t0012AABB\r")
-    adapter.wait(5.0)
+    adapter.wait(EVER)
     assert list(adapter.received()) == []
     adapter.send(Frame(1, b"", False))
     assert os.read(host, 100) == b"\a"
@@ -111,7 +112,7 @@ def test_unplugged_it_hangs_up_and_is_gone_and_plugged_in_it_is_back_under_its_n
     adapter.plug()
     with opened(adapter, bitrate=500_000):
         while not adapter.is_open:
-            adapter.wait(5.0)
+            adapter.wait(EVER)
             assert list(adapter.received()) == []
 
 

@@ -18,6 +18,7 @@ from stagectl.stage.loop_parameters import loop_parameters
 from stagectl.wire.messages import State
 from tests.contract.source_tree import ROOT
 from tests.firmware_sim.test_stage_image import AXES, gentle_loops
+from tests.until import EVER
 
 COMMAND = [sys.executable, "-m", "firmware_sim", "stage"]
 
@@ -32,14 +33,14 @@ def test_stage_and_laser_are_there_until_ctrl_c(tmp_path: Path) -> None:
             with StageLink(Link(channel=f"{tmp_path}/can", patience=20.0)) as link:
                 with LaserLine(Laser(device=f"{tmp_path}/laser")) as laser:
                     assert link.state is State.HOLDING
-                    assert laser.wait(10, 10.0)
-                    assert link.wait(link.skip() + 5000, 10.0)
+                    assert laser.wait(10, EVER)
+                    assert link.wait(link.skip() + 5000, EVER)
                     upload(link, loop_parameters(AXES, gentle_loops()))
                     assert np.isfinite(laser.displacement)
                     assert link.counts.lost == 0
         finally:
             process.send_signal(signal.SIGINT)
-            assert process.wait(20) == 0
+            assert process.wait(EVER) == 0
     assert list(tmp_path.iterdir()) == []
 
 

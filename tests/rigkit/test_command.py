@@ -10,6 +10,7 @@ import pytest
 
 from rigkit import command
 from tests.rigkit.command_line import app
+from tests.until import EVER
 
 
 @pytest.fixture
@@ -104,12 +105,12 @@ def test_ctrl_c_ends_with_130_and_without_a_traceback() -> None:
         assert process.stdout is not None
         process.stdout.readline()
         process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=30)
+        _, errors = process.communicate(timeout=EVER)
     assert process.returncode == 130
     assert errors == "\nstopping safely; Ctrl-C again ends at once\nstopped\n"
 
 
 def test_a_module_run_with_m_counts_as_its_package() -> None:
     line = [sys.executable, "-m", "tests.rigkit.command_line", "end", "value"]
-    done = subprocess.run(line, capture_output=True, text=True, timeout=30, check=False)
+    done = subprocess.run(line, capture_output=True, text=True, timeout=EVER, check=False)
     assert (done.returncode, done.stderr) == (2, "error: audio.rate is 3, must be 4\n")

@@ -13,6 +13,7 @@ from ctlblocks.wav_file import LARGEST_WAV
 from rigkit.growing_wav import GROWING, Channels, GrowingWav, finish
 from tests.rigkit.failing_calls import every_fault
 from tests.rigkit.killed_stream import check, grow
+from tests.until import EVER
 
 CHANNELS = Channels(("a", "b"), ("V", "m/s^2"), 44_100.0, {"rig": "x"}, "float32")
 NOISE = np.random.default_rng(1).normal(size=(300, 2)).astype("float32")
@@ -121,7 +122,7 @@ def test_killed_at_200_moments_it_is_made_whole(tmp_path: Path) -> None:
 
 def _kills(kind: str, count: int, folder: Path) -> int:
     command = [sys.executable, "-m", "tests.rigkit.killed_stream", kind, str(folder / "kept"), str(count)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=EVER, check=False)
     assert done.returncode == 0, done.stderr
     kills, samples = map(int, done.stdout.split())
     assert samples > 0

@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from rigkit.stop import SIGNALS, stoppable
+from tests.until import EVER
 
 THREE_TIMES = """
 import os, signal, threading
@@ -41,7 +42,7 @@ def test_the_second_signal_interrupts() -> None:
 
 
 def test_the_third_is_the_systems() -> None:
-    done = subprocess.run([sys.executable, "-c", THREE_TIMES], capture_output=True, timeout=30, check=False)
+    done = subprocess.run([sys.executable, "-c", THREE_TIMES], capture_output=True, timeout=EVER, check=False)
     assert done.returncode == -signal.SIGTERM
 
 

@@ -11,6 +11,7 @@ import pytest
 
 from tests.rigkit.failing_calls import every_fault
 from tests.scenario.failing_disk import check, check_the_end, learn
+from tests.until import EVER
 from tests.vibractl.linear_rig import linear_model
 
 QUICK = 29
@@ -55,6 +56,6 @@ def test_a_limit_of_the_system_leaves_no_part_of_a_file_and_the_run_goes_on(
     kind: str, fewest: int, tmp_path: Path
 ) -> None:
     command = [sys.executable, "-m", "tests.scenario.failing_disk", kind, str(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=EVER, check=False)
     assert done.returncode == 0, done.stderr
     assert int(done.stdout) >= fewest

@@ -13,6 +13,7 @@ from stagectl.__main__ import main
 from stagectl.link.stage_link import StageLink
 from stagectl.wire.messages import State
 from tests.stagectl.link.stand_in import PATIENT, link_to, running
+from tests.until import EVER
 
 
 def test_a_run_is_refused_until_a_person_has_acknowledged(
@@ -29,7 +30,7 @@ def test_a_run_is_refused_until_a_person_has_acknowledged(
     with running(path, Settings(silence=PATIENT, ramp=0.02)):
         with StageLink(link_to(path)) as link:
             link.start()
-            assert not link.wait(10**9, 10.0)  # no reference comes for it
+            assert not link.wait(10**9, EVER)  # no reference comes for it
         assert stagectl("run", "--live", "--out", str(tmp_path / "run")) == 2
         assert "the stage reports REFERENCE_SILENT; a person must acknowledge" in capsys.readouterr().err
         assert stagectl("acknowledge", "--by", " ") == 2

@@ -24,6 +24,7 @@ from stagectl.replay import replay
 from stagectl.report import run_report
 from tests.contract.source_tree import ROOT
 from tests.stagectl.simulated_models import write_models
+from tests.until import EVER
 
 PATIENT = "link.silence=2"
 """s: a test's machine may be busy for longer than the 20 ms of a rig."""
@@ -51,7 +52,7 @@ def test_a_live_run_uploads_its_loops_follows_and_can_be_reported_but_not_replay
                 figures = run_live(folder, made, lambda: False)
         finally:
             process.send_signal(signal.SIGINT)
-            assert process.wait(20) == 0
+            assert process.wait(EVER) == 0
     assert figures["seconds"] == 0.5
     assert "tool_error" not in figures
     assert order == ["stop", "keep"]  # else the stage waits for references while the recording is written
@@ -87,7 +88,7 @@ def test_a_live_run_that_is_killed_can_be_reported(tmp_path: Path, monkeypatch: 
                 size = growing.stat().st_size
         finally:
             bench.send_signal(signal.SIGINT)
-            assert bench.wait(20) == 0
+            assert bench.wait(EVER) == 0
     monkeypatch.setattr("sys.argv", ["stagectl", "report", str(run)])
     assert main() == 0
     record = session.read_recording(run, session.RECORDING)

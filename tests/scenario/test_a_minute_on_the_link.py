@@ -14,7 +14,6 @@ from stagectl.wire.messages import HOLD, SILENCE, State
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(180)
 def test_nothing_is_lost_in_a_minute_and_neither_end_is_given_up(tmp_path: Path) -> None:
     if not (load := os.getloadavg()[0]) <= 1.5:
         pytest.skip(

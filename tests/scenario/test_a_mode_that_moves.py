@@ -22,8 +22,6 @@ MOVES = (
     "simulator.options.moving_seconds=6",
 )
 
-pytestmark = pytest.mark.timeout(300)
-
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory: pytest.TempPathFactory) -> TransferMatrix:

@@ -27,9 +27,9 @@ from stagectl.trials.run import run
 from stagectl.trials.signals import tracker_late
 from stagectl.trials.surroundings import recorded
 from stagectl.trials.trial import Trial, first_trial
-from tests.rigkit.service.until import until
 from tests.scenario.stepped_cell import SteppedCell
 from tests.stagectl.robot.milling.test_milling_models import models
+from tests.until import until
 
 SETTINGS: dict[str, Any] = {
     "pocket": {
@@ -117,7 +117,7 @@ def test_a_trial_goes_round_and_a_blind_tracker_lifts_the_tool_out_of_the_next(
     assert "a fresh block" in made.told[1]
     assert came.reason.startswith("the tracker is blind for 0.5")
     assert events == [f"retreat: {came.reason}"]
-    until(lambda: height(cell) == pytest.approx(cell.config.pocket.clearance, abs=2e-4), 10.0)
+    until(lambda: height(cell) == pytest.approx(cell.config.pocket.clearance, abs=2e-4))
     refuse_another_replay(DoneTrial("milled-0-ended", replace(made.first, is_milled=True), came.recordings))
 
 
@@ -168,7 +168,7 @@ def test_whatever_else_goes_wrong_lifts_the_tool_out(cell: SteppedCell, mishap: 
     came, events = Laboratory(cell).spoiled(mishap, remedy)
     assert came.reason.startswith(reason)
     assert events == [f"retreat: {came.reason}"]
-    until(lambda: height(cell) == pytest.approx(cell.config.pocket.clearance, abs=2e-4), 10.0)
+    until(lambda: height(cell) == pytest.approx(cell.config.pocket.clearance, abs=2e-4))
 
 
 @pytest.mark.slow

@@ -19,6 +19,7 @@ import soundfile
 from benchmarks.jack_server import jack_server, missing, vibrator_client
 from ctlblocks.block import Block
 from firmware_sim.plant_blocks import ImpulseResponse, Vibrator
+from tests.until import EVER
 from vibractl.audio import AudioError, Line, ShotAbandoned
 from vibractl.capture import Capture
 from vibractl.config import Audio, RigConfig
@@ -114,7 +115,7 @@ def test_a_server_that_dies_in_mid_session_is_one_error_and_nothing_hangs(server
             server.terminate()  # a killed one leaves its place in the list of servers, which has eight
             with pytest.raises(AudioError, match="the audio stream has ended by itself|stands still"):
                 line.emit(sweep())
-        assert client.wait(10) == 2
+        assert client.wait(EVER) == 2
         assert client.stderr is not None
         assert "the JACK server has ended" in client.stderr.read()
 
@@ -124,4 +125,4 @@ def test_the_client_ends_at_sigterm_and_ctrl_c() -> None:
     for number in (signal.SIGTERM, signal.SIGINT):
         with vibrator_client([]) as client:
             os.kill(client.pid, number)
-            assert client.wait(10) == 0
+            assert client.wait(EVER) == 0

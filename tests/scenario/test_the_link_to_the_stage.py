@@ -21,6 +21,7 @@ from stagectl.link.clock import run_linked
 from stagectl.link.stage_link import LinkFault, StageLink
 from stagectl.wire.messages import Fault, State
 from tests.stagectl.link.stand_in import PATIENT, FirstOrderStage, link_to, node, running
+from tests.until import EVER
 
 
 class Sweep(Block):
@@ -63,7 +64,7 @@ class Rig:
     def becomes(self, state: State) -> None:
         """Wait until the stage says so."""
         with self.link._carrier.arrived:  # noqa: SLF001 (no sleep in tests)
-            assert self.link._carrier.arrived.wait_for(lambda: self.link.state is state, 10.0)  # noqa: SLF001
+            assert self.link._carrier.arrived.wait_for(lambda: self.link.state is state, EVER)  # noqa: SLF001
 
 
 @pytest.fixture
@@ -155,7 +156,7 @@ def test_a_host_that_is_killed_leaves_the_stage_at_mid_travel(rig: Rig) -> None:
         return tick(reference)
 
     object.__setattr__(processor._loops, "tick", watched)  # noqa: SLF001
-    assert reached.wait(10.0)
+    assert reached.wait(EVER)
     assert processor.fault in (Fault.HOST_SILENT, Fault.REFERENCE_SILENT)
     np.testing.assert_allclose(rig.stage.position, 0.0, atol=4e-6)
 

@@ -11,8 +11,6 @@ import pytest
 from benchmarks.learning_seeds import LAWS, SHOT, Run, identified, learned
 from tests.shared_data import measured_pair
 
-pytestmark = pytest.mark.timeout(300)
-
 SEED = ("simulator.options.seed=1",)
 COUNT = 14
 """Shots from 0: enough to see the objective kept."""

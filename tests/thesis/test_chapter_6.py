@@ -7,8 +7,6 @@ import pytest
 from tests.thesis.vibrator_runs import learned, measured_model, met, worst
 from vibractl.quality_table import summary
 
-pytestmark = pytest.mark.timeout(600)
-
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory: pytest.TempPathFactory) -> Path:

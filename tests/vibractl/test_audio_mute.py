@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.rigkit.service.until import until
+from tests.until import until
 from tests.vibractl.manual_stream import ManualStream
 from tests.vibractl.test_audio_process import wait_until_loud
 from vibractl import audio_engine
@@ -124,7 +124,7 @@ def test_a_program_that_is_stopped_in_mid_shot_goes_silent_and_repeats_the_shot_
         alive = os.pidfd_open(int(program.stdout.readline()))
         wait_until_loud(log)
         program.send_signal(signal.SIGSTOP)
-        until(lambda: _is_silent(log), 60)
+        until(lambda: _is_silent(log))
         program.send_signal(signal.SIGCONT)
         assert program.stdout.readline() == "muted: this program stood still for too long\n"
         program.kill()

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.until import EVER
 from vibractl.audio import AudioError, Line
 from vibractl.audio_memory import Memory, Word
 from vibractl.config import Audio, RigConfig, Simulator
@@ -107,7 +108,7 @@ def test_whoever_ends_in_mid_shot_the_drive_ramps_down(tmp_path: Path, how: str)
             os.kill(child, signal.SIGTERM)
         assert select.select([alive], [], [], 20)[0], "the audio process did not end"
         os.close(alive)
-        errors = program.communicate(timeout=20)[1]
+        errors = program.communicate(timeout=EVER)[1]
     if how == "Ctrl-C":
         assert "KeyboardInterrupt" in errors
     if how == "kill the child":

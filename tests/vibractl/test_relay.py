@@ -114,7 +114,6 @@ with Line(config, supervision=Supervision(0.5)) as line:
 """
 
 
-@pytest.mark.timeout(400)
 def test_it_opens_when_the_program_is_stopped_in_mid_shot_or_killed(tmp_path: Path) -> None:
     with behind_an_adapter(tmp_path) as (heard, _):
         program = subprocess.Popen(

@@ -9,9 +9,9 @@ import pytest
 from calibration.joint_clamping.joints_file import read_joints
 from rigkit.service.state import State
 from tests.calibration.joint_clamping.test_command import QUICK
-from tests.rigkit.service.until import until
 from tests.stagectl.daemon.bench import Lab
 from tests.stagectl.daemon.cell.bench import cell_in
+from tests.until import until
 
 
 @pytest.fixture
@@ -31,10 +31,9 @@ def shows(lab: Lab, panel: str) -> bool:
     return panel in lab.control.board.revisions()
 
 
-@pytest.mark.timeout(400)
 def test_the_map_of_the_joint_that_is_moved_grows_and_ends_with_its_model(lab: Lab) -> None:
     begin(lab, paced=True)
-    until(lambda: any(gauge.name == "torque_3" for gauge in lab.rig.gauges()), 100)
+    until(lambda: any(gauge.name == "torque_3" for gauge in lab.rig.gauges()))
     assert lab.state is State.CALIBRATING
     assert (lab.gauge("torque_3").low, lab.gauge("torque_3").high) == (-160.0, 160.0)
     lab.control.stop("Ada", "smoke")
@@ -42,7 +41,7 @@ def test_the_map_of_the_joint_that_is_moved_grows_and_ends_with_its_model(lab: L
     assert lab.state is State.DISARMED
     assert not (lab.data / "joints.h5").exists()
     begin(lab)
-    until(lambda: shows(lab, "map_3"), 100)
+    until(lambda: shows(lab, "map_3"))
     growing = lab.control.board.panel("map_3")
     lab.ended()
     assert lab.state is State.ARMED, lab.why

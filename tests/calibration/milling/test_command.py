@@ -47,7 +47,6 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "milling.h5"
 
 
-@pytest.mark.timeout(400)
 def test_models_fit_what_was_held_back(model: Path) -> None:
     found = json.loads((model.parent / "found.json").read_text())
     assert min(found["robot"]["motors"]["fresh"]) > 85.0
@@ -57,7 +56,6 @@ def test_models_fit_what_was_held_back(model: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(400)
 def test_a_pocket_is_learned_replayed_reported_and_learned_from_its_logs(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, model: Path
 ) -> None:

@@ -7,18 +7,17 @@ import pytest
 from calibration.milling.session import SWEEP
 from rigkit.service.state import State
 from tests.calibration.milling.test_command import SETTINGS
-from tests.rigkit.service.until import until
 from tests.stagectl.daemon.cell.bench import cell_in
+from tests.until import until
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(600)
 def test_a_calibration_is_stopped_goes_on_and_its_models_are_learned_with(tmp_path: Path) -> None:
     lab = cell_in(tmp_path, *SETTINGS, "pocket.feed=10e-3")
     (lab.data / "milling.h5").unlink()
     lab.control.arm(lab.key, "a test")
     lab.control.begin(lab.key, "calibrate-milling", {"task": "pocket"}, "")
-    until(lambda: lab.control.desk is not None and lab.control.desk.plain()["done"] > 0.3, 100)
+    until(lambda: lab.control.desk is not None and lab.control.desk.plain()["done"] > 0.3)
     assert lab.state is State.CALIBRATING
     assert lab.gauge("tool_x").verdict == "good"
     lab.control.stop("Ada", "smoke")
@@ -28,12 +27,12 @@ def test_a_calibration_is_stopped_goes_on_and_its_models_are_learned_with(tmp_pa
     assert (raw / SWEEP).with_suffix(".aborted.wav").is_file()
     lab.control.arm(lab.key, "a test")
     lab.control.begin(lab.key, "calibrate-milling", {"task": "pocket"}, "")
-    until(lambda: lab.control.settle() or not lab.control.machine.busy, 400)
+    until(lambda: lab.control.settle() or not lab.control.machine.busy)
     assert lab.state is State.ARMED, lab.why
     assert {"torque", "error", "path", "free_space", "fits"} <= set(lab.control.board.revisions())
     assert (lab.data / "milling.html").is_file()
     lab.begin("ilc", task="pocket", iterations=1)
-    until(lambda: lab.control.settle() or not lab.control.machine.busy, 400)
+    until(lambda: lab.control.settle() or not lab.control.machine.busy)
     assert lab.state is State.ARMED, lab.why
     first, last = lab.events("finished")[0]["norms"]["1"]
     assert last < 0.6 * first

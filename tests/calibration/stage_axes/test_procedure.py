@@ -11,8 +11,8 @@ from stagectl.config import StageConfig
 from stagectl.model_file import read_model
 from stagectl.stage import design_refinement
 from tests.calibration.stage_axes.test_command import QUICK
-from tests.rigkit.service.until import until
 from tests.stagectl.daemon.bench import Lab, lab_in
+from tests.until import until
 
 
 def calibrated(lab: Lab) -> None:
@@ -20,7 +20,6 @@ def calibrated(lab: Lab) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(400)
 def test_a_calibration_is_stopped_goes_on_and_what_it_chooses_is_in_force(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -32,7 +31,7 @@ def test_a_calibration_is_stopped_goes_on_and_what_it_chooses_is_in_force(
         model.unlink()
     lab.control.arm(lab.key, "a test")
     calibrated(lab)
-    until(lambda: any((lab.data / "stage.raw").glob("*.wav")), 100)
+    until(lambda: any((lab.data / "stage.raw").glob("*.wav")))
     assert lab.state is State.CALIBRATING
     lab.control.stop("Ada", "smoke")
     lab.ended()

@@ -11,7 +11,7 @@ import can
 
 from firmware_sim.relay import Relay, adapter_in, listen
 from rigkit.relay.frame import IDENTIFIER
-from tests.rigkit.service.until import until
+from tests.until import until
 
 PATIENCE = 0.5
 """s; a busy test machine may need some of it."""

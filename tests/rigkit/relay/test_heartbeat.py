@@ -18,7 +18,7 @@ from rigkit.relay.config import Relay
 from rigkit.relay.frame import IDENTIFIER, dbc_text
 from rigkit.relay.heartbeat import Heartbeat
 from tests.rigkit.relay.listening import behind_an_adapter, on_a_port, on_the_virtual_bus, virtual
-from tests.rigkit.service.until import until
+from tests.until import until
 
 FILE = Path(rigkit.relay.__file__).parent / "relay.dbc"
 

@@ -12,7 +12,7 @@ from rigkit.service.journal import Journal
 from rigkit.service.lease import Lease
 from rigkit.service.state import State
 from tests.rigkit.service.demo_rig import DemoRig
-from tests.rigkit.service.until import until
+from tests.until import until
 
 
 @dataclass

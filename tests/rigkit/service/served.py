@@ -17,7 +17,7 @@ from rigkit.service.client import Client, DaemonError
 from rigkit.service.config import Daemon
 from rigkit.service.daemon import EVENTS
 from rigkit.service.sockets import Listener
-from tests.rigkit.service.until import until
+from tests.until import until
 
 ROOT = Path(__file__).parents[3]
 

@@ -12,7 +12,7 @@ from rigkit.service.state import State
 from tests.rigkit.service.conftest import Bench
 from tests.rigkit.service.demo_rig import DemoRig
 from tests.rigkit.service.described import is_described, views_are_described
-from tests.rigkit.service.until import until
+from tests.until import until
 
 
 def test_all_that_is_shown_is_described_whatever_the_state(bench: Bench) -> None:

@@ -12,7 +12,7 @@ import pytest
 
 from rigkit.service.daemon import LOCK
 from tests.rigkit.service.served import ROOT, Served, served
-from tests.rigkit.service.until import until
+from tests.until import EVER, until
 
 PROGRAM = """
 import sys
@@ -46,7 +46,7 @@ def said(daemon: Served, *arguments: str) -> tuple[int, str, str]:
         cwd=ROOT,
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=EVER,
         check=False,
     )
     return done.returncode, done.stdout, done.stderr

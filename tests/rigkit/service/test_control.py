@@ -10,7 +10,7 @@ from rigkit.service.not_begun import making
 from rigkit.service.reload import Change, Reach
 from rigkit.service.state import NotNow, State
 from tests.rigkit.service.conftest import Bench
-from tests.rigkit.service.until import until
+from tests.until import EVER, until
 
 LONG = {"steps": 100_000, "seconds": 10.0}
 
@@ -67,7 +67,7 @@ def test_stop_waits_for_no_command_that_hangs(bench: Bench) -> None:
 
     def hang() -> None:
         entered.set()
-        leave.wait(20)
+        leave.wait(EVER)
 
     bench.rig.arm = hang  # type: ignore[method-assign]
     refused: list[Exception] = []
@@ -80,7 +80,7 @@ def test_stop_waits_for_no_command_that_hangs(bench: Bench) -> None:
 
     arming = threading.Thread(target=arm)
     arming.start()
-    entered.wait(20)
+    entered.wait(EVER)
     bench.rig.output = 1.0
     bench.control.stop("Bob", "")
     assert bench.rig.output == 0.0

@@ -18,7 +18,7 @@ from rigkit.service.client import Client, DaemonError
 from rigkit.service.daemon import LOCK
 from tests.contract import monitoring
 from tests.rigkit.service.served import answers, listener, served
-from tests.rigkit.service.until import until
+from tests.until import EVER, until
 
 LONG = {"steps": 100_000, "seconds": 0.02}
 
@@ -112,7 +112,7 @@ def test_ctrl_c_stops_the_procedure_and_ends_both_processes(tmp_path: Path) -> N
         web = os.pidfd_open(daemon.web)
         os.kill(daemon.web, signal.SIGINT)  # as a terminal sends it to both
         daemon.process.send_signal(signal.SIGINT)
-        assert daemon.process.wait(40) == 0
+        assert daemon.process.wait(EVER) == 0
         os.close(web)
     last = [entry["event"] for entry in daemon.events()][-4:]
     assert "stop" in last

@@ -17,7 +17,7 @@ from rigkit.service.gate import STREAM, TOKEN
 from rigkit.service.stream import WINDOW
 from tests.rigkit.service.described import is_described
 from tests.rigkit.service.served import Served, served
-from tests.rigkit.service.until import until
+from tests.until import EVER, until
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +64,7 @@ def test_a_request_that_may_not_is_refused_and_told(
 
 def fetched(daemon: Served, path: str) -> tuple[int, str]:
     """Ask for a path as it stands, which clients with good manners would tidy up first."""
-    line = HTTPConnection(daemon.settings.address, timeout=20)
+    line = HTTPConnection(daemon.settings.address, timeout=EVER)
     line.request("GET", path, headers=operating(daemon))
     answer = line.getresponse()
     status, text = answer.status, answer.read().decode()
@@ -168,7 +168,7 @@ def drained(line: ClientConnection) -> list[str]:
     received = []
     try:
         while True:
-            received.append(str(line.recv(timeout=20)))
+            received.append(str(line.recv(timeout=EVER)))
     except ConnectionClosed:
         return received
 
@@ -219,7 +219,7 @@ def test_a_websocket_under_another_name_is_refused(daemon: Served) -> None:
 def test_one_that_does_not_speak_as_it_must_is_closed_and_told(daemon: Served, said: str | bytes, why: str) -> None:
     before = len(daemon.named("dropped"))
     with stream(daemon) as line:
-        line.recv(timeout=20)
+        line.recv(timeout=EVER)
         line.send(said)
         drained(line)
     until(lambda: len(daemon.named("dropped")) > before)
@@ -239,7 +239,7 @@ def test_more_than_may_watch_are_sent_away_and_the_others_go_on(daemon: Served) 
         watching = [opened.enter_context(stream(daemon)) for _ in range(3)]
         with pytest.raises(InvalidStatus):
             stream(daemon)
-        assert all(each.recv(timeout=20) for each in watching)
+        assert all(each.recv(timeout=EVER) for each in watching)
     until(lambda: "3 watch already (daemon.clients)" in [entry["why"] for entry in daemon.named("dropped")])
 
 

@@ -9,7 +9,7 @@ import pytest
 from rigkit import line_file
 from rigkit.service import journal as module
 from rigkit.service.journal import Journal
-from tests.rigkit.service.until import until
+from tests.until import until
 
 
 def test_events_are_numbered_kept_and_written(tmp_path: Path) -> None:

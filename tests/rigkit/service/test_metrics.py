@@ -8,7 +8,7 @@ from rigkit.service.metrics import Metrics
 from rigkit.service.slot import Slot
 from rigkit.service.snapshot import as_bytes, snapshot
 from tests.rigkit.service.conftest import Bench
-from tests.rigkit.service.until import until
+from tests.until import until
 
 LEFT = "vibrostage_procedure_seconds_left"
 

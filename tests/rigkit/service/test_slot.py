@@ -5,7 +5,7 @@ import multiprocessing
 import pytest
 
 from rigkit.service.slot import CAPACITY, Slot
-from tests.rigkit.service.until import until
+from tests.until import until
 
 
 def test_there_is_nothing_first_and_then_the_newest() -> None:

@@ -5,7 +5,7 @@ import json
 from rigkit.service.snapshot import as_bytes, snapshot
 from rigkit.service.state import State
 from tests.rigkit.service.conftest import Bench
-from tests.rigkit.service.until import until
+from tests.until import until
 
 
 def test_a_snapshot_begins_with_its_tick_and_tells_state_and_owner(bench: Bench) -> None:

@@ -13,8 +13,8 @@ from rigkit.service.show import Gauge
 from rigkit.service.state import State
 from stagectl.config import StageConfig
 from stagectl.daemon.rig import PiezoStage
-from tests.rigkit.service.until import until
 from tests.stagectl.simulated_models import write_models
+from tests.until import until
 
 CHOSEN = {
     "bandwidth": "[200.0, 50.0, 50.0]",
@@ -57,11 +57,11 @@ class Lab:
         self.control.begin(self.key, procedure, {"run": "one", **options}, "")
 
     def ended(self) -> None:
-        until(lambda: self.control.settle() or not self.control.machine.busy, 100)
+        until(lambda: self.control.settle() or not self.control.machine.busy)
 
     def until_follows(self) -> None:
         """Return when an error of the run proper is measured."""
-        until(lambda: any(gauge.name == "mae_x" and gauge.value is not None for gauge in self.rig.gauges()), 100)
+        until(lambda: any(gauge.name == "mae_x" and gauge.value is not None for gauge in self.rig.gauges()))
 
     def events(self, name: str) -> list[dict[str, Any]]:
         return [entry for entry in self.control.journal.since(0) if entry["event"] == name]

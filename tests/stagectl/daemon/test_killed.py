@@ -15,8 +15,8 @@ from stagectl import session
 from stagectl.__main__ import main
 from stagectl.config import StageConfig
 from tests.rigkit.service.served import ROOT, Served, answering, free_port
-from tests.rigkit.service.until import until
 from tests.stagectl.daemon.bench import lab_in
+from tests.until import until
 
 SOME = 1_500_000
 """Bytes of a recording that is killed: nearly a second."""
@@ -46,7 +46,7 @@ def test_a_daemon_killed_while_the_stage_follows_leaves_a_whole_recording_and_co
         with daemon.client() as client, client.control("Ada"):
             client.command("arm", "a test")
             client.begin("hold", run="one", seconds=100.0)
-        until(lambda: growing.exists() and growing.stat().st_size > SOME, 100)
+        until(lambda: growing.exists() and growing.stat().st_size > SOME)
         assert stagectl("status", "--config", str(lab.file)) == 0
         assert "RUNNING" in capsys.readouterr().out
         daemon.process.kill()

@@ -14,9 +14,9 @@ from stagectl.link.stage_link import StageLink
 from tests.contract import monitoring
 from tests.contract.monitoring import missing_of
 from tests.rigkit.service.described import views_are_described
-from tests.rigkit.service.until import until
 from tests.stagectl.daemon.bench import Lab, lab_in
 from tests.stagectl.link.stand_in import PATIENT, link_to, running
+from tests.until import EVER, until
 
 
 @pytest.fixture
@@ -68,7 +68,7 @@ def test_an_adapter_that_goes_is_a_fault_that_a_person_acknowledges_once_it_is_b
         lab.control.acknowledge(lab.key, "the cable was loose")
     assert lab.state is State.FAULT
     node.suffer("replug")
-    until(lambda: acknowledged(lab), 60)
+    until(lambda: acknowledged(lab))
     assert lab.state is State.DISARMED
     lab.begin("hold", run="two", seconds=100.0)
     lab.until_follows()
@@ -90,7 +90,7 @@ def test_a_stage_in_fault_is_not_armed(bench: tuple[Lab, CanNode]) -> None:
     lab, _ = bench
     with StageLink(link_to(Path(lab.rig.config.link.channel))) as link:
         link.start()
-        assert not link.wait(10**9, 10.0)  # no reference comes for it
+        assert not link.wait(10**9, EVER)  # no reference comes for it
     with pytest.raises(OSError, match="the stage reports [A-Z]+_[A-Z]+; find out why, then: stagectl acknowledge"):
         lab.control.arm(lab.key, "a test")
     assert lab.state is State.DISARMED

@@ -17,8 +17,8 @@ from stagectl.replay import replay
 from tests.contract import monitoring
 from tests.contract.monitoring import missing_of
 from tests.rigkit.service.described import views_are_described
-from tests.rigkit.service.until import until
 from tests.stagectl.daemon.bench import Lab, edit, lab_in
+from tests.until import until
 
 
 @pytest.fixture
@@ -70,10 +70,10 @@ def test_a_reference_is_held_where_it_comes_to_a_stop_and_goes_on_and_the_run_re
     lab.until_follows()
     lab.control.hold(lab.key, "look")
     assert lab.state is State.HOLD
-    until(lambda: lab.events("held"), 100)
+    until(lambda: lab.events("held"))
     growing = lab.run_folder() / f"{session.RECORDING}{GROWING}"
     size = growing.stat().st_size
-    until(lambda: growing.stat().st_size > size + 500_000, 100)  # 0.3 s
+    until(lambda: growing.stat().st_size > size + 500_000)  # 0.3 s
     lab.control.resume(lab.key, "all is well")
     lab.ended()
     assert lab.state is State.ARMED, lab.why

@@ -13,6 +13,7 @@ from stagectl.link.bus import LinkError
 from stagectl.link.clock import run_linked
 from stagectl.link.stage_link import StageLink
 from tests.stagectl.link.stand_in import link_to, running
+from tests.until import EVER
 
 Rig = tuple[StageLink, Graph, Receive, CanNode]
 
@@ -30,7 +31,7 @@ def rig(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Rig]:
 
 def test_there_is_a_tick_for_each_block_and_none_waits_or_is_left_over(rig: Rig) -> None:
     link, graph, receive, _ = rig
-    assert link.wait(link.skip() + 50 * link.frames, 10.0)
+    assert link.wait(link.skip() + 50 * link.frames, EVER)
     before = link.skip()
     assert run_linked(graph, link, 100) == 100
     assert (graph.ticks, receive.missed) == (100, 0)

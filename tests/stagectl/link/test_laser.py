@@ -14,6 +14,7 @@ from firmware_sim.serial_node import SerialNode
 from stagectl.link.bus import LinkError
 from stagectl.link.config import Laser
 from stagectl.link.laser import Displacement, LaserLine
+from tests.until import EVER
 
 
 @contextmanager
@@ -38,7 +39,7 @@ def test_values_come_in_metres(tmp_path: Path, mode: str) -> None:
     path = tmp_path / "laser"
     with sensor(path, displacement=lambda: 123.4e-6, mode=mode):
         with LaserLine(laser(path, mode=mode)) as line:
-            assert line.wait(20, 10.0)
+            assert line.wait(20, EVER)
             assert line.displacement == pytest.approx(123.4e-6, abs=1e-12)
             assert (line.garbled, line.complaint) == (0, "")
             block, frame = Displacement(line), np.full((4, 1), np.nan)
@@ -51,10 +52,10 @@ def test_garbage_and_half_lines_are_counted_and_borne(tmp_path: Path, mode: str)
     path = tmp_path / "laser"
     with sensor(path, displacement=lambda: 1e-6, mode=mode) as node:
         with LaserLine(laser(path, mode=mode)) as line:
-            assert line.wait(5, 10.0)
+            assert line.wait(5, EVER)
             for noise in (b"\xff\xfe\r", b"M1,+0", b"\r" * 3, b"TG,1,garbage!\r", b"x" * 300):
                 node.spill(noise)
-                assert line.wait(line.readings + 5, 10.0)
+                assert line.wait(line.readings + 5, EVER)
             assert line.displacement == pytest.approx(1e-6)
             assert line.garbled >= 2
             assert "the laser sensor says" in line.complaint
@@ -65,7 +66,7 @@ def test_a_sensor_that_falls_silent_has_no_value_and_has_one_again(tmp_path: Pat
     path = tmp_path / "laser"
     with sensor(path, displacement=lambda: 1e-6) as node:
         with LaserLine(laser(path, silence=0.1), now=lambda: now[0]) as line:
-            assert line.wait(5, 10.0)
+            assert line.wait(5, EVER)
             node.is_silent = True
             while line.wait(line.readings + 1, 0.1):
                 pass
@@ -73,14 +74,14 @@ def test_a_sensor_that_falls_silent_has_no_value_and_has_one_again(tmp_path: Pat
             now[0] += 0.11
             assert math.isnan(line.displacement)
             node.is_silent = False
-            assert line.wait(line.readings + 1, 10.0)
+            assert line.wait(line.readings + 1, EVER)
             assert line.displacement == pytest.approx(1e-6)
 
 
 def test_a_target_out_of_range_is_nan(tmp_path: Path) -> None:
     path = tmp_path / "laser"
     with sensor(path, displacement=lambda: 1.0), LaserLine(laser(path)) as line:
-        assert line.wait(2, 10.0)
+        assert line.wait(2, EVER)
         assert math.isnan(line.displacement)
 
 
@@ -89,9 +90,9 @@ def test_unplugged_it_has_no_value_and_plugged_in_it_has_one_again(tmp_path: Pat
     with sensor(path, displacement=lambda: 1e-6):
         line = LaserLine(laser(path))
         line.__enter__()
-        assert line.wait(5, 10.0)
+        assert line.wait(5, EVER)
     with sensor(path, displacement=lambda: 2e-6):
-        assert line.wait(line.readings + 20, 10.0)
+        assert line.wait(line.readings + 20, EVER)
         assert line.displacement == pytest.approx(2e-6)
         assert "has gone" in line.complaint
         assert line.garbled == 0
@@ -104,7 +105,7 @@ def test_a_request_it_does_not_take_is_refused_by_it(tmp_path: Path) -> None:
         sensor(path, displacement=lambda: 1e-6, mode="request"),
         LaserLine(laser(path, mode="request", output=2)) as line,
     ):
-        assert line.wait(2, 10.0)
+        assert line.wait(2, EVER)
         assert math.isnan(line.displacement)
 
 

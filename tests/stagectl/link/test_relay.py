@@ -9,8 +9,8 @@ from rigkit.relay.bus import RelayError
 from stagectl.link.stage_link import StageLink
 from stagectl.wire.messages import State
 from tests.rigkit.relay.listening import on_the_virtual_bus, virtual
-from tests.rigkit.service.until import until
 from tests.stagectl.link.stand_in import PATIENT, link_to, running
+from tests.until import until
 
 
 def test_it_is_closed_while_the_stage_is_heard_and_opens_for_a_fault_until_it_is_acknowledged(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from stagectl.link.upload import upload
 from stagectl.wire.messages import Fault, State
 from stagectl.wire.parameters import checksum, pack_parameters
 from tests.stagectl.link.stand_in import PATIENT, FirstOrderStage, link_to, running
+from tests.until import EVER
 
 Rig = tuple[StageLink, CanNode, FirstOrderStage]
 SET = {"gains": np.random.default_rng(3).standard_normal((20, 7)), "corner": np.array(80.0, np.float32)}
@@ -30,7 +31,7 @@ def rig(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Rig]:
 def test_the_stage_is_heard(rig: Rig) -> None:
     link, _, _ = rig
     assert (link.state, link.stage_fault, link.reason) == (State.HOLDING, Fault.NONE, "")
-    assert link.wait(link.skip() + 20 * link.frames, 10.0)
+    assert link.wait(link.skip() + 20 * link.frames, EVER)
 
 
 def test_parameters_are_used_once_they_have_come_back_bit_for_bit(rig: Rig) -> None:
@@ -53,7 +54,7 @@ def test_python_cans_own_bus_reaches_the_stage_as_well(tmp_path: Path) -> None:
     path = tmp_path / "adapter"
     with running(path, Settings(others_every=0)):
         with StageLink(link_to(path, bus="can:Bus", options={"interface": "slcan"})) as link:
-            assert link.wait(link.skip() + 200, 10.0)
+            assert link.wait(link.skip() + 200, EVER)
             assert link.counts.garbled == 0
 
 
@@ -63,7 +64,7 @@ def test_a_stage_without_references_stops_by_itself_and_the_link_latches(tmp_pat
         link = link_to(tmp_path / "adapter")
         with StageLink(link, lambda event, fields: events.append(f"{event} {dict(fields)}")) as opened:
             opened.start()
-            assert not opened.wait(10**9, 10.0)
+            assert not opened.wait(10**9, EVER)
             reason = opened.reason
             assert reason.startswith("the stage reports ")
             with pytest.raises(ValueError, match="must be a person's name"):

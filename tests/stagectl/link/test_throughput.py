@@ -16,6 +16,7 @@ from stagectl.link.stage_link import StageLink
 from stagectl.wire.messages import State
 from tests.contract.source_tree import ROOT
 from tests.stagectl.link.stand_in import link_to
+from tests.until import EVER
 
 
 class Sawtooth(Block):
@@ -63,7 +64,7 @@ def stream(path: Path, blocks: int) -> None:
             assert counts.received - before >= blocks
             first = link.status
             with link._carrier.arrived:  # noqa: SLF001 (no sleep in tests)
-                assert link._carrier.arrived.wait_for(lambda: link.status is not first, 10.0)  # noqa: SLF001
+                assert link._carrier.arrived.wait_for(lambda: link.status is not first, EVER)  # noqa: SLF001
             status = link.status
             assert status is not None
             assert (status.lost, status.late, status.garbled, link.reason) == (0, 0, 0, "")
@@ -76,6 +77,5 @@ def test_nothing_is_lost_in_3_seconds(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(180)
 def test_nothing_is_lost_in_60_seconds(tmp_path: Path) -> None:
     stream(tmp_path / "adapter", 60_000)

@@ -20,6 +20,7 @@ from stagectl.robot.conversation import PortState
 from stagectl.robot.port import RobotFault, RobotPort
 from stagectl.robot.port_blocks import JointCommand, JointReport, PoseCommand
 from stagectl.wire.egm import RATE
+from tests.until import EVER
 
 PATIENT = 250
 """Cycles: here the clock is the test's, and a busy machine is no fault."""
@@ -47,7 +48,7 @@ class Bench:
         """Report, let the host tick, take its answer."""
         heard = self.port.counts.received
         self.speak()
-        assert self.port.wait(heard + 1, 5.0) or self.port.reason
+        assert self.port.wait(heard + 1, EVER) or self.port.reason
         tick()
         self.port.flush()
         self.robot.receive(self.line.recv(65_536))
@@ -141,7 +142,7 @@ def test_a_robot_that_falls_silent_is_a_fault_within_real_time() -> None:
     for made in _open(Bench(silence=3)):
         made.cycle()
         made.port.start()
-        assert not made.port.wait(10, 5.0)
+        assert not made.port.wait(10, EVER)
         assert "the robot is silent for 0.0" in made.port.reason
         with pytest.raises(LinkError, match="cannot acknowledge yet: the robot is silent"):
             made.port.acknowledge("Ada")

@@ -9,7 +9,7 @@ from rigkit.service.control import Control
 from rigkit.service.journal import Journal
 from rigkit.service.lease import Lease
 from rigkit.service.state import State
-from tests.rigkit.service.until import until
+from tests.until import until
 from tests.vibractl.linear_rig import SETTINGS, linear_model
 from vibractl.config import RigConfig
 from vibractl.daemon.rig import Vibrator
@@ -40,11 +40,11 @@ class Lab:
         self.control.begin(self.key, procedure, options, "")
 
     def ended(self) -> None:
-        until(lambda: self.control.settle() or not self.control.machine.busy, 60)
+        until(lambda: self.control.settle() or not self.control.machine.busy)
 
     def until_shot(self, number: int) -> None:
         """Return when so many shots are recorded."""
-        until(lambda: self.control.desk is not None and self.control.desk.plain()["done"] >= number, 60)
+        until(lambda: self.control.desk is not None and self.control.desk.plain()["done"] >= number)
 
     def events(self, name: str) -> list[dict[str, Any]]:
         return [entry for entry in self.control.journal.since(0) if entry["event"] == name]

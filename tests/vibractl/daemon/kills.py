@@ -12,7 +12,7 @@ from rigkit import atomic
 from rigkit import config as rig_file
 from rigkit.run_folder import RunFolder, read_events, read_quality
 from rigkit.service.daemon import EVENTS
-from tests.rigkit.service.until import until
+from tests.until import until
 from tests.vibractl.daemon.killed import KilledDaemon, straight_daemon
 from vibractl.config import RigConfig
 from vibractl.session import shot_files
@@ -53,7 +53,7 @@ def break_limit(daemon: KilledDaemon, folder: Path) -> None:
     file.write_text(rig_file.dump(rig.model_copy(update={"limits": rig.limits.model_copy(update={"peak": 0.1})})))
     with daemon.client() as client, client.control("Ada", over=True):
         client.reload()
-    until(lambda: len(daemon.named("fault")) > told, 60)
+    until(lambda: len(daemon.named("fault")) > told)
 
 
 def kill_in(daemon: KilledDaemon, folder: Path, state: str, moment: float) -> float:
@@ -78,7 +78,7 @@ def kill_in(daemon: KilledDaemon, folder: Path, state: str, moment: float) -> fl
     if state == "FAULT":
         break_limit(daemon, folder)
     if state in ("PLAYING", "CALIBRATING"):
-        until(lambda: model.exists() or (daemon.log.exists() and daemon.drive().any()), 120)
+        until(lambda: model.exists() or (daemon.log.exists() and daemon.drive().any()))
     PATIENCE.wait(moment)
     if run.exists():
         done = daemon.done()

@@ -15,7 +15,7 @@ from rigkit.service.journal import Journal
 from rigkit.service.lease import Lease
 from rigkit.service.state import NotNow
 from tests.rigkit.service.test_state import ENDING, LEGAL
-from tests.rigkit.service.until import until
+from tests.until import until
 from tests.vibractl.daemon.kept_drive import KeptDrive
 from tests.vibractl.daemon.killed import straight_model
 from vibractl.config import Audio, Daemon, Learning, Limits, Reference, RigConfig, Simulator
@@ -93,7 +93,7 @@ class Walk:
         """Let what is under way come to its end."""
         if self.control.machine.busy:
             self.control.stop("Ada", "enough")
-            until(lambda: self.control.settle() or not self.control.machine.busy, 60)
+            until(lambda: self.control.settle() or not self.control.machine.busy)
 
     def _begin(self) -> None:
         self._runs += 1
@@ -102,7 +102,7 @@ class Walk:
     def _stop(self) -> None:
         self.control.stop("Bob", "at random")
         begin = KeptDrive.samples()
-        until(lambda: self.control.settle() or not self.control.machine.busy, 60)
+        until(lambda: self.control.settle() or not self.control.machine.busy)
         self.quiet.append((begin + round(LIMITS.ramp * RATE) + 101 * 512, KeptDrive.samples()))
 
     def _reload(self) -> None:
@@ -112,12 +112,12 @@ class Walk:
     def _wait(self) -> None:
         """Until a shot more is recorded, if a run goes on."""
         before = self.control.desk and self.control.desk.plain()["done"]
-        until(lambda: self.control.machine.state != "RUNNING" or self._done() > (before or 0), 60)
+        until(lambda: self.control.machine.state != "RUNNING" or self._done() > (before or 0))
 
     def _play(self) -> None:
         """Until half a second more was played, if a run goes on: in the middle of a shot."""
         before = KeptDrive.samples()
-        until(lambda: self.control.machine.state != "RUNNING" or KeptDrive.samples() > before + RATE // 2, 60)
+        until(lambda: self.control.machine.state != "RUNNING" or KeptDrive.samples() > before + RATE // 2)
 
     def _done(self) -> float:
         return self.control.desk.plain()["done"] if self.control.desk else float("inf")

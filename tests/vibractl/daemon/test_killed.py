@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.rigkit.service.until import until
+from tests.until import until
 from tests.vibractl.daemon.killed import straight_daemon
 from tests.vibractl.daemon.kills import MUTE_AFTER, kills, whole
 
@@ -17,7 +17,7 @@ def test_a_daemon_killed_while_it_plays_falls_silent_and_goes_on_where_it_was(tm
     with straight_daemon(tmp_path) as daemon:
         daemon.command("arm")
         daemon.command("begin", run="one", shots=1000)
-        until(lambda: daemon.done() >= 1 and np.abs(daemon.drive()[-2000:]).max() > 0.3, 90)
+        until(lambda: daemon.done() >= 1 and np.abs(daemon.drive()[-2000:]).max() > 0.3)
         assert daemon.kill() < 1.0
         drive = daemon.drive()
         assert not drive[-10:].any()
@@ -28,7 +28,7 @@ def test_a_daemon_killed_while_it_plays_falls_silent_and_goes_on_where_it_was(tm
             assert client.snapshot()["state"]["name"] == "DISARMED"
         daemon.command("arm")
         daemon.command("begin", run="one", resume=True, shots=shots + 1)
-        until(lambda: daemon.named("finished"), 90)
+        until(lambda: daemon.named("finished"))
     assert whole(tmp_path / "data" / "runs" / "one", shots + 1) == shots + 1
 
 

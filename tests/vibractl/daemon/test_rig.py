@@ -11,7 +11,7 @@ from rigkit.service.state import State
 from tests.contract import monitoring
 from tests.contract.monitoring import missing_of
 from tests.rigkit.service.described import views_are_described
-from tests.rigkit.service.until import until
+from tests.until import until
 from tests.vibractl.daemon.bench import Lab, lab_in
 from vibractl.config import RigConfig
 from vibractl.daemon import running
@@ -101,7 +101,7 @@ def test_a_run_that_is_held_is_silent_and_goes_on_with_the_next_shot(lab: Lab) -
     lab.begin(run="one", shots=1000)
     lab.until_shot(1)
     lab.control.hold(lab.key, "lunch")
-    until(lambda: lab.events("held"), 60)
+    until(lambda: lab.events("held"))
     assert lab.state is State.HOLD
     assert [gauge.name for gauge in lab.rig.gauges() if gauge.name.startswith("drive")] == []
     shots = lab.events("held")[0]["shot"]

@@ -15,7 +15,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
 
-from tests.rigkit.service.until import until
+from tests.until import until
 
 DESKTOP, PHONE = (1440, 900), (390, 844)
 _FLAGS = (

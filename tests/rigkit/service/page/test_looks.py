@@ -10,7 +10,7 @@ from selenium.webdriver.common.keys import Keys
 from tests.rigkit.service.page.browser import PHONE, Browser
 from tests.rigkit.service.page.visit import Visit
 from tests.rigkit.service.served import Served
-from tests.rigkit.service.until import until
+from tests.until import until
 
 PANELS = 5
 LEADING = 8

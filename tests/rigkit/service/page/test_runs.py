@@ -10,7 +10,7 @@ from selenium.webdriver.remote.webelement import WebElement
 
 from tests.rigkit.service.page.browser import PHONE
 from tests.rigkit.service.page.visit import Visit
-from tests.rigkit.service.until import until
+from tests.until import until
 
 
 @pytest.fixture

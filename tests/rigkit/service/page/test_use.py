@@ -9,7 +9,7 @@ from selenium.webdriver.common.keys import Keys
 from tests.rigkit.service.page.browser import Browser
 from tests.rigkit.service.page.visit import Visit
 from tests.rigkit.service.served import served
-from tests.rigkit.service.until import until
+from tests.until import until
 
 
 def test_it_asks_for_a_token_and_says_what_is_wrong_with_one(visit: Visit) -> None:

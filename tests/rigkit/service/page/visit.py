@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from rigkit.service.client import DaemonError
 from tests.rigkit.service.page.browser import Browser
 from tests.rigkit.service.served import Served
-from tests.rigkit.service.until import until
+from tests.until import until
 
 
 @dataclass

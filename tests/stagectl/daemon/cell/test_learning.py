@@ -10,9 +10,9 @@ from ctlblocks import recording
 from rigkit.service.state import State
 from stagectl.trials.replay import replay_trials
 from stagectl.trials.session import grouped, read_back
-from tests.rigkit.service.until import until
 from tests.stagectl.daemon.bench import Lab
 from tests.stagectl.daemon.cell.bench import cell_in
+from tests.until import until
 
 ILC = {"task": "pocket", "iterations": 1}
 
@@ -30,16 +30,16 @@ def done(lab: Lab) -> float:
 
 def test_trials_pause_between_two_and_a_stop_in_the_air_ends_one_that_replays(lab: Lab) -> None:
     lab.begin("ilc", **ILC)
-    until(lambda: done(lab) > 0.2, 100)
+    until(lambda: done(lab) > 0.2)
     assert {lab.gauge(name).verdict for name in ("tool_x", "joint_speed_2", "tracker_age")} == {"good"}
     assert lab.gauge("tool_speed").is_output
     lab.control.hold(lab.key, "a fresh block")
-    until(lambda: lab.events("held"), 100)
+    until(lambda: lab.events("held"))
     assert [event["before"] for event in lab.events("held")] == ["free-1"]
     assert [gauge.name for gauge in lab.rig.gauges()] == ["disk_free"]  # nothing moves
     assert lab.state is State.HOLD
     lab.control.resume(lab.key, "it is in")
-    until(lambda: done(lab) > 1.3, 100)
+    until(lambda: done(lab) > 1.3)
     lab.control.stop("Ada", "smoke")
     assert lab.state is State.DISARMED
     lab.ended()
@@ -52,10 +52,9 @@ def test_trials_pause_between_two_and_a_stop_in_the_air_ends_one_that_replays(la
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(400)
 def test_a_stop_lifts_the_tool_out_of_the_material_and_the_run_goes_on_to_its_last_trial(lab: Lab) -> None:
     lab.begin("ilc", **ILC)
-    until(lambda: done(lab) > 2.4, 100)
+    until(lambda: done(lab) > 2.4)
     assert lab.gauge("force").value > 1.0
     lab.control.stop("Ada", "smoke")
     lab.ended()
@@ -67,7 +66,7 @@ def test_a_stop_lifts_the_tool_out_of_the_material_and_the_run_goes_on_to_its_la
     assert height[-1] == pytest.approx(3e-4, abs=1.5e-4)
 
     lab.begin("ilc", resume=True, iterations=1)
-    until(lambda: done(lab) > 2.4, 100)
+    until(lambda: done(lab) > 2.4)
     lab.control.abort(lab.key, "enough")
     lab.ended()
     assert lab.state is State.ARMED

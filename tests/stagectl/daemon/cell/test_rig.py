@@ -19,12 +19,12 @@ from stagectl.feed.session import read_back
 from stagectl.machining.plan import SETUPS
 from stagectl.planning.pocket import PLANNERS
 from stagectl.robot.midranging.controllers import CONTROLLERS
-from tests.rigkit.service.until import until
 from tests.stagectl.daemon.bench import Lab
 from tests.stagectl.daemon.cell.bench import cell_in, edit
 from tests.stagectl.feed.small_pocket import QUICK
 from tests.stagectl.feed.test_command import POCKET
 from tests.stagectl.machining.short_cell import SHORT
+from tests.until import until
 
 
 @pytest.fixture
@@ -37,7 +37,7 @@ def lab(tmp_path: Path) -> Iterator[Lab]:
 
 def test_a_pocket_is_milled_by_force_and_what_is_believed_of_it_is_shown(lab: Lab) -> None:
     lab.begin("force", task="small.json", force=8.0, planner="exact")
-    until(lambda: any(gauge.name == "kappa" and gauge.interval for gauge in lab.rig.gauges()), 100)
+    until(lambda: any(gauge.name == "kappa" and gauge.interval for gauge in lab.rig.gauges()))
     kappa = lab.gauge("kappa")
     assert kappa.interval is not None
     assert kappa.interval[0] < kappa.value < kappa.interval[1]
@@ -57,7 +57,7 @@ def test_a_pocket_is_milled_by_force_and_what_is_believed_of_it_is_shown(lab: La
 
 def test_a_stop_holds_the_robot_that_mills_by_force_and_keeps_the_pocket(lab: Lab) -> None:
     lab.begin("force", task="small.json", pockets=2)
-    until(lambda: any(gauge.name == "feed" and (gauge.value or 0.0) > 1e-3 for gauge in lab.rig.gauges()), 100)
+    until(lambda: any(gauge.name == "feed" and (gauge.value or 0.0) > 1e-3 for gauge in lab.rig.gauges()))
     lab.control.stop("Ada", "smoke")
     lab.ended()
     assert lab.state is State.DISARMED
@@ -70,7 +70,7 @@ def test_a_stop_holds_the_robot_that_mills_by_force_and_keeps_the_pocket(lab: La
 
 def test_a_setup_of_the_toroid_is_milled_and_measured(lab: Lab) -> None:
     lab.begin("cell", setup="A")
-    until(lambda: any(gauge.name == "deviation_y" for gauge in lab.rig.gauges()), 100)
+    until(lambda: any(gauge.name == "deviation_y" for gauge in lab.rig.gauges()))
     lab.ended()
     assert lab.state is State.ARMED, lab.why
     assert (lab.run_folder() / "report.html").is_file()
