@@ -1,7 +1,8 @@
-"""A pytest plugin: a test of a deadline that fails is run again, if the machine stood still for longer than that.
+"""A pytest plugin: a test in real time that fails is run again, if the machine stood still for longer than it may.
 
-Mark it `deadline(seconds)`.  What keeps time in a test cannot keep it while nothing of it runs; but a failure that the
-machine does not excuse is one, and so is one that each of its repetitions has.
+`deadline(seconds)`: a time limit is what is tested; run apart, alone.  `stall(seconds)`: something in it gives up after
+so long, and cannot be told to wait longer.  What keeps time cannot keep it while nothing of it runs; but a failure that
+the machine does not excuse is one, and so is one that each of its repetitions has.
 """
 
 from collections.abc import Iterator
@@ -11,7 +12,7 @@ import pytest
 from tests.standstill import Standstill
 
 TRIES = 8
-"""Repetitions of a test of a deadline; each must be excused by the machine."""
+"""Repetitions of a test; each must be excused by the machine."""
 STOOD = pytest.StashKey[Standstill]()
 _EXCUSED = pytest.StashKey[list[str]]()
 
@@ -22,24 +23,30 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Let a test of a deadline be repeated, but only where the machine stood still for longer than the deadline."""
+    """Let a test in real time be repeated, but only where the machine stood still for longer than it may."""
     for item in items:
-        if (marker := item.get_closest_marker("deadline")) is not None:
-            item.add_marker(pytest.mark.flaky(reruns=TRIES, condition=Excuse(item, float(marker.args[0]))))
+        if (seconds := limit(item)) is not None:
+            item.add_marker(pytest.mark.flaky(reruns=TRIES, condition=Excuse(item, seconds)))
+
+
+def limit(item: pytest.Item) -> float | None:
+    """Return for how long the machine may stand still, s; None where it does not matter."""
+    marker = item.get_closest_marker("deadline") or item.get_closest_marker("stall")
+    return float(marker.args[0]) if marker else None
 
 
 class Excuse:
     """Whether the machine is why a test has failed; asked once it has."""
 
-    def __init__(self, item: pytest.Item, deadline: float) -> None:
-        self._item, self._deadline = item, deadline
+    def __init__(self, item: pytest.Item, seconds: float) -> None:
+        self._item, self._seconds = item, seconds
 
     def __call__(self, fault: BaseException | None) -> bool:
         longest = self._item.stash[STOOD].longest
-        if fault is None or not longest > self._deadline:
+        if fault is None or not longest > self._seconds:
             return False
         self._item.config.stash[_EXCUSED].append(
-            f"{self._item.nodeid}: the machine stood still for {longest:.3f} s, the deadline is {self._deadline:g} s"
+            f"{self._item.nodeid}: the machine stood still for {longest:.3f} s, the limit is {self._seconds:g} s"
         )
         return True
 
@@ -47,7 +54,7 @@ class Excuse:
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtest_setup(item: pytest.Item) -> Iterator[None]:
     """Watch the clock from here on."""
-    if item.get_closest_marker("deadline") is not None:
+    if limit(item) is not None:
         item.stash[STOOD] = Standstill().__enter__()
     return (yield)
 
@@ -58,7 +65,7 @@ def pytest_runtest_teardown(item: pytest.Item) -> Iterator[None]:
     try:
         return (yield)
     finally:
-        if item.get_closest_marker("deadline") is not None:
+        if limit(item) is not None:
             item.stash[STOOD].__exit__(None, None, None)
 
 

@@ -1,4 +1,4 @@
-"""Tests of deadlines: repeated where the machine stood still for longer than the deadline, and only there."""
+"""Tests in real time: repeated where the machine stood still for longer than they may, and only there."""
 
 import subprocess
 import sys
@@ -49,7 +49,7 @@ def test_it_is_repeated_where_the_machine_stood_still_and_says_so(tmp_path: Path
     assert "1 passed, 2 rerun" in said, said
     assert times == 3
     assert said.count("repeated: test_it.py::test_of_a_deadline: the machine stood still for 0.") == 2
-    assert "the deadline is 0.05 s" in said
+    assert "the limit is 0.05 s" in said
 
 
 def test_a_fault_of_the_programs_own_is_one_however_often_the_machine_stood_still(tmp_path: Path) -> None:

@@ -175,6 +175,7 @@ def test_with_a_clock_it_runs_by_itself_and_gives_the_same() -> None:
     np.testing.assert_array_equal(counted(session), counted(offline))
 
 
+@pytest.mark.deadline(0.1)
 def test_its_pace_is_that_of_the_rate() -> None:
     session, ended = Session(), threading.Event()
 

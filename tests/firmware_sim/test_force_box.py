@@ -16,9 +16,11 @@ from stagectl.robot.config import CellConfig
 from stagectl.robot.force_config import ForceSensor
 from stagectl.robot.force_line import ForceLine, MeasuredForce
 from stagectl.wire.force_sensor import Request, pack_request, unpack_records
+from tests.until import until
 
 BUSY = 10.0
 """s that anything may take on a busy machine."""
+pytestmark = pytest.mark.stall(0.05)
 
 
 class Served:
@@ -52,15 +54,6 @@ def served() -> Iterator[Served]:
         made.end()
 
 
-def until(met: "object", patience: float = BUSY) -> bool:
-    end = time.monotonic() + patience
-    while time.monotonic() < end:
-        if met():  # type: ignore[operator]
-            return True
-        time.sleep(0.005)
-    return False
-
-
 def test_zero_force_is_taken_at_rest_and_a_push_is_seen(served: Served) -> None:
     reasons: list[str] = []
     by_name = served.config.model_copy(update={"host": "localhost"})
@@ -75,7 +68,7 @@ def test_zero_force_is_taken_at_rest_and_a_push_is_seen(served: Served) -> None:
             block.process(*outputs)
             return bool(abs(force[0, 1] - 25.0) < 1.0 and abs(moment[0, 2] - 1.0) < 0.1 and valid[0, 0] == 1.0)
 
-        assert until(is_seen)
+        until(is_seen)
         assert line.counts.garbled == 0
         assert not reasons
         with pytest.raises(LinkError, match="the force sensor has drifted: at rest by .*, 25"):
@@ -89,7 +82,7 @@ def test_faults_hold_the_robot_by_name(served: Served, mishap: str, name: str) -
         line.rest()
         line.start()
         served.box.suffer(mishap)
-        assert until(lambda: bool(reasons))
+        until(lambda: bool(reasons))
         assert line.inbox.fault == name
         assert reasons[0].startswith(f"the force sensor is {name}")
 

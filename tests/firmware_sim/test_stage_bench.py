@@ -25,13 +25,14 @@ COMMAND = [sys.executable, "-m", "firmware_sim", "stage"]
 
 def test_stage_and_laser_are_there_until_ctrl_c(tmp_path: Path) -> None:
     command = [*COMMAND, "--pty", "--folder", str(tmp_path), "--laser-axis", "z", "--fault", "garbage@0.1"]
+    command += ["--set", "link.silence=10"]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == f"CAN adapter: {tmp_path}/can\n"
         assert process.stdout.readline() == f"laser sensor: {tmp_path}/laser\n"
         try:
-            with StageLink(Link(channel=f"{tmp_path}/can", patience=20.0)) as link:
-                with LaserLine(Laser(device=f"{tmp_path}/laser")) as laser:
+            with StageLink(Link(channel=f"{tmp_path}/can", silence=10.0, patience=20.0)) as link:
+                with LaserLine(Laser(device=f"{tmp_path}/laser", silence=10.0)) as laser:
                     assert link.state is State.HOLDING
                     assert laser.wait(10, EVER)
                     assert link.wait(link.skip() + 5000, EVER)

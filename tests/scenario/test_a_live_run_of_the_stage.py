@@ -26,7 +26,7 @@ from tests.contract.source_tree import ROOT
 from tests.stagectl.simulated_models import write_models
 from tests.until import EVER
 
-PATIENT = "link.silence=2"
+PATIENT = "link.silence=10"
 """s: a test's machine may be busy for longer than the 20 ms of a rig."""
 SOME = 1_500_000
 """Bytes of a recording that is killed: a second and a half."""

@@ -31,6 +31,8 @@ from tests.scenario.stepped_cell import SteppedCell
 from tests.stagectl.robot.milling.test_milling_models import models
 from tests.until import until
 
+pytestmark = pytest.mark.stall(0.3)
+
 SETTINGS: dict[str, Any] = {
     "pocket": {
         "size": [11e-3, 11e-3], "depth": 5e-4, "clearance": 3e-4, "lead": 1.0, "tail": 0.5, "feed": 0.03,

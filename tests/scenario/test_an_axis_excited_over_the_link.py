@@ -23,11 +23,10 @@ from rigkit import config as rig_file
 from stagectl.config import StageConfig
 from stagectl.link.stage_link import StageLink
 from stagectl.wire.messages import State
+from tests.stagectl.link.stand_in import PATIENT
 
 Z = 2
-SILENCE = 1.0
-"""s that a busy test machine may need."""
-RIG = rig_file.load(None, StageConfig, ["limits.ramp=0.05", f"link.silence={SILENCE}", "link.patience=20"])
+RIG = rig_file.load(None, StageConfig, ["limits.ramp=0.05", f"link.silence={PATIENT}", "link.patience=20"])
 
 
 @contextmanager
@@ -36,7 +35,7 @@ def stage_behind(path: Path) -> Iterator[None]:
     image = StageImage(RIG)
     image.tick(np.zeros((10, 3)))  # compiles
     loops = Loops(image.tick, image.commit, image.clear, image.excite, image.release)
-    processor = StageProcessor(loops, Settings(silence=SILENCE, ramp=0.05, pace="host"), monotonic())
+    processor = StageProcessor(loops, Settings(silence=PATIENT, ramp=0.05, pace="host"), monotonic())
     node = CanNode(SlcanAdapter(path), processor, image.stick)
     stop = threading.Event()
     thread = threading.Thread(target=node.run, args=(stop,))

@@ -23,6 +23,8 @@ from calibration.joint_clamping.tracked_links import link_motion, tracked_axis
 from rigkit.stop import Stopped
 from tests.scenario.stepped_cell import SteppedCell
 
+pytestmark = pytest.mark.stall(0.3)
+
 QUICK: dict[str, Any] = {
     "live": True,
     "cycles": 2,

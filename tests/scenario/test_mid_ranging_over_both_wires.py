@@ -3,9 +3,7 @@
 Guards against a live run that works in process alone, and against one end that moves on when the other has gone.
 """
 
-from os import sched_yield
 from pathlib import Path
-from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -20,6 +18,9 @@ from stagectl.robot.midranging.scenario import Scenario
 from stagectl.wire.messages import State
 from tests.scenario.stepped_cell import BUSY, SteppedCell
 from tests.stagectl.link.stand_in import PATIENT, link_to, running
+from tests.until import until
+
+pytestmark = pytest.mark.stall(0.3)
 
 MIDRANGING: dict[str, Any] = {
     "session": {"live": True, "lead": 0.1},
@@ -59,9 +60,7 @@ def test_a_fault_of_the_robot_sends_the_stage_to_mid_travel_and_keeps_what_was_r
     ):
         with pytest.raises(LiveFault, match="the tool is asked to move at .* m/s, must be <= 0.25 m/s") as fault:
             run_axes("mvpc", cell_of(stepped, tmp_path / "can"), {"": Scenario("jump", wave)})
-        until = monotonic() + PATIENT
-        while node.processor.state is State.FOLLOWING and monotonic() < until:  # it has yet to read that it is to stop
-            sched_yield()
+        until(lambda: node.processor.state is not State.FOLLOWING)  # it has yet to read that it is to stop
         assert node.processor.state in (State.RAMPING, State.HOLDING)
     (recorded,) = fault.value.recorded
     assert 100 <= len(recorded.data) < 225

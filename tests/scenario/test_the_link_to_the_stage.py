@@ -20,8 +20,10 @@ from stagectl.link.bus import LinkError
 from stagectl.link.clock import run_linked
 from stagectl.link.stage_link import LinkFault, StageLink
 from stagectl.wire.messages import Fault, State
-from tests.stagectl.link.stand_in import PATIENT, FirstOrderStage, link_to, node, running
+from tests.stagectl.link.stand_in import SILENT, FirstOrderStage, link_to, node, running
 from tests.until import EVER
+
+pytestmark = pytest.mark.deadline(SILENT / 2)
 
 
 class Sweep(Block):
@@ -75,8 +77,8 @@ def log() -> list[tuple[str, Mapping[str, Any]]]:
 @pytest.fixture
 def rig(tmp_path: Path, log: list[tuple[str, Mapping[str, Any]]]) -> Iterator[Rig]:
     path = tmp_path / "adapter"
-    with running(path, Settings(silence=PATIENT, ramp=0.05)) as (made, stage):
-        with StageLink(link_to(path, patience=3.0), lambda *event: log.append(event)) as link:
+    with running(path, Settings(silence=SILENT, ramp=0.05)) as (made, stage):
+        with StageLink(link_to(path, silence=SILENT, patience=3.0), lambda *event: log.append(event)) as link:
             yield Rig(link, made, stage)
 
 

@@ -26,6 +26,8 @@ from stagectl.robot.milling.feed_force import PHASES
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
 from tests.scenario.stepped_cell import SteppedCell
 
+pytestmark = pytest.mark.stall(0.3)
+
 SETTINGS: dict[str, Any] = {
     "segments": {"travel": 0.2, "plunge": 0.1, "stationary": 0.2, "slowest": 0.1},
     "feed_plants": {"cut_options": {"knots": 0}},

@@ -1,4 +1,7 @@
-"""Sörnmo 2015, chapter 6, on the default simulated vibrator: the published results, with the thesis' own gains."""
+"""Sörnmo 2015, chapter 6, on the default simulated vibrator: the published results, with the thesis' own gains.
+
+All of it is slow: half an hour of stepped sine is simulated for the model, and the thesis' law takes thirty shots.
+"""
 
 from pathlib import Path
 
@@ -6,6 +9,8 @@ import pytest
 
 from tests.thesis.vibrator_runs import learned, measured_model, met, worst
 from vibractl.quality_table import summary
+
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
@@ -56,14 +61,12 @@ def test_a_sine_of_24_hz_meets_the_objective_by_shot_24_and_goes_10_db_below(mod
     assert worst(rows, 50) <= -10
 
 
-@pytest.mark.slow
 def test_identification_without_preload_fails(tmp_path: Path) -> None:
     """Page 131: convergence could only be achieved with the preloaded estimate."""
     unloaded = measured_model(tmp_path, "characterisation.preload=0.0", "characterisation.passes=1")
     assert met(learned(tmp_path / "run", unloaded, 31)) is None
 
 
-@pytest.mark.slow
 def test_decentralised_control_of_the_two_sides_fails(model: Path, tmp_path: Path) -> None:
     """Page 135: because of the cross couplings, decentralised ILC was ruled out."""
     rows = learned(tmp_path / "run", model, 31, "learning.structure=decentralised")
@@ -71,7 +74,6 @@ def test_decentralised_control_of_the_two_sides_fails(model: Path, tmp_path: Pat
     assert len(rows) < 31 or worst(rows, 30) > 10
 
 
-@pytest.mark.slow
 def test_one_drive_for_both_sides_is_poor(model: Path, mimo: list[dict[str, str]], tmp_path: Path) -> None:
     """Page 135: with the same input to both sides, poor tracking performance was obtained."""
     rows = learned(tmp_path / "run", model, 31, "learning.structure=common")
@@ -87,7 +89,6 @@ def test_model_inverse_start_and_gain_one_half_meet_the_objective_within_12_shot
     assert shot <= 12
 
 
-@pytest.mark.slow
 @pytest.mark.timeout(1800)
 def test_nine_of_ten_vibrators_meet_the_objective_within_12_shots(tmp_path: Path) -> None:
     """The same on ten seeds, each with a model of its own."""

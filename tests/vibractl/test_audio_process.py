@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.until import EVER
+from tests.until import EVER, until
 from vibractl.audio import AudioError, Line
 from vibractl.audio_memory import Memory, Word
 from vibractl.config import Audio, RigConfig, Simulator
@@ -106,7 +106,7 @@ def test_whoever_ends_in_mid_shot_the_drive_ramps_down(tmp_path: Path, how: str)
             os.killpg(program.pid, signal.SIGINT)
         else:
             os.kill(child, signal.SIGTERM)
-        assert select.select([alive], [], [], 20)[0], "the audio process did not end"
+        assert select.select([alive], [], [], EVER)[0], "the audio process did not end"
         os.close(alive)
         errors = program.communicate(timeout=EVER)[1]
     if how == "Ctrl-C":
@@ -123,11 +123,12 @@ def test_whoever_ends_in_mid_shot_the_drive_ramps_down(tmp_path: Path, how: str)
 
 def wait_until_loud(log: Path) -> None:
     """Return when the file shows a drive."""
-    for _ in range(10_000):
+
+    def loudest() -> float:
         drive = np.fromfile(log).reshape(-1, 2)
-        if np.nanmax(np.abs(drive), initial=0.0, where=np.isfinite(drive)) > 0.05:
-            return
-    raise AssertionError("nothing was played")
+        return float(np.nanmax(np.abs(drive), initial=0.0, where=np.isfinite(drive)))
+
+    until(lambda: loudest() > 0.05)
 
 
 def test_shared_memory_carries_text_and_refuses_nothing_that_fits() -> None:

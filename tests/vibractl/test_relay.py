@@ -17,6 +17,7 @@ from pydantic import ValidationError
 from rigkit.relay.bus import RelayError
 from rigkit.relay.config import Relay
 from tests.rigkit.relay.listening import behind_an_adapter, on_the_virtual_bus, virtual
+from tests.until import EVER
 from tests.vibractl.manual_stream import ManualStream
 from vibractl.audio import Line
 from vibractl.audio_engine import Engine
@@ -114,6 +115,7 @@ with Line(config, supervision=Supervision(0.5)) as line:
 """
 
 
+@pytest.mark.deadline(0.25)
 def test_it_opens_when_the_program_is_stopped_in_mid_shot_or_killed(tmp_path: Path) -> None:
     with behind_an_adapter(tmp_path) as (heard, _):
         program = subprocess.Popen(
@@ -129,7 +131,7 @@ def test_it_opens_when_the_program_is_stopped_in_mid_shot_or_killed(tmp_path: Pa
             heard.until(closed=True)
             program.kill()
             heard.until(closed=False)
-            assert select.select([audio], [], [], 20)[0], "the audio process did not end"
+            assert select.select([audio], [], [], EVER)[0], "the audio process did not end"
             os.close(audio)
         finally:
             program.kill()

@@ -14,6 +14,8 @@ from stagectl.__main__ import main as stagectl
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.milling_models import read_milling
 
+pytestmark = pytest.mark.slow
+
 SETTINGS = (
     "pocket.size=[20e-3, 20e-3]",
     "pocket.depth=1e-3",
@@ -55,7 +57,6 @@ def test_models_fit_what_was_held_back(model: Path) -> None:
     assert "Deflection, measured force" in model.with_suffix(".html").read_text()
 
 
-@pytest.mark.slow
 def test_a_pocket_is_learned_replayed_reported_and_learned_from_its_logs(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, model: Path
 ) -> None:
@@ -80,7 +81,6 @@ def test_a_pocket_is_learned_replayed_reported_and_learned_from_its_logs(
     assert np.abs(by_logs - by_run).mean() < 40e-6
 
 
-@pytest.mark.slow
 def test_a_calibration_killed_in_its_last_trial_goes_on_to_the_same_models(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, model: Path
 ) -> None:

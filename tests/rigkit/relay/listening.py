@@ -24,9 +24,9 @@ class Heard:
         self.relay = Relay(IDENTIFIER, patience)
         self.moves: list[bool] = []
 
-    def until(self, closed: bool, seconds: float = 100.0) -> None:
+    def until(self, closed: bool) -> None:
         """Return when it is closed, or open."""
-        until(lambda: self.relay.is_closed(time.monotonic()) is closed, seconds)
+        until(lambda: self.relay.is_closed(time.monotonic()) is closed)
 
 
 def virtual(channel: str) -> dict[str, Any]:

@@ -17,8 +17,10 @@ from firmware_sim.stage_processor import Loops, Settings, StageProcessor
 from stagectl.link.config import Link
 from stagectl.wire.messages import Drive, Fault
 
-PATIENT = 1.0
-"""s of silence that a busy test machine may need."""
+PATIENT = 10.0
+"""s of silence where it is not what is tested: as long as a rig file allows."""
+SILENT = 1.0
+"""s of silence where it is; such a test is one of a deadline."""
 
 
 class FirstOrderStage:

@@ -12,17 +12,20 @@ from stagectl.link.blocks import Receive
 from stagectl.link.bus import LinkError
 from stagectl.link.clock import run_linked
 from stagectl.link.stage_link import StageLink
-from tests.stagectl.link.stand_in import link_to, running
+from tests.stagectl.link.stand_in import PATIENT, link_to, running
 from tests.until import EVER
 
 Rig = tuple[StageLink, Graph, Receive, CanNode]
+SOON = 1.0
+"""s in which a block must come."""
+pytestmark = pytest.mark.stall(SOON / 2)
 
 
 @pytest.fixture(params=["fd", "classic"])
 def rig(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Rig]:
     path = tmp_path / "adapter"
-    with running(path, Settings(form=request.param)) as (node, _):
-        with StageLink(link_to(path, form=request.param, patience=1.0)) as link:
+    with running(path, Settings(form=request.param, silence=PATIENT)) as (node, _):
+        with StageLink(link_to(path, form=request.param, patience=SOON)) as link:
             graph, receive = Graph(link.rate, link.frames), Receive(link)
             graph.add("receive", receive)
             graph.prepare()

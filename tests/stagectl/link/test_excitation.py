@@ -14,10 +14,8 @@ from stagectl.link.stage_link import LinkFault, StageLink
 from stagectl.wire import messages
 from stagectl.wire.messages import Drive, State
 from stagectl.wire.samples import rounded
-from tests.stagectl.link.stand_in import FirstOrderStage, link_to, running
+from tests.stagectl.link.stand_in import PATIENT, FirstOrderStage, link_to, running
 
-PATIENT = 5.0
-"""s of silence that a busy test machine may need."""
 Rig = tuple[StageLink, CanNode, FirstOrderStage]
 WAVE = rounded(messages.VOLTAGE_DRIVE, 20.0 * np.sin(2 * np.pi * 40.0 * np.arange(1995) / 10_000))
 
@@ -25,7 +23,7 @@ WAVE = rounded(messages.VOLTAGE_DRIVE, 20.0 * np.sin(2 * np.pi * 40.0 * np.arang
 @pytest.fixture
 def rig(tmp_path: Path) -> Iterator[Rig]:
     with running(tmp_path / "adapter", Settings(silence=PATIENT, ramp=0.02, pace="host")) as (node, stage):
-        with StageLink(link_to(tmp_path / "adapter", silence=PATIENT)) as link:
+        with StageLink(link_to(tmp_path / "adapter")) as link:
             yield link, node, stage
 
 

@@ -31,7 +31,7 @@ def sensor(path: Path, **options: Any) -> Iterator[SerialNode]:
 
 
 def laser(path: Path, **options: Any) -> Laser:
-    return Laser(**{"device": str(path), "silence": 5.0} | options)
+    return Laser(**{"device": str(path), "silence": 10.0} | options)
 
 
 @pytest.mark.parametrize("mode", ["continuous", "request"])

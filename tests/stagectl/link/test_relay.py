@@ -9,15 +9,16 @@ from rigkit.relay.bus import RelayError
 from stagectl.link.stage_link import StageLink
 from stagectl.wire.messages import State
 from tests.rigkit.relay.listening import on_the_virtual_bus, virtual
-from tests.stagectl.link.stand_in import PATIENT, link_to, running
+from tests.stagectl.link.stand_in import PATIENT, SILENT, link_to, running
 from tests.until import until
 
 
+@pytest.mark.deadline(SILENT / 2)
 def test_it_is_closed_while_the_stage_is_heard_and_opens_for_a_fault_until_it_is_acknowledged(tmp_path: Path) -> None:
     path = tmp_path / "can"
     with (
         on_the_virtual_bus("stage") as heard,
-        running(path, Settings(silence=PATIENT, ramp=0.02)) as (node, _),
+        running(path, Settings(silence=SILENT, ramp=0.02)) as (node, _),
         StageLink(link_to(path, relay=virtual("stage"))) as link,
     ):
         heard.until(closed=True)

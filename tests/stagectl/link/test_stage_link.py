@@ -13,7 +13,7 @@ from stagectl.link.stage_link import StageLink
 from stagectl.link.upload import upload
 from stagectl.wire.messages import Fault, State
 from stagectl.wire.parameters import checksum, pack_parameters
-from tests.stagectl.link.stand_in import PATIENT, FirstOrderStage, link_to, running
+from tests.stagectl.link.stand_in import PATIENT, SILENT, FirstOrderStage, link_to, running
 from tests.until import EVER
 
 Rig = tuple[StageLink, CanNode, FirstOrderStage]
@@ -52,15 +52,16 @@ def test_parameters_that_the_loops_refuse_change_nothing(rig: Rig) -> None:
 
 def test_python_cans_own_bus_reaches_the_stage_as_well(tmp_path: Path) -> None:
     path = tmp_path / "adapter"
-    with running(path, Settings(others_every=0)):
+    with running(path, Settings(others_every=0, silence=PATIENT)):
         with StageLink(link_to(path, bus="can:Bus", options={"interface": "slcan"})) as link:
             assert link.wait(link.skip() + 200, EVER)
             assert link.counts.garbled == 0
 
 
+@pytest.mark.deadline(SILENT / 2)
 def test_a_stage_without_references_stops_by_itself_and_the_link_latches(tmp_path: Path) -> None:
     events: list[str] = []
-    with running(tmp_path / "adapter", Settings()) as (_, stage):
+    with running(tmp_path / "adapter", Settings(silence=SILENT)) as (_, stage):
         link = link_to(tmp_path / "adapter")
         with StageLink(link, lambda event, fields: events.append(f"{event} {dict(fields)}")) as opened:
             opened.start()

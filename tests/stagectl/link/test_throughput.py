@@ -72,6 +72,7 @@ def stream(path: Path, blocks: int) -> None:
             assert link.state is State.FOLLOWING
 
 
+@pytest.mark.deadline(0.05)
 def test_nothing_is_lost_in_3_seconds(tmp_path: Path) -> None:
     stream(tmp_path / "adapter", 3000)
 

@@ -17,6 +17,7 @@ import numpy as np
 from rigkit import config as rig_file
 from rigkit.service.config import Daemon
 from tests.rigkit.service.served import ROOT, Served, answering, free_port, offspring
+from tests.until import EVER
 from vibractl.config import Audio, Learning, Reference, RigConfig, Simulator
 from vibractl.model_file import write_model
 from vibractl.transfer_matrix import TransferMatrix
@@ -67,7 +68,7 @@ class KilledDaemon(Served):
         before = self.written()
         self.process.send_signal(signal.SIGKILL)
         for pid in others:
-            assert select.select([pid], [], [], 30)[0], "a process outlived the rig's"
+            assert select.select([pid], [], [], EVER)[0], "a process outlived the rig's"
             os.close(pid)
         self.process.wait()
         if not self.log.exists():

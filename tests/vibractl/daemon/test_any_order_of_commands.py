@@ -6,6 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
@@ -123,10 +124,22 @@ class Walk:
         return self.control.desk.plain()["done"] if self.control.desk else float("inf")
 
 
-@settings(max_examples=8, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=2, suppress_health_check=[HealthCheck.too_slow])
 @example(["stop", "arm", "begin", "play", "stop"])
 @given(st.lists(st.sampled_from(COMMANDS), min_size=4, max_size=14))
 def test_commands_in_any_order(commands: list[str]) -> None:
+    walked(commands)
+
+
+@pytest.mark.slow
+@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
+@given(st.lists(st.sampled_from(COMMANDS), min_size=4, max_size=14))
+def test_many_commands_in_any_order(commands: list[str]) -> None:
+    walked(commands)
+
+
+def walked(commands: list[str]) -> None:
+    """Give the commands in the midst of a run, and look at the states and the drive that came of it."""
     with tempfile.TemporaryDirectory() as folder:
         walk = Walk(Path(folder))
         for command in ("arm", "begin", "wait", "play", *commands):

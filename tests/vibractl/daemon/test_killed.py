@@ -13,6 +13,7 @@ from tests.vibractl.daemon.killed import straight_daemon
 from tests.vibractl.daemon.kills import MUTE_AFTER, kills, whole
 
 
+@pytest.mark.deadline(0.3)
 def test_a_daemon_killed_while_it_plays_falls_silent_and_goes_on_where_it_was(tmp_path: Path) -> None:
     with straight_daemon(tmp_path) as daemon:
         daemon.command("arm")
