@@ -1,13 +1,13 @@
 """The simulated laboratory: a plant block between the converters of an audio card, wired as on the bench."""
 
-import inspect
 from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
 
 from ctlblocks.block import Block
-from rigkit.config import resolve
+from rigkit.config import ConfigError
+from rigkit.named_code import named_block
 
 PLANTS = {
     "vibrator": "firmware_sim.plant_blocks:Vibrator",
@@ -142,17 +142,9 @@ def plant_block(name: str, options: dict[str, Any]) -> Block:
             f"simulator.plant is {name!r}, must be {', '.join(PLANTS)}, or package.module:Class of a Block"
         )
     try:
-        build = resolve(PLANTS.get(name, name))
-    except ValueError as fault:
+        return named_block(PLANTS.get(name, name), options)
+    except ConfigError as fault:
         raise ValueError(f"simulator.plant, {fault}") from fault
-    if not (isinstance(build, type) and issubclass(build, Block)):
-        raise ValueError(f"simulator.plant is {name!r}, must be the class of a Block")
-    try:
-        inspect.signature(build).bind(**options)
-    except TypeError as fault:
-        known = ", ".join(inspect.signature(build).parameters) or "none"
-        raise ValueError(f"simulator.options for plant {name!r}: {fault}; there are {known}") from fault
-    return build(**options)
 
 
 def _refuse_wrong_ports(plant: Block, wiring: Wiring) -> None:

@@ -14,7 +14,11 @@ from rigkit.config_fault import ConfigError, explained
 from rigkit.config_source import Override, file_values
 from rigkit.config_text import dump, example
 
-__all__ = ["ConfigError", "Section", "dump", "example", "load", "refuse_absent", "resolve", "setting"]
+__all__ = ["ConfigError", "Section", "code", "dump", "example", "load", "refuse_absent", "resolve", "setting"]
+
+CODE = "code"
+"""Marks, in the schema of a key, that it names code."""
+CLASS = r"^[\w.]+:\w+$"
 
 
 class Section(BaseModel):
@@ -32,6 +36,14 @@ def setting(default: Any, unit: str, text: str, **limits: Any) -> Any:
     `limits` are pydantic's own (`ge`, `gt`, `le`, `lt`, `min_length`, `max_length`, `pattern`).
     """
     return Field(default=default, description=text, json_schema_extra={"unit": unit}, **limits)
+
+
+def code(default: str, text: str, pattern: str | None = CLASS) -> Any:
+    """Declare one key of a `Section` that names code as "package.module:Class": its default and what it is for.
+
+    `pattern` is of what else it may be; None if that is anything.
+    """
+    return Field(default=default, description=text, json_schema_extra={"unit": "", CODE: True}, pattern=pattern)
 
 
 def load(path: str | Path | None, model: type[Model], overrides: Sequence[str] = ()) -> Model:

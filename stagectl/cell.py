@@ -6,10 +6,10 @@ from ctlblocks import Block, Graph, Port
 from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
 from ctlblocks.replay import Record, Replay
+from rigkit.named_code import named_block
 from stagectl.config import StageConfig
 from stagectl.deflection import DeflectionReference
 from stagectl.held_reference import HeldReference, Hold, unheld
-from stagectl.named_block import named_block
 from stagectl.setup import Setup
 from stagectl.stage.loop import Stage
 

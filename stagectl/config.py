@@ -5,10 +5,10 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from rigkit.config import Section, setting
+from rigkit.config import Section, code, setting
 from rigkit.service.config import Daemon
 from stagectl.characterisation import Characterisation
-from stagectl.link.config import CLASS, Laser, Link
+from stagectl.link.config import Laser, Link
 
 Range = tuple[float, float]
 PerAxis = tuple[float, ...]
@@ -185,11 +185,9 @@ class Session(Section):
 class Simulator(Section):
     """The laboratory without the laboratory; a live run does not read it."""
 
-    plant: str = setting("firmware_sim.stage_blocks:PiezoStage", "", "module:Class of the stage's Block", pattern=CLASS)
+    plant: str = code("firmware_sim.stage_blocks:PiezoStage", "module:Class of the stage's Block")
     options: dict[str, Any] = setting({}, "", "keywords it is built with")
-    surroundings: str = setting(
-        "stagectl.still:Still", "", "module:Class of the Block that pushes and moves it", pattern=CLASS
-    )
+    surroundings: str = code("stagectl.still:Still", "module:Class of the Block that pushes and moves it")
     surroundings_options: dict[str, Any] = setting({}, "", "keywords that is built with")
 
 
@@ -231,6 +229,12 @@ class StageConfig(Section):
         for key, values in self.weights:
             if len(values) != (axes if self.weights.bandwidth else 0) or not all(value >= 0 for value in values):
                 raise ValueError(f"weights.{key} is {values}, must be {axes} numbers >= 0, or none in all of [weights]")
+        for key, is_on in (("deflection.on", self.deflection.on), ("session.compare", self.session.compare)):
+            if self.session.live and is_on:
+                raise ValueError(
+                    f"{key} is true, must be false where session.live is: a live run reads no laser yet, so it cannot "
+                    "compensate; the simulated stage does"
+                )
         if not self.session.lead >= 2.5 * self.limits.ramp:
             raise ValueError(
                 f"session.lead is {self.session.lead:g} s, must be >= {2.5 * self.limits.ramp:g} s: two of limits.ramp "

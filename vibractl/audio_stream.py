@@ -4,7 +4,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from rigkit.config import resolve
+from rigkit.named_code import named_class
 from vibractl.config import Audio, RigConfig
 
 
@@ -67,7 +67,7 @@ def channels(audio: Audio) -> tuple[int, int]:
 def _constructor(config: RigConfig) -> tuple[Any, Any]:
     """Return the module and the constructor; a class that wants to see the whole rig file first has `from_config`."""
     try:
-        found = resolve(config.audio.stream)
+        found = named_class(config.audio.stream, "the class of an audio stream, as sounddevice:Stream is", _is_stream)
     except ValueError as fault:
         hint = "; on Debian: apt-get install libportaudio2" if "PortAudio" in str(fault) else ""
         raise AudioError(f"audio.stream, {fault}{hint}") from fault
@@ -75,6 +75,10 @@ def _constructor(config: RigConfig) -> tuple[Any, Any]:
         return sys.modules[found.__module__], found.from_config(config) if hasattr(found, "from_config") else found
     except ValueError as fault:
         raise AudioError(str(fault)) from fault
+
+
+def _is_stream(found: type) -> bool:
+    return all(callable(getattr(found, each, None)) for each in ("start", "stop", "abort", "close"))
 
 
 def _refuse_missing_channels(module: Any, audio: Audio, inputs: int, outputs: int) -> None:

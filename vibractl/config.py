@@ -5,7 +5,7 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from rigkit.config import Section, setting
+from rigkit.config import Section, code, setting
 from rigkit.relay.config import Relay
 from rigkit.service.config import Daemon
 from vibractl.channel_map import collision
@@ -22,9 +22,7 @@ class Rig(Section):
 class Audio(Section):
     """The audio interface: one full-duplex stream for the whole session."""
 
-    stream: str = setting(
-        "firmware_sim.audio:Stream", "", "module:Class with sounddevice.Stream's constructor", pattern=r"^[\w.]+:\w+$"
-    )
+    stream: str = code("firmware_sim.audio:Stream", "module:Class with sounddevice.Stream's constructor")
     device: str = setting("", "", "device name, for input and output alike; empty for the default")
     rate: int = setting(44_100, "samples/s", "sample rate", ge=8_000, le=192_000)
     blocksize: int = setting(512, "samples", "samples a callback", ge=16, le=8_192)
@@ -199,7 +197,7 @@ class Characterisation(Section):
 class Simulator(Section):
     """The laboratory without the laboratory; read by firmware_sim alone."""
 
-    plant: str = setting("vibrator", "", "vibrator, impulse-response, or package.module:Class of a Block")
+    plant: str = code("vibrator", "vibrator, impulse-response, or package.module:Class of a Block", pattern=None)
     speed: float = setting(0.0, "1", "multiple of real time; 0 as fast as it goes", ge=0, le=1_000)
     options: dict[str, Any] = setting({}, "", "keywords the plant is built with")
 

@@ -21,8 +21,8 @@ from calibration.joint_clamping.requests import Requests
 from ctlblocks import Block, recording
 from ctlblocks.recording import Recording
 from rigkit import atomic
+from rigkit.named_code import named_block
 from stagectl.link.bus import LinkError
-from stagectl.named_block import named_block
 from stagectl.robot.clamp_config import clamp_procedure
 from stagectl.robot.clamp_search import ClampSearch
 from stagectl.robot.config import CellConfig

@@ -4,7 +4,7 @@ from typing import Any
 
 import can
 
-from rigkit.config import resolve
+from rigkit.named_code import named_class
 from rigkit.relay.config import Relay
 
 Down = (can.CanError, OSError)
@@ -32,7 +32,7 @@ class RelayBus:
 
     def __init__(self, relay: Relay) -> None:
         try:
-            build = resolve(relay.bus)
+            build = named_class(relay.bus, "the class of a python-can bus", lambda found: issubclass(found, can.BusABC))
         except ValueError as fault:
             raise ValueError(f"relay.bus, {fault}") from fault
         try:

@@ -2,18 +2,15 @@
 
 from typing import Any
 
-from rigkit.config import Section, setting
+from rigkit.config import Section, code, setting
 from rigkit.relay.frame import IDENTIFIER
 
 
 class Relay(Section):
     """A relay in the amplifier's supply, which closes while frames on a CAN bus say that all is well."""
 
-    bus: str = setting(
-        "",
-        "",
-        "module:Class with can.Bus's constructor, such as can:Bus; no frames if empty",
-        pattern=r"^([\w.]+:\w+)?$",
+    bus: str = code(
+        "", "module:Class with can.Bus's constructor, such as can:Bus; no frames if empty", r"^([\w.]+:\w+)?$"
     )
     channel: str = setting("can0", "", "the interface's name, or the adapter's port", min_length=1)
     identifier: int = setting(

@@ -8,6 +8,7 @@ from rigkit import config as rig_file
 from rigkit.config import resolve
 from rigkit.disk_space import RESERVE, free
 from rigkit.faults import FaultTable
+from rigkit.named_code import KnownCode
 from rigkit.service.not_begun import making
 from rigkit.service.reload import Change, Reach, reloaded, taken
 from rigkit.service.rig import Desk, Procedure
@@ -61,6 +62,7 @@ class PiezoStage:
 
     def __init__(self, load: Callable[[], StageConfig]) -> None:
         self._load, self.config = load, load()
+        self._known = KnownCode(self.config)
         self.name = self.config.rig.name
         self._ready: Ready | None = None
         self._under_way: _UnderWay | None = None
@@ -127,6 +129,7 @@ class PiezoStage:
     def reload(self) -> Change:
         """Read the rig file again: what a run is told holds from the next one on, the rest from the next arming on."""
         new = self._load()
+        self._known.refuse_other(new)
         return reloaded(self.config, new, REACHES, lambda change: self._take(new, change))
 
     def _take(self, new: StageConfig, change: Change) -> str:

@@ -8,6 +8,7 @@ import typer
 
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.named_code import named_block
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
 from stagectl.feed import process_session, session
@@ -19,7 +20,6 @@ from stagectl.feed.report import HEAD, PAGE, TYPE_HEAD, feed_report, pocket_rows
 from stagectl.feed.surroundings import plants_of
 from stagectl.link.tell import nobody
 from stagectl.machining.run import Conduct, offline, paced
-from stagectl.named_block import named_block
 from stagectl.planning.pocket import PLANNERS, UNTRAINED
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_needless_yes, refuse_unattended

@@ -2,8 +2,7 @@
 
 from typing import Any
 
-from rigkit.config import Section, setting
-from stagectl.link.config import CLASS
+from rigkit.config import Section, code, setting
 
 Six = tuple[float, float, float, float, float, float]
 
@@ -31,9 +30,7 @@ class SegmentTask(Section):
 class FeedPlants(Section):
     """What is milled without the wood; robot and force sensor are those of `plants`."""
 
-    cut: str = setting("firmware_sim.oak_blocks:OakCut", "", "module:Class of the cut's Block", pattern=CLASS)
+    cut: str = code("firmware_sim.oak_blocks:OakCut", "module:Class of the cut's Block")
     cut_options: dict[str, Any] = setting({}, "", "keywords it is built with")
-    process: str = setting(
-        "firmware_sim.feed_blocks:FedTool", "", "module:Class of the process of fig. 7.5", pattern=CLASS
-    )
+    process: str = code("firmware_sim.feed_blocks:FedTool", "module:Class of the process of fig. 7.5")
     process_options: dict[str, Any] = setting({}, "", "keywords it is built with")

@@ -7,12 +7,12 @@ from ctlblocks.basic import Gain
 from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
 from ctlblocks.replay import Record, Replay
+from rigkit.named_code import named_block
 from stagectl.feed.feed_seen import FeedSeen
 from stagectl.feed.plan import RATE, FeedPlan
 from stagectl.feed.recorded import SLOW
 from stagectl.feed.run import LEAD
 from stagectl.machining.recorded import ROBOT
-from stagectl.named_block import named_block
 from stagectl.robot.tool_place import ToolPlace
 from stagectl.robot.wired_port import WiredPort
 

@@ -9,8 +9,8 @@ from ctlblocks import Graph, Port
 from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
 from ctlblocks.replay import Record, Replay
+from rigkit.named_code import named_block
 from stagectl.models import InnovationModel
-from stagectl.named_block import named_block
 from stagectl.robot.milling.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force import FeedForce
 from stagectl.robot.milling.feed_force_kernel import CONTROLLING

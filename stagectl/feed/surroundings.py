@@ -5,11 +5,11 @@ from collections.abc import Callable
 from ctlblocks import Block, Graph
 from ctlblocks.recording import Recording
 from ctlblocks.replay import Replay
+from rigkit.named_code import named_block
 from stagectl.feed.plan import FeedPlan
 from stagectl.feed.recorded import FORCE, SLOW
 from stagectl.machining.recorded import ROBOT
 from stagectl.machining.surroundings import Sources
-from stagectl.named_block import named_block
 
 Surroundings = Callable[[Graph, FeedPlan], Sources]
 """Adds what surrounds the controllers, which are in the graph already, and wires it to them."""

@@ -4,7 +4,7 @@ from typing import Any
 
 import can
 
-from rigkit.config import resolve
+from rigkit.named_code import named_class
 from stagectl.link.config import Link
 
 LinkDown = (can.CanError, OSError)
@@ -32,7 +32,7 @@ def open_bus(link: Link) -> can.BusABC:
     ValueError : there is no such class.
     """
     try:
-        build = resolve(link.bus)
+        build = named_class(link.bus, "the class of a python-can bus", lambda found: issubclass(found, can.BusABC))
     except ValueError as fault:
         raise ValueError(f"link.bus, {fault}") from fault
     try:

@@ -4,20 +4,16 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from rigkit.config import Section, setting
+from rigkit.config import Section, code, setting
 from rigkit.relay.config import Relay
 from stagectl.wire.bus_load import least_load
 from stagectl.wire.messages import HOLD, SILENCE
-
-CLASS = r"^[\w.]+:\w+$"
 
 
 class Link(Section):
     """The CAN bus to the stage's processor."""
 
-    bus: str = setting(
-        "stagectl.link.slcan:SlcanBus", "", "module:Class with can.Bus's constructor, such as can:Bus", pattern=CLASS
-    )
+    bus: str = code("stagectl.link.slcan:SlcanBus", "module:Class with can.Bus's constructor, such as can:Bus")
     channel: str = setting("/dev/ttyACM0", "", "the adapter's port, or the interface's name", min_length=1)
     form: Literal["fd", "classic"] = setting("fd", "", "CAN FD: ten samples a frame; classic CAN: one in ten")
     bitrate: int = setting(1_000_000, "bit/s", "of a classic bus, and of the arbitration", ge=125_000, le=1_000_000)
@@ -48,7 +44,7 @@ class Link(Section):
 class Laser(Section):
     """The laser displacement sensor on a serial line, Keyence LK-G kind."""
 
-    port: str = setting("serial:Serial", "", "module:Class with serial.Serial's constructor", pattern=CLASS)
+    port: str = code("serial:Serial", "module:Class with serial.Serial's constructor")
     device: str = setting("/dev/ttyUSB0", "", "the serial port", min_length=1)
     baud: int = setting(115_200, "bit/s", "as set on the sensor's controller", ge=9_600, le=921_600)
     mode: Literal["continuous", "request"] = setting(

@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 
 from ctlblocks.block import Block, Port
-from rigkit.config import resolve
+from rigkit.named_code import named_class
 from stagectl.link.bus import LinkError
 from stagectl.link.config import Laser
 from stagectl.link.laser_protocol import LaserError, Lines, reading, request
@@ -107,7 +107,7 @@ class LaserLine:
 
     def _opened(self) -> Any:
         try:
-            build = resolve(self.laser.port)
+            build = named_class(self.laser.port, "the class of a pyserial port", _is_port)
         except ValueError as fault:
             raise ValueError(f"laser.port, {fault}") from fault
         try:
@@ -127,6 +127,10 @@ class LaserLine:
         port, self._port = self._port, None
         if port is not None:
             port.close()
+
+
+def _is_port(found: type) -> bool:
+    return all(hasattr(found, each) for each in ("in_waiting", "read", "write", "close"))
 
 
 class Displacement(Block):

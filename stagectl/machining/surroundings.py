@@ -5,9 +5,9 @@ from collections.abc import Callable, Mapping
 from ctlblocks import Graph
 from ctlblocks.recording import Recording
 from ctlblocks.replay import Replay
+from rigkit.named_code import named_block
 from stagectl.machining.plan import Plan
 from stagectl.machining.recorded import EVERY, LASER, PLATE, QUICK, ROBOT, SLOW, TRACKER, Signal
-from stagectl.named_block import named_block
 from stagectl.still import Still
 
 Sources = Mapping[str, tuple[str, bool]]

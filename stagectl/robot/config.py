@@ -4,10 +4,10 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from rigkit.config import Section, setting
+from rigkit.config import Section, code, setting
 from rigkit.service.config import Daemon
 from stagectl.feed.config import FeedPlants, SegmentTask
-from stagectl.link.config import CLASS, Link
+from stagectl.link.config import Link
 from stagectl.robot.clamp_config import Clamping
 from stagectl.robot.force_config import ForceSensor
 from stagectl.robot.midranging.config import MidrangeConfig
@@ -91,9 +91,7 @@ class Simulator(Section):
     """The robot without the robot; a live run does not read it."""
 
     options: dict[str, Any] = setting({}, "", "keywords the simulated robot is built with")
-    clamped: str = setting(
-        "firmware_sim.clamped_robot:ClampedRobot", "", "module:Class of its Block for `calibrate joints`", pattern=CLASS
-    )
+    clamped: str = code("firmware_sim.clamped_robot:ClampedRobot", "module:Class of its Block for `calibrate joints`")
     clamp: float = setting(2e-8, "m/N", "compliance of what its clamp is fastened to, along each axis", ge=0, le=1e-4)
     clamp_turn: float = setting(2e-7, "rad/(N m)", "and about each axis", ge=0, le=1e-2)
     slip: float = setting(5e3, "N", "force beyond which the clamp slips", gt=0, le=1e9)

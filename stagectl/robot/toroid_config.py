@@ -4,8 +4,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from rigkit.config import Section, setting
-from stagectl.link.config import CLASS
+from rigkit.config import Section, code, setting
 
 Positive = Annotated[float, Field(gt=0, le=200)]
 Three = tuple[Positive, Positive, Positive]
@@ -47,21 +46,13 @@ class Feedback(Section):
 class Plants(Section):
     """The cell without the cell; the stage and its options are those of the stage's own file."""
 
-    robot: str = setting(
-        "firmware_sim.guided_robot:GuidedRobot", "", "module:Class of the robot's Block", pattern=CLASS
-    )
+    robot: str = code("firmware_sim.guided_robot:GuidedRobot", "module:Class of the robot's Block")
     robot_options: dict[str, Any] = setting({}, "", "keywords it is built with, beside simulator.options")
-    cut: str = setting("firmware_sim.toroid_blocks:Toroid", "", "module:Class of the cut's Block", pattern=CLASS)
+    cut: str = code("firmware_sim.toroid_blocks:Toroid", "module:Class of the cut's Block")
     cut_options: dict[str, Any] = setting({}, "", "keywords it is built with")
-    pocket: str = setting(
-        "firmware_sim.milling_blocks:PocketCut", "", "module:Class of the pocket's Block", pattern=CLASS
-    )
+    pocket: str = code("firmware_sim.milling_blocks:PocketCut", "module:Class of the pocket's Block")
     pocket_options: dict[str, Any] = setting({}, "", "keywords it is built with")
-    tracker: str = setting(
-        "firmware_sim.tracker_block:TrackerView", "", "module:Class of the tracker's Block", pattern=CLASS
-    )
+    tracker: str = code("firmware_sim.tracker_block:TrackerView", "module:Class of the tracker's Block")
     tracker_options: dict[str, Any] = setting({}, "", "keywords it is built with")
-    force_sensor: str = setting(
-        "firmware_sim.force_sensor_block:ForceSensor", "", "module:Class of the force sensor's Block", pattern=CLASS
-    )
+    force_sensor: str = code("firmware_sim.force_sensor_block:ForceSensor", "module:Class of the force sensor's Block")
     force_sensor_options: dict[str, Any] = setting({}, "", "keywords it is built with")

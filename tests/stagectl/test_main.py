@@ -77,3 +77,15 @@ def test_a_folder_that_is_no_run_is_refused(
     for command in ("replay", "report"):
         assert stagectl(monkeypatch, command, str(tmp_path)) == 2
         assert "is not the folder of a run: it has no config.toml" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("setting", ["deflection.on=true", "session.compare=true"])
+def test_what_a_live_run_has_no_laser_for_is_refused_and_not_passed_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], setting: str
+) -> None:
+    out = tmp_path / "run"
+    monkeypatch.setattr("sys.argv", ["stagectl", "run", "--live", "--set", setting, "--out", str(out)])
+    assert main() == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"{setting.partition('=')[0]} is true, must be false where session.live is" in line
+    assert not out.exists()

@@ -22,6 +22,9 @@ class ManualStream:
     def stop(self) -> None:
         self.active = False
 
+    def abort(self) -> None:
+        self.active = False
+
     def close(self) -> None:
         self.active = False
 

@@ -69,7 +69,7 @@ def test_what_cannot_be_opened_there_is_said_here(tmp_path: Path) -> None:
         pass
     bad = rig(tmp_path).model_copy(update={"simulator": Simulator(plant="vibrator", options={"seeds": 1})})
     with (
-        pytest.raises(AudioError, match="simulator.options for plant 'vibrator': .*seeds.*; there are seed,"),
+        pytest.raises(AudioError, match="Vibrator does not take these options: .*seeds.*; there are seed,"),
         Line(bad),
     ):
         pass

@@ -13,7 +13,7 @@ from vibractl.__main__ import main
     ("setting", "words"),
     [
         ("simulator.plant=no.such:Plant", "simulator.plant, no.such:Plant: there is no module no"),
-        ("simulator.plant=math:floor", "simulator.plant is 'math:floor', must be the class of a Block"),
+        ("simulator.plant=math:floor", "math:floor is a builtin_function_or_method, must be the class of a Block"),
         ("simulator.options.sed=1", "unexpected keyword argument 'sed'; there are seed, nonlinearity"),
         ("audio.stream=no_such:Stream", "audio.stream, no_such:Stream: there is no module no_such"),
         ("limits.peak=0.1", "limits.peak is 0.1 V"),

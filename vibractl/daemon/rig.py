@@ -8,7 +8,9 @@ from rigkit import config as rig_file
 from rigkit.config import refuse_absent, resolve
 from rigkit.disk_space import RESERVE, free, refuse_full
 from rigkit.faults import FaultTable
+from rigkit.named_code import KnownCode
 from rigkit.service.not_begun import making
+from rigkit.service.paths import run_path
 from rigkit.service.reload import Change, Reach, reloaded
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Gauge
@@ -17,6 +19,7 @@ from vibractl.config import RigConfig
 from vibractl.daemon.options import CalibrationOptions, RunOptions
 from vibractl.daemon.running import Running
 from vibractl.proof import SLIP
+from vibractl.session import settings_of
 from vibractl.supervision import Supervision, input_names
 
 CALIBRATION = "calibration.vibrator_procedure:CalibrationProcedure"
@@ -64,6 +67,7 @@ class Vibrator:
 
     def __init__(self, load: Callable[[], RigConfig]) -> None:
         self._load, self.config = load, load()
+        self._known = KnownCode(self.config)
         self.name = self.config.rig.name
         self._under_way: _UnderWay | None = None
         self.faults = FaultTable(input_names(self.config.audio)) if self.config.daemon.faults else None
@@ -123,6 +127,7 @@ class Vibrator:
     def reload(self) -> Change:
         """Read the rig file again; a run that goes on takes what it can."""
         new = self._load()
+        self._known.refuse_other(new)
         return reloaded(self.config, new, REACHES, lambda change: self._take(new, change))
 
     def _take(self, new: RigConfig, change: Change) -> str:
@@ -154,6 +159,8 @@ class Vibrator:
 
     def _run(self, desk: Desk, options: RunOptions) -> None:
         with making():
+            if options.resume:
+                self._known.refuse_other(settings_of(run_path(self.config.daemon.data, options.run)))
             running = Running(self.config, options, desk, self._supervision())
         self._follow(running)
 

@@ -1,18 +1,23 @@
 """The robot cell as the daemon's rig."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
 from rigkit import config as rig_file
-from rigkit.config import resolve
+from rigkit.config import Section, resolve
 from rigkit.disk_space import RESERVE, free, refuse_full
 from rigkit.faults import FaultTable
+from rigkit.named_code import KnownCode
+from rigkit.run_folder import CONFIG
 from rigkit.service.not_begun import making
+from rigkit.service.paths import data_file, run_path
 from rigkit.service.reload import Change, reloaded
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Gauge
+from stagectl.daemon.cell.options import CellOptions, IlcOptions
 from stagectl.daemon.cell.procedures import PROCEDURES
+from stagectl.machining.plan import stage_of
 from stagectl.robot.config import CellConfig
 from stagectl.robot.port import arm_of
 
@@ -48,6 +53,7 @@ class RobotCell:
 
     def __init__(self, load: Callable[[], CellConfig]) -> None:
         self._load, self.config = load, _usable(load())
+        self._known = KnownCode(self.config, stage_of(None))
         self.name = self.config.rig.name
         self._under_way: UnderWay | None = None
         self.procedures: Sequence[Procedure] = tuple(each.told(self._runner(each.maker)) for each in PROCEDURES)
@@ -82,6 +88,7 @@ class RobotCell:
     def reload(self) -> Change:
         """Read the cell's file again; it holds from the next procedure on."""
         new = _usable(self._load())
+        self._known.refuse_other(new)
         return reloaded(self.config, new, {}, lambda change: self._take(new, change))
 
     def _take(self, new: CellConfig, change: Change) -> str:
@@ -94,6 +101,8 @@ class RobotCell:
     def _runner(self, maker: str) -> Callable[[Desk, Any], None]:
         def run(desk: Desk, options: Any) -> None:
             with making():
+                for each in _led_to(self.config.daemon.data, options):
+                    self._known.refuse_other(each)
                 self._under_way = under_way = resolve(maker)(self.config, options, desk)
             try:
                 under_way.run()
@@ -101,6 +110,14 @@ class RobotCell:
                 self._under_way = None
 
         return run
+
+
+def _led_to(data: str, options: Any) -> Iterator[Section]:
+    """Read the rig files that options lead to, beside the daemon's own."""
+    if isinstance(options, CellOptions) and options.stage:
+        yield stage_of(data_file(data, "stage", options.stage))
+    if isinstance(options, IlcOptions) and options.resume and (file := run_path(data, options.run) / CONFIG).is_file():
+        yield rig_file.load(file, CellConfig)
 
 
 def _usable(config: CellConfig) -> CellConfig:

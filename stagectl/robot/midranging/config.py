@@ -5,8 +5,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from rigkit.config import Section, setting
-from stagectl.link.config import CLASS
+from rigkit.config import Section, code, setting
 
 Terms = tuple[float, ...]
 
@@ -79,9 +78,7 @@ class Session(Section):
 class Simulator(Section):
     """The pair without the robots."""
 
-    plant: str = setting(
-        "firmware_sim.macro_micro_blocks:MacroMicro", "", "module:Class of the pair's Block", pattern=CLASS
-    )
+    plant: str = code("firmware_sim.macro_micro_blocks:MacroMicro", "module:Class of the pair's Block")
     options: dict[str, Any] = setting({}, "", "keywords it is built with")
 
 

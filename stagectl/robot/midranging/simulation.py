@@ -8,8 +8,8 @@ import numpy as np
 from ctlblocks import Block, Graph
 from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
+from rigkit.named_code import named_block
 from rigkit.stop import Stopped
-from stagectl.named_block import named_block
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.scenario import Scenario
 from stagectl.robot.midranging.wiring import MEASURED, refuse_unready, split, wire

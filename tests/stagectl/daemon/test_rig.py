@@ -167,3 +167,9 @@ def test_a_reload_says_what_holds_when(lab: Lab) -> None:
 def test_faults_on_purpose_are_refused_for_a_live_stage(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"daemon.faults is true, must be false with session.live"):
         lab_in(tmp_path, "daemon.faults=true", "session.live=true")
+
+
+def test_a_reload_takes_no_code_that_the_daemon_was_not_started_with(lab: Lab) -> None:
+    edit(lab.file, lab.data, "laser.port=os:system")
+    with pytest.raises(ValueError, match="laser.port is 'os:system', must be code that the daemon was started with"):
+        lab.control.reload(lab.key)

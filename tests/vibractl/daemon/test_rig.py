@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rigkit import config as rig_file
 from rigkit.run_folder import read_events, read_quality
 from rigkit.service.state import State
 from tests.contract import monitoring
@@ -15,6 +16,7 @@ from tests.until import until
 from tests.vibractl.daemon.bench import Lab, lab_in
 from vibractl.config import RigConfig
 from vibractl.daemon import running
+from vibractl.daemon.rig import Vibrator
 from vibractl.replay import replay
 from vibractl.session import setup_of
 
@@ -176,12 +178,28 @@ def test_arming_does_not_import_what_opens_the_audio_interface(lab: Lab, monkeyp
     (lab.data / "explodes.py").write_text("raise RuntimeError('imported')\n")
     monkeypatch.syspath_prepend(str(lab.data))
     lab.edit("audio.stream=explodes:Stream")
-    lab.control.reload(lab.key)
-    lab.control.arm(lab.key, "a test")
-    assert lab.state is State.ARMED
-    lab.control.disarm(lab.key, "")
+    started_anew(lab).arm()
     lab.edit("audio.stream=nowhere:Stream")
-    lab.control.reload(lab.key)
     with pytest.raises(ValueError, match="nowhere:Stream: there is no module nowhere on the Python path"):
-        lab.control.arm(lab.key, "a test")
-    assert lab.state is State.DISARMED
+        started_anew(lab).arm()
+
+
+def started_anew(lab: Lab) -> Vibrator:
+    """Return the rig of a daemon that is started with the rig file as it is now."""
+    return Vibrator(lambda: rig_file.load(lab.file, RigConfig))
+
+
+def test_over_the_network_nothing_is_imported_that_the_daemon_was_not_started_with(lab: Lab) -> None:
+    lab.begin(run="one", shots=1)
+    lab.ended()
+    config = lab.data / "runs" / "one" / "config.toml"
+    config.write_text(config.read_text().replace("firmware_sim.audio:Stream", "tests.rigkit.never_imported:Stream"))
+    lab.begin(run="one", resume=True, shots=2)
+    lab.ended()
+    assert lab.state is State.ARMED
+    why = lab.control.machine.last.why
+    assert "audio.stream is 'tests.rigkit.never_imported:Stream', must be code that the daemon" in why
+    lab.edit("simulator.plant=subprocess:Popen")
+    with pytest.raises(ValueError, match="simulator.plant is 'subprocess:Popen', must be code that"):
+        lab.control.reload(lab.key)
+    assert lab.rig.config.simulator.plant != "subprocess:Popen"

@@ -196,3 +196,16 @@ def test_a_file_tells_by_its_tables_which_rig_it_is_of(tmp_path: Path) -> None:
     file.write_text("[outer]\n[robot]\n")
     with pytest.raises(ConfigError, match=r"rig.toml: \[outer\] is a stage's and \[robot\] is a robot cell's, must be"):
         kind_of(file)
+
+
+def test_a_stage_s_file_that_names_foreign_code_is_refused_before_it_is_imported(lab: Lab) -> None:
+    named = '[simulator]\nplant = "subprocess:Popen"\noptions = {args = ["touch", "touched"]}\n'
+    (lab.data / "stage.toml").write_text(named)
+    lab.begin("cell", setup="C", stage="stage.toml")
+    lab.ended()
+    assert lab.state is State.ARMED
+    assert "simulator.plant is 'subprocess:Popen', must be code that the daemon was started with" in lab.why
+    assert not Path("touched").exists()
+    edit(lab.file, lab.data, "plants.robot=os:system")
+    with pytest.raises(ValueError, match="plants.robot is 'os:system', must be code that the daemon was started with"):
+        lab.control.reload(lab.key)

@@ -92,7 +92,7 @@ def test_the_table_is_a_list_of_rows(tmp_path: Path, monkeypatch: pytest.MonkeyP
         (["--scenario", "thesis-1", "--set", "midranging.simulator.options.mass=1"], "does not take these options"),
         (
             ["--scenario", "thesis-1", "--set", "midranging.simulator.plant=numpy:array"],
-            "numpy:array does not take these options",
+            "numpy:array is a builtin_function_or_method, must be the class of a Block",
         ),
     ],
 )
