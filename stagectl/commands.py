@@ -87,10 +87,10 @@ def run_command(
     given += ["session.live=true"] * live
     laid_over = [*(settings or []), *given]
     made = rig_file.load(config, StageConfig, laid_over)
-    if scenario is not None:
-        made = rig_file.load(config, StageConfig, [*scenario_settings(scenario, made.session), *laid_over])
     if made.session.live and scenario is not None:
         raise ValueError("--live runs the stage on what is there: --scenario is for the simulator")
+    if scenario is not None:
+        made = rig_file.load(config, StageConfig, [*scenario_settings(scenario, made.session), *laid_over])
     folder, put_together = session.create(out, made, model or [])
     with folder:
         _end(_run(folder, put_together), out, json)
