@@ -59,7 +59,7 @@ docs: setup      ## regenerate what is generated: docs/*.toml, docs/config-refer
 	$(BIN)/python -c 'import sys; from rigkit.relay.frame import dbc_text; sys.stdout.write(dbc_text())' > rigkit/relay/relay.dbc
 
 clean:           ## remove .venv, caches and builds
-	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis .benchmarks
+	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis .benchmarks .schemathesis
 	find $(PACKAGES) tests benchmarks examples -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # --- what the targets above are made of ---------------------------------------------------------

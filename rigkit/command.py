@@ -14,6 +14,7 @@ from rich.text import Text
 
 from rigkit import atomic
 from rigkit.json_text import json_text
+from rigkit.provenance import software
 from rigkit.stop import Stopped
 
 USER_ERROR = 2
@@ -46,9 +47,12 @@ JsonOption = Annotated[
 
 
 def application(purpose: str) -> typer.Typer:
-    """Make a command line without commands that says `purpose` in its help; `command` of the result adds them."""
+    """Make a command line without commands that says `purpose` in its help; `command` of the result adds them.
+
+    Its own option `--version` says which software it is.
+    """
     app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="markdown")
-    app.callback(help=purpose)(_no_options)  # so that a lone command keeps its name
+    app.callback(help=purpose)(_own_options)  # so that a lone command keeps its name, too
     return app
 
 
@@ -115,8 +119,18 @@ def print_table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]], 
     Console(file=stream, width=None if stream.isatty() else WIDEST_TABLE).print(table)
 
 
-def _no_options() -> None:
-    """Stand for the command line itself, which has no options of its own."""
+def _say_version(is_wanted: bool) -> None:
+    if is_wanted:
+        sys.stdout.write(f"{software(())}\n")
+        raise typer.Exit
+
+
+def _own_options(
+    version: Annotated[  # noqa: ARG001 (read by its callback)
+        bool, typer.Option("--version", is_eager=True, callback=_say_version, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    """Stand for the command line itself."""
 
 
 def _end(text: str, status: int) -> int:

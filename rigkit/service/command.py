@@ -27,7 +27,7 @@ from rigkit.service.config import Daemon
 from rigkit.service.daemon import LOCK, run
 from rigkit.service.rig import Rig
 
-_QUICK = (["status"], ["stop"])
+_QUICK = (["status"], ["stop"], ["--version"])
 """First words of command lines which are not to wait for anything."""
 
 _COLOURS = {"good": "green", "near": "yellow", "over": "red", "unknown": "dim", "free": ""}
@@ -68,7 +68,7 @@ def add_daemon_commands(app: typer.Typer, choose: Choose) -> None:
 
 
 def run_application(app: typer.Typer, commands: str, *packages: str) -> int:
-    """Run a rig's command line and return its exit status; `status` and `stop` wait for no other command's imports.
+    """Run a rig's command line and return its exit status; what is quick waits for no other command's imports.
 
     Parameters
     ----------

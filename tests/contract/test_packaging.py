@@ -1,9 +1,12 @@
 """What is installed on a lab PC: systemd understands its units, they let in little, and the commands in them exist."""
 
+import importlib
 import re
 import shlex
 import shutil
 import subprocess
+import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -17,6 +20,7 @@ from vibractl.commands import app as vibractl
 UNITS = sorted((ROOT / "packaging" / "systemd").iterdir())
 SERVICES = {"vibractl.service": 2.0, "stagectl.service": 2.5, "vibrostage-prune.service": 1.5}
 """Exposure by `systemd-analyze security`, of 10, at most."""
+PROGRAMS = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"]
 ANALYZE = shutil.which("systemd-analyze") or ""
 
 needs_systemd = pytest.mark.skipif(not ANALYZE, reason="no systemd-analyze here (apt-get install systemd)")
@@ -67,3 +71,14 @@ def test_the_limits_and_rules_are_of_a_form_that_their_readers_take() -> None:
     rules = (ROOT / "packaging/udev/60-vibrostage.rules").read_text().splitlines()
     for rule in (line for line in rules if line and not line.startswith("#")):
         assert re.fullmatch(rf"{pair}(, {pair})*", rule), rule
+
+
+@pytest.mark.parametrize(("program", "place"), PROGRAMS.items())
+def test_every_program_says_its_version_and_python_m_is_the_same_program(
+    program: str, place: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    module, _, main = place.partition(":")
+    assert module.endswith(".__main__")
+    monkeypatch.setattr(sys, "argv", [program, "--version"])
+    assert getattr(importlib.import_module(module), main)() == 0
+    assert re.fullmatch(r"vibrostage \d+\.\d+\.\d+( \([0-9a-f]{12}\+?\))?, Python [\d.]+\n", capsys.readouterr().out)
