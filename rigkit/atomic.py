@@ -1,11 +1,11 @@
-"""Files that are there whole or not at all: written under a temporary name beside the place, then renamed."""
+"""Files and folders that are there whole or not at all: a file is written under another name beside its place first."""
 
 import errno
 import os
 import re
 import secrets
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 _TEMPORARY = re.compile(r"\..+\.[0-9a-f]{8}\.tmp(\.\w+)?")
@@ -35,6 +35,20 @@ def write(path: str | Path, content: str | bytes) -> None:
     """Write a whole file, text as UTF-8, in one step."""
     with replacing(path) as temporary:
         temporary.write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+@contextmanager
+def folder(path: Path) -> Iterator[Path]:
+    """Make a folder, and those above it, to be filled; where the block raises, what was made and is empty goes again."""
+    absent = [each for each in (path, *path.parents) if not each.exists()]
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        yield path
+    except BaseException:
+        for made in absent:
+            with suppress(OSError):  # there is something in it
+                made.rmdir()
+        raise
 
 
 def leftovers(folder: Path) -> Iterator[Path]:

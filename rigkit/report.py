@@ -107,12 +107,11 @@ class Report:
 
     def png(self, folder: str | Path) -> list[Path]:
         """Write every figure as a PNG file named by its section, and return the files; makes the folder."""
-        folder = Path(folder)
-        folder.mkdir(parents=True, exist_ok=True)
-        written = []
-        for name, plot in self._named_plots():
-            written.append(folder / f"{name}.png")
-            atomic.write(written[-1], _rendered(plot.figure, "png"))
+        with atomic.folder(Path(folder)) as place:
+            written = []
+            for name, plot in self._named_plots():
+                written.append(place / f"{name}.png")
+                atomic.write(written[-1], _rendered(plot.figure, "png"))
         return written
 
     def _named_plots(self) -> Iterator[tuple[str, Plot]]:

@@ -11,6 +11,7 @@ from ctlblocks.recording import Recording
 from rigkit import atomic
 from rigkit.command import JsonOption, print_table, words, write_json
 from rigkit.export.mcap_file import write_mcap
+from rigkit.export.optional import refuse_missing
 from rigkit.export.parquet_file import write_recording
 from rigkit.provenance import software
 from rigkit.run_folder import CONFIG, EVENTS, SUMMARY
@@ -69,17 +70,17 @@ def export_run(path: Path, formats: Sequence[str] = FORMATS, out: Path | None = 
     files = recordings(path)
     if not files:
         raise ValueError(f"{path}: nothing is recorded")
-    folder = path / FOLDER if out is None else out.parent if single else out
-    folder.mkdir(parents=True, exist_ok=True)
-    written = []
-    if "mcap" in formats:
-        written.append(out if single and out is not None else folder / "run.mcap")
-        with atomic.replacing(written[-1]) as temporary:
-            _write_mcap(temporary, path, files)
-    for file in files if "parquet" in formats else ():
-        written.append(folder / f"{file.stem}.parquet")
-        with atomic.replacing(written[-1]) as temporary:
-            write_recording(temporary, recording.read(file))
+    refuse_missing(formats)
+    with atomic.folder(path / FOLDER if out is None else out.parent if single else out) as folder:
+        written = []
+        if "mcap" in formats:
+            written.append(out if single and out is not None else folder / "run.mcap")
+            with atomic.replacing(written[-1]) as temporary:
+                _write_mcap(temporary, path, files)
+        for file in files if "parquet" in formats else ():
+            written.append(folder / f"{file.stem}.parquet")
+            with atomic.replacing(written[-1]) as temporary:
+                write_recording(temporary, recording.read(file))
     return written
 
 

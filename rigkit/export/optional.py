@@ -1,7 +1,18 @@
 """Packages that only an export needs."""
 
 import importlib
+from collections.abc import Iterable
 from typing import Any
+
+_NEEDED = {"uff": "pyuff", "segy": "segyio", "mcap": "mcap.writer", "parquet": "pyarrow.parquet"}
+"""By format; the others need none."""
+
+
+def refuse_missing(formats: Iterable[str]) -> None:
+    """Refuse formats whose packages are not installed, before anything is written, by the ValueError of `optional`."""
+    for name in formats:
+        if name in _NEEDED:
+            optional(_NEEDED[name])
 
 
 def optional(package: str) -> Any:

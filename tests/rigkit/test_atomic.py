@@ -51,3 +51,20 @@ def test_a_missing_folder_is_named_and_not_the_temporary_file(tmp_path: Path) ->
     with pytest.raises(FileNotFoundError) as fault:
         atomic.write(tmp_path / "nowhere" / "figures.json", "")
     assert fault.value.filename == str(tmp_path / "nowhere")
+
+
+def test_a_folder_that_stays_empty_goes_again_with_those_above_it_that_were_made(tmp_path: Path) -> None:
+    def refuse(folder: Path, *names: str) -> None:
+        with atomic.folder(folder) as made:
+            for name in names:
+                (made / name).write_text("")
+            raise ValueError("no such shot")
+
+    (tmp_path / "there").mkdir()
+    for folder in ("there", "there/new", "a/b/c"):
+        with pytest.raises(ValueError, match="no such shot"):
+            refuse(tmp_path / folder)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["there"]
+    with pytest.raises(ValueError, match="no such shot"):
+        refuse(tmp_path / "a" / "b", "kept")
+    assert (tmp_path / "a" / "b" / "kept").is_file()

@@ -1,5 +1,6 @@
 """The recordings of a run of the stage as MCAP and Parquet: bit for bit, of whatever lies in the folder."""
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -68,6 +69,17 @@ def test_what_cannot_be_exported_is_one_line(
     assert main() == 2
     assert words in capsys.readouterr().err
     assert sorted(run.iterdir()) == before
+
+
+def test_a_format_whose_package_is_not_installed_leaves_no_folder_and_no_file_of_another(
+    run: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in [name for name in sys.modules if name.startswith("pyarrow")]:
+        monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.setattr("sys.argv", ["stagectl", "export", str(run)])
+    assert main() == 2
+    assert "this format needs pyarrow" in capsys.readouterr().err
+    assert not (run / "export").exists()
 
 
 def test_a_folder_without_a_recording_is_refused(tmp_path: Path) -> None:

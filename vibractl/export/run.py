@@ -5,6 +5,7 @@ from pathlib import Path
 
 from rigkit import atomic
 from rigkit.export.mcap_file import write_mcap
+from rigkit.export.optional import refuse_missing
 from vibractl.export.content import Content, read_content
 from vibractl.export.csv import write_csv
 from vibractl.export.mat import write_mat
@@ -69,16 +70,16 @@ def export_run(
     if out is not None and single and (len(formats) > 1 or out.suffix.lower() not in SUFFIXES.get(formats[0], ())):
         raise ValueError(f"--out is {out}, must be a folder for --format {', '.join(formats)}")
     content = read_content(path, shots)
-    folder = path / FOLDER if out is None else out.parent if single else out
-    folder.mkdir(parents=True, exist_ok=True)
-    written: list[Path] = []
-    for name in formats:
-        if name in _FOLDERS:
-            written += _FOLDERS[name](folder, content)
-            continue
-        file, write = _WRITERS[name]
-        target = out if single and out is not None else folder / file
-        with atomic.replacing(target) as temporary:
-            write(temporary, content)
-        written.append(target)
+    refuse_missing(formats)
+    with atomic.folder(path / FOLDER if out is None else out.parent if single else out) as folder:
+        written: list[Path] = []
+        for name in formats:
+            if name in _FOLDERS:
+                written += _FOLDERS[name](folder, content)
+                continue
+            file, write = _WRITERS[name]
+            target = out if single and out is not None else folder / file
+            with atomic.replacing(target) as temporary:
+                write(temporary, content)
+            written.append(target)
     return written

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import platformdirs
 
+from rigkit import atomic
 from vibractl.config import RigConfig
 from vibractl.library.entry import Entry, EntryError, read_entry, write_entry
 from vibractl.library.fit import misfit
@@ -99,8 +100,8 @@ class Library:
         file = self.file(name)
         if file.exists() and not replace:
             raise EntryError(f"library {self.path} has an entry {name!r} already; --force replaces it")
-        self.path.mkdir(parents=True, exist_ok=True)
-        write_entry(file, entry.named(name))
+        with atomic.folder(self.path):
+            write_entry(file, entry.named(name))
         return file
 
     def remove(self, name: str) -> None:

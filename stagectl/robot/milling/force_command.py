@@ -7,8 +7,8 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
+from rigkit import atomic
 from rigkit import config as rig_file
-from rigkit.atomic import write
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.force_estimate import TIE_BREAKS, ForceEstimates
@@ -50,10 +50,10 @@ def estimate_force_command(
     read = read_torque_log(log, arm, angles)
     refuse_other_torques(read, made)
     found = made.estimate(read.joint_angle, read.torque, read.rate)
-    write(out, force_table(read.time, found))
+    atomic.write(out, force_table(read.time, found))
     if png is not None:
-        png.mkdir(parents=True, exist_ok=True)
-        force_plot(read.time, found).savefig(png / PICTURE)
+        with atomic.folder(png), atomic.replacing(png / PICTURE) as temporary:
+            force_plot(read.time, found).savefig(temporary)
     figures = force_figures(read, found)
     rows = [
         [f"{axis}, N", *(f"{figures[axis][name]:.2f}" for name in ("mean", "rms", "peak", "width"))] for axis in AXES

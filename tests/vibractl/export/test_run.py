@@ -1,6 +1,7 @@
 """Exporting at the shell: files whole or not there, and one line where it cannot be."""
 
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -72,6 +73,23 @@ def test_what_cannot_be_exported_is_one_line_and_writes_nothing(
     errors = capsys.readouterr().err.splitlines()
     assert len(errors) == 1
     assert words in errors[0]
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("formats", "missing"), [(["mcap"], "mcap"), (["csv", "segy"], "segyio"), ([], "pyuff")])
+def test_a_format_whose_package_is_not_installed_leaves_no_folder_and_no_file_of_another(
+    formats: list[str],
+    missing: str,
+    run: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for name in [name for name in sys.modules if name.split(".")[0] == missing] or [missing]:
+        monkeypatch.setitem(sys.modules, name, None)
+    options = [word for name in formats for word in ("--format", name)]
+    assert call(monkeypatch, run, *options, "--out", tmp_path / "new" / "folder", "--shots", "1") == 2
+    assert f"this format needs {missing}" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
 
