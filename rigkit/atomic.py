@@ -39,7 +39,7 @@ def write(path: str | Path, content: str | bytes) -> None:
 
 @contextmanager
 def folder(path: Path) -> Iterator[Path]:
-    """Make a folder, and those above it, to be filled; where the block raises, what was made and is empty goes again."""
+    """Make a folder, and those above it, to be filled; where the block raises, those that stay empty go again."""
     absent = [each for each in (path, *path.parents) if not each.exists()]
     try:
         path.mkdir(parents=True, exist_ok=True)

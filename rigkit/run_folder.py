@@ -4,8 +4,8 @@ import csv
 import io
 import json
 import shutil
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Self
@@ -28,14 +28,16 @@ class RunFolder:
 
     It holds `config.toml` (as run), `shots/0000.wav` ..., `qc.csv` (a row per shot), `events.jsonl`, `summary.json`
     and what the rig writes beside them.  A kill at any moment leaves files that are whole, or not there: `open`
-    sweeps up the rest.  A context manager; leaving it releases the lock.
+    sweeps up the rest.  A context manager; leaving it releases the lock, and leaving it by an exception takes a folder
+    that was made, and has nothing in it but what the run was given, away again.
     """
 
-    def __init__(self, path: Path, lock: Lock) -> None:
+    def __init__(self, path: Path, lock: Lock, made: Sequence[Path] = ()) -> None:
         self.path = path
         self.listener: Callable[[str, Mapping[str, Any]], None] = lambda event, fields: None  # noqa: ARG005
         """Told of each event once it is in the file."""
-        self._lock = lock
+        self._lock, self._made = lock, made
+        self._given: set[Path] | None = None
 
     @classmethod
     def create(cls, path: str | Path, config: str) -> Self:
@@ -54,17 +56,22 @@ class RunFolder:
         """
         path = Path(path)
         _refuse_used(path)
-        path.mkdir(parents=True, exist_ok=True)
-        folder = cls(path, Lock(path / LOCK))
-        try:
-            _refuse_used(path)  # since another process may have been quicker
-            (path / SHOTS).mkdir(exist_ok=True)
-            folder._sweep()
-            folder.write(CONFIG, config)
-        except BaseException:
-            folder.close()
-            (path / CONFIG).unlink(missing_ok=True)  # without it, what is there counts as empty
-            raise
+        made = [each for each in (path, *path.parents) if not each.exists()]
+        with atomic.folder(path):
+            lock = Lock(path / LOCK)
+            folder = cls(path, lock, made)
+            try:
+                _refuse_used(path)  # since another process may have been quicker
+                (path / SHOTS).mkdir(exist_ok=True)
+                folder._sweep()
+                folder.write(CONFIG, config)
+            except FolderInUseError:
+                folder.close()
+                raise
+            except BaseException:
+                folder.withdraw()
+                raise
+        folder.note_given()
         return folder
 
     @classmethod
@@ -80,11 +87,18 @@ class RunFolder:
         except BaseException:
             folder.withdraw()
             raise
+        folder.note_given()
+
+    def note_given(self) -> None:
+        """Take all that is in the folder now for what the run is given: nothing has come of it yet."""
+        self._given = set(self._files())
 
     def take_in(self, source: Path, name: str) -> None:
-        """Copy a file into the folder, whole or not at all."""
+        """Copy a file that the run is given into the folder, whole or not at all."""
         with self.replacing(name) as copy:
             shutil.copyfile(source, copy)
+        if self._given is not None:
+            self._given.add(self.path / name)
 
     @classmethod
     def open(cls, path: str | Path) -> Self:
@@ -98,14 +112,18 @@ class RunFolder:
         path = Path(path)
         if not (path / CONFIG).is_file():
             raise ValueError(f"{path}/ is not the folder of a run: it has no {CONFIG}")
-        folder = cls(path, Lock(path / LOCK))
+        folder = cls(path, Lock(path / LOCK), [path])
         folder._sweep()
         return folder
 
     def withdraw(self) -> None:
-        """Take the folder away with all that is in it: nothing has come of the run."""
+        """Take the folder away with all that is in it: nothing has come of the run.  What was there stays, empty."""
         self.close()
-        shutil.rmtree(self.path)
+        for entry in list(self.path.iterdir()) if self.path.exists() else ():
+            shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
+        for made in self._made:
+            with suppress(OSError):  # there is something else in it
+                made.rmdir()
 
     def close(self) -> None:
         """Release the lock; may be called twice."""
@@ -115,9 +133,15 @@ class RunFolder:
         """Return the folder itself."""
         return self
 
-    def __exit__(self, *_: object) -> None:
-        """Release the lock."""
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        """Release the lock; where nothing has come of a new run, take its folder away."""
+        if kind is not None and self._given is not None and self._given.issuperset(self._files()):
+            self.withdraw()
         self.close()
+
+    def _files(self) -> Iterator[Path]:
+        """Find the files that were put into the folder."""
+        return (each for each in self.path.rglob("*") if each.is_file() and not _counts_as_empty(each))
 
     def shot(self, number: int) -> Path:
         """Return where the recording of a shot belongs, counted from 0."""

@@ -1,7 +1,7 @@
 """The commands of `stagectl`."""
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,7 +11,7 @@ from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.progress import progress
 from rigkit.retention_command import prune_command
-from rigkit.run_folder import EVENTS, RunFolder, make_whole
+from rigkit.run_folder import RunFolder, make_whole
 from rigkit.stop import Stopped, stoppable
 from stagectl import session
 from stagectl.application import app
@@ -19,7 +19,6 @@ from stagectl.config import StageConfig
 from stagectl.export import export
 from stagectl.feed.command import force
 from stagectl.feed.folder import is_of_feed, replay_folder, report_folder
-from stagectl.link.bus import LinkError
 from stagectl.link.stage_link import StageLink
 from stagectl.live import run_live
 from stagectl.machining.command import cell
@@ -99,23 +98,13 @@ def run_command(
 def _run(folder: RunFolder, made: Setup) -> dict[str, Any]:
     with stoppable() as stop, progress("running", made.timeline.total) as meter:
         if made.config.session.live:
-            figures = _run_live(folder, made, lambda: stop.made)
+            figures = run_live(folder, made, lambda: stop.made)
         else:
             figures = session.run(folder, made, lambda name, done: meter.show(done, name), lambda: stop.made)
     if stop.made:
         raise Stopped(f"stopped; what is recorded is in {folder.path}")
     run_report(folder.path)
     return figures
-
-
-def _run_live(folder: RunFolder, made: Setup, stopped: Callable[[], bool]) -> dict[str, Any]:
-    """Run live; a run that cannot begin leaves no folder."""
-    try:
-        return run_live(folder, made, stopped)
-    except LinkError:
-        if not (folder.path / EVENTS).exists():
-            folder.withdraw()
-        raise
 
 
 def _end(figures: dict[str, Any], path: Path, json: str | None) -> None:

@@ -78,8 +78,8 @@ def raw_trials(out: Path, cell: CellConfig, is_live: bool = False) -> RunFolder:
     """
     path, text, place = raw_folder(out), rig_file.dump(cell), LIVE if is_live else SIMULATED
     if not (path / CONFIG).exists():
-        folder = RunFolder.create(path, text)
-        folder.write(PLACE, f"{place}\n")
+        with RunFolder.filled(path, text) as folder:
+            folder.write(PLACE, f"{place}\n")
         return folder
     told = path / PLACE
     was = told.read_text(encoding="utf-8").strip() if told.exists() else SIMULATED

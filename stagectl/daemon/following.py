@@ -6,7 +6,7 @@ from typing import Any
 
 from rigkit.faults import FaultTable
 from rigkit.provenance import software
-from rigkit.run_folder import EVENTS, RunFolder
+from rigkit.run_folder import RunFolder
 from rigkit.service.paths import run_path
 from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
@@ -69,13 +69,8 @@ class Following:
             if self._is_ending():
                 folder.withdraw()
                 return
-            try:
-                with Regularly(Panels(self._desk, self._made, self.monitor).draw, PERIOD):
-                    kept = self._followed(folder)
-            except BaseException:
-                if not (folder.path / EVENTS).exists():
-                    folder.withdraw()
-                raise
+            with Regularly(Panels(self._desk, self._made, self.monitor).draw, PERIOD):
+                kept = self._followed(folder)
             figures = live.finish(folder, replace(self._made, held=self.monitor.held), kept)
             ended = "left" if self._is_ending() else "finished"
             self._desk.event(ended, {"run": folder.path.name, **figures})

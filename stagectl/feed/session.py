@@ -1,7 +1,6 @@
 """Runs of `stagectl force` in their folder: pockets one after the other, everything recorded, measured and kept."""
 
 import json
-import shutil
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -54,10 +53,10 @@ def velocity_model(file: Path | None) -> InnovationModel:
 
 def create(path: Path, cell: CellConfig, job: Job, model: Path | None) -> RunFolder:
     """Make the folder of a new run, with copies of all files; ValueError where something is in it already."""
-    folder = RunFolder.create(path, rig_file.dump(cell))
-    folder.write(JOB, job.text())
-    if model is not None:
-        shutil.copyfile(model, folder.path / MODEL)
+    with RunFolder.filled(path, rig_file.dump(cell)) as folder:
+        folder.write(JOB, job.text())
+        if model is not None:
+            folder.take_in(model, MODEL)
     return folder
 
 

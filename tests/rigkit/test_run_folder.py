@@ -85,6 +85,8 @@ def test_a_folder_that_cannot_be_filled_is_taken_away(path: Path) -> None:
     with pytest.raises(FileNotFoundError, match="absent"), RunFolder.filled(path, "") as folder:
         folder.take_in(path.parent / "absent.h5", "model.h5")
     assert not path.exists()
+    assert not path.parent.exists()
+    path.parent.mkdir()
     (path.parent / "there.h5").write_bytes(b"model")
     with RunFolder.filled(path, "") as folder:
         folder.take_in(path.parent / "there.h5", "model.h5")
@@ -92,6 +94,34 @@ def test_a_folder_that_cannot_be_filled_is_taken_away(path: Path) -> None:
         RunFolder.open(path)
     folder.close()
     assert (path / "model.h5").read_bytes() == b"model"
+
+
+def test_a_run_of_which_nothing_has_come_leaves_what_was_there_before(path: Path) -> None:
+    def refuse(folder: Path, name: str = "") -> None:
+        with RunFolder.create(folder, "[rig]\n") as run:
+            run.take_in(source, "model.h5")
+            if name:
+                run.event(name, {})
+            raise ValueError("no such plant")
+
+    (path.parent / "empty").mkdir(parents=True)
+    source = path.parent / "given.h5"
+    source.write_text("a model")
+    before = sorted(path.parent.rglob("*"))
+    for folder in (path, path / "a" / "b", path.parent / "empty"):
+        with pytest.raises(ValueError, match="no such plant"):
+            refuse(folder)
+        assert sorted(path.parent.rglob("*")) == before
+    with pytest.raises(ValueError, match="no such plant"):
+        refuse(path, "started")
+    assert [event["event"] for event in read_events(path)] == ["started"]
+
+
+def test_a_run_that_was_there_before_stays_whatever_comes_of_it(path: Path) -> None:
+    RunFolder.create(path, "[rig]\n").close()
+    with pytest.raises(ValueError, match="no such plant"), RunFolder.open(path):
+        raise ValueError("no such plant")
+    assert (path / "config.toml").is_file()
 
 
 def test_a_recording_that_grew_when_its_run_was_killed_is_made_whole(path: Path) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rigkit.run_folder import EVENTS, RunFolder
+from rigkit.run_folder import RunFolder
 from rigkit.service.rig import Desk
 from rigkit.stop import Stopped
 from stagectl.daemon.cell.watch import Watch
@@ -70,8 +70,3 @@ class Conductor:
     def _heard(self, event: str, fields: Mapping[str, Any]) -> None:
         if event not in _OWN:
             self.desk.event(event, fields)
-
-
-def is_untouched(folder: RunFolder) -> bool:
-    """Whether nothing has come of a run: its folder may be taken away."""
-    return not (folder.path / EVENTS).exists()

@@ -8,7 +8,7 @@ from rigkit.service.paths import data_file, run_path
 from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
 from rigkit.service.show import Gauge
-from stagectl.daemon.cell.conductor import Conductor, is_untouched
+from stagectl.daemon.cell.conductor import Conductor
 from stagectl.daemon.cell.learning_panels import LearningPanels
 from stagectl.daemon.cell.options import IlcOptions
 from stagectl.daemon.cell.strips import PERIOD, force_strip
@@ -86,13 +86,8 @@ class Learning:
         TrialEnded : a fault ended a trial; the tool has left the material, or the robot is held.
         """
         with self._folder as folder:
-            try:
-                with Regularly(self._draw, PERIOD):
-                    self._learn()
-            except BaseException:
-                if is_untouched(folder):
-                    folder.withdraw()
-                raise
+            with Regularly(self._draw, PERIOD):
+                self._learn()
             self._desk.progress(self._whole, self._whole, "writing the report")
             found = report_again(folder.path)
             folder.summarise(found)

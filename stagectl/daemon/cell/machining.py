@@ -9,7 +9,7 @@ from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
 from rigkit.service.show import Gauge
 from rigkit.stop import Stopped
-from stagectl.daemon.cell.conductor import Conductor, is_untouched
+from stagectl.daemon.cell.conductor import Conductor
 from stagectl.daemon.cell.gauges import REFERENCE, Motion, sighted, timed
 from stagectl.daemon.cell.machining_panels import MachiningPanels, near
 from stagectl.daemon.cell.options import CellOptions
@@ -75,13 +75,8 @@ class Machining:
         ValueError : the robot was held, by its reason.
         """
         with self._folder as folder:
-            try:
-                with Regularly(self._panels.draw, PERIOD):
-                    rows = [self._mill(number, made) for number, made in enumerate(self._plans)]
-            except BaseException:
-                if is_untouched(folder):
-                    folder.withdraw()
-                raise
+            with Regularly(self._panels.draw, PERIOD):
+                rows = [self._mill(number, made) for number, made in enumerate(self._plans)]
             self._desk.progress(len(self._plans), len(self._plans), "writing the report")
             cell_report(folder.path)
             self._desk.event("finished", {"run": folder.path.name, "setups": [row["setup"] for row in rows]})

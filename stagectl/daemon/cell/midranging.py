@@ -89,9 +89,6 @@ class Midranging:
             try:
                 with Regularly(self._draw, PERIOD):
                     runs = session.recorded(folder, self._ran, self._chosen, self._kept)
-            except Stopped:
-                folder.withdraw()
-                raise
             finally:
                 desk.recording(False)
                 conductor.watch.forget()

@@ -8,7 +8,6 @@ from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit.provenance import now, software
 from rigkit.run_folder import RunFolder
-from stagectl.link.bus import LinkError
 from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging.axes import Runs, all_figures
 from stagectl.robot.midranging.live import LiveFault
@@ -29,8 +28,6 @@ def about(controller: str, scenario: str) -> dict[str, str]:
 def recorded(folder: RunFolder, run: Callable[[], Runs], chosen: dict[str, Scenario], kept: dict[str, str]) -> Runs:
     """Run it; of a live run that a fault ends, what was recorded until then is kept as well.
 
-    One that comes to nothing, for a setting or a wire, leaves no folder.
-
     Parameters
     ----------
     folder : RunFolder
@@ -44,13 +41,9 @@ def recorded(folder: RunFolder, run: Callable[[], Runs], chosen: dict[str, Scena
         return run()
     except LiveFault as fault:
         if not fault.recorded:
-            folder.withdraw()
             raise
         write(folder, dict(zip(chosen, fault.recorded, strict=False)), kept | {"fault": str(fault)})
         folder.event("fault", {"text": str(fault)})
-        raise
-    except (LinkError, ValueError):
-        folder.withdraw()
         raise
 
 
