@@ -6,13 +6,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol, Self
+from typing import Protocol, Self
 
 import numpy as np
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import atomic
+from rigkit.json_file import JsonError, read_json
 from rigkit.json_text import json_text
 from rigkit.lock import Lock
 from rigkit.provenance import now
@@ -148,9 +149,9 @@ class RawFolder:
             atomic.write(path, f"{json_text(dict(plan.settings), indent=2)}\n")
             return
         try:
-            before: dict[str, Any] = dict(json.loads(path.read_text(encoding="utf-8")))
-        except (ValueError, TypeError) as fault:
-            raise RawFolderError(f"{path}: not readable ({fault}); use another folder") from None
+            before = read_json(path, dict)
+        except JsonError as fault:
+            raise RawFolderError(f"{fault}; use another folder") from None
         differ = [key for key in {**before, **plan.settings} if before.get(key) != plan.settings.get(key)]
         if differ:
             key, more = differ[0], f" (and {len(differ) - 1} more)" if len(differ) > 1 else ""

@@ -10,6 +10,8 @@ from pydantic import BaseModel
 
 from rigkit.allowed import field_at
 from rigkit.config_fault import LONGEST_VALUE, ConfigError, shown
+from rigkit.nested import nodes
+from rigkit.text_file import TextFault, read_text
 from rigkit.toml_text import key_text
 
 LARGEST_FILE = 1_000_000
@@ -83,17 +85,11 @@ def file_values(path: str | Path) -> dict[str, Any]:
     ConfigError : the file cannot be read or is no such TOML.
     """
     try:
-        with Path(path).open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
+        text = read_text(path, LARGEST_FILE)
     except OSError as fault:
         raise ConfigError(f"{path}: {fault.strerror}") from None
-    if len(content) > LARGEST_FILE:
-        raise ConfigError(f"{path}: more than {LARGEST_FILE} bytes, which no rig file has")
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as fault:
-        line = content.count(b"\n", 0, fault.start) + 1
-        raise ConfigError(f"{path}: byte {content[fault.start]:#04x} in line {line} is not UTF-8") from None
+    except TextFault as fault:
+        raise ConfigError(str(fault)) from None
     values = _parsed(text, str(path))
     _check(values, (), str(path))
     return values
@@ -101,22 +97,18 @@ def file_values(path: str | Path) -> dict[str, Any]:
 
 def _check(values: Any, path: tuple[str, ...], origin: str) -> None:
     """Refuse what TOML can hold and a rig file cannot: inf, NaN, dates, and nesting beyond `DEEPEST_TABLE`."""
-    waiting: list[tuple[tuple[str, ...], Any]] = [(path, values)]
-    while waiting:
-        path, value = waiting.pop()
-        if len(path) > DEEPEST_TABLE:
-            raise ConfigError(f"{origin}: {key_text(*path)} is nested more than {DEEPEST_TABLE} deep")
+    for place, value in nodes(values, path):
+        if len(place) > DEEPEST_TABLE:
+            raise ConfigError(f"{origin}: {key_text(*place)} is nested more than {DEEPEST_TABLE} deep")
         match value:
-            case dict():
-                waiting += [((*path, key), item) for key, item in reversed(value.items())]
-            case list():
-                waiting += [((*path, str(number)), item) for number, item in reversed(list(enumerate(value)))]
+            case dict() | list() | bool() | int() | str():
+                pass
             case float() if not math.isfinite(value):
-                raise ConfigError(f"{origin}: {key_text(*path)} is {value}, must be finite")
-            case bool() | int() | float() | str():
+                raise ConfigError(f"{origin}: {key_text(*place)} is {value}, must be finite")
+            case float():
                 pass
             case _:
-                raise ConfigError(f"{origin}: {key_text(*path)} is {value}, must be text, a number, true or false")
+                raise ConfigError(f"{origin}: {key_text(*place)} is {value}, must be text, a number, true or false")
 
 
 def _parsed(text: str, origin: str) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import numpy as np
 from ctlblocks import recording
 from ctlblocks.recording import Recording, RecordingError
 from rigkit.foreign_hdf5 import read_hdf5
+from rigkit.text_file import TextFault, read_text
 
 TIME = ("t", "time", "zeit", "tid", "seconds")
 """Names, in small letters and without a unit, of a column that holds the time in seconds."""
@@ -94,9 +95,9 @@ def _from_table(path: Path, rate: float | None) -> Recording:
         if path.suffix.lower() == ".csv" and file.read(1) == b"#":
             return recording.read(path)
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        raise RecordingError(f"{path}: is no text in UTF-8") from None
+        lines = read_text(path).splitlines()
+    except TextFault as fault:
+        raise RecordingError(str(fault)) from None
     rows = [(number, line) for number, line in enumerate(lines, start=1) if line.strip() and not line.startswith("#")]
     if len(rows) < 2:
         raise RecordingError(f"{path}: has {len(rows)} rows, must have at least 2")

@@ -37,10 +37,15 @@ def append(path: Path, line: str) -> None:
 
 
 def lines(path: Path) -> list[str]:
-    """Read the whole lines; none where there is no file.  A last line that a kill cut short is left out."""
+    """Read the whole lines; none where there is no file.  A last line that a kill cut short is left out.
+
+    Raises
+    ------
+    ValueError : a line is not UTF-8.
+    """
     content = path.read_bytes() if path.exists() else b""
     whole = content[: content.rfind(b"\n") + 1]
-    return [line.decode() for line in whole.split(b"\n")[:-1]]
+    return [_decoded(path, number, line) for number, line in enumerate(whole.split(b"\n")[:-1], start=1)]
 
 
 def first(path: Path) -> str:
@@ -49,7 +54,7 @@ def first(path: Path) -> str:
         return ""
     with path.open("rb") as file:
         line = file.readline()
-    return line[:-1].decode() if line.endswith(b"\n") else ""
+    return _decoded(path, 1, line[:-1]) if line.endswith(b"\n") else ""
 
 
 def repair(path: Path) -> None:
@@ -60,3 +65,10 @@ def repair(path: Path) -> None:
         whole = file.read().rfind(b"\n") + 1
         file.truncate(whole)
         os.fsync(file.fileno())
+
+
+def _decoded(path: Path, number: int, line: bytes) -> str:
+    try:
+        return line.decode()
+    except UnicodeDecodeError as fault:
+        raise ValueError(f"{path}: byte {line[fault.start]:#04x} in line {number} is not UTF-8") from None

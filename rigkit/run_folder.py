@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -12,6 +11,7 @@ from typing import Any, Self
 
 from rigkit import atomic, line_file
 from rigkit.growing_wav import finish, unfinished
+from rigkit.json_file import json_value
 from rigkit.json_text import json_text
 from rigkit.lock import FolderInUseError, Lock
 
@@ -209,14 +209,14 @@ def read_events(path: str | Path) -> list[dict[str, Any]]:
 
     Raises
     ------
-    ValueError : a line is not JSON.
+    ValueError : a line is no event.
     """
     file, events = Path(path) / EVENTS, []
     for number, line in enumerate(line_file.lines(file), start=1):
-        try:
-            events.append(json.loads(line))
-        except ValueError:
-            raise ValueError(f"{file}: line {number} is not JSON: {line[:60]!r}") from None
+        event = json_value(line, f"{file}: line {number}", dict)
+        if not {"time", "event"} <= event.keys():
+            raise ValueError(f"{file}: line {number} is no event, it has no time or no name: {line[:60]!r}")
+        events.append(event)
     return events
 
 

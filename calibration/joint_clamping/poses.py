@@ -1,10 +1,10 @@
 """Clamping poses from the command line and from a file, and a cell's file for each of them."""
 
-import csv
 import math
 from collections.abc import Sequence
 from pathlib import Path
 
+from rigkit.text_file import read_text
 from stagectl.robot.config import CellConfig
 
 
@@ -25,8 +25,8 @@ def in_poses(cell: CellConfig, given: Sequence[str], file: Path | None) -> list[
     """
     texts, where = [*given], "--pose"
     if file is not None:
-        with file.open(encoding="utf-8", newline="") as lines:
-            texts += [",".join(row) for row in csv.reader(lines) if row and not row[0].lstrip().startswith("#")]
+        lines = (line.strip() for line in read_text(file).splitlines())
+        texts += [line for line in lines if line and not line.startswith("#")]
         where = f"{'--pose or ' if given else ''}{file}"
         if not texts:
             raise ValueError(f"--poses {file}: has no line with a pose")

@@ -129,7 +129,7 @@ def read_tokens(path: Path) -> Tokens:
         try:
             held = tomllib.load(file)
             made = Tokens(str(held["view"]), str(held["operate"]))
-        except (ValueError, KeyError):
+        except (ValueError, KeyError, RecursionError):
             raise ValueError(f"{path} does not hold the tokens view and operate") from None
     if min(len(made.view), len(made.operate)) < 32 or made.view == made.operate:
         raise ValueError(f"{path}: its tokens are alike or shorter than 32 letters")

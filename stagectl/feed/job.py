@@ -2,10 +2,10 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import Any
 
+from rigkit.json_file import read_json
 from stagectl.feed.config import SegmentTask
 from stagectl.planning.milling import Milled, Planner
 from stagectl.planning.pocket import planner, untrained
@@ -65,8 +65,10 @@ class Job:
 
 
 def read_job(path: Path) -> Job:
-    """Read what `text` has made."""
-    given: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    """Read what `text` has made; ValueError where it is something else."""
+    given, names = read_json(path, dict), [each.name for each in fields(Job)]
+    if set(given) != set(names):
+        raise ValueError(f"{path}: has {', '.join(given) or 'nothing'}, must have {', '.join(names)}")
     pocket = given.pop("pocket")
     return Job(**given, pocket=None if pocket is None else Pocket.from_dict(pocket))
 

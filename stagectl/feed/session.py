@@ -8,6 +8,7 @@ from typing import Any
 
 from ctlblocks import recording
 from rigkit import config as rig_file
+from rigkit.json_file import read_json
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder, read_events
 from stagectl.feed.job import Job, Repeated, once, read_job
@@ -211,7 +212,7 @@ def read_back(path: Path) -> tuple[Job, list[Kept]]:
         if event["event"] != "milled":
             continue
         control, piece = event["name"].split("-")
-        feeds = json.loads((path / FEEDS).read_text()) if control == "position" else None
+        feeds = read_json(path / FEEDS, dict) if control == "position" else None
         plan = feed_plan(cell, job.pocket, model, int(piece), feeds)
         record = recording.read(path / f"{plan.name}.csv")
         segments = retold(event["path"], job.pocket, record)

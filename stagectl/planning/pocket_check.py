@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stagectl.planning.problem import SIDES, Pocket
+from stagectl.planning.problem import SIDES, Pocket, shortened
 
 
 @dataclass(frozen=True)
@@ -121,15 +121,15 @@ def _mill(pocket: Pocket, uncut: np.ndarray, given: Sequence[Any]) -> list[_Segm
 
 def _read(pocket: Pocket, given: Sequence[Any]) -> tuple[str, int, int, str]:
     if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 4:
-        raise _Fault(f"{given!r} must be a list of type, row, col and feed")
+        raise _Fault(f"{shortened(given)} must be a list of type, row, col and feed")
     name, row, col, feed = given
     if name not in pocket.types:
-        raise _Fault(f"type {name!r} must be of {', '.join(pocket.types)}")
+        raise _Fault(f"type {shortened(name)} must be of {', '.join(pocket.types)}")
     if feed != name[0]:
-        raise _Fault(f"feed {feed!r} of a {name} must be {name[0]}")
+        raise _Fault(f"feed {shortened(feed)} of a {name} must be {name[0]}")
     for what, value in (("row", row), ("col", col)):
         if not isinstance(value, int) or isinstance(value, bool):
-            raise _Fault(f"{what} {value!r} must be a whole number")
+            raise _Fault(f"{what} {shortened(value)} must be a whole number")
     return name, row, col, feed
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from rigkit import atomic
+from rigkit.json_file import JsonError, read_json
 from stagectl.planning.problem import Pocket, PocketFault
 
 
@@ -17,7 +18,10 @@ def read_pocket(path: Path) -> Pocket:
     PocketFault : the file holds no JSON, or no pocket; the text begins with the file's name.
     OSError : it cannot be read.
     """
-    given = _json(path)
+    try:
+        given = read_json(path, dict)
+    except JsonError as fault:
+        raise PocketFault(str(fault)) from None
     try:
         return Pocket.from_dict(given)
     except PocketFault as fault:
@@ -32,20 +36,13 @@ def read_path(path: Path) -> list[Any]:
     PocketFault : the file holds no JSON, or no list.
     OSError : it cannot be read.
     """
-    given = _json(path)
-    if not isinstance(given, list):
-        raise PocketFault(f"{path}: a path is {type(given).__name__}, must be a list of [type, row, col, feed]")
-    return given
+    try:
+        return read_json(path, list)
+    except JsonError as fault:
+        raise PocketFault(f"{fault}; a path is a list of [type, row, col, feed]") from None
 
 
 def write_path(path: Path, segments: Sequence[Sequence[str | int]]) -> None:
     """Write a path, a segment a line."""
     lines = ",\n ".join(json.dumps(list(each)) for each in segments)
     atomic.write(path, f"[{lines}]\n")
-
-
-def _json(path: Path) -> Any:
-    try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except (json.JSONDecodeError, UnicodeDecodeError) as fault:
-        raise PocketFault(f"{path}: {fault}, must be JSON") from None

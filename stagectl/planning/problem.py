@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
+from rigkit.config_fault import LONGEST_VALUE
+
 SIDES = {"E": "NS", "W": "NS", "N": "WE", "S": "WE"}
 """From which sides a feed cuts its strips."""
 FEEDS = ("EW", "EWNS")
@@ -14,6 +16,12 @@ LARGEST_POCKET = 1000
 """Cells along either side."""
 
 _COSTS = ("t_acc", "step", "t_lift", "v_lift")
+
+
+def shortened(value: Any) -> str:
+    """Return a value as an error shows it."""
+    text = repr(value)
+    return text if len(text) <= LONGEST_VALUE else f"{text[:LONGEST_VALUE]}...{text[-1]}"
 
 
 class PocketFault(ValueError):
@@ -67,9 +75,9 @@ class Pocket:
             if size < self.G:
                 raise PocketFault(f"{name} is {size}, smaller than the tool, must be >= G, {self.G} cells")
         if self.feeds not in FEEDS:
-            raise PocketFault(f"feeds is {self.feeds!r}, must be one of {', '.join(FEEDS)}")
+            raise PocketFault(f"feeds is {shortened(self.feeds)}, must be one of {', '.join(FEEDS)}")
         if not isinstance(self.closed, bool):
-            raise PocketFault(f"closed is {self.closed!r}, must be true or false")
+            raise PocketFault(f"closed is {shortened(self.closed)}, must be true or false")
         for name in ("t_acc", "step", "t_lift"):
             _number(name, getattr(self, name), " s, must be a number >= 0")
         if self.v_lift is not None:
@@ -83,10 +91,10 @@ class Pocket:
             ("theta", self.theta, self.sides, ""),
         ):
             if not isinstance(each, Mapping):
-                raise PocketFault(f"{name} is {each!r}, must be a table")
+                raise PocketFault(f"{name} is {shortened(each)}, must be a table")
             for key, value in each.items():
                 if key not in known:
-                    raise PocketFault(f"{name} has {key!r}, must be of {', '.join(known)}")
+                    raise PocketFault(f"{name} has {shortened(key)}, must be of {', '.join(known)}")
                 _positive(f"{name}[{key}]", value, f"{unit}, must be a number > 0")
         missing = [name for name in self.types if name not in self.rate]
         if missing:
@@ -94,11 +102,11 @@ class Pocket:
 
     def _check_true(self) -> None:
         if not isinstance(self.true, Mapping):
-            raise PocketFault(f"true is {self.true!r}, must be a table")
+            raise PocketFault(f"true is {shortened(self.true)}, must be a table")
         allowed = ("rate", "theta", *_COSTS, *self.types)
         for key in self.true:
             if key not in allowed:
-                raise PocketFault(f"true has {key!r}, must be of {', '.join(allowed)}")
+                raise PocketFault(f"true has {shortened(key)}, must be of {', '.join(allowed)}")
         if self.true:
             try:
                 self.paid()
@@ -123,7 +131,7 @@ class Pocket:
         known = [each.name for each in fields(cls)]
         for key in given:
             if key not in known:
-                raise PocketFault(f"the pocket has {key!r}, must be of {', '.join(known)}")
+                raise PocketFault(f"the pocket has {shortened(key)}, must be of {', '.join(known)}")
         missing = [name for name in ("rows", "cols", "G", "feeds", "rate") if name not in given]
         if missing:
             raise PocketFault(f"the pocket has no {', '.join(missing)}")
@@ -157,23 +165,23 @@ def milling_types(tool: int, feeds: str) -> tuple[str, ...]:
 
 def _table(name: str, given: Any) -> Mapping[str, Any]:
     if not isinstance(given, Mapping):
-        raise PocketFault(f"{name} is {given!r}, must be a table")
+        raise PocketFault(f"{name} is {shortened(given)}, must be a table")
     return given
 
 
 def _whole(name: str, value: Any, low: int, high: int) -> int:
     if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
-        raise PocketFault(f"{name} is {value!r}, must be a whole number of cells, {low} to {high}")
+        raise PocketFault(f"{name} is {shortened(value)}, must be a whole number of cells, {low} to {high}")
     return value
 
 
 def _number(name: str, value: Any, allowed: str) -> float:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if not is_number or not (value >= 0.0 and math.isfinite(value)):
-        raise PocketFault(f"{name} is {value!r}{allowed}")
+        raise PocketFault(f"{name} is {shortened(value)}{allowed}")
     return float(value)
 
 
 def _positive(name: str, value: Any, allowed: str) -> None:
     if not _number(name, value, allowed) > 0.0:
-        raise PocketFault(f"{name} is {value!r}{allowed}")
+        raise PocketFault(f"{name} is {shortened(value)}{allowed}")

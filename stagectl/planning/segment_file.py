@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from rigkit import atomic
+from rigkit.text_file import read_text
 from stagectl.planning.milling import Milled
 from stagectl.planning.problem import Pocket, PocketFault
 from stagectl.planning.strip_kernel import length
@@ -39,14 +40,17 @@ def read_segments(path: Path, pocket: Pocket) -> list[Milled]:
     Raises
     ------
     PocketFault : a column or a value is missing or out of its range; the text begins with file and line.
-    OSError : the file cannot be read.
+    TextFault : the file is not UTF-8.
+    OSError : it cannot be read.
     """
-    with path.open(encoding="utf-8", newline="") as file:
-        rows = csv.DictReader(file)
+    rows = csv.DictReader(read_text(path).splitlines(keepends=True))
+    try:
         missing = [name for name in NEEDED if name not in (rows.fieldnames or ())]
         if missing:
             raise PocketFault(f"{path}: there is no column {', '.join(missing)}, must have {', '.join(NEEDED)}")
         return [_segment(f"{path}: line {number}", row, pocket) for number, row in enumerate(rows, start=2)]
+    except csv.Error as fault:
+        raise PocketFault(f"{path}: line {rows.line_num}: {fault}") from None
 
 
 def _segment(place: str, row: dict[str, str | None], pocket: Pocket) -> Milled:

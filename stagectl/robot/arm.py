@@ -1,5 +1,6 @@
 """An arm's geometry and limits: Denavit-Hartenberg parameters read from a file, SI inside."""
 
+import sys
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -8,6 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from rigkit.config_fault import ConfigError
+from rigkit.config_source import file_values
 
 _COLUMNS = ("offset_deg", "d", "a", "alpha_deg", "low_deg", "high_deg", "speed_deg")
 
@@ -82,9 +86,9 @@ def read_arm(path: str | Path) -> Arm:
     ArmError : no such file, no TOML, a key that is missing or too many, a value that is no number, limits that fall.
     """
     try:
-        content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as fault:
-        raise ArmError(f"{path}: {fault}") from None
+        content = file_values(path)
+    except ConfigError as fault:
+        raise ArmError(str(fault)) from None
     return _arm(str(path), content)
 
 
@@ -112,6 +116,6 @@ def _row(path: str, number: int, row: object) -> list[float]:
         raise ArmError(f"{path}: joint {number} must have {', '.join(_COLUMNS)}")
     for key in _COLUMNS:
         value = row[key]
-        if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
             raise ArmError(f"{path}: joint {number}: {key} is {value!r}, must be a finite number")
     return [float(row[key]) for key in _COLUMNS]

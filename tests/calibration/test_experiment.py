@@ -94,7 +94,7 @@ def test_a_recording_of_another_experiment_is_refused(tmp_path: Path) -> None:
 
 def test_a_damaged_plan_is_refused(tmp_path: Path) -> None:
     (tmp_path / "noise.json").write_text("[")
-    with RawFolder(tmp_path) as raw, pytest.raises(RawFolderError, match="not readable"):
+    with RawFolder(tmp_path) as raw, pytest.raises(RawFolderError, match=r"noise\.json: not JSON"):
         next(raw.record(PLAN, double))
 
 

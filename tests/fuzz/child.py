@@ -21,6 +21,7 @@ KINDS = {
     "csv": "tests.fuzz.csv_cases:cases",
     "foreign": "tests.fuzz.csv_cases:foreign_cases",
     "toml": "tests.fuzz.toml_cases:cases",
+    "json": "tests.fuzz.json_cases:cases",
     "can": "tests.fuzz.can_cases:cases",
     "wires": "tests.fuzz.wire_cases:cases",
     "hdf5": "tests.fuzz.hdf5_cases:cases",

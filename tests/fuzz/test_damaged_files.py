@@ -13,11 +13,12 @@ import pytest
 from tests.fuzz.child import MOST_FINDINGS
 
 QUICK = {
-    "wav": 1_000, "growing": 200, "csv": 400, "foreign": 400, "toml": 200, "can": 20_000, "wires": 3_000, "hdf5": 40
+    "wav": 1_000, "growing": 200, "csv": 400, "foreign": 400, "toml": 200, "json": 400, "can": 20_000, "wires": 3_000,
+    "hdf5": 40,
 }  # fmt: skip
 WHOLE = {
-    "wav": 100_000, "growing": 10_000, "csv": 20_000, "foreign": 20_000, "toml": 20_000, "can": 1_000_000,
-    "wires": 200_000, "hdf5": 5_000,
+    "wav": 100_000, "growing": 10_000, "csv": 20_000, "foreign": 20_000, "toml": 20_000, "json": 20_000,
+    "can": 1_000_000, "wires": 200_000, "hdf5": 5_000,
 }  # fmt: skip
 PROCESSES = 20
 """In which the whole is done: what leaks would take more and more."""

@@ -104,7 +104,7 @@ def test_what_is_no_such_file_is_refused(tmp_path: Path) -> None:
         read_channels(tmp_path / "none.csv", ["1"], 1.0)
     for name, complaint in (
         ("a.h5", "is no HDF5 file"),
-        ("a.csv", "is no text"),
+        ("a.csv", "byte 0xff in line 1 is not UTF-8"),
         ("a.xyz", "suffix is"),
         ("a.wav", "not a WAV file"),
     ):

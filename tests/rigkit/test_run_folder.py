@@ -70,14 +70,14 @@ def test_a_folder_without_a_configuration_cannot_be_taken_up(path: Path) -> None
 def test_what_a_kill_left_is_swept_up_when_the_folder_is_opened(path: Path) -> None:
     RunFolder.create(path, "").close()
     (path / "shots" / ".0003.0a1b2c3d.tmp.wav").write_bytes(b"half")
-    (path / "events.jsonl").write_bytes(b'{"event": "shot"}\n{"eve')
+    (path / "events.jsonl").write_bytes(b'{"time": "now", "event": "shot"}\n{"eve')
     (path / "qc.csv").write_bytes(b"shot,iae\n0,1.5\n1,0.")
-    assert read_events(path) == [{"event": "shot"}]
+    assert read_events(path) == [{"time": "now", "event": "shot"}]
     assert read_quality(path) == [{"shot": "0", "iae": "1.5"}]
     with RunFolder.open(path) as folder:
         folder.quality({"shot": 1, "iae": 0.75})
     assert list((path / "shots").iterdir()) == []
-    assert (path / "events.jsonl").read_bytes() == b'{"event": "shot"}\n'
+    assert (path / "events.jsonl").read_bytes() == b'{"time": "now", "event": "shot"}\n'
     assert (path / "qc.csv").read_text() == "shot,iae\n0,1.5\n1,0.75\n"
 
 
@@ -149,11 +149,23 @@ def test_an_event_cannot_hide_its_own_time(path: Path) -> None:
         folder.event("shot", {"time": 3})
 
 
-def test_an_event_that_is_not_json_is_named_by_its_line(path: Path) -> None:
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        (b"nonsense", "not JSON"),
+        (b"[" * 200_000, "nested more than 12 deep"),
+        (b'{"event": "\xff"}', "byte 0xff in line 2 is not UTF-8"),
+        (b'{"time": "now"}', "line 2 is no event"),
+        (b"[]", "line 2: is a list, must be an object"),
+    ],
+    ids=range(5),
+)
+def test_a_line_that_is_no_event_is_named(line: bytes, says: str, path: Path) -> None:
     RunFolder.create(path, "").close()
-    (path / "events.jsonl").write_text('{"event": "shot"}\nnonsense\n')
-    with pytest.raises(ValueError, match="line 2 is not JSON: 'nonsense'"):
+    (path / "events.jsonl").write_bytes(b'{"time": "now", "event": "shot"}\n' + line + b"\n")
+    with pytest.raises(ValueError, match=r"events\.jsonl: .*line 2") as fault:
         read_events(path)
+    assert says in str(fault.value)
 
 
 def test_quality_rows_stand_under_one_header_and_keep_every_bit(path: Path) -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rigkit.text_file import TextFault, read_text
 from stagectl.robot.arm import Arm
 
 COLUMNS = 13
@@ -95,9 +96,11 @@ def read_torque_log(path: Path, arm: Arm, unit: str | None = None) -> TorqueLog:
 def _rows(path: Path) -> tuple[np.ndarray, list[int]]:
     """Return the numbers, NaN for cells that have none, and the row of the file that each is in, from 1."""
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as fault:
-        raise TorqueLogError(f"{path}: {getattr(fault, 'strerror', None) or fault}") from None
+        text = read_text(path)
+    except OSError as fault:
+        raise TorqueLogError(f"{path}: {fault.strerror}") from None
+    except TextFault as fault:
+        raise TorqueLogError(str(fault)) from None
     found: list[list[float]] = []
     numbers: list[int] = []
     for number, line in enumerate(text.splitlines(), start=1):

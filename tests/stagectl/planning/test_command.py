@@ -79,10 +79,13 @@ def test_a_path_that_will_not_do_is_status_1(
         (["{pocket}", "--pockets", "0"], "greater than or equal to 1"),
         (["--check", "{pocket}"], "--check goes with two files"),
         (["{pocket}", "{pocket}"], "--check goes with two files"),
-        (["--check", "{pocket}", "{pocket}"], "a path is dict, must be a list"),
+        (["--check", "{pocket}", "{pocket}"], "is an object, must be a list; a path is a list of"),
         (["{folder}/none.json"], "No such file"),
         (["{folder}/bad.json"], "bad.json: rows is 1, smaller than the tool"),
-        (["{folder}/no.json"], "no.json: Expecting value"),
+        (["{folder}/no.json"], "no.json: not JSON: Expecting value"),
+        (["{folder}/deep.json"], "deep.json: objects or lists nested more than 12 deep"),
+        (["--check", "{pocket}", "{folder}/deep.json"], "deep.json: objects or lists nested more than 12 deep"),
+        (["{folder}/long.json"], "...', must be one of EW, EWNS"),
     ],
 )
 def test_a_mistake_is_one_line_and_status_2(
@@ -91,7 +94,10 @@ def test_a_mistake_is_one_line_and_status_2(
 ) -> None:  # fmt: skip
     (tmp_path / "bad.json").write_text(json.dumps({**EXAMPLE, "rows": 1}))
     (tmp_path / "no.json").write_text("nothing")
+    (tmp_path / "deep.json").write_text("[" * 200_000)
+    (tmp_path / "long.json").write_text(json.dumps({**EXAMPLE, "feeds": "E" * 100_000}))
     assert _plan(monkeypatch, *(word.format(pocket=pocket, folder=tmp_path) for word in words)) == 2
     err = capsys.readouterr().err
     assert text in err
     assert err.count("\n") == 1
+    assert len(err) < 300

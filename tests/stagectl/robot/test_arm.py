@@ -35,9 +35,11 @@ def test_another_arm_is_read_from_a_file_in_degrees(tmp_path: Path) -> None:
         ("name = 'one'", "has name, must have name and a list of joint"),
         (f"name = 'one'\nextra = 1\njoint = [{ROW}]", "has name, extra, joint"),
         ("name = 'one'\njoint = [{d = 1}]", "joint 1 must have offset_deg, d, a"),
-        (f"name = 'one'\njoint = [{ROW}, {ROW.replace('0.5', 'nan')}]", "joint 2: d is nan, must be a finite number"),
+        (f"name = 'one'\njoint = [{ROW}, {ROW.replace('0.5', 'nan')}]", "joint.1.d is nan, must be finite"),
         (f"name = 'one'\njoint = [{ROW.replace('0.5', 'true')}]", "joint 1: d is True"),
         (f"name = 'one'\njoint = [{ROW.replace('= 20', '= -20')}]", "joint 1 goes from -10 to -20 deg"),
+        (f"name = 'one'\njoint = [{ROW.replace('0.5', '1' + '0' * 400)}]", "joint 1: d is 10"),
+        (f"name = 'one'\njoint = {'[' * 500}", "nested more than 12 deep"),
         ("name = ", "arm.toml"),
     ],
 )
