@@ -4,6 +4,7 @@ import math
 import os
 import secrets
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
@@ -12,6 +13,7 @@ import numpy as np
 import soundfile
 
 from ctlblocks import csv_file, wav_file
+from ctlblocks.room import bytes_of, writing
 
 _FORMATS = {".wav": wav_file, ".csv": csv_file}
 
@@ -120,15 +122,19 @@ def write(path: str | os.PathLike[str], recording: Recording) -> None:
     path = Path(path)
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
     about = {"names": recording.names, "units": recording.units, "provenance": recording.provenance}
+    samples, channels = recording.data.shape
     try:
-        _format(path).write(temporary, recording.data, recording.rate, about)
-        with temporary.open("rb") as file:
-            os.fsync(file.fileno())
-        temporary.replace(path)
+        layout, wanted = _format(path), bytes_of(samples, channels, recording.data.dtype.name, path.suffix[1:].lower())
+        with writing(path, wanted, temporary):
+            layout.write(temporary, recording.data, recording.rate, about)
+            with temporary.open("rb") as file:
+                os.fsync(file.fileno())
+            temporary.replace(path)
     except (OSError, ValueError, soundfile.SoundFileError) as fault:
         raise _at(path, fault) from fault
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):  # of a disk that takes no change at all
+            temporary.unlink(missing_ok=True)
 
 
 def _format(path: Path) -> ModuleType:

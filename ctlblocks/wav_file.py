@@ -2,6 +2,7 @@
 
 import json
 import struct
+from io import FileIO
 from pathlib import Path
 from typing import Any
 
@@ -24,9 +25,17 @@ def write(path: Path, data: np.ndarray, rate: float, about: dict[str, Any]) -> N
     if not rate.is_integer() or rate >= 2**31 or data.shape[1] > 1024:
         raise ValueError(f"{data.shape[1]} channels at {rate} samples/s, must be <= 1024 at a whole number < 2^31")
     kind, subtype = "WAV" if data.nbytes <= LARGEST_WAV else "RF64", "DOUBLE" if data.dtype == float else "FLOAT"
-    with soundfile.SoundFile(path, "w", int(rate), data.shape[1], subtype, format=kind) as file:
-        file.comment = comment
-        file.write(data)
+    with path.open("wb+", buffering=0) as file:
+        target = _Target(file)
+        try:
+            with soundfile.SoundFile(target, "w", int(rate), data.shape[1], subtype, format=kind) as sound:
+                sound.comment = comment
+                sound.write(data)
+        except (soundfile.SoundFileError, AssertionError):
+            if target.fault is None:
+                raise
+        if target.fault is not None:
+            raise target.fault
 
 
 def read(path: Path) -> tuple[np.ndarray, float, dict[str, Any]]:
@@ -49,6 +58,24 @@ def read(path: Path) -> tuple[np.ndarray, float, dict[str, Any]]:
         raise ValueError(f"samples, channels, samples/s are {found}, the header says {said}")
     comment = chunks.get(b"LIST", b"").partition(MARK)[2].partition(b"\0")[0]
     return data, float(rate), json.loads(b"{" + comment) if comment else {}
+
+
+class _Target:
+    """A file as libsndfile writes to it, which keeps the first fault: the library says "System error." of them all."""
+
+    def __init__(self, file: FileIO) -> None:
+        self._file = file
+        self.fault: OSError | None = None
+        self.seek, self.tell, self.read = file.seek, file.tell, file.read
+
+    def write(self, content: bytes) -> int:
+        done = 0
+        try:
+            while done < len(content):  # a disk that is nearly full takes a part, and then says so
+                done += self._file.write(content[done:])
+        except OSError as fault:
+            self.fault = self.fault or fault
+        return done
 
 
 def _chunks(path: Path) -> tuple[dict[bytes, bytes], int]:

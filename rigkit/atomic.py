@@ -8,33 +8,48 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from ctlblocks.room import writing
+
 _TEMPORARY = re.compile(r"\..+\.[0-9a-f]{8}\.tmp(\.\w+)?")
 
 
 @contextmanager
-def replacing(path: str | Path) -> Iterator[Path]:
+def replacing(path: str | Path, wanted: int | None = None) -> Iterator[Path]:
     """Give a temporary name with the same suffix; when the block ends, what stands there takes the place of `path`.
 
     The bytes are on the disk before the name changes, and the name before this returns.  A block that raises leaves
     `path` as it was.  A process killed in the block leaves the temporary file, which `leftovers` finds.
+
+    Parameters
+    ----------
+    path : path
+    wanted : int, bytes, optional
+        Said where a disk is full.
+
+    Raises
+    ------
+    DiskFault : the disk is full, or fails.
     """
     path = Path(path)
     if not path.parent.is_dir():
         raise FileNotFoundError(errno.ENOENT, "there is no such folder", str(path.parent))
     temporary = path.with_name(f".{path.stem}.{secrets.token_hex(4)}.tmp{path.suffix}")
     try:
-        yield temporary
-        to_disk(temporary)
-        os.replace(temporary, path)
-        to_disk(path.parent)
+        with writing(path, wanted, temporary):
+            yield temporary
+            to_disk(temporary)
+            os.replace(temporary, path)
+            to_disk(path.parent)
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):  # of a disk that takes no change at all
+            temporary.unlink(missing_ok=True)
 
 
 def write(path: str | Path, content: str | bytes) -> None:
     """Write a whole file, text as UTF-8, in one step."""
-    with replacing(path) as temporary:
-        temporary.write_bytes(content.encode() if isinstance(content, str) else content)
+    whole = content.encode() if isinstance(content, str) else content
+    with replacing(path, len(whole)) as temporary:
+        temporary.write_bytes(whole)
 
 
 @contextmanager

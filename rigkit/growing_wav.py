@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ctlblocks.room import DiskFault, writing
 from ctlblocks.wav_file import LARGEST_WAV, LONGEST_COMMENT, MARK
 from rigkit.atomic import to_disk
 
@@ -91,9 +92,10 @@ class GrowingWav:
         self._start = len(header)
         if path.exists():
             raise FileExistsError(errno.EEXIST, "there is such a file already", str(path))
-        self._handle = os.open(self._growing, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o644)
+        with writing(path, len(header), self._growing):
+            self._handle = os.open(self._growing, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o644)
         try:
-            with _named(self.path):
+            with _named(self.path, len(header)):
                 self._write(header, 0)
         except OSError:
             os.close(self._handle)
@@ -121,7 +123,7 @@ class GrowingWav:
         if self.size + content.nbytes > LARGEST_WAV:
             raise ValueError(f"{self.path}: more than {LARGEST_WAV} bytes")
         try:
-            with _named(self.path):
+            with _named(self.path, content.nbytes):
                 self._write(content.data.cast("B"), self.size)
                 _say_lengths(self._handle, self._start, self.frames + len(samples), self.channels.frame)
         except OSError:
@@ -205,10 +207,13 @@ def unfinished(folder: Path) -> Iterator[Path]:
 
 
 @contextlib.contextmanager
-def _named(path: Path) -> Iterator[None]:
+def _named(path: Path, wanted: int | None = None) -> Iterator[None]:
     """Name the file in an error of the system."""
     try:
-        yield
+        with writing(path, wanted):
+            yield
+    except DiskFault:
+        raise
     except OSError as fault:
         raise OSError(fault.errno, fault.strerror, str(path)) from None
 

@@ -1,10 +1,10 @@
 """Files that grow by a line: each line is there whole or not at all."""
 
-import errno
 import os
 from contextlib import suppress
 from pathlib import Path
 
+from ctlblocks.room import writing
 from rigkit.atomic import to_disk
 
 
@@ -19,13 +19,15 @@ def append(path: Path, line: str) -> None:
     if "\n" in line or "\r" in line:
         raise ValueError(f"{path}: {line!r} is more than one line")
     content, made = f"{line}\n".encode(), not path.exists()
-    handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+    with writing(path, len(content)):
+        handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
     try:
-        size = os.fstat(handle).st_size
+        size, done = os.fstat(handle).st_size, 0
         try:
-            if os.write(handle, content) != len(content):
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
-            os.fsync(handle)
+            with writing(path, len(content)):
+                while done < len(content):  # a disk that is nearly full takes a part, and then says so
+                    done += os.write(handle, content[done:])
+                os.fsync(handle)
         except OSError:
             with suppress(OSError):
                 os.ftruncate(handle, size)

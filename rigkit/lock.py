@@ -4,6 +4,8 @@ import fcntl
 import os
 from pathlib import Path
 
+from ctlblocks.room import writing
+
 
 class FolderInUseError(ValueError):
     """A folder that another process is working in, or that holds something already."""
@@ -32,10 +34,14 @@ class Lock:
             os.close(self._handle)
             raise FolderInUseError(f"{path.parent}/ is in use by process {holder or 'unknown'}") from None
         try:
-            os.ftruncate(self._handle, 0)
-            os.pwrite(self._handle, f"{os.getpid()}\n".encode(), 0)
+            name = f"{os.getpid()}\n".encode()
+            with writing(path, len(name)):
+                os.ftruncate(self._handle, 0)
+                os.pwrite(self._handle, name, 0)
         except OSError as fault:
             os.close(self._handle)
+            if fault.filename is not None:
+                raise
             raise OSError(fault.errno, fault.strerror, str(path)) from None
 
     def release(self) -> None:

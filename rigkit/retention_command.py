@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
+from ctlblocks.room import free, megabytes
 from rigkit.command import JsonOption, print_table, words, write_json
-from rigkit.disk_space import free, megabytes
 from rigkit.retention import DAY, Policy, prune, stored_runs, superfluous
 
 

@@ -5,6 +5,7 @@ that HDF5 leaves to its user at the beginning of a file.
 """
 
 import hashlib
+import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -24,9 +25,11 @@ _HDF5 = b"\x89HDF\r\n\x1a\n"
 @contextmanager
 def sealed(path: Path) -> Iterator[h5py.File]:
     """Give an HDF5 file to be filled; it takes the place of `path` when the block ends, whole and sealed."""
-    with replacing(path) as partial:
-        with h5py.File(partial, "w", userblock_size=_USER_BLOCK) as file:
-            yield file
+    content = io.BytesIO()  # and not the disk: of one that is full the library speaks in riddles, and leaves files open
+    with h5py.File(content, "w", userblock_size=_USER_BLOCK) as file:
+        yield file
+    with replacing(path, content.getbuffer().nbytes) as partial:
+        partial.write_bytes(content.getbuffer())
         seal(partial)
 
 

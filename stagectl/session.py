@@ -9,8 +9,9 @@ import numpy as np
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording
+from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
-from rigkit.disk_space import bytes_of, require
+from rigkit.disk_space import require
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder, read_events
 from stagectl.cell import RECORDED, Cell, kept_in, memory, simulated

@@ -4,15 +4,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording
+from ctlblocks.room import bytes_of, megabytes
 from rigkit import config as rig_file
-from rigkit.disk_space import bytes_of, megabytes, require
+from rigkit.disk_space import require
 from rigkit.provenance import software
 from rigkit.run_folder import RunFolder, read_quality
+from rigkit.sealed_file import sealed
 from vibractl.audio import Line
 from vibractl.capture import Discarded
 from vibractl.config import RigConfig
@@ -235,7 +236,7 @@ class Session:
         """Keep gain and certificate of every line beside the shot, (6.12)/(6.18)."""
         algorithm = self.learner.algorithm
         law = algorithm.law
-        with self.folder.replacing(f"shots/{number:04d}.h5") as path, h5py.File(path, "w") as file:
+        with sealed(self.folder.path / f"shots/{number:04d}.h5") as file:
             for name, unit, value in (
                 ("frequency", "Hz", law.matrix.frequency),
                 ("gain", "1", algorithm.gain),

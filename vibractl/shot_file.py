@@ -6,6 +6,7 @@ import numpy as np
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording
+from rigkit import atomic
 from vibractl.capture import Capture, Discarded
 from vibractl.config import RigConfig
 
@@ -85,5 +86,6 @@ def keep_discarded(place: Path, name: str, discarded: Discarded, config: RigConf
         recording.write(path, recording_of(discarded.capture, config))
     else:
         path = path.with_suffix(".npy")
-        np.save(path, heard)
+        with atomic.replacing(path, heard.nbytes) as temporary:
+            np.save(temporary, heard)
     return path

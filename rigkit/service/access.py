@@ -5,11 +5,13 @@ import os
 import secrets
 import stat
 import tomllib
+from contextlib import suppress
 from dataclasses import dataclass
 from hmac import compare_digest
 from pathlib import Path
 from typing import Literal
 
+from ctlblocks.room import writing
 from rigkit.service.config import Daemon
 
 TOKENS = "token"
@@ -105,12 +107,18 @@ def new_tokens(path: Path) -> Tokens:
     """Make tokens, and the file that only its owner can read in the place of the one there was."""
     made = Tokens(secrets.token_urlsafe(32), secrets.token_urlsafe(32))
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
-    handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-    with os.fdopen(handle, "w") as file:
-        file.write(f'view = "{made.view}"\noperate = "{made.operate}"\n')
-        file.flush()
-        os.fsync(handle)
-    temporary.replace(path)
+    text = f'view = "{made.view}"\noperate = "{made.operate}"\n'
+    try:
+        with writing(path, len(text), temporary):
+            handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+            with os.fdopen(handle, "w") as file:
+                file.write(text)
+                file.flush()
+                os.fsync(handle)
+            temporary.replace(path)
+    finally:
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
     return made
 
 

@@ -4,9 +4,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Protocol
 
+from ctlblocks.room import free
 from rigkit import config as rig_file
 from rigkit.config import resolve
-from rigkit.disk_space import RESERVE, free
+from rigkit.disk_space import RESERVE
 from rigkit.faults import FaultTable
 from rigkit.named_code import KnownCode
 from rigkit.service.not_begun import making

@@ -9,8 +9,8 @@ import numpy as np
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording
+from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
-from rigkit.disk_space import bytes_of
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder, read_events
 from stagectl.config import StageConfig

@@ -27,7 +27,7 @@ from vibractl.config import RigConfig
 
 LONGEST_FILE = 300
 LONGEST_FUNCTION = 40
-CONTRACT_LINES = 800
+CONTRACT_LINES = 1000
 
 DEVICES = {"sounddevice", "can", "serial", "socket"}
 EDGES = re.compile(

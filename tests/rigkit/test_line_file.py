@@ -42,10 +42,17 @@ def test_a_line_with_a_break_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_full_disk_leaves_the_lines_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Which takes a part, and nothing more."""
     path = tmp_path / "events.jsonl"
     line_file.append(path, "one")
     write = os.write
-    monkeypatch.setattr(os, "write", lambda handle, content: write(handle, content[:2]))
+
+    def two_bytes(handle: int, content: bytes) -> int:
+        if content != b"two\n":
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return write(handle, content[:2])
+
+    monkeypatch.setattr(os, "write", two_bytes)
     with pytest.raises(OSError, match="No space left"):
         line_file.append(path, "two")
     assert path.read_bytes() == b"one\n"

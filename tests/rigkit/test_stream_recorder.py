@@ -141,7 +141,7 @@ def test_a_disk_that_is_nearly_full_is_left_alone_until_there_is_room(
         wait_until(lambda: recorder.recorded == FRAMES)
         monkeypatch.setattr(disk_space, "RESERVE", 2**80)
         offer(recorder, FRAMES, 1)
-        wait_until(lambda: recorder.fault == "No space left on device")
+        wait_until(lambda: recorder.fault.startswith("No space left on device: "))
         monkeypatch.setattr(disk_space, "RESERVE", reserve)
         offer(recorder, 2 * FRAMES, 1)
     assert told.names == ["recording_failed", "recording_resumed"]

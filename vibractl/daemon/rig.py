@@ -4,9 +4,10 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Protocol
 
+from ctlblocks.room import free
 from rigkit import config as rig_file
 from rigkit.config import refuse_absent, resolve
-from rigkit.disk_space import RESERVE, free, refuse_full
+from rigkit.disk_space import RESERVE, refuse_full
 from rigkit.faults import FaultTable
 from rigkit.named_code import KnownCode
 from rigkit.service.not_begun import making

@@ -4,9 +4,10 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
+from ctlblocks.room import free
 from rigkit import config as rig_file
 from rigkit.config import Section, resolve
-from rigkit.disk_space import RESERVE, free, refuse_full
+from rigkit.disk_space import RESERVE, refuse_full
 from rigkit.faults import FaultTable
 from rigkit.named_code import KnownCode
 from rigkit.run_folder import CONFIG
