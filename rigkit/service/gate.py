@@ -17,7 +17,9 @@ BURST = 2.0
 TOLD = 1.0, 20.0
 """Refusals of one address that are told, a second in the long run, and at once."""
 STOP = "/api/stop"
-"""Is never too frequent."""
+"""Is never too frequent, nor one too many."""
+AT_A_TIME = 100
+"""Requests under way."""
 TOKEN = "token."
 """Begins the WebSocket subprotocol that carries the token, since a page can set no header there."""
 STREAM = "vibrostage.1"
@@ -89,6 +91,7 @@ class Gate:
         self._app, self._rules = app, rules
         self._requests = Rates(rules.rate, max(1.0, BURST * rules.rate))
         self._told = Rates(*TOLD)
+        self._under_way = 0
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Let a request through, or refuse it."""
@@ -104,7 +107,11 @@ class Gate:
         if scope["type"] == "websocket":
             await self._app(scope, receive, send)
             return
-        await self._pass(scope, receive, send)
+        self._under_way += 1
+        try:
+            await self._pass(scope, receive, send)
+        finally:
+            self._under_way -= 1
 
     async def _pass(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Let a request through; cut off a body that turns out longer than it may be, whatever it said of itself."""
@@ -128,6 +135,8 @@ class Gate:
         address, now = _address(scope), time.monotonic()
         if scope["path"] != STOP and not self._requests.allows(address, now):
             raise Refusal(429, "too many requests")
+        if scope["path"] != STOP and not self._under_way < AT_A_TIME:
+            raise Refusal(503, f"{self._under_way} requests are under way, {AT_A_TIME} may be")
         headers = {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
         host, origin = headers.get("host", ""), headers.get("origin")
         if host.lower() not in self._rules.names:
@@ -154,11 +163,14 @@ class Gate:
             raise Refusal(401, "the token is not this daemon's" if token else "there is no token")
         return role
 
-    def _tell(self, scope: Scope, refusal: Refusal) -> None:
-        address = _address(scope)
-        if self._told.allows(address, time.monotonic()):
-            fields = {"address": address, "path": scope["path"][:200], "status": refusal.status, "why": str(refusal)}
+    def tell(self, fields: Mapping[str, Any]) -> None:
+        """Have told what was refused to the `address` of the fields, but not more often than a log can bear."""
+        if self._told.allows(fields["address"], time.monotonic()):
             self._rules.refused(fields)
+
+    def _tell(self, scope: Scope, refusal: Refusal) -> None:
+        path, why = scope["path"][:200], str(refusal)
+        self.tell({"address": _address(scope), "path": path, "status": refusal.status, "why": why})
 
     async def _refuse(self, scope: Scope, send: Send, refusal: Refusal) -> None:
         self._tell(scope, refusal)

@@ -3,6 +3,7 @@
 import json
 import threading
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -10,6 +11,10 @@ from rigkit.json_text import json_text
 
 LARGEST = 50_000_000
 """Bytes of a message."""
+
+
+ASKERS = 8
+"""Threads that wait for answers of one end; only one of them asks at a time."""
 
 
 class NoAnswer(TimeoutError):
@@ -29,6 +34,8 @@ class Asking:
     def __init__(self, pipe: Connection, seconds: float) -> None:
         self._pipe, self._seconds = pipe, seconds
         self._lock, self._number = threading.Lock(), 0
+        self.threads = ThreadPoolExecutor(ASKERS, "asking")
+        """For those who cannot wait themselves."""
 
     def ask(self, request: Mapping[str, Any]) -> dict[str, Any]:
         """Send a request and return the answer.

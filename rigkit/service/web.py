@@ -246,7 +246,9 @@ def _with_reason(asking: Asking, name: str) -> Any:
 
 
 async def _asked(asking: Asking, do: str, /, **arguments: Any) -> JSONResponse:
-    status, told = await asyncio.to_thread(partial(_answered, asking, do, **arguments))
+    """Ask in a thread of the end's own: questions that wait for an answer hold up no STOP."""
+    loop = asyncio.get_running_loop()
+    status, told = await loop.run_in_executor(asking.threads, partial(_answered, asking, do, **arguments))
     return _Json(told, status)
 
 

@@ -3,6 +3,7 @@
 import asyncio
 import gc
 import multiprocessing
+import resource
 import signal
 import threading
 from collections.abc import Iterator, Mapping
@@ -15,6 +16,7 @@ import uvicorn
 
 from rigkit.service.access import Tokens, names, origins
 from rigkit.service.config import Daemon
+from rigkit.service.connections import PatientProtocol, Waiting
 from rigkit.service.gate import Gate, Rules
 from rigkit.service.link import Asking, NoAnswer
 from rigkit.service.metrics import Metrics
@@ -27,8 +29,10 @@ ANSWER_WITHIN = 10.0
 """s that the rig's process may take for an answer: it may be computing between two shots."""
 LARGEST_MESSAGE = 1024
 """Bytes of a WebSocket message from a client: it says which tick it has read."""
-CONNECTIONS = 100
-"""At a time; more are told to come again."""
+HANDSHAKE_WITHIN = 5.0
+"""s for the handshake of TLS."""
+OPEN_FILES = 8_192
+"""Connections and files at a time, where the system allows as many: far more than are ever kept."""
 _NOTES_WAITING = 100
 
 
@@ -67,10 +71,28 @@ def run(daemon: Daemon, tokens: Tokens, name: str, wires: Wires) -> None:
     ends = Ends(wires.slot, asking, urgent, data / "runs", Path(str(files("rigkit.service"))) / "page")
     rules = Rules(names(daemon), origins(daemon), tokens, daemon.requests, _is_open, lambda told: tell("refused", told))
     app = Gate(application(ends, audience, metrics, name), rules)
-    server = _Server(_settings(app, daemon))
+    protocol = PatientProtocol.bound(Waiting(), app.tell)
+    server = _Server(_settings(app, daemon, protocol))
+    _allow_files()
     gc.collect()
     gc.freeze()  # all that stays; else requests' cycles would lie about until they were a quarter of it
-    asyncio.run(_serve(server, wires, daemon))
+    with asyncio.Runner(loop_factory=_Loop) as runner:
+        runner.run(_serve(server, wires, daemon))
+
+
+class _Loop(asyncio.SelectorEventLoop):
+    """An event loop that waits for a handshake no longer than for a request."""
+
+    async def create_server(self, *given: Any, **options: Any) -> asyncio.Server:
+        if options.get("ssl"):
+            options["ssl_handshake_timeout"] = HANDSHAKE_WITHIN
+        return await super().create_server(*given, **options)
+
+
+def _allow_files() -> None:
+    allowed, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = OPEN_FILES if most == resource.RLIM_INFINITY else min(OPEN_FILES, most)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(allowed, wanted), most))
 
 
 async def _serve(server: _Server, wires: Wires, daemon: Daemon) -> None:
@@ -88,14 +110,13 @@ async def _serve(server: _Server, wires: Wires, daemon: Daemon) -> None:
         sending.cancel()
 
 
-def _settings(app: Gate, daemon: Daemon) -> uvicorn.Config:
+def _settings(app: Gate, daemon: Daemon, protocol: type[PatientProtocol]) -> uvicorn.Config:
     return uvicorn.Config(
         app,
-        http="h11",
+        http=protocol,
         ws="websockets-sansio",
         ws_max_size=LARGEST_MESSAGE,
         ws_per_message_deflate=False,
-        limit_concurrency=CONNECTIONS + daemon.clients,
         timeout_keep_alive=5,
         timeout_graceful_shutdown=1,
         h11_max_incomplete_event_size=16_384,
