@@ -14,7 +14,7 @@ DEEPEST = 12
 """Objects and lists within each other."""
 _NAMES = {dict: "an object", list: "a list", str: "text", bool: "true or false", int: "a number", float: "a number"}
 
-Value = TypeVar("Value", dict[str, Any], list[Any])
+Value = TypeVar("Value")
 
 
 class JsonError(ValueError):
@@ -50,7 +50,7 @@ def json_value(text: str, origin: str, expected: type[Value]) -> Value:
     text : str
     origin : str
         Where it comes from: begins the text of an error.
-    expected : dict or list
+    expected : dict, list, or object for anything
 
     Raises
     ------

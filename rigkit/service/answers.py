@@ -21,10 +21,35 @@ class _Answer(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True)
 
 
+Reason = Literal[
+    "unreadable", "no_token", "not_allowed", "unknown", "method", "wrong_state", "too_long", "invalid", "not_begun",
+    "too_many", "slip", "failed",
+]  # fmt: skip
+_REASONS: dict[int, Reason] = {
+    400: "unreadable",
+    401: "no_token",
+    403: "not_allowed",
+    404: "unknown",
+    405: "method",
+    409: "wrong_state",
+    413: "too_long",
+    422: "invalid",
+    429: "too_many",
+    500: "slip",
+    503: "failed",
+}
+
+
 class Error(_Answer):
-    """Why nothing was done, in one line."""
+    """Why nothing was done, in one line, and for a program in one word."""
 
     error: str
+    reason: Reason
+
+
+def error(status: int, text: str) -> dict[str, str]:
+    """Return an `Error` as JSON has it, its reason by the HTTP status."""
+    return {"error": text, "reason": _REASONS.get(status, "failed")}
 
 
 class Standing(_Answer):

@@ -17,6 +17,8 @@ from rigkit.service.gate import STREAM
 
 SECONDS = 12.0
 """Longest wait for an answer."""
+BEGIN_SECONDS = 75.0
+"""s for a procedure to be made, which may take longer than any other answer."""
 STOP_SECONDS = 1.5
 """Longest wait for the answer to a STOP, after which there are other ways."""
 
@@ -93,7 +95,7 @@ class Client:
             told = answer.json()
         except (httpx.HTTPError, ValueError) as fault:
             raise DaemonError(0, f"no answer from the daemon at {self._host or self._at.path}: {fault}") from None
-        if answer.status_code != httpx.codes.OK:
+        if not answer.is_success:
             raise DaemonError(answer.status_code, told["error"])
         return told
 
@@ -140,8 +142,9 @@ class Client:
         return dict(self.ask("POST", f"/api/{name}", {"why": why}))
 
     def begin(self, procedure: str, why: str = "", **options: Any) -> dict[str, Any]:
-        """Begin a procedure; within `control`."""
-        return dict(self.ask("POST", "/api/begin", {"procedure": procedure, "options": options, "why": why}))
+        """Begin a procedure; within `control`.  One that is refused is a `DaemonError`, however late it is known."""
+        asked = {"procedure": procedure, "options": options, "why": why}
+        return dict(self.ask("POST", "/api/begin", asked, BEGIN_SECONDS))
 
     def reload(self) -> dict[str, Any]:
         """Let the daemon read its rig file again; within `control`."""

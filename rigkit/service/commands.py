@@ -30,6 +30,7 @@ class Commands:
             "arm": control.arm,
             "disarm": control.disarm,
             "begin": control.begin,
+            "begun": control.begun,
             "hold": control.hold,
             "resume": control.resume,
             "abort": control.abort,

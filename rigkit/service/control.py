@@ -43,6 +43,8 @@ class Control:
         self.machine, self.since = Machine(), time.time()
         self.desk: OpenDesk | None = None
         """Of the procedure under way."""
+        self._newest: OpenDesk | None = None
+        self._begins = 0
         self._one_command = threading.Lock()
         self.changing = threading.RLock()
         """Guards machine, lease and desk; never held while the rig works."""
@@ -94,11 +96,17 @@ class Control:
         with self._one_command, self.changing:
             who = self._commander(key)
             told = self._take(event, who, why or procedure.title, procedure=name, options=dict(options))
-            self.board.clear()
-            self.desk = OpenDesk(procedure, who, self.board, self.journal)
+            self.desk = self._newest = OpenDesk(procedure, who, self.board, self.journal)
+            self._begins += 1
             self._worker = threading.Thread(target=self._work, args=(self.desk, chosen), name=name, daemon=True)
             self._worker.start()
-            return told
+            return told | {"number": self._begins}
+
+    def begun(self, number: int) -> Told:
+        """Return what came of `begin`, by the `number` that it has returned: while it gets ready, nothing yet."""
+        with self.changing:
+            desk = self._newest if number == self._begins else None
+        return {"outcome": desk.outcome if desk else "begun", "why": desk.why if desk else ""}
 
     def hold(self, key: str, why: str) -> Told:
         """Let the procedure pause after the step under way."""
@@ -192,15 +200,16 @@ class Control:
 
     def _work(self, desk: OpenDesk, options: Section) -> None:
         """Run a procedure, in its own thread."""
-        why = f"{desk.procedure.title} has ended"
+        why, outcome, refusal = f"{desk.procedure.title} has ended", desk.outcome, ""
         try:
             desk.procedure.run(desk, options)
         except Stopped as end:
             why = str(end)
         except NotBegun as refused:
-            why = f"{desk.procedure.title} has not begun: {refused}"
+            why, outcome, refusal = f"{desk.procedure.title} has not begun: {refused}", "not begun", str(refused)
         except Exception as fault:
-            self.fault(reason(fault), desk.procedure.name)
+            outcome, refusal = "failed", reason(fault)
+            self.fault(refusal, desk.procedure.name)
         with self.changing:
             armed = self.machine.state in ACTIVE
             if armed:
@@ -209,6 +218,7 @@ class Control:
             with self._one_command:
                 self.rig.disarm()
             self._ended(desk, why)
+        desk.end_as(outcome, refusal)
 
     def _ended(self, desk: OpenDesk, why: str) -> None:
         with self.changing:

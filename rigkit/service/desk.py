@@ -3,11 +3,13 @@
 import threading
 import time
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
 from rigkit.service.journal import Journal
 from rigkit.service.rig import Procedure
 from rigkit.service.show import Panel
+
+Outcome = Literal["getting ready", "begun", "not begun", "failed"]
 
 
 class Board:
@@ -67,6 +69,12 @@ class OpenDesk:
         self._done, self._total, self._note = 0.0, 0.0, ""
         self._began: tuple[float, float] | None = None
         self._waited = 0.0
+        self._shown: dict[str, Panel] | None = {}
+        """Panels that wait for the procedure to have begun; None once it has."""
+        self.outcome: Outcome = "getting ready"
+        """What came of the wish to begin it ..."""
+        self.why = ""
+        """... and why, where that was nothing."""
 
     def ending(self) -> bool:
         """Whether the procedure is to end."""
@@ -83,6 +91,23 @@ class OpenDesk:
             self._moved.wait_for(lambda: self._ending or not self._held)
         self._waited += time.monotonic() - since
 
+    def begun(self) -> None:
+        """Take the panels of the last procedure away, and show those of this one."""
+        with self._moved:
+            shown, self._shown = self._shown, None
+            if shown is None:
+                return
+            self._board.clear()
+            for name, panel in shown.items():
+                self._board.show(name, panel)
+            self.outcome = "begun"
+
+    def end_as(self, outcome: Outcome, why: str) -> None:
+        """Say what came of it where it never came to `begun`; else that is what came of it."""
+        with self._moved:
+            if self.outcome == "getting ready":
+                self.outcome, self.why = ("begun" if outcome == "getting ready" else outcome), why
+
     def progress(self, done: float, total: float, note: str = "") -> None:
         """Say how much is done."""
         if self._began is None:
@@ -94,8 +119,12 @@ class OpenDesk:
         self.is_recording = on
 
     def show(self, name: str, panel: Panel) -> None:
-        """Show a panel."""
-        self._board.show(name, panel)
+        """Show a panel, as soon as the procedure has begun."""
+        with self._moved:
+            if self._shown is None:
+                self._board.show(name, panel)
+            else:
+                self._shown[name] = panel
 
     def event(self, event: str, fields: Mapping[str, Any]) -> None:
         """Tell what has happened."""

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from rigkit.json_file import JsonError, json_value
 from rigkit.json_text import json_text
 from rigkit.service.access import Role, Tokens
+from rigkit.service.answers import error
 from rigkit.service.rate import Rates
 
 LARGEST_BODY = 65_536
@@ -18,6 +20,8 @@ TOLD = 1.0, 20.0
 """Refusals of one address that are told, a second in the long run, and at once."""
 STOP = "/api/stop"
 """Is never too frequent, nor one too many."""
+WITH_BODY = ("POST", "PUT", "PATCH", "DELETE")
+"""Methods whose body, where there is one, is JSON."""
 AT_A_TIME = 100
 """Requests under way."""
 TOKEN = "token."
@@ -114,22 +118,25 @@ class Gate:
             self._under_way -= 1
 
     async def _pass(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Let a request through; cut off a body that turns out longer than it may be, whatever it said of itself."""
-        seen = 0
+        """Let a request through whole; a body that is too long goes no further, nor one that is no sound JSON."""
+        body = await _body(receive)
+        if body is None:
+            return
+        if len(body) > LARGEST_BODY:
+            await self._refuse(scope, send, Refusal(413, f"a request of more than {LARGEST_BODY} bytes"))
+            return
+        if body and scope["method"] in WITH_BODY and (wrong := _unsound(body)):
+            await answer(send, 400, error(400, wrong))
+            return
+        messages = [{"type": "http.request", "body": body, "more_body": False}]
 
-        async def capped() -> Message:
-            nonlocal seen
-            message = await receive()
-            seen += len(message.get("body", b""))
-            return message if seen <= LARGEST_BODY else {"type": "http.disconnect"}
+        async def whole() -> Message:
+            return messages.pop() if messages else await receive()
 
         async def sending(message: Message) -> None:
-            if seen <= LARGEST_BODY:  # else what it makes of a body cut short is no answer
-                await send(_with_headers(message))
+            await send(_with_headers(message))
 
-        await self._app(scope, capped, sending)
-        if seen > LARGEST_BODY:
-            await self._refuse(scope, send, Refusal(413, f"a request of more than {LARGEST_BODY} bytes"))
+        await self._app(scope, whole, sending)
 
     def _look_at(self, scope: Scope) -> None:
         address, now = _address(scope), time.monotonic()
@@ -177,7 +184,31 @@ class Gate:
         if scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": 1008, "reason": str(refusal)[:120]})
             return
-        await answer(send, refusal.status, {"error": str(refusal)})
+        await answer(send, refusal.status, error(refusal.status, str(refusal)))
+
+
+async def _body(receive: Receive) -> bytes | None:
+    """Return the body, or as much of it as shows that it is too long; None where the client has gone meanwhile."""
+    body = bytearray()
+    more = True
+    while more and len(body) <= LARGEST_BODY:
+        message = await receive()
+        if message["type"] == "http.disconnect":
+            return None
+        body += message.get("body", b"")
+        more = message.get("more_body", False)
+    return bytes(body)
+
+
+def _unsound(body: bytes) -> str:
+    """Say what is wrong with a body as JSON; nothing where it can be used."""
+    try:
+        json_value(body.decode(), "the request", object)
+    except UnicodeDecodeError:
+        return "the request: not UTF-8"
+    except JsonError as fault:
+        return str(fault)
+    return ""
 
 
 async def answer(send: Send, status: int, told: Mapping[str, Any]) -> None:

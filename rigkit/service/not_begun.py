@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from rigkit.service.rig import Desk
+
 _OF_A_NAME = FileNotFoundError, PermissionError, IsADirectoryError, NotADirectoryError
 
 
@@ -11,10 +13,11 @@ class NotBegun(ValueError):
 
 
 @contextmanager
-def making() -> Iterator[None]:
+def making(desk: Desk) -> Iterator[None]:
     """Turn what refuses a procedure in the block into `NotBegun`; what the system fails at stays what it is.
 
-    In the block nothing moves, and nothing is kept of one that is refused.
+    In the block nothing moves, and nothing is kept of one that is refused; at its end the procedure has begun, which
+    the `desk` is told.
 
     Raises
     ------
@@ -28,6 +31,7 @@ def making() -> Iterator[None]:
         if _has_failed(refused.__cause__ or refused.__context__):
             raise
         raise NotBegun(reason(refused)) from refused
+    desk.begun()
 
 
 def _has_failed(cause: BaseException | None) -> bool:

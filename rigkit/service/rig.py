@@ -26,6 +26,9 @@ class Desk(Protocol):
     def wait_while_held(self) -> None:
         """Return when it may go on, or is to end."""
 
+    def begun(self) -> None:
+        """Say that the procedure is made, and that nothing has refused it: the panels of the last one go."""
+
     def progress(self, done: float, total: float, note: str = "") -> None:
         """Say how much of the procedure is done, in its `unit`, and a word on how it goes."""
 
@@ -59,7 +62,7 @@ class Procedure:
         What it may be begun with; every key has a default.
     run : callable(desk, options)
         In a thread of its own.  It returns at its end, or soon after `ending` says so, with the output at zero.
-        Whatever it raises is a FAULT, except `rigkit.stop.Stopped`, and `NotBegun` of what is made within `making`.
+        It is made within `making`.  Whatever it raises is a FAULT, except `rigkit.stop.Stopped`, and `NotBegun` there.
     """
 
     name: str

@@ -17,7 +17,7 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match
 from starlette.types import Receive, Scope, Send
 
-from rigkit.service import answers, requests, runs
+from rigkit.service import answers, beginning, requests, runs
 from rigkit.service.gate import Refusal
 from rigkit.service.journal import KEPT
 from rigkit.service.link import Asking, NoAnswer
@@ -33,18 +33,20 @@ Key = Annotated[str, Header(alias="X-Control", max_length=60, description="key o
 _ERRORS: dict[int | str, dict[str, Any]] = {
     status: {"model": answers.Error, "description": text}
     for status, text in (
-        (400, "not JSON"),
+        (400, "not JSON, or none that can be read in one way only"),
         (401, "no token, or none of this daemon's"),
         (403, "the token, the host, the origin or who has control does not allow it"),
         (404, "there is no such thing"),
+        (405, "not with this method"),
         (409, "the state of the rig does not allow it"),
         (413, "too long"),
-        (422, "a value is not as it must be"),
+        (422, "a value is not as it must be; or a procedure is refused while it is made, and the rig stays armed"),
         (429, "too many requests"),
         (500, "a slip of this program's, which the text names"),
         (503, "the rig's process could not do it, or does not answer"),
     )
 }
+_GETTING_READY = {"model": answers.Made, "description": "it is still being made; the state will say what comes of it"}
 _TOKEN = Security(HTTPBearer(auto_error=False, description="a token of the daemon's token file"))
 """Of the description alone: the gate has looked at the token before anything comes here."""
 
@@ -208,11 +210,12 @@ def _add_commands(app: APIRouter, ends: Ends) -> None:
         asked = asked or requests.Stop()
         return await _asked(ends.urgent, "stop", who=asked.who, why=asked.why)
 
-    @app.post("/api/begin", response_model=answers.Made)
+    @app.post("/api/begin", response_model=answers.Made, responses={202: _GETTING_READY})
     async def begin(asked: requests.Begin, key: Key = "") -> JSONResponse:
-        """Begin a procedure."""
-        told = {"name": asked.procedure, "options": asked.options, "why": asked.why}
-        return await _asked(ends.asking, "begin", key=key, **told)
+        """Begin a procedure: answered once it has begun, or has been refused; 202 where that takes very long."""
+        wanted = {"name": asked.procedure, "options": asked.options, "why": asked.why}
+        status, told = await beginning.begin(ends.asking, key=key, **wanted)
+        return _Json(told, status)
 
     @app.post("/api/fault", response_model=answers.Injected)
     async def fault(asked: requests.Fault, key: Key = "") -> JSONResponse:
@@ -255,7 +258,7 @@ async def _asked(asking: Asking, do: str, /, **arguments: Any) -> JSONResponse:
 def _answered(asking: Asking, do: str, /, **arguments: Any) -> tuple[int, Any]:
     answer = asking.ask({"do": do, "with": arguments})
     status = answer["status"]
-    return status, answer["told"] if status == 200 else {"error": answer["error"]}
+    return status, answer["told"] if status == 200 else answers.error(status, answer["error"])
 
 
 class _Json(JSONResponse):
@@ -268,15 +271,15 @@ async def _as_error(request: Request, fault: Exception) -> JSONResponse:
     if isinstance(fault, RequestValidationError):
         wrong = fault.errors()[0]
         where = ".".join(map(str, wrong["loc"]))
-        return _Json({"error": f"{where}: {wrong['msg']}"}, 422)
+        return _Json(answers.error(422, f"{where}: {wrong['msg']}"), 422)
     if isinstance(fault, HTTPException):
         if fault.status_code == 403:
             request.state.refused(Refusal(403, str(fault.detail)))
         headers = dict(fault.headers or {})
         if fault.status_code == 405 and (there := _methods(request)):
             headers["Allow"] = ", ".join(there)
-        return _Json({"error": str(fault.detail)}, fault.status_code, headers)
-    return _Json({"error": str(fault)}, 503)
+        return _Json(answers.error(fault.status_code, str(fault.detail)), fault.status_code, headers)
+    return _Json(answers.error(503, str(fault)), 503)
 
 
 def _methods(request: Request) -> list[str]:

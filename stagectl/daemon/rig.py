@@ -152,7 +152,7 @@ class PiezoStage:
     def _follow(self, desk: Desk, options: FollowOptions | HoldOptions) -> None:
         assert self._ready is not None, "a procedure begins armed"
         ready = self._ready
-        with making():
+        with making(desk):
             following = Following(ready, asked(ready.config, options), options.run, desk, self.faults)
         self._under_way = following
         try:
@@ -163,7 +163,7 @@ class PiezoStage:
     def _calibrate(self, desk: Desk, options: CalibrationOptions) -> None:
         """Calibrate; what was chosen is in force from then on, until the rig file is read again."""
         assert self._ready is not None, "a procedure begins armed"
-        with making():
+        with making(desk):
             procedure = resolve(CALIBRATION)(self._ready.config, options, desk, self._ready.link)
         self._under_way = procedure
         try:

@@ -159,7 +159,7 @@ class Vibrator:
             yield Gauge("relay_beats", "Heartbeats to the relay", now.beats, "1")
 
     def _run(self, desk: Desk, options: RunOptions) -> None:
-        with making():
+        with making(desk):
             if options.resume:
                 self._known.refuse_other(settings_of(run_path(self.config.daemon.data, options.run)))
             running = Running(self.config, options, desk, self._supervision())
@@ -167,7 +167,7 @@ class Vibrator:
 
     def _calibrate(self, desk: Desk, options: CalibrationOptions) -> None:
         out = Path(self.config.daemon.data) / options.model
-        with making():
+        with making(desk):
             calibration = resolve(CALIBRATION)(self.config, out, desk, self._supervision())
         self._follow(calibration)
 

@@ -82,7 +82,7 @@ export class Command {
   async #begin() {
     const { name } = this.#options.chosen;
     await this.#do("begin", () =>
-      ask("POST", "/api/begin", { procedure: name, options: this.#options.values(), why: byId("why").value.trim() }));
+      ask("POST", "/api/begin", { procedure: name, options: this.#options.values(), why: byId("why").value.trim() }, 75));
   }
 
   /** Keep control for as long as this page is looked at. */

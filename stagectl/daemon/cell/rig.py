@@ -101,7 +101,7 @@ class RobotCell:
 
     def _runner(self, maker: str) -> Callable[[Desk, Any], None]:
         def run(desk: Desk, options: Any) -> None:
-            with making():
+            with making(desk):
                 for each in _led_to(self.config.daemon.data, options):
                     self._known.refuse_other(each)
                 self._under_way = under_way = resolve(maker)(self.config, options, desk)

@@ -30,8 +30,8 @@ class Bench:
     def arm(self) -> None:
         self.control.arm(self.key, "to see it")
 
-    def begin(self, name: str = "demonstrate", **options: Any) -> None:
-        self.control.begin(self.key, name, options, "")
+    def begin(self, name: str = "demonstrate", **options: Any) -> dict[str, Any]:
+        return self.control.begin(self.key, name, options, "")
 
     def ended(self) -> None:
         until(lambda: not self.control.machine.busy)

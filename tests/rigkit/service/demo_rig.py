@@ -10,6 +10,7 @@ import numpy as np
 
 from rigkit.config import Section, setting
 from rigkit.faults import FaultTable
+from rigkit.service.not_begun import making
 from rigkit.service.reload import Change
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Axis, Curves, Gauge, Image, Table, Trace
@@ -24,6 +25,7 @@ class Options(Section):
     steps: int = setting(20, "steps", "steps in all", ge=1, le=100_000)
     seconds: float = setting(0.1, "s", "length of a step", ge=0, le=10)
     breaks_at: int = setting(0, "", "step that fails; 0 for none", ge=0)
+    model: str = setting("", "", "what it needs, which is not there; empty for nothing")
 
 
 class DemoRig:
@@ -83,6 +85,10 @@ class DemoRig:
         self.armed = False
 
     def _run(self, desk: Desk, options: Options) -> None:
+        with making(desk):
+            if options.model:
+                desk.show("lines", Table("Of a procedure that may not begin", ("nothing",), ()))
+                raise ValueError(f"model is {options.model!r}, must be nothing")
         desk.recording(True)
         errors: list[float] = []
         for step in range(options.steps):

@@ -120,3 +120,11 @@ def listener() -> Listener:
     made.bind(("127.0.0.1", 0))
     made.settimeout(20)
     return made
+
+
+def base(daemon: Served) -> str:
+    return f"http://{daemon.settings.address}"
+
+
+def operating(daemon: Served) -> dict[str, str]:
+    return {"Authorization": f"Bearer {daemon.tokens.operate}"}

@@ -8,6 +8,7 @@ import pytest
 from rigkit.service.lease import Refused
 from rigkit.service.not_begun import making
 from rigkit.service.reload import Change, Reach
+from rigkit.service.rig import Desk
 from rigkit.service.state import NotNow, State
 from tests.rigkit.service.conftest import Bench
 from tests.until import EVER, until
@@ -116,24 +117,25 @@ def test_a_step_that_begins_in_the_moment_of_a_stop_is_stopped_too(bench: Bench)
 def test_a_procedure_that_is_refused_while_it_is_made_has_not_begun_and_the_rig_stays_armed(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, refused: Exception
 ) -> None:
-    def run(*_: object) -> None:
-        with making():
+    def run(desk: Desk, _: object) -> None:
+        with making(desk):
             raise refused
 
     monkeypatch.setattr(bench.rig, "_run", run)
     bench.arm()
-    bench.begin()
+    number = bench.begin()["number"]
     bench.ended()
     assert (bench.state, bench.control.machine.last.why) == (State.ARMED, "Demonstration has not begun: no model")
     assert bench.rig.armed
+    until(lambda: bench.control.begun(number) == {"outcome": "not begun", "why": "no model"})
 
 
 @pytest.mark.parametrize("cause", [None, OSError(5, "Input/output error")])
 def test_what_the_system_fails_at_while_a_procedure_is_made_is_a_fault(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, cause: OSError | None
 ) -> None:
-    def run(*_: object) -> None:
-        with making():
+    def run(desk: Desk, _: object) -> None:
+        with making(desk):
             if cause is not None:
                 raise ValueError("/data: No space left on device") from cause
             raise OSError(28, "No space left on device", "/data")

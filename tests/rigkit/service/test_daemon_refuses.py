@@ -16,7 +16,7 @@ from rigkit.service import answers
 from rigkit.service.gate import STREAM, TOKEN
 from rigkit.service.stream import WINDOW
 from tests.rigkit.service.described import is_described
-from tests.rigkit.service.served import Served, served
+from tests.rigkit.service.served import Served, base, operating, served
 from tests.until import EVER, until
 
 
@@ -28,14 +28,6 @@ def daemon(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
         (folder / "runs" / "one" / "report.html").write_text("<p>learned</p>")
         (folder / "runs" / "one" / "secret").symlink_to(folder / "token")
         yield made
-
-
-def base(daemon: Served) -> str:
-    return f"http://{daemon.settings.address}"
-
-
-def operating(daemon: Served) -> dict[str, str]:
-    return {"Authorization": f"Bearer {daemon.tokens.operate}"}
 
 
 @pytest.mark.parametrize(
@@ -124,7 +116,7 @@ def test_what_is_not_among_the_runs_is_missed_by_name(daemon: Served, path: str,
         (b'{"who": "Ada\\n"}', 422),
         (b'{"who": 3}', 422),
         (b'{"who": "Ada", "extra": 1}', 422),
-        (b"not JSON", 422),
+        (b"not JSON", 400),
         (b"[" * 50_000, 400),
         (b"x" * 100_000, 413),
     ],
@@ -150,7 +142,7 @@ def test_another_method_is_refused_with_those_that_there_are(daemon: Served) -> 
     for path, there in there_are.items():
         answer = httpx.patch(f"{base(daemon)}{path}", headers=operating(daemon))
         assert (answer.status_code, answer.headers["allow"]) == (405, there)
-        assert answer.json() == {"error": "Method Not Allowed"}
+        assert answer.json() == {"error": "Method Not Allowed", "reason": "method"}
 
 
 def test_a_command_without_control_is_refused(daemon: Served) -> None:
