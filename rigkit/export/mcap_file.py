@@ -14,6 +14,8 @@ from rigkit.export.optional import optional
 
 PACKAGE = "vibrostage"
 """Of the messages."""
+BLOCK = 16_384
+"""Samples that are made messages at a time."""
 _KINDS = {
     "float32": (FieldDescriptorProto.TYPE_FLOAT, 5, "<f4"),
     "float64": (FieldDescriptorProto.TYPE_DOUBLE, 1, "<f8"),
@@ -79,10 +81,12 @@ def _write_topic(writer: Any, topic: str, record: Recording, schemas: dict[tuple
     units = json.dumps(dict(zip(names, record.units, strict=True)))
     metadata = {**record.provenance, "rate": repr(record.rate), "units": units}
     channel = writer.register_channel(topic, "protobuf", schemas[key], metadata)
-    content, size = _messages(record.data, kind)
-    times = np.rint(np.arange(len(record.data)) * (1e9 / record.rate)).astype(np.int64).tolist()
-    for sample, time in enumerate(times):
-        writer.add_message(channel, time, content[sample * size : (sample + 1) * size], time, sample)
+    for start in range(0, len(record.data), BLOCK):
+        part = record.data[start : start + BLOCK]
+        content, size = _messages(part, kind)
+        times = np.rint(np.arange(start, start + len(part)) * (1e9 / record.rate)).astype(np.int64).tolist()
+        for n, time in enumerate(times):
+            writer.add_message(channel, time, content[n * size : (n + 1) * size], time, start + n)
 
 
 def _schema(message: str, names: Sequence[str], kind: str) -> bytes:

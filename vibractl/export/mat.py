@@ -1,11 +1,14 @@
 """A run as a MATLAB file of version 5 (`load` of any MATLAB or Octave): one structure, `run`, through scipy.io."""
 
+from collections.abc import Callable
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.io import savemat
 
+from ctlblocks.recording import Recording
 from rigkit.run_folder import read_quality
 from vibractl import far_field
 from vibractl.export.content import Content
@@ -29,10 +32,9 @@ def write_mat(path: Path, content: Content) -> None:
     ------
     ValueError : the shots are more than such a file holds.
     """
-    shots = [_shot(content, number) for number in content.files]
-    size = sum(shot["data"].nbytes for shot in shots)
-    if size > LARGEST:
-        raise ValueError(f"{len(shots)} shots are {size} bytes, must be <= {LARGEST} in a MATLAB file; name fewer")
+    _refuse_too_large(content)
+    read = lru_cache(maxsize=1)(content.shot)
+    shots = [_shot(read, number) for number in content.files]
     matrix = content.matrix
     model: dict[str, Any] = {name: getattr(matrix, name) for name in UNITS}
     model |= {"units": UNITS, "provenance": _text_fields(dict(matrix.provenance))}
@@ -51,7 +53,29 @@ def write_mat(path: Path, content: Content) -> None:
         "quality": _quality(content),
         "shots": np.array([tuple(shot.values()) for shot in shots], [(name, object) for name in shots[0]]),
     }
-    savemat(str(path), {"run": run}, do_compression=True, oned_as="column", long_field_names=True)
+    savemat(str(path), {"run": run}, oned_as="column", long_field_names=True)  # compressing would hold all of it
+    if path.stat().st_size > LARGEST:
+        raise ValueError(f"the run takes {path.stat().st_size} bytes, must be <= {LARGEST} in a MATLAB file; name fewer")
+
+
+class _OnDemand:
+    """A part of a shot that is read when scipy writes it, so that one shot at a time is in memory."""
+
+    def __init__(self, part: Callable[[], np.ndarray]) -> None:
+        self._part = part
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+        """Read it."""
+        return np.asarray(self._part(), dtype)
+
+
+def _refuse_too_large(content: Content) -> None:
+    """Raise ValueError where the samples alone are more than the file holds; all shots of a run are like the first."""
+    size = len(content.files) * content.shot(min(content.files)).data.nbytes
+    if size > LARGEST:
+        raise ValueError(
+            f"{len(content.files)} shots are {size} bytes, must be <= {LARGEST} in a MATLAB file; name fewer"
+        )
 
 
 def _far_field(far: FarField) -> dict[str, Any]:
@@ -60,15 +84,13 @@ def _far_field(far: FarField) -> dict[str, Any]:
     return parts | {"delay": far.delay, "units": {"frequency": "Hz", **far_field.UNITS}}
 
 
-def _shot(content: Content, number: int) -> dict[str, Any]:
-    record = content.shot(number)
-    provenance = _text_fields(dict(record.provenance))
+def _shot(read: Callable[[int], Recording], number: int) -> dict[str, Any]:
     return {
         "number": number,
-        "names": _cells(record.names),
-        "units": _cells(record.units),
-        "data": record.data,
-        "provenance": provenance,
+        "names": _OnDemand(lambda: _cells(read(number).names)),
+        "units": _OnDemand(lambda: _cells(read(number).units)),
+        "data": _OnDemand(lambda: read(number).data),
+        "provenance": _OnDemand(lambda: _structure(_text_fields(dict(read(number).provenance)))),
     }
 
 
@@ -90,6 +112,11 @@ def _cells(texts: Any) -> np.ndarray:
     cells = np.empty(len(texts), object)
     cells[:] = list(texts)
     return cells
+
+
+def _structure(fields: dict[str, str]) -> np.ndarray:
+    """Return fields as scipy writes a structure; an empty array where there are none."""
+    return np.array([tuple(fields.values())], [(name, object) for name in fields]) if fields else np.zeros((0, 0))
 
 
 def _text_fields(texts: dict[str, str]) -> dict[str, str]:

@@ -1,5 +1,6 @@
 """A run as Universal File Format, dataset 58: responses with coherence, spectra and time signals, through pyuff."""
 
+import tempfile
 import warnings
 from collections.abc import Iterator, Sequence
 from datetime import datetime
@@ -40,12 +41,21 @@ def write_uff(path: Path, content: Content) -> None:
     ValueError : pyuff is not installed.
     """
     pyuff = optional("pyuff")
-    file, mode = pyuff.UFF(str(path)), "overwrite"
-    with warnings.catch_warnings():
+    with (
+        path.open("wb") as file,
+        tempfile.TemporaryDirectory() as folder,
+        warnings.catch_warnings(),
+    ):
         warnings.simplefilter("ignore", ResourceWarning)  # pyuff leaves it to Python to close what it reopens
         for each in _functions(content):
-            file.write_sets(each, mode=mode)
-            mode = "add"
+            file.write(_as_written(pyuff, each, Path(folder) / "set.uff"))
+
+
+def _as_written(pyuff: Any, function: dict[str, Any], scratch: Path) -> bytes:
+    """Return one data set as pyuff writes it, into a file of its own: it scans its whole file after every set."""
+    scratch.unlink(missing_ok=True)
+    pyuff.UFF(str(scratch)).write_sets(function, mode="add")  # "overwrite" drops the header of a binary set
+    return scratch.read_bytes()
 
 
 def _functions(content: Content) -> Iterator[dict[str, Any]]:

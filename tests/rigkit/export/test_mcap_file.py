@@ -1,12 +1,13 @@
 """Recordings as MCAP, read back through the schemas that are in the file."""
 
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from ctlblocks.recording import Recording
-from rigkit.export.mcap_file import field_names, write_mcap
+from rigkit.export.mcap_file import BLOCK, field_names, write_mcap
 from tests.rigkit.export.read_mcap import attachments, read_mcap
 
 
@@ -41,3 +42,18 @@ def test_names_that_protobuf_cannot_tell_apart_are_refused() -> None:
     assert field_names(["x", "2nd", "å-b"]) == ["x", "_2nd", "__b"]
     with pytest.raises(ValueError, match="the channels a b, a-b become a_b, a_b, must differ"):
         field_names(["a b", "a-b"])
+
+
+def test_a_long_recording_takes_the_memory_of_a_block(tmp_path: Path) -> None:
+    peaks = []
+    for frames in (2 * BLOCK, 4 * BLOCK):  # more than the largest chunk of the file
+        record = Recording(("a",), ("V",), 10_000.0, np.zeros((frames, 1), np.float32))
+        tracemalloc.start()
+        try:
+            write_mcap(tmp_path / "x.mcap", [("/a", record)], {})
+            peaks.append(tracemalloc.get_traced_memory()[1])
+        finally:
+            tracemalloc.stop()
+    assert peaks[1] - peaks[0] < 2 * BLOCK * 8  # bytes a sample, for what the chunks differ by
+    found = read_mcap(tmp_path / "x.mcap", "float32")["/a"]
+    assert (len(found.data), found.rate) == (4 * BLOCK, 10_000.0)

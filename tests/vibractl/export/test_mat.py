@@ -1,5 +1,6 @@
 """A run as a MATLAB file, read back by scipy.io."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.io import loadmat, whosmat
 
+from ctlblocks import recording
 from rigkit.run_folder import read_quality
 from tests.vibractl.export.exported_run import recorded_run
 from vibractl.export import mat
@@ -62,9 +64,26 @@ def test_the_table_of_the_shots_has_numbers_where_it_can(content: Content, run: 
     assert list(run.quality.verdict) == [row["verdict"] for row in rows]
 
 
-def test_more_than_such_a_file_holds_is_refused(
+def test_more_than_such_a_file_holds_is_refused_before_the_shots_are_read(content: Content, tmp_path: Path) -> None:
+    """Of all shots but the first there is no file here."""
+    files = {number: tmp_path / f"{number:04d}.wav" for number in range(2_000)} | {0: content.files[0]}
+    with pytest.raises(ValueError, match="2000 shots are 2257920000 bytes, must be <= 2147483647 in a MATLAB file"):
+        write_mat(tmp_path / "run.mat", replace(content, files=files))
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_file_that_is_too_long_by_its_texts_is_refused(
     content: Content, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(mat, "LARGEST", 1_000_000)
-    with pytest.raises(ValueError, match="2 shots are 2257920 bytes, must be <= 1000000 in a MATLAB file; name fewer"):
+    monkeypatch.setattr(mat, "LARGEST", 2_257_920)  # the samples of two shots, and not one byte more
+    with pytest.raises(ValueError, match=r"the run takes \d+ bytes, must be <= 2257920 in a MATLAB file; name fewer"):
         write_mat(tmp_path / "run.mat", content)
+
+
+def test_a_shot_that_says_nothing_of_where_it_comes_from_is_written(content: Content, tmp_path: Path) -> None:
+    shot = content.shot(0)
+    recording.write(tmp_path / "0000.csv", replace(shot, provenance={}))
+    write_mat(tmp_path / "run.mat", replace(content, files={0: tmp_path / "0000.csv"}))
+    (back,) = loadmat(tmp_path / "run.mat", struct_as_record=False)["run"][0, 0].shots[:, 0]
+    assert back.provenance.size == 0
+    np.testing.assert_array_equal(back.data, shot.data)
