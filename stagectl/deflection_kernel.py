@@ -2,6 +2,8 @@
 
 from numba import njit
 
+from rigkit.flush_kernel import flushed
+
 
 @njit(cache=True, nogil=True)
 def run(wanted, absolute, position, reference, line, robot, at, pole):  # type: ignore[no-untyped-def]
@@ -11,5 +13,5 @@ def run(wanted, absolute, position, reference, line, robot, at, pole):  # type: 
         at[0] = (at[0] + 1) % len(line)
         for axis in range(wanted.shape[1]):
             seen = absolute[n, axis] - line[at[0], axis]
-            robot[axis] = pole * robot[axis] + (1.0 - pole) * seen
+            robot[axis] = flushed(pole * robot[axis] + (1.0 - pole) * seen)
             reference[n, axis] = wanted[n, axis] - robot[axis]

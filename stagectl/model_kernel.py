@@ -7,6 +7,8 @@ vector instructions.
 import numpy as np
 from numba import njit
 
+from rigkit.flush_kernel import flushed
+
 
 @njit(cache=True, nogil=True)
 def _add_product(result, matrix, vector):  # type: ignore[no-untyped-def]
@@ -28,7 +30,8 @@ def free_run(transition, inlet, outlet, direct, drive, state, response):  # type
         following[:] = 0.0
         _add_product(following, transition, state)
         _add_product(following, inlet, drive[n])
-        state[:] = following
+        for i in range(len(state)):
+            state[i] = flushed(following[i])
 
 
 @njit(cache=True, nogil=True)
@@ -45,7 +48,8 @@ def one_step_ahead(transition, inlet, outlet, direct, gain, drive, measured, sta
         _add_product(following, transition, state)
         _add_product(following, inlet, drive[n])
         _add_product(following, gain, innovation)
-        state[:] = following
+        for i in range(len(state)):
+            state[i] = flushed(following[i])
 
 
 @njit(cache=True, nogil=True)
@@ -57,4 +61,5 @@ def transient(transition, rows, result):  # type: ignore[no-untyped-def]
         following[:] = 0.0
         for output in range(rows.shape[0]):
             _add_product(following[output], transition, rows[output])
-        rows[:] = following
+            for i in range(rows.shape[1]):
+                rows[output, i] = flushed(following[output, i])

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
+from rigkit.flush_kernel import flushed
 from vibractl.config import Limits
 
 FINITE, PEAK, SLEW, RMS = range(4)
@@ -86,6 +87,7 @@ def run(request, output, gains, bounds, memory, state, latch):  # type: ignore[n
             elif state[PHASE] == LATCHED or state[POSITION] == 0:
                 output[n, channel] = 0.0
             value = output[n, channel]
-            memory[_MEAN, channel] += bounds[4] * (value * value - memory[_MEAN, channel])
+            mean = memory[_MEAN, channel]
+            memory[_MEAN, channel] = flushed(mean + bounds[4] * (value * value - mean))
             memory[_LAST, channel] = value
         state[COUNT] += 1

@@ -3,6 +3,8 @@
 import numpy as np
 from numba import njit
 
+from rigkit.flush_kernel import flushed
+
 _SIGMA, _BEND, _START, _INPUTS = 0, 1, 2, 3
 """Filters of a section: by its centre, by its bend, by its initial state, and one an input."""
 
@@ -40,7 +42,7 @@ def respond(
                 driven = 0.0
                 for i in range(width):
                     driven += values[p + 1 + i] * signals[k, first + i]
-                state[at] = values[p] * x1 + driven
+                state[at] = flushed(values[p] * x1 + driven)
             else:
                 x1, x2 = state[at], state[at + 1]
                 c = p + 2 + 2 * width
@@ -50,8 +52,8 @@ def respond(
                 for i in range(width):
                     driven += values[p + 2 + 2 * i] * signals[k, first + i]
                     driven2 += values[p + 3 + 2 * i] * signals[k, first + i]
-                state[at] = values[p] * x1 + coupling[b] * x2 + driven
-                state[at + 1] = values[p] * x2 - values[p + 1] * x1 + driven2
+                state[at] = flushed(values[p] * x1 + coupling[b] * x2 + driven)
+                state[at + 1] = flushed(values[p] * x2 - values[p + 1] * x1 + driven2)
 
 
 @njit(cache=True, nogil=True)
@@ -98,10 +100,10 @@ def _first_order(section, values, state, filters, signal, jacobian, behind, outp
     for i in range(width):
         s = signal[first + i]
         driven += values[p + 1 + i] * s
-        filters[_INPUTS + i, 0] = pole * filters[_INPUTS + i, 0] + s
-    filters[_SIGMA, 0] = pole * filters[_SIGMA, 0] + x
-    filters[_START, 0] *= pole
-    state[at] = pole * x + driven
+        filters[_INPUTS + i, 0] = flushed(pole * filters[_INPUTS + i, 0] + s)
+    filters[_SIGMA, 0] = flushed(pole * filters[_SIGMA, 0] + x)
+    filters[_START, 0] = flushed(pole * filters[_START, 0])
+    state[at] = flushed(pole * x + driven)
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -131,16 +133,16 @@ def _second_order(section, coupling, values, state, filters, signal, jacobian, b
         driven1 += values[p + 2 + 2 * i] * s
         driven2 += values[p + 3 + 2 * i] * s
         f1, f2 = filters[_INPUTS + i, 0], filters[_INPUTS + i, 1]
-        filters[_INPUTS + i, 0] = sigma * f1 + coupling * f2
-        filters[_INPUTS + i, 1] = sigma * f2 - bend * f1 + s
+        filters[_INPUTS + i, 0] = flushed(sigma * f1 + coupling * f2)
+        filters[_INPUTS + i, 1] = flushed(sigma * f2 - bend * f1 + s)
     f1, f2 = filters[_SIGMA, 0], filters[_SIGMA, 1]
-    filters[_SIGMA, 0] = sigma * f1 + coupling * f2 + x1
-    filters[_SIGMA, 1] = sigma * f2 - bend * f1 + x2
+    filters[_SIGMA, 0] = flushed(sigma * f1 + coupling * f2 + x1)
+    filters[_SIGMA, 1] = flushed(sigma * f2 - bend * f1 + x2)
     f1, f2 = filters[_BEND, 0], filters[_BEND, 1]
-    filters[_BEND, 0] = sigma * f1 + coupling * f2
-    filters[_BEND, 1] = sigma * f2 - bend * f1 - x1
+    filters[_BEND, 0] = flushed(sigma * f1 + coupling * f2)
+    filters[_BEND, 1] = flushed(sigma * f2 - bend * f1 - x1)
     f1, f2 = filters[_START, 0], filters[_START, 1]
-    filters[_START, 0] = sigma * f1 + coupling * f2
-    filters[_START, 1] = sigma * f2 - bend * f1
-    state[at] = sigma * x1 + coupling * x2 + driven1
-    state[at + 1] = sigma * x2 - bend * x1 + driven2
+    filters[_START, 0] = flushed(sigma * f1 + coupling * f2)
+    filters[_START, 1] = flushed(sigma * f2 - bend * f1)
+    state[at] = flushed(sigma * x1 + coupling * x2 + driven1)
+    state[at + 1] = flushed(sigma * x2 - bend * x1 + driven2)

@@ -2,6 +2,8 @@
 
 from numba import njit
 
+from rigkit.flush_kernel import flushed
+
 
 @njit(cache=True, nogil=True)
 def modal_responses(real, imaginary, drive, state, result):  # type: ignore[no-untyped-def]
@@ -18,5 +20,5 @@ def modal_responses(real, imaginary, drive, state, result):  # type: ignore[no-u
                 above, below = state[0, start + mode], state[1, start + mode]
                 result[t, start + mode] = above
                 result[t, half + start + mode] = below
-                state[0, start + mode] = real[mode] * above - imaginary[mode] * below + push
-                state[1, start + mode] = real[mode] * below + imaginary[mode] * above
+                state[0, start + mode] = flushed(real[mode] * above - imaginary[mode] * below + push)
+                state[1, start + mode] = flushed(real[mode] * below + imaginary[mode] * above)

@@ -4,6 +4,8 @@ import math
 
 from numba import njit
 
+from firmware_sim.plants.flush_kernel import flushed
+
 (CORNER, MODE, DAMPING, STIFFNESS, FORCE_NOISE, POSITION_NOISE, KAPPA, KAPPA_SWING, KAPPA_STEP, KAPPA_AT, BETA,
  BETA_SWING, BETA_STEP, BETA_AT, SWING, PERIOD, STEPS, SETTINGS) = range(18)  # fmt: skip
 """Of `settings`: rad/s, rad/s, 1, N/m, N, m; m/(N s) three times, s; 1 three times, s; rad/s; s; steps a sample."""
@@ -15,9 +17,10 @@ FILTERED, SPEED, PULL, PLACE, REMOVED, SEEN, DONE, CELLS = range(8)
 def _move(asked, state, given):  # type: ignore[no-untyped-def]
     """Go on by a step of the velocity's dynamics: a low-pass, then a mode."""
     h, omega = given[PERIOD], given[MODE]
-    state[FILTERED] += -math.expm1(-given[CORNER] * h) * (asked - state[FILTERED])
-    state[PULL] += h * (omega * omega * (state[FILTERED] - state[SPEED]) - 2.0 * given[DAMPING] * omega * state[PULL])
-    state[SPEED] += h * state[PULL]
+    filtered, speed, pull = state[FILTERED], state[SPEED], state[PULL]
+    filtered += -math.expm1(-given[CORNER] * h) * (asked - filtered)
+    pull += h * (omega * omega * (filtered - speed) - 2.0 * given[DAMPING] * omega * pull)
+    state[FILTERED], state[PULL], state[SPEED] = flushed(filtered), flushed(pull), flushed(speed + h * pull)
     state[PLACE] += h * state[SPEED]
 
 

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from firmware_sim.plants.flush_kernel import flushed
 from firmware_sim.plants.noise_kernel import NOISE_SCALE, four_uniforms
 from firmware_sim.plants.options import option, refuse_rate, refuse_wrong_options
 
@@ -102,8 +103,8 @@ def _run(wrench, measured, sample, status, events, pole, rate, sample_rate, gage
     low, state = gages.low, gages.state
     for n in range(wrench.shape[0]):
         for r in range(6):
-            low[0, r] += pole * (wrench[n, r] - low[0, r])
-            low[1, r] += pole * (low[0, r] - low[1, r])
+            low[0, r] = flushed(low[0, r] + pole * (wrench[n, r] - low[0, r]))
+            low[1, r] = flushed(low[1, r] + pole * (low[0, r] - low[1, r]))
         if state[DONE] >= state[NEXT]:
             time = state[DONE] / rate
             state[SAMPLE] += 1.0

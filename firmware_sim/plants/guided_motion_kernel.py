@@ -3,6 +3,8 @@
 import numpy as np
 from numba import njit
 
+from firmware_sim.plants.flush_kernel import flushed
+
 
 @njit(cache=True, nogil=True)
 def guide(
@@ -26,7 +28,7 @@ def guide(
         for i in range(6):
             come = line[at[0], i]
             line[at[0], i] = reference[n, i]
-            now[i] += min(max((1.0 - pole) * (come - now[i]), -step), step)
+            now[i] = flushed(now[i] + min(max((1.0 - pole) * (come - now[i]), -step), step))
             planned[n, i] = now[i]
             error[n, i] = 0.0
             for k in range(2):

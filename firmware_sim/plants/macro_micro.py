@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from firmware_sim.plants.flush_kernel import flushed
 from firmware_sim.plants.options import option, refuse_wrong_options
 
 
@@ -114,8 +115,8 @@ def _run(wanted, slow_wanted, relative, fast, slow, control, position, constants
             if state[2] >= changes[row, 0]:
                 gain = process_gain * changes[row, 1]
         signal = inner_gain * (wanted[n] - state[0])
-        state[0] += gain * min(max(signal, -limit), limit)
-        state[1] = pole * state[1] + (1.0 - pole) * slow_wanted[n]
+        state[0] = flushed(state[0] + gain * min(max(signal, -limit), limit))
+        state[1] = flushed(pole * state[1] + (1.0 - pole) * slow_wanted[n])
         state[2] += 1.0
         position[n] = state[0] + state[1] + (step[1] if state[2] >= step[0] else 0.0)
         control[n] = signal

@@ -3,6 +3,7 @@
 import numpy as np
 from numba import njit
 
+from firmware_sim.plants.flush_kernel import flushed
 from firmware_sim.plants.noise_kernel import NOISE_SCALE, four_uniforms
 from firmware_sim.plants.piezo_stage_actuator import CONSTANTS, CREEP_TIMES, PLAYS, VOLTAGE
 
@@ -68,7 +69,8 @@ def expand(axis: int, voltage: float, stacks: np.ndarray, actuators: np.ndarray)
     step = VOLTAGE / (CONVERTER_STEPS - 1)
     asked = step * np.rint(min(max(voltage, 0.0), VOLTAGE) * (1.0 / step))
     slew = actuators[axis, 4]
-    stacks[axis, 0] += min(max((1.0 - actuators[axis, 3]) * (asked - stacks[axis, 0]), -slew), slew)
+    before = stacks[axis, 0]
+    stacks[axis, 0] = flushed(before + min(max((1.0 - actuators[axis, 3]) * (asked - before), -slew), slew))
     u = stacks[axis, 0] * (1.0 / VOLTAGE)
     u += 4.0 * actuators[axis, 1] * u * (1.0 - u)
     fast = actuators[axis, 2] * u
@@ -77,13 +79,13 @@ def expand(axis: int, voltage: float, stacks: np.ndarray, actuators: np.ndarray)
         excess = u - stacks[axis, 1 + i]
         threshold = actuators[axis, CONSTANTS + i]
         beyond = max(excess - threshold, 0.0) + min(excess + threshold, 0.0)
-        moved = stacks[axis, 1 + i] + actuators[axis, CONSTANTS + 2 * PLAYS + i] * beyond
+        moved = flushed(stacks[axis, 1 + i] + actuators[axis, CONSTANTS + 2 * PLAYS + i] * beyond)
         stacks[axis, 1 + i] = moved
         fast += actuators[axis, CONSTANTS + PLAYS + i] * moved
     total = fast
     for i in range(CREEPS):
         crept = stacks[axis, 1 + PLAYS + i]
-        crept += (1.0 - actuators[axis, CONSTANTS + 3 * PLAYS + i]) * (fast - crept)
+        crept = flushed(crept + (1.0 - actuators[axis, CONSTANTS + 3 * PLAYS + i]) * (fast - crept))
         stacks[axis, 1 + PLAYS + i] = crept
         total += actuators[axis, CONSTANTS + 3 * PLAYS + CREEPS + i] * crept
     expansion: float = actuators[axis, 0] * total
@@ -99,8 +101,8 @@ def _move(
         drive = table[5, m] * h0 + table[6, m] * h1 + table[7, m] * h2
         drive += table[8, m] * f0 + table[9, m] * f1 + table[10, m] * f2
         position, velocity = motion[0, m], motion[1, m]
-        motion[0, m] = table[0, m] * position + table[1, m] * velocity + table[4, m] * drive
-        motion[1, m] = table[2, m] * position + table[3, m] * velocity + table[1, m] * drive
+        motion[0, m] = flushed(table[0, m] * position + table[1, m] * velocity + table[4, m] * drive)
+        motion[1, m] = flushed(table[2, m] * position + table[3, m] * velocity + table[1, m] * drive)
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)

@@ -5,6 +5,8 @@ import math
 import numpy as np
 from numba import njit
 
+from firmware_sim.plants.flush_kernel import flushed
+
 RADIUS, DEPTH, TOOL, FEED, FORCE, SPAN, START, SMOOTH, EDGE, RATE, SETTINGS = range(11)
 """Of `settings`: m, m, m, m/s, N, samples, samples, 1 a sample, 1, samples/s."""
 DONE, ANGLE, PROGRESS, SPEED, CELLS = range(5)
@@ -27,7 +29,8 @@ def _level(at, state, given):  # type: ignore[no-untyped-def]
     step = angle - state[ANGLE]
     step -= 2.0 * math.pi * math.floor(step / (2.0 * math.pi) + 0.5)
     state[ANGLE], state[PROGRESS] = angle, state[PROGRESS] + step
-    state[SPEED] += given[SMOOTH] * (step * given[RADIUS] * given[RATE] - state[SPEED])
+    speed = state[SPEED]
+    state[SPEED] = flushed(speed + given[SMOOTH] * (step * given[RADIUS] * given[RATE] - speed))
     way = state[PROGRESS] * given[RADIUS]
     left = 2.0 * math.pi * given[RADIUS] - way
     edge = min(max(min(way, left) / given[TOOL], 0.0), 1.0)

@@ -3,6 +3,8 @@
 import numpy as np
 from numba import njit
 
+from firmware_sim.plants.flush_kernel import flushed
+
 # Rows of `recursion` (6, modes): q' = a q + b v + e F, v' = c q + d v + g F.  Rows of `shapes` (10, modes), each for
 # side 1 and side 2: coil, spring, joint, the shell's w^2 and 2 zeta w.  `constants` are named in vibrator.py.  The
 # loops over the modes stand here, with rows taken one by one: only so does LLVM keep them vectorised.
@@ -54,8 +56,8 @@ def run_modes(
             force = coil1[m] * c1 + coil2[m] * c2
             force -= spring1[m] * f1 + spring2[m] * f2 + joint1[m] * h1 + joint2[m] * h2
             position, velocity = q[m], v[m]
-            q[m] = q_q[m] * position + q_v[m] * velocity + q_force[m] * force
-            v[m] = v_q[m] * position + v_v[m] * velocity + v_force[m] * force
+            q[m] = flushed(q_q[m] * position + q_v[m] * velocity + q_force[m] * force)
+            v[m] = flushed(v_q[m] * position + v_v[m] * velocity + v_force[m] * force)
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
@@ -79,13 +81,13 @@ def _forces(
     factor = motor * (1 + (offset / reach) ** 2) / (1 + ((coil - offset) / reach) ** 2)
     pull = factor * memory[side]
     voltage = min(max(drive, -clip), clip) - back_emf * factor * coil_rate
-    memory[side] = decay * memory[side] + (1 - decay) * voltage
+    memory[side] = flushed(decay * memory[side] + (1 - decay) * voltage)
     # spring element: stiffening about its sag, a soft stop on one side, friction; then the bolted joints
     spring = cubic * longer * longer * (longer + 3 * sag) + stop * max(longer - gap, 0.0) + friction * memory[2 + side]
     joint = joint_friction * memory[4 + side]
     travel, slide = step * rate / slip, step * sliding / joint_slip
-    memory[2 + side] = (memory[2 + side] + travel) / (1 + abs(travel))
-    memory[4 + side] = (memory[4 + side] + slide) / (1 + abs(slide))
+    memory[2 + side] = flushed((memory[2 + side] + travel) / (1 + abs(travel)))
+    memory[4 + side] = flushed((memory[4 + side] + slide) / (1 + abs(slide)))
     return pull, spring, joint
 
 

@@ -2,6 +2,8 @@
 
 from numba import njit
 
+from rigkit.flush_kernel import flushed
+
 
 @njit(cache=True, nogil=True)
 def run(spindle, workpiece, wanted, position, absolute, deviation, line, memory, clock, by_laser, pole, first, last):  # type: ignore[no-untyped-def]
@@ -24,7 +26,8 @@ def run(spindle, workpiece, wanted, position, absolute, deviation, line, memory,
                     memory[0, axis] += seen / (last - first)
                     memory[1, axis] += quick / (last - first)
                 continue
-            memory[2, axis] += (1.0 - pole[axis]) * (seen - memory[0, axis] - memory[2, axis])
-            memory[3, axis] += (1.0 - pole[axis]) * (memory[2, axis] - memory[3, axis])
+            smooth = memory[2, axis] + (1.0 - pole[axis]) * (seen - memory[0, axis] - memory[2, axis])
+            memory[2, axis] = flushed(smooth)
+            memory[3, axis] = flushed(memory[3, axis] + (1.0 - pole[axis]) * (memory[2, axis] - memory[3, axis]))
             deviation[n, axis] = memory[3, axis] + quick - memory[1, axis]
         clock[0] += 1

@@ -4,6 +4,7 @@ import math
 
 from numba import njit
 
+from rigkit.flush_kernel import flushed
 from stagectl.stage.axis_record import CHANGE_MODEL, GO_ON, IDLE, START
 
 
@@ -88,14 +89,14 @@ def _outer(axis, followed, position):  # type: ignore[no-untyped-def]
         total = axis.drive[i] * drive + axis.correction[i] * measured
         for j in range(states):
             total += axis.observer[i, j] * axis.state[j]
-        axis.next_state[i] = total
+        axis.next_state[i] = flushed(total)
     for i in range(states):
         axis.state[i] = axis.next_state[i]
     for i in range(servo_states):
         total = axis.servo_error[i] * error + axis.servo_tracking[i] * excess
         for j in range(servo_states):
             total += axis.servo[i, j] * axis.servo_state[j]
-        axis.next_servo_state[i] = total
+        axis.next_servo_state[i] = flushed(total)
     for i in range(servo_states):
         axis.servo_state[i] = axis.next_servo_state[i]
     axis.extension_reference = given
@@ -106,14 +107,14 @@ def _outer(axis, followed, position):  # type: ignore[no-untyped-def]
 def _inner(axis, extension):  # type: ignore[no-untyped-def]
     """Return the voltage asked for, (2.2) and feedforward, with tracking anti-windup."""
     error = axis.extension_reference - extension
-    slope = axis.derivative_pole * axis.slope + axis.derivative * (error - axis.error)
+    slope = flushed(axis.derivative_pole * axis.slope + axis.derivative * (error - axis.error))
     now = axis.proportional * error + slope + axis.direct * axis.extension_reference
     if axis.command != GO_ON:
         axis.integral = axis.voltage - now
     asked = now + axis.integral
     given = _limited(asked, axis.voltage, axis.voltage_step, axis.voltage_low, axis.voltage_high)
     axis.voltage_limited += given != asked
-    axis.integral += axis.integration * error + axis.tracking * (given - asked)
+    axis.integral = flushed(axis.integral + (axis.integration * error + axis.tracking * (given - asked)))
     axis.slope, axis.error, axis.voltage = slope, error, given
     return given
 

@@ -3,6 +3,8 @@
 import numpy as np
 from numba import njit
 
+from rigkit.flush_kernel import flushed
+
 # `plays` (plays, 2): thresholds and weights; `memory` (plays + 1,): where each play stands, and x.  `shape` (SHAPE,):
 # lowest and highest voltage, the coefficients of 1, x, x^2, x^3, and those of x^2 and x^3 in the rising and falling
 # envelopes.
@@ -76,7 +78,7 @@ def invert_one(wanted: float, shape: np.ndarray, plays: np.ndarray, memory: np.n
 def lag(signal: np.ndarray, pole: float) -> None:
     """Let `signal` (samples,) lag behind itself by a first-order pole, at rest where it starts, in place."""
     for n in range(1, signal.shape[0]):
-        signal[n] = pole * signal[n - 1] + (1.0 - pole) * signal[n]
+        signal[n] = flushed(pole * signal[n - 1] + (1.0 - pole) * signal[n])
 
 
 @njit(cache=True, nogil=True)

@@ -3,7 +3,8 @@
 import importlib
 import pkgutil
 import tracemalloc
-from collections.abc import Callable, Iterator
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
@@ -15,6 +16,10 @@ from ctlblocks.block import refuse_other_arguments
 
 PACKAGES = ("ctlblocks", "rigkit", "vibractl", "stagectl", "calibration", "firmware_sim")
 FRAMES, PARTS = 512, 8
+SILENT = 64
+"""Frames of zeros in which what an input left behind dies away."""
+FAINT = 1e-300
+"""An input that is nearly nothing, in any unit: what is left of it is subnormal after a few time constants."""
 LARGE = 65_536
 """Samples of a frame in which an array made by mistake cannot be overlooked."""
 
@@ -113,6 +118,23 @@ def check_nothing_is_allocated(example: Example) -> None:
     assert peak < LARGE // 4, f"{_name(block)} allocates {peak} bytes in a frame of {LARGE} samples"
 
 
+def check_silence_leaves_nothing_subnormal(example: Example) -> None:
+    """Look at all that a block holds, for numbers that die away are slow on some processors: they must become 0."""
+    for size in (0.1, FAINT):
+        block = _prepared(example, FRAMES)
+        held = {_place(numbers): numbers.copy() for numbers in _held(block, set())}
+        outputs = _blank(block, FRAMES)
+        silence = [np.zeros((FRAMES, port.width)) for port in block.inputs]
+        with np.errstate(all="ignore"):  # an orientation of zeros is none
+            block.process(*(size / 0.1 * signal for signal in _noise(block)), *outputs)
+            for _ in range(SILENT):
+                block.process(*silence, *outputs)
+        for numbers in _held(block, set()):
+            slow = (numbers != 0.0) & (np.abs(numbers) < np.finfo(float).tiny)
+            slow &= numbers != held.get(_place(numbers), 0.0)  # room that is not written yet may hold anything
+            assert not slow.any(), f"{_name(block)} holds {numbers[slow][0]:g} after {SILENT * FRAMES} silent samples"
+
+
 CHECKS = (
     check_arguments_are_ports,
     check_inputs_are_untouched,
@@ -120,7 +142,34 @@ CHECKS = (
     check_frames_do_not_matter,
     check_prepare_resets,
     check_nothing_is_allocated,
+    check_silence_leaves_nothing_subnormal,
 )
+
+
+def _held(thing: Any, seen: set[int]) -> Iterator[np.ndarray]:
+    """Find every array of double precision in a block, and in all of the project's that it holds."""
+    if id(thing) in seen:
+        return
+    seen.add(id(thing))
+    parts: Iterable[Any] = ()
+    if isinstance(thing, np.ndarray):
+        if thing.dtype == float:
+            yield thing
+        parts = [thing[name] for name in thing.dtype.names or ()]
+    elif isinstance(thing, float):
+        yield np.array(thing)
+    elif isinstance(thing, dict):
+        parts = thing.values()
+    elif isinstance(thing, tuple | list | deque):
+        parts = thing
+    elif isinstance(thing, Block) or type(thing).__module__.partition(".")[0] in PACKAGES:
+        parts = [*getattr(thing, "__dict__", {}).values()]
+    for part in parts:
+        yield from _held(part, seen)
+
+
+def _place(numbers: np.ndarray) -> tuple[object, ...]:
+    return numbers.__array_interface__["data"], numbers.shape, numbers.strides
 
 
 def _prepared(example: Example, frames: int) -> Block:

@@ -98,6 +98,13 @@ class CompiledTemporary(Good):
         _doubled(raw, smooth)
 
 
+class Lingering(Good):
+    def process(self, raw: np.ndarray, smooth: np.ndarray) -> None:
+        before = 0.5 * self.last
+        super().process(raw, smooth)
+        self.last += before
+
+
 @pytest.mark.parametrize("check", CHECKS)
 def test_a_good_block_passes_every_check(check: Callable[[Example], None]) -> None:
     check(Example(Good))
@@ -115,6 +122,7 @@ def test_a_good_block_passes_every_check(check: Callable[[Example], None]) -> No
         (Temporary, conformance.check_nothing_is_allocated, r"Temporary allocates 10\d{5} bytes"),
         (Mask, conformance.check_nothing_is_allocated, r"Mask allocates 6\d{4} bytes"),
         (CompiledTemporary, conformance.check_nothing_is_allocated, r"CompiledTemporary allocates 10\d{5} bytes"),
+        (Lingering, conformance.check_silence_leaves_nothing_subnormal, r"Lingering holds -?\d.*e-3\d\d after 32768 "),
     ],
 )
 def test_a_bad_block_is_caught_by_name(bad: type[Block], check: Callable[[Example], None], message: str) -> None:

@@ -248,3 +248,11 @@ def test_the_latch_as_numbers_reads_as_the_violation() -> None:
     run(guard, np.full((5, 1), 9.5))
     assert as_violation(guard.latch) == guard.violation
     assert str(guard.violation) == "drive 1 asks for 9.5 V at sample 442, limits.peak is 9 V"
+
+
+def test_a_long_silence_leaves_no_mean_that_is_subnormal() -> None:
+    """The callback goes on for days; a number that dies away slows some processors down."""
+    guard = opened(Limits(peak=9.0, slew=1e6, rms=5.0, rms_seconds=1e-3, ramp=0.01))
+    run(guard, tones(2_000))
+    run(guard, np.zeros((40_000, 2)))
+    assert guard._memory.any() == 0.0  # noqa: SLF001

@@ -55,7 +55,9 @@ def write_mat(path: Path, content: Content) -> None:
     }
     savemat(str(path), {"run": run}, oned_as="column", long_field_names=True)  # compressing would hold all of it
     if path.stat().st_size > LARGEST:
-        raise ValueError(f"the run takes {path.stat().st_size} bytes, must be <= {LARGEST} in a MATLAB file; name fewer")
+        raise ValueError(
+            f"the run takes {path.stat().st_size} bytes, must be <= {LARGEST} in a MATLAB file; name fewer"
+        )
 
 
 class _OnDemand:

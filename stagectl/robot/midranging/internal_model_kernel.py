@@ -1,12 +1,13 @@
 """The compiled kernel of adaptive internal model control: every axis, a sample at a time.
 
-Numba's cache looks at the date of this file alone: touch it after a change of the kernels that it is made of.
+Numba's cache looks at the date of this file alone: change it with the kernels that it is made of.
 """
 
 import math
 
 from numba import njit
 
+from rigkit.flush_kernel import flushed
 from stagectl.robot.midranging import least_squares_kernel as squares
 from stagectl.robot.midranging import loop_model_kernel as loop
 from stagectl.robot.midranging import reference_governor_kernel as governor
@@ -39,8 +40,8 @@ def _is_accurate(model, settings, which):  # type: ignore[no-untyped-def]
 def _watch(model, settings, measured, modelled):  # type: ignore[no-untyped-def]
     keep = settings[FORGET]
     error = measured - modelled
-    model[loop.ERROR_POWER] = keep * model[loop.ERROR_POWER] + (1.0 - keep) * error * error
-    model[loop.OUTPUT_POWER] = keep * model[loop.OUTPUT_POWER] + (1.0 - keep) * measured * measured
+    model[loop.ERROR_POWER] = flushed(keep * model[loop.ERROR_POWER] + (1.0 - keep) * error * error)
+    model[loop.OUTPUT_POWER] = flushed(keep * model[loop.OUTPUT_POWER] + (1.0 - keep) * measured * measured)
 
 
 @njit(cache=True, nogil=True)

@@ -7,6 +7,8 @@ U D U' and updated by Bierman's algorithm: it stays positive whatever rounding d
 
 from numba import njit
 
+from rigkit.flush_kernel import flushed
+
 ORDER = 3
 SIZE = 2 * ORDER
 ESTIMATE, FACTORS, OUTPUTS, INPUTS = 0, SIZE, SIZE + SIZE * SIZE, SIZE + SIZE * SIZE + ORDER
@@ -93,7 +95,7 @@ def _bound(memory, settings, order):  # type: ignore[no-untyped-def]
 @njit(cache=True, nogil=True)
 def observe(memory, settings, order, output):  # type: ignore[no-untyped-def]
     """Take one output in, m, and return whether the estimate was updated; `apply` follows with the sample's input."""
-    smooth = settings[POLE] * memory[OUTPUTS] + (1.0 - settings[POLE]) * output
+    smooth = flushed(settings[POLE] * memory[OUTPUTS] + (1.0 - settings[POLE]) * output)
     updated = abs(memory[INPUTS] - memory[SLOW_INPUT]) >= settings[GATE]
     if updated:
         residual = smooth - _predicted(memory, order)
@@ -113,8 +115,9 @@ def observe(memory, settings, order, output):  # type: ignore[no-untyped-def]
 @njit(cache=True, nogil=True)
 def apply(memory, settings, value):  # type: ignore[no-untyped-def]
     """Take in what the loop is given this sample, m."""
-    smooth = settings[POLE] * memory[INPUTS] + (1.0 - settings[POLE]) * value
+    smooth = flushed(settings[POLE] * memory[INPUTS] + (1.0 - settings[POLE]) * value)
     for row in range(ORDER - 1, 0, -1):
         memory[INPUTS + row] = memory[INPUTS + row - 1]
     memory[INPUTS] = smooth
-    memory[SLOW_INPUT] += (1.0 - settings[POLE]) * (smooth - memory[SLOW_INPUT])
+    slow = memory[SLOW_INPUT]
+    memory[SLOW_INPUT] = flushed(slow + (1.0 - settings[POLE]) * (smooth - slow))

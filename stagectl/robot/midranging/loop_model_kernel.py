@@ -2,6 +2,7 @@
 
 from numba import njit
 
+from rigkit.flush_kernel import flushed
 from stagectl.robot.midranging.least_squares_kernel import ESTIMATE, ORDER
 from stagectl.robot.midranging.minimum_phase import mirror
 
@@ -71,7 +72,7 @@ def push(model, first, value):  # type: ignore[no-untyped-def]
     """Put a value before the others of its kind."""
     for row in range(ORDER - 1, 0, -1):
         model[first + row] = model[first + row - 1]
-    model[first] = value
+    model[first] = flushed(value)
 
 
 @njit(cache=True, nogil=True)

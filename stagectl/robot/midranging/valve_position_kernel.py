@@ -4,6 +4,8 @@ import math
 
 from numba import njit
 
+from rigkit.flush_kernel import flushed
+
 FAST_INTEGRAL, SLOW_INTEGRAL, SLOW_MODEL, FAST, SLOW, BLIND, CELLS = range(7)
 """Of `memory`, a row an axis: m; the last references, m; samples in which an input was no number."""
 FAST_GAIN, FAST_RATE, SLOW_GAIN, SLOW_RATE, TRACKING, LIMIT, INNER_GAIN, MIDDLE, FEED, POLE, SETTINGS = range(11)
@@ -22,7 +24,7 @@ def _step(error, signal, given, state):  # type: ignore[no-untyped-def]
     slow = given[SLOW_GAIN] * fast + state[SLOW_INTEGRAL]
     state[FAST_INTEGRAL] += given[FAST_RATE] * error
     state[SLOW_INTEGRAL] += given[SLOW_RATE] * fast
-    state[SLOW_MODEL] += (1.0 - given[POLE]) * (slow - state[SLOW_MODEL])
+    state[SLOW_MODEL] = flushed(state[SLOW_MODEL] + (1.0 - given[POLE]) * (slow - state[SLOW_MODEL]))
     state[FAST], state[SLOW] = fast, slow
 
 

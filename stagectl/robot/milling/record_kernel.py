@@ -3,6 +3,7 @@
 import numpy as np
 from numba import njit
 
+from rigkit.flush_kernel import flushed
 from stagectl.robot.milling import force_kernel
 from stagectl.robot.milling.torque_kernel import carry, follow_speed, friction_range, levers, place
 
@@ -43,7 +44,7 @@ def estimate_record(
         follow_speed(angle[n], memory[ANGLE], speed, numbers[POLE], numbers[RATE])
         for i in range(JOINTS):
             gained = abs(speed[i] - slack[i]) * numbers[RATE] if np.isfinite(angle[n, i]) else 0.0
-            memory[ACCELERATION, i] = max(gained, numbers[FADE] * memory[ACCELERATION, i])
+            memory[ACCELERATION, i] = flushed(max(gained, numbers[FADE] * memory[ACCELERATION, i]))
             slack[i] = margin[AT_REST, i] + margin[BY_ACCELERATION, i] * memory[ACCELERATION, i]
         place(angle[n], chain, frames)
         levers(frames, jacobian)

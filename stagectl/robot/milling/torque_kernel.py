@@ -3,6 +3,8 @@
 import numpy as np
 from numba import njit
 
+from rigkit.flush_kernel import flushed
+
 JOINTS = 6
 
 # `chain` (6, 5): offset (rad), d, a (m), cosine and sine of alpha.  `frames` (7, 3, 4): base and links, rotation and
@@ -91,7 +93,7 @@ def follow_speed(angle: np.ndarray, last: np.ndarray, speed: np.ndarray, pole: f
     """Go on by a sample: `speed` (6,), rad/s, the smoothed difference of angles; NaN in `last` begins at rest."""
     for i in range(JOINTS):
         if np.isfinite(angle[i]) and np.isfinite(last[i]):
-            speed[i] = pole * speed[i] + (1.0 - pole) * (angle[i] - last[i]) * rate
+            speed[i] = flushed(pole * speed[i] + (1.0 - pole) * (angle[i] - last[i]) * rate)
         else:
             speed[i] = 0.0
         last[i] = angle[i]

@@ -2,6 +2,8 @@
 
 from numba import njit
 
+from rigkit.flush_kernel import flushed
+
 INTEGRAL, FORWARD, LEAST, MOST, PERIOD, SETTINGS = range(6)
 """Of `settings`: L_i, 1/s; l_r, 1; lowest and highest velocity that may be asked for, m/s; s."""
 
@@ -24,7 +26,7 @@ def observe(state, work, matrices, measured, asked):  # type: ignore[no-untyped-
         left = 0.0
     velocity = 0.0
     for i in range(n):
-        state[i] = work[i] + matrices[n + 2, i] * left
+        state[i] = flushed(work[i] + matrices[n + 2, i] * left)
         velocity += matrices[n + 1, i] * state[i]
     return velocity
 
