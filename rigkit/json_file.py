@@ -3,6 +3,7 @@
 import json
 import math
 import os
+from collections import Counter
 from typing import Any, TypeVar
 
 from rigkit.nested import Path, nodes
@@ -77,8 +78,8 @@ def json_value(text: str, origin: str, expected: type[Value]) -> Value:
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     made = dict(pairs)
     if len(made) < len(pairs):
-        keys = [key for key, _ in pairs]
-        twice = next(key for number, key in enumerate(keys) if key in keys[:number])
+        counts = Counter(key for key, _ in pairs)
+        twice = next(key for key, times in counts.items() if times > 1)
         raise ValueError(f"the key {_shown(twice)} is there twice")
     return made
 
