@@ -28,7 +28,7 @@ from calibration.raw_folder import raw_folder
 from calibration.stage_axes.command import stage_command
 from calibration.sweep_report import sweep_report
 from calibration.sweep_summary import BAND_HEAD, WORST_HEAD, band_rows, sweep_figures, worst_rows
-from calibration.vibrator import Calibration, LiveLine, calibrate, refuse_unfit
+from calibration.vibrator import Calibration, LiveLine, calibrate, refuse_unfit, require_room
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, application, print_table, run, words, write_json
 from rigkit.stop import Stopped, stoppable
@@ -74,7 +74,9 @@ def vibrator_command(
         laid_over += ["characterisation.preload=0.0", "characterisation.operating=0.0"]
     rig = rig_file.load(config, RigConfig, laid_over)
     refuse_unfit(rig)
-    with RawFolder(raw_folder(out)) as raw:
+    folder = RawFolder(raw_folder(out))
+    require_room(rig, folder)
+    with folder as raw:
         found = _calibrated(rig, raw)
         write_model(out, found.matrix.described(seconds=f"{found.seconds:.1f}"), found.far)
     report = sweep_report(found, rig)

@@ -12,7 +12,9 @@ import numpy as np
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording
+from ctlblocks.room import bytes_of
 from rigkit import atomic
+from rigkit.disk_space import require
 from rigkit.json_file import JsonError, read_json
 from rigkit.json_text import json_text
 from rigkit.lock import Lock
@@ -117,6 +119,19 @@ class RawFolder:
         """Return how much of a plan is recorded, s."""
         there = (batch for number, batch in enumerate(plan.batches) if self.file(plan, number).is_file())
         return sum(batch.samples for batch in there) / plan.rate
+
+    def require_room(self, samples: int, channels: int) -> None:
+        """Refuse, by a `DiskFault`, recordings that the disk has no room for beside those that are there.
+
+        Parameters
+        ----------
+        samples : int
+            Of all recordings.
+        channels : int
+        """
+        there = sum(file.stat().st_size for file in self.path.glob("*.wav"))
+        needed = bytes_of(samples, channels, "float32", "wav") - there
+        require(self.path, max(needed, 0), "the recordings")
 
     def record(self, plan: Plan, emit: Emit) -> Iterator[tuple[Batch, Recording]]:
         """Yield every batch with its recording: those that are there, then those that `emit` still has to make.

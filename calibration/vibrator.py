@@ -14,8 +14,8 @@ from calibration.multisine_estimate import Levels
 from calibration.stepped_calibration import measure_by_stepped_sine, measure_tones
 from calibration.sweep_estimate import SweepEstimator
 from calibration.uncertain_lines import merged, uncertain_lines
-from calibration.vibrator_multisine import refuse_unfit_multisine
-from calibration.vibrator_sweep import FEWEST, chosen_tones, longest_batch, refuse_unfit_sweep
+from calibration.vibrator_multisine import longest_multisines, refuse_unfit_multisine
+from calibration.vibrator_sweep import FEWEST, chosen_tones, longest_batch, longest_sweep, refuse_unfit_sweep
 from rigkit import config as rig_file
 from rigkit.provenance import now, software
 from vibractl.audio import Line
@@ -172,6 +172,21 @@ def refuse_unfit(config: RigConfig) -> None:
         refuse_unfit_sweep(config)
     if config.characterisation.method != "stepped":
         refuse_unfit_multisine(config)
+
+
+def require_room(config: RigConfig, raw: RawFolder) -> None:
+    """Refuse, by a `DiskFault`, a calibration that the disk has no room for.
+
+    Parameters
+    ----------
+    config : RigConfig
+    raw : RawFolder
+        What it has already needs no room.
+    """
+    audio, method = config.audio, config.characterisation.method
+    seconds = longest_sweep(config) * (method == "stepped") + longest_multisines(config) * (method != "stepped")
+    heard = len(audio.response_channels) + len(audio.far_field_channels)
+    raw.require_room(round(seconds * audio.rate), len(audio.drive_channels) + heard)
 
 
 def _provenance(config: RigConfig) -> dict[str, str]:

@@ -102,6 +102,13 @@ def emitted_seconds(plan: Plan) -> float:
     return sum(batch.samples for batch in plan.batches if not isinstance(batch, Silence)) / plan.rate
 
 
+def longest_multisines(config: RigConfig) -> float:
+    """Return how long all records of multisines may be with the silence before each kind, s."""
+    settings = config.characterisation
+    records = settings.records + settings.quiet * (len(config.audio.drive_channels) + SCOUT_SPARE)
+    return float((1 + settings.quiet) * (REST + settings.period) + records * (settings.run_in + settings.period + FADE))
+
+
 def refuse_unfit_multisine(config: RigConfig) -> None:
     """Refuse a multisine that could not end in a model: too loud for the guard, too few lines or records.
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from calibration.experiment import RawFolder
 from calibration.raw_folder import raw_folder
 from calibration.sweep_report import sweep_report
-from calibration.vibrator import LiveLine, calibrate, refuse_unfit
+from calibration.vibrator import LiveLine, calibrate, refuse_unfit, require_room
 from rigkit.progress import told_to
 from rigkit.service.rig import Desk
 from vibractl.audio import Line
@@ -28,12 +28,14 @@ class CalibrationProcedure:
     Raises
     ------
     ValueError : it could not end in a model, or `out` is something else's.
+    DiskFault : there is no room for it.
     """
 
     def __init__(self, config: RigConfig, out: Path, desk: Desk, supervision: Supervision) -> None:
         refuse_unfit(config)
         self._config, self._out, self._desk, self._supervision = config, out, desk, supervision
         self._raw = RawFolder(raw_folder(out))
+        require_room(config, self._raw)
         self._live: LiveLine | None = None
 
     @property

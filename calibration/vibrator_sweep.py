@@ -106,6 +106,14 @@ def refuse_unfit_sweep(config: RigConfig) -> None:
             )
 
 
+def longest_sweep(config: RigConfig) -> float:
+    """Return how long all passes of a stepped sine are, as a rule, s: each as the first with the longest patience."""
+    settings, sides = config.characterisation, len(config.audio.drive_channels)
+    tones = (settings.band[1] - settings.band[0]) / settings.step + 1
+    patience = max(settings.settle, LONGEST_SETTLE) if settings.passes > 1 else settings.settle
+    return float(settings.passes * tones * sides * (settings.tone + patience) + SILENCE)
+
+
 def longest_batch(config: RigConfig) -> float:
     """Return how long a batch of this rig can be, s."""
     settings, sides = config.characterisation, len(config.audio.drive_channels)

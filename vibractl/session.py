@@ -32,7 +32,9 @@ from vibractl.supervision import ALONE, Supervision
 MODEL, WISDOM, REFERENCE, START = "model.h5", "fftw.wisdom", "reference", "start.h5"
 
 
-def create(path: Path, config: RigConfig, model: Path, entry: Entry | None = None) -> tuple[RunFolder, Setup]:
+def create(
+    path: Path, config: RigConfig, model: Path, entry: Entry | None = None, shots: int = 0
+) -> tuple[RunFolder, Setup]:
     """Check everything a run needs, and then make its folder.
 
     Parameters
@@ -44,10 +46,13 @@ def create(path: Path, config: RigConfig, model: Path, entry: Entry | None = Non
         Model file of this rig.
     entry : Entry, optional
         Of the library, to be checked and started from; refused at once where its drive breaks a limit of the guard.
+    shots : int
+        To be recorded; 0 for `session.shots`.
 
     Raises
     ------
     ValueError : settings, model and reference do not fit, or the folder is in use; nothing is written.
+    DiskFault : the disk has no room for the shots; nothing is written.
     """
     sides = len(config.audio.response_channels), len(config.audio.drive_channels)
     far = read_far_field(model, len(config.audio.far_field_channels))
@@ -57,6 +62,7 @@ def create(path: Path, config: RigConfig, model: Path, entry: Entry | None = Non
     else:
         made, broken = warm_setup(config, matrix, far, entry)
     config = made.config
+    require_room(path, made, shots or config.session.shots)
     source = Path(config.reference.signal) if is_file(config.reference.signal) else None
     kept = config
     if source is not None:
@@ -97,6 +103,24 @@ def setup_of(path: Path, overrides: tuple[str, ...] = (), model: Path | None = N
     far = read_far_field(model or path / MODEL, len(config.audio.far_field_channels))
     entry = read_entry(path / START) if config.learning.start == "library" else None
     return setup(config, matrix, fresh_plans=False, far=far, entry=entry)
+
+
+def require_room(path: Path, made: Setup, shots: int) -> None:
+    """Refuse, by a `DiskFault`, what the disk cannot hold: so many shots, and a tenth more for what is kept of lines.
+
+    Parameters
+    ----------
+    path : Path
+        Folder of the run; need not exist.
+    made : Setup
+    shots : int
+        That are still to be recorded.
+    """
+    audio = made.config.audio
+    sensors = len(audio.response_channels) + len(audio.far_field_channels)
+    channels = len(audio.drive_channels) + sensors + 1
+    a_shot = bytes_of(made.shot.total, channels, "float32", made.config.session.recording)
+    require(path, round(1.1 * shots * a_shot), f"{shots} shots of {megabytes(a_shot)}")
 
 
 def shot_files(path: Path) -> list[Path]:
@@ -162,7 +186,7 @@ class Session:
         """
         if self.done >= shots:
             return
-        self._require_space(shots - self.done)
+        require_room(self.folder.path, self._made, shots - self.done)
         seconds = self.learner.shot.total / self.learner.shot.rate
         self.line = Line(self.config, seconds=seconds, on_discard=self._discarded, supervision=self._supervision)
         with self.line as line:
@@ -182,14 +206,6 @@ class Session:
         figures = summary(read_quality(self.folder.path), self._made)
         self.folder.summarise(figures)
         return figures
-
-    def _require_space(self, shots: int) -> None:
-        """Refuse to begin what the disk cannot hold; a tenth more for what is kept of lines."""
-        audio = self.config.audio
-        sensors = len(audio.response_channels) + len(audio.far_field_channels)
-        channels = len(audio.drive_channels) + sensors + 1
-        a_shot = bytes_of(self.learner.shot.total, channels, "float32", self.config.session.recording)
-        require(self.folder.path, round(1.1 * shots * a_shot), f"{shots} shots of {megabytes(a_shot)}")
 
     def _shoot(self, line: Line) -> Marks:
         capture = line.emit(self.learner.drive)

@@ -12,13 +12,21 @@ from calibration.joint_clamping.maps_page import draw_map
 from calibration.joint_clamping.requests import Requests
 from calibration.joint_clamping.samples import Samples
 from ctlblocks import Block, Graph, recording
+from ctlblocks.room import bytes_of
+from rigkit.disk_space import require
 from rigkit.stop import Stopped
 from stagectl.robot.clamp_search import ClampSearch
+from stagectl.wire.egm import RATE
 
 SEEN = {"angle": "rad", "torque": "N m", "link": "rad", "pose": "1", "frames": "1"}
 """What is kept of the robot's outputs, and their units; the last three only where it has them."""
 APPROACH = "approach.wav"
 """The way to the clamp: from it the axes are found about which the tracked links turn."""
+
+A_JOINT = 600.0
+"""s of a joint's record, as a rule at most: the search for its limits, and its cycles."""
+CHANNELS = 32
+"""Of it, at most."""
 
 Tell = Callable[[str], None]
 
@@ -191,6 +199,18 @@ def _graph(robot: Block, search: ClampSearch, rate: float) -> Graph:
         graph.connect(f"search.{name}", f"robot.{name}", delayed=True)
     graph.prepare()
     return graph
+
+
+def require_room(folder: Path, joints: int) -> None:
+    """Refuse, by a `DiskFault`, to begin on so many joints where the disk has no room for them.
+
+    Parameters
+    ----------
+    folder : Path
+    joints : int
+    """
+    needed = joints * bytes_of(round(A_JOINT * RATE), CHANNELS, "float32", "wav")
+    require(folder, needed, f"{joints} joints")
 
 
 def missing(folder: Path, joints: Sequence[int]) -> tuple[int, ...]:

@@ -12,7 +12,7 @@ from calibration.joint_clamping.command import WAY_OF, joint_numbers
 from calibration.joint_clamping.joints_file import write_joints
 from calibration.joint_clamping.live_map import LiveMap
 from calibration.joint_clamping.maps_page import nothing
-from calibration.joint_clamping.measurement import ClampRun, missing
+from calibration.joint_clamping.measurement import ClampRun, missing, require_room
 from calibration.joint_clamping.report import HEAD, joints_report, rows
 from calibration.joint_clamping.requests import Requests
 from calibration.joint_clamping.results import RAW, Clamped, of_recording
@@ -58,6 +58,7 @@ class JointsProcedure:
         self._pose = clamp_procedure(config.clamping, self._arm, self._joints).pose
         left = missing(self._folder, self._joints)
         self._steps = len(clamp_procedure(config.clamping, self._arm, left).steps()) if left else 0
+        require_room(self._folder, len(left))
         self._asked, self._motion = Requests(), Motion(config)
         self._run: ClampRun | None = None
 

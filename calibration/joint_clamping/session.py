@@ -15,6 +15,7 @@ from calibration.joint_clamping.measurement import (
     Tell,
     missing,
     recording_name,
+    require_room,
     unwatched,
 )
 from calibration.joint_clamping.requests import Requests
@@ -53,6 +54,7 @@ def measure(
     Raises
     ------
     ValueError : a folder that belongs to another configuration, or limits that do not fit to the arm.
+    DiskFault : the disk has no room for the joints that are missing.
     LinkError : a wire that cannot be had, before anything moves.
     ClampAborted : something went wrong; what was recorded is kept.
     Stopped : it was asked to.
@@ -60,6 +62,7 @@ def measure(
     _refuse_another(folder, cell)
     left = missing(folder, joints)
     if left:
+        require_room(folder, len(left))
         search = ClampSearch(clamp_procedure(cell.clamping, arm_with_tool(cell), left))
         (_run_live if cell.clamping.live else _run_simulated)(cell, search, folder, tell, asked, watch)
     way = folder / APPROACH

@@ -7,7 +7,7 @@ import typer
 
 from calibration.milling.live import live_steps, refuse_unfit
 from calibration.milling.report import FIT_HEAD, figures, fit_rows, milling_report
-from calibration.milling.session import SWEEP, Calibrated, calibrate, dry_run, raw_trials
+from calibration.milling.session import SWEEP, Calibrated, calibrate, dry_run, raw_trials, require_room
 from calibration.milling.sweep_session import sweep, sweep_steps
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
@@ -57,6 +57,7 @@ def milling_command(
         raise ValueError("--out is missing: recordings are kept beside the model file")
     if is_live:
         refuse_unfit(cell, is_sure)
+    require_room(out, cell, task)
     stream = words(json)
 
     def tell(text: str) -> None:

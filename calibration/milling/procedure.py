@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from calibration.milling.report import FIT_HEAD, fit_rows, milling_report
-from calibration.milling.session import CHIRPS, SWEEP, calibrate, raw_trials, refuse_unfit_path
+from calibration.milling.session import CHIRPS, SWEEP, calibrate, raw_trials, refuse_unfit_path, require_room
 from calibration.milling.sweep_session import sweep, sweep_steps
 from ctlblocks import Graph
 from ctlblocks.recording import Recording
@@ -52,6 +52,7 @@ class MillingProcedure:
         first = first_trial(self._cell, options.task)
         refuse_wrong_plants(first)
         refuse_unfit_path(self._cell, first)
+        require_room(self._out, self._cell, options.task)
         self._steps, self._moves = [step.words for step in sweep_steps(self._cell)], 0
         self._conductor = Conductor(desk, SOURCES, options.paced)
         self._sweeping = Conductor(desk, SWEPT, options.paced)

@@ -13,7 +13,9 @@ from calibration.milling.sweep_session import sweep_path
 from calibration.milling.torque_fit import TorqueFit, friction_and_gravity, known_speeds
 from calibration.raw_folder import raw_folder
 from ctlblocks.recording import Recording
+from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
+from rigkit.disk_space import require
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder
 from stagectl.robot.config import CellConfig
@@ -24,6 +26,7 @@ from stagectl.robot.milling.trial_error import kinematic_error
 from stagectl.trials.campaign import FIRST, Forces, Learner, learn_free_space
 from stagectl.trials.done import DoneTrial
 from stagectl.trials.joint_speeds import refuse_unknown_speeds
+from stagectl.trials.session import room
 from stagectl.trials.signals import tracker_late
 from stagectl.trials.tool_path import RATE
 from stagectl.trials.trial import Trial, first_trial, in_the_air
@@ -32,6 +35,8 @@ CHIRPS, SWEEP = "chirps", "sweep.wav"
 PLACE = "cell.txt"
 """File of the folder of recordings: whether they are of the live cell."""
 LIVE, SIMULATED = "live", "simulated"
+SWEPT_CHANNELS = 24
+"""Of the sweep's record, at most: reference, angle, torque and velocity of six joints."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +94,23 @@ def raw_trials(out: Path, cell: CellConfig, is_live: bool = False) -> RunFolder:
     if kept.model_copy(update={"daemon": cell.daemon}) != cell:
         raise ValueError(f"{path}/ was recorded with another configuration; choose another name for the model")
     return RunFolder.open(path)
+
+
+def require_room(out: Path, cell: CellConfig, task: str) -> None:
+    """Refuse, by a `DiskFault`, a calibration that the disk has no room for beside what it has recorded.
+
+    Parameters
+    ----------
+    out : Path
+        Of the model.
+    cell : CellConfig
+    task : str
+    """
+    folder, chirps = raw_folder(out), in_the_air(cell, chirp_path(cell).path(cell.pocket))
+    there = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
+    swept = bytes_of(len(sweep_path(cell)), SWEPT_CHANNELS, "float64", "wav")
+    needed = swept + room(chirps, 1) + room(first_trial(cell, task), cell.learning.free + 2)
+    require(folder, max(needed - there, 0), "the recordings")
 
 
 def chirp_path(cell: CellConfig) -> ChirpPath:

@@ -12,6 +12,7 @@ from calibration.experiment import RawFolder
 from calibration.raw_folder import raw_folder
 from calibration.stage_axes.bench import Bench, ExcitedAxis
 from calibration.stage_axes.calibration import AxisCalibration, calibrate_axes
+from calibration.stage_axes.experiment import require_room
 from calibration.stage_axes.files import ALL, axes_of, write
 from calibration.stage_axes.live_bench import LiveBench
 from calibration.stage_axes.order import MOST
@@ -62,7 +63,9 @@ def stage_command(
         raise ValueError(f"--order is {order}, must be 1 to {MOST}")
     if method not in ("moesp", "n4sid"):
         raise ValueError(f"--method is {method!r}, must be moesp or n4sid")
-    with RawFolder(raw_folder(out)) as raw:
+    folder = RawFolder(raw_folder(out))
+    require_room(rig, len(axes), folder)
+    with folder as raw:
         found = _calibrated(rig, axes, raw, order, cast(Method, method))
         write(found, out, axis == ALL, rig, png)
     _print(found, out, json)

@@ -9,6 +9,7 @@ from calibration.experiment import Plan, RawFolder
 from calibration.stage_axes.bench import HEARD, ExcitationError, ExcitedAxis
 from calibration.stage_axes.chirp import Chirp
 from rigkit.progress import progress
+from stagectl.config import StageConfig
 
 DOWN, FRESH = 1.15, 1.25
 """Length of the falling chirp and of the fresh one, re the first."""
@@ -88,6 +89,21 @@ def record(bench: ExcitedAxis, raw: RawFolder) -> Experiment:
     *learned, fresh = _recorded(bench, plan, raw)
     prints = scout.fingerprint, plan.fingerprint
     return Experiment(amplitude, tuple(learned), fresh, scout.seconds + plan.seconds, prints)
+
+
+def require_room(config: StageConfig, axes: int, raw: RawFolder) -> None:
+    """Refuse, by a `DiskFault`, a calibration of so many axes that the disk has no room for.
+
+    Parameters
+    ----------
+    config : StageConfig
+    axes : int
+    raw : RawFolder
+        What it has already needs no room.
+    """
+    settings, channels = config.characterisation, 1 + len(HEARD) * len(config.stage.axes)
+    seconds = 4 * settings.settle + (2 + DOWN + FRESH) * settings.seconds  # scout, up, down, fresh
+    raw.require_room(round(axes * 2 * seconds * config.stage.rate), channels)  # inner loop open, closed
 
 
 def without_creep(position: np.ndarray, settled: float, rate: float) -> np.ndarray:

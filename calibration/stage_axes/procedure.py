@@ -8,6 +8,7 @@ from calibration.experiment import RawFolder
 from calibration.raw_folder import raw_folder
 from calibration.stage_axes.bench import Bench, ExcitedAxis
 from calibration.stage_axes.calibration import AxisCalibration, calibrate_axes
+from calibration.stage_axes.experiment import require_room
 from calibration.stage_axes.files import axes_of, write
 from calibration.stage_axes.live_bench import LiveBench
 from calibration.stage_axes.report import (
@@ -55,6 +56,7 @@ class StageProcedure:
         self._axes = axes_of(config, options.axis)
         self._out = Path(config.daemon.data) / OUT
         self._raw = RawFolder(raw_folder(self._out))
+        require_room(config, len(self._axes), self._raw)
         self._found: list[AxisCalibration] = []
         self._stopped = False
 

@@ -1,11 +1,13 @@
 """A procedure that is refused while it is made, before anything moves: no FAULT, the rig stays armed."""
 
+import errno
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 from rigkit.service.rig import Desk
 
 _OF_A_NAME = FileNotFoundError, PermissionError, IsADirectoryError, NotADirectoryError
+_NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS})
 
 
 class NotBegun(ValueError):
@@ -21,14 +23,18 @@ def making(desk: Desk) -> Iterator[None]:
 
     Raises
     ------
-    NotBegun : a ValueError, a file that is not there or may not be read.
+    NotBegun : a ValueError, a file that is not there or may not be read, a disk that has no room.
     OSError : any other, as it was.
     ValueError : one that such an OSError is the cause of, as it was.
     """
     try:
         yield
-    except (ValueError, *_OF_A_NAME) as refused:
-        if _has_failed(refused.__cause__ or refused.__context__):
+    except (ValueError, OSError) as refused:
+        cause = refused if isinstance(refused, OSError) else refused.__cause__ or refused.__context__
+        is_refusal = isinstance(cause, _OF_A_NAME) or getattr(cause, "errno", None) in _NO_ROOM
+        if isinstance(refused, OSError) and not is_refusal:
+            raise
+        if _has_failed(cause) and not is_refusal:
             raise
         raise NotBegun(reason(refused)) from refused
     desk.begun()
@@ -36,7 +42,7 @@ def making(desk: Desk) -> Iterator[None]:
 
 def _has_failed(cause: BaseException | None) -> bool:
     """Tell whether the system has failed at a call: a disk, say; h5py's of a file's content have no number."""
-    return isinstance(cause, OSError) and cause.errno is not None and not isinstance(cause, _OF_A_NAME)
+    return isinstance(cause, OSError) and cause.errno is not None
 
 
 def reason(fault: Exception) -> str:

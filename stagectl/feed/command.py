@@ -132,6 +132,8 @@ def _pockets(
     assert job.pocket is not None
     known = session.velocity_model(model)
     plan = feed_plan(cell, job.pocket, known)
+    if out is not None:
+        session.require_room(out, plan, job)
     if way.is_live:
         assert out is not None  # a live run without it is refused
         return _live(cell, job, model, out, way, stream)

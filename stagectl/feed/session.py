@@ -7,15 +7,18 @@ from pathlib import Path
 from typing import Any
 
 from ctlblocks import recording
+from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
+from rigkit.disk_space import require
 from rigkit.json_file import read_json
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder, read_events
 from stagectl.feed.job import Job, Repeated, once, read_job
 from stagectl.feed.measures import Strip, as_milled, figures, retold, safe_feeds, strips
+from stagectl.feed.plan import RATE as FRAMES
 from stagectl.feed.plan import FeedPlan, feed_plan
-from stagectl.feed.recorded import FORCE, TRUE, made
-from stagectl.feed.run import Pocketed, mill_pocket
+from stagectl.feed.recorded import FORCE, SLOW, TRUE, made
+from stagectl.feed.run import LONGEST, Pocketed, mill_pocket
 from stagectl.feed.surroundings import plants_of, simulated
 from stagectl.machining.recorded import ROBOT
 from stagectl.machining.run import Conduct
@@ -50,6 +53,22 @@ class Kept:
 def velocity_model(file: Path | None) -> InnovationModel:
     """Return the robot's velocity model: that of a file, or the nominal one."""
     return nominal_velocity(RATE) if file is None else read_model(file, rate=RATE)
+
+
+def require_room(path: Path, plan: FeedPlan, job: Job) -> None:
+    """Refuse, by a `DiskFault`, pockets that the disk has no room for, each as long as it may be.
+
+    Parameters
+    ----------
+    path : Path
+        Folder of the run; need not exist.
+    plan : FeedPlan
+        Of the first pocket.
+    job : Job
+    """
+    pockets, channels = job.pockets + job.compares, sum(signal.width for signal in recorded_of(plan))
+    one = bytes_of(round(LONGEST * FRAMES / SLOW), channels, "float64", "csv")
+    require(path, pockets * one, f"pockets of {LONGEST:g} s")
 
 
 def create(path: Path, cell: CellConfig, job: Job, model: Path | None) -> RunFolder:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from rigkit.command import print_table
+from rigkit.disk_space import require
 from rigkit.run_folder import RunFolder
 from rigkit.stop import stoppable
 from stagectl.machining.run import Conduct
@@ -15,7 +16,7 @@ from stagectl.trials.done import DoneTrial
 from stagectl.trials.live import performing
 from stagectl.trials.log_folder import write_logs
 from stagectl.trials.report import HEAD, TABLE_HEAD, figures, method_rows, trial_report, trial_rows
-from stagectl.trials.session import Runner, create, grouped, is_recorded, read_back
+from stagectl.trials.session import Runner, create, grouped, is_recorded, read_back, room
 from stagectl.trials.trial import Trial
 
 PAGE, LOGS = "report.html", "logs"
@@ -67,6 +68,8 @@ def run_trials(out: Path, job: Job, learner: Learner, png: Path | None, stream: 
     def tell(text: str) -> None:
         print(text, file=stream, flush=True)  # noqa: T201
 
+    trials = learner.cell.learning.free + 1 + job.iterations * len(job.methods)
+    require(out, room(job.first, trials), f"{trials} trials")
     with create(out, learner.cell, job.task) as folder, stoppable() as stop:
         conduct = Conduct(folder.event, lambda: stop.made)
         person = Person(tell, conduct.stopped, not job.is_sure) if job.is_live else None

@@ -5,14 +5,15 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder
 from stagectl.machining.run import Conduct, Milled
 from stagectl.robot.config import CellConfig
 from stagectl.trials.campaign import FIRST, FREE
-from stagectl.trials.done import WHOLE, DoneTrial, TrialEnded, has_trial, read_trial
-from stagectl.trials.recorded import RECORDED
+from stagectl.trials.done import SUFFIXES, WHOLE, DoneTrial, TrialEnded, has_trial, read_trial
+from stagectl.trials.recorded import EVERY, RECORDED, SLOW
 from stagectl.trials.run import run
 from stagectl.trials.surroundings import simulated
 from stagectl.trials.trial import Trial, first_trial
@@ -78,6 +79,22 @@ class Runner:
             size = 1e6 * done.mae
             self._tell(f"{name}: MAE x {size[0]:.0f}, y {size[1]:.0f}, z {size[2]:.0f} µm")
         return done
+
+
+def room(first: Trial, trials: int) -> int:
+    """Return the bytes that so many trials of a path may take, with logs that are as long again.
+
+    Parameters
+    ----------
+    first : Trial
+    trials : int
+    """
+    ticks = first.path.samples * SLOW
+    one = sum(
+        bytes_of(ticks // EVERY[name], sum(signal.width for signal in signals), "float64", SUFFIXES[name])
+        for name, signals in RECORDED.items()
+    )
+    return 2 * one * trials
 
 
 def is_of_trials(path: Path) -> bool:

@@ -17,7 +17,7 @@ from vibractl.daemon.panels import Panels
 from vibractl.quality import Marks
 from vibractl.reference import is_file
 from vibractl.report import run_report
-from vibractl.session import Session, create, setup_of
+from vibractl.session import Session, create, require_room, setup_of, shot_files
 from vibractl.supervision import Supervision
 
 _TOLD = ("started", "stopped", "finished", "failed")
@@ -50,9 +50,12 @@ class Running:
         if options.resume:
             self._folder = RunFolder.open(path)
         else:
-            self._folder, made = create(path, _asked(config, options, data), data / options.model)
+            self._folder, made = create(path, _asked(config, options, data), data / options.model, shots=options.shots)
         try:
-            made = setup_of(path) if options.resume else made
+            if options.resume:
+                made = setup_of(path)
+                left = (options.shots or made.config.session.shots) - len(shot_files(path))
+                require_room(path, made, max(left, 0))
             self._folder.listener = self._heard
             self._session = Session(self._folder, made, supervision)
         except BaseException:

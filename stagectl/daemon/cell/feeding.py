@@ -67,7 +67,9 @@ class Feeding:
         plants_of(first)
         self._motion = Motion(first.cell)
         self._panels = FeedingPanels(desk, self._conductor.watch, wanted)
-        self._folder = session.create(run_path(config.daemon.data, options.run), self._cell, self._job, model)
+        path = run_path(config.daemon.data, options.run)
+        session.require_room(path, first, self._job)
+        self._folder = session.create(path, self._cell, self._job, model)
 
     def stop(self) -> None:
         """Hold the robot where it is: within `limits.stop`."""

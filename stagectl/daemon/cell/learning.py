@@ -3,6 +3,7 @@
 from typing import Any
 
 from rigkit import config as rig_file
+from rigkit.disk_space import require
 from rigkit.run_folder import CONFIG, RunFolder
 from rigkit.service.paths import data_file, run_path
 from rigkit.service.regularly import Regularly
@@ -19,7 +20,7 @@ from stagectl.trials.command import learner_of, wanted_methods
 from stagectl.trials.done import DoneTrial
 from stagectl.trials.job import LOGS, report_again
 from stagectl.trials.log_folder import write_logs
-from stagectl.trials.session import LEARNING, create, is_of_trials
+from stagectl.trials.session import LEARNING, create, is_of_trials, room
 from stagectl.trials.surroundings import refuse_wrong_plants
 from stagectl.trials.trial import cell_for_task, first_trial
 
@@ -60,13 +61,14 @@ class Learning:
         for each in (None, *self._methods):
             self._learner.contraction(each).refuse_divergence()
         refuse_wrong_plants(self._first)
+        self._whole = self._total(cell)
+        require(path, room(self._first, self._whole), f"{self._whole:g} trials")
         self._panels = LearningPanels(desk, model, self._learner)
         if options.resume:
             self._folder = RunFolder.open(path)
         else:
             self._folder = create(path, cell, task)
             self._folder.take_in(model, MODEL)
-        self._whole = self._total(cell)
         self._trials = TrialRunner(self._conductor, self._folder, 0, self._whole, self._keep)
 
     def stop(self) -> None:

@@ -48,12 +48,14 @@ class Midranging:
         self._name, name = options.controller, options.scenario
         file = name if name in SCENARIOS else str(data_file(config.daemon.data, "scenario", name, SCENARIOS))
         self._chosen = scenarios(file, config.midranging.pair.rate)
-        controller(self._name, config.midranging, len(self._chosen))
+        made = controller(self._name, config.midranging, len(self._chosen))
         self._kept = session.about(self._name, name)
         lead, rate = config.midranging.session.lead, config.midranging.pair.rate
         self._done, self._total = 0.0, sum(lead + len(each.reference) / rate for each in self._chosen.values())
         desk.progress(0.0, self._total, "getting ready")
-        self._folder = RunFolder.create(run_path(config.daemon.data, options.run), rig_file.dump(config))
+        path = run_path(config.daemon.data, options.run)
+        session.require_room(path, made, self._chosen)
+        self._folder = RunFolder.create(path, rig_file.dump(config))
 
     def stop(self) -> None:
         """End it; live, the robot is held and the stage goes to mid-travel."""

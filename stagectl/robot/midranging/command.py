@@ -13,7 +13,7 @@ from rigkit.stop import stoppable
 from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging import session
 from stagectl.robot.midranging.axes import all_figures, run_axes
-from stagectl.robot.midranging.controllers import CONTROLLERS
+from stagectl.robot.midranging.controllers import CONTROLLERS, controller
 from stagectl.robot.midranging.report import PAGE
 from stagectl.robot.midranging.scenario import scenarios
 from stagectl.robot.midranging.table import table
@@ -61,6 +61,7 @@ def midrange(
             _tell(all_figures(runs, chosen, cell.midranging), json)
             return
         kept = session.about(controller_name, scenario_name)
+        session.require_room(out, controller(controller_name, cell.midranging, len(chosen)), chosen)
         with RunFolder.create(out, rig_file.dump(cell)) as folder:
             runs = session.recorded(
                 folder, lambda: run_axes(controller_name, cell, chosen, lambda: stop.made), chosen, kept

@@ -4,8 +4,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ctlblocks import recording
+from ctlblocks import Block, recording
 from ctlblocks.recording import Recording
+from ctlblocks.room import bytes_of
+from rigkit.disk_space import require
 from rigkit.provenance import now, software
 from rigkit.run_folder import RunFolder
 from stagectl.robot.config import CellConfig
@@ -13,11 +15,29 @@ from stagectl.robot.midranging.axes import Runs, all_figures
 from stagectl.robot.midranging.live import LiveFault
 from stagectl.robot.midranging.report import write_report
 from stagectl.robot.midranging.scenario import Scenario
+from stagectl.robot.midranging.wiring import MEASURED
 
 
 def recording_name(axis: str) -> str:
     """Return how the recording of an axis is called in a run's folder."""
     return f"recording-{axis}.csv" if axis else "recording.csv"
+
+
+def require_room(path: Path, made: Block, chosen: dict[str, Scenario]) -> None:
+    """Refuse, by a `DiskFault`, a run that the disk has no room for.
+
+    Parameters
+    ----------
+    path : Path
+        Folder of the run; need not exist.
+    made : Block
+        The controller of one axis.
+    chosen : dict of str to Scenario
+        By axis.
+    """
+    channels = 1 + len(MEASURED) + len(made.outputs)
+    needed = sum(bytes_of(len(each.reference), channels, "float64", "csv") for each in chosen.values())
+    require(path, needed, "the recordings")
 
 
 def about(controller: str, scenario: str) -> dict[str, str]:

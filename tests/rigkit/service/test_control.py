@@ -1,5 +1,6 @@
 """Commands on a rig: who may, when, and what becomes of the output."""
 
+import errno
 import threading
 from typing import Any
 
@@ -112,7 +113,9 @@ def test_a_step_that_begins_in_the_moment_of_a_stop_is_stopped_too(bench: Bench)
 
 
 @pytest.mark.parametrize(
-    "refused", [ValueError("no model"), FileNotFoundError("no model"), PermissionError("no model")]
+    "refused",
+    [ValueError("no model"), FileNotFoundError("no model"), PermissionError("no model")]
+    + [OSError(number, "no model") for number in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS)],
 )
 def test_a_procedure_that_is_refused_while_it_is_made_has_not_begun_and_the_rig_stays_armed(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, refused: Exception
@@ -137,14 +140,14 @@ def test_what_the_system_fails_at_while_a_procedure_is_made_is_a_fault(
     def run(desk: Desk, _: object) -> None:
         with making(desk):
             if cause is not None:
-                raise ValueError("/data: No space left on device") from cause
-            raise OSError(28, "No space left on device", "/data")
+                raise ValueError("/data: Input/output error") from cause
+            raise OSError(5, "Input/output error", "/data")
 
     monkeypatch.setattr(bench.rig, "_run", run)
     bench.arm()
     bench.begin()
     bench.ended()
-    assert (bench.state, bench.control.machine.last.why) == (State.FAULT, "/data: No space left on device")
+    assert (bench.state, bench.control.machine.last.why) == (State.FAULT, "/data: Input/output error")
 
 
 def test_a_procedure_that_breaks_is_a_fault_that_somebody_must_acknowledge(bench: Bench) -> None:
