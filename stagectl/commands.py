@@ -88,6 +88,8 @@ def run_command(
     made = rig_file.load(config, StageConfig, laid_over)
     if made.session.live and scenario is not None:
         raise ValueError("--live runs the stage on what is there: --scenario is for the simulator")
+    if made.session.live and seed is not None:
+        raise ValueError("--live runs the stage on what is there: --seed is for the simulator")
     if scenario is not None:
         made = rig_file.load(config, StageConfig, [*scenario_settings(scenario, made.session), *laid_over])
     folder, put_together = session.create(out, made, model or [])

@@ -229,12 +229,6 @@ class StageConfig(Section):
         for key, values in self.weights:
             if len(values) != (axes if self.weights.bandwidth else 0) or not all(value >= 0 for value in values):
                 raise ValueError(f"weights.{key} is {values}, must be {axes} numbers >= 0, or none in all of [weights]")
-        for key, is_on in (("deflection.on", self.deflection.on), ("session.compare", self.session.compare)):
-            if self.session.live and is_on:
-                raise ValueError(
-                    f"{key} is true, must be false where session.live is: a live run reads no laser yet, so it cannot "
-                    "compensate; the simulated stage does"
-                )
         if not self.session.lead >= 2.5 * self.limits.ramp:
             raise ValueError(
                 f"session.lead is {self.session.lead:g} s, must be >= {2.5 * self.limits.ramp:g} s: two of limits.ramp "

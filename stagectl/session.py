@@ -52,6 +52,7 @@ def create(path: Path, config: StageConfig, models: Sequence[Path]) -> tuple[Run
 def make_folder(path: Path, made: Setup, models: Sequence[Path]) -> RunFolder:
     """Make the folder of a run of that setup, with the same copies, and the same errors."""
     config = made.config
+    _refuse_ignored(config)
     wanted_position(config, made.timeline)
     made.compensation()
     _require_space(path, made)
@@ -64,6 +65,18 @@ def make_folder(path: Path, made: Setup, models: Sequence[Path]) -> RunFolder:
             source = Path(config.reference.signal)
             folder.take_in(source, f"reference{source.suffix.lower()}")
     return folder
+
+
+def _refuse_ignored(config: StageConfig) -> None:
+    """Refuse what a live run would pass over in silence."""
+    ignored = {
+        "deflection.on": (config.deflection.on, "no laser is read there yet"),
+        "session.compare": (config.session.compare, "no laser is read there yet"),
+        "inner.hysteresis": (bool(config.inner.hysteresis), "the stage's processor undoes no hysteresis"),
+    }
+    for key, (is_set, why) in ignored.items():
+        if config.session.live and is_set:
+            raise ValueError(f"{key} is set, must not be where session.live is true: {why}; the simulated stage does")
 
 
 def setup_of(path: Path) -> Setup:

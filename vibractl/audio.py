@@ -15,7 +15,7 @@ from vibractl.audio_engine import Engine
 from vibractl.audio_memory import Memory, Word
 from vibractl.audio_process import AudioProcess
 from vibractl.audio_stream import AudioError
-from vibractl.capture import Capture, Discarded, spoiled, unmoved
+from vibractl.capture import Capture, Discarded, spoiled, told, unmoved
 from vibractl.config import RigConfig
 from vibractl.guard import Violation, as_violation, violation
 from vibractl.levels import Levels, lately, levels
@@ -142,7 +142,7 @@ class Line:
         Raises
         ------
         ValueError : the drive has the wrong shape or length, or would break a limit; nothing was played.
-        ShotAbandoned : every one of `audio.attempts` was discarded; it says why each.
+        ShotAbandoned : every one of `audio.attempts` was discarded; it says why, each reason once.
         GuardLatched : the guard has shut itself, now or before.
         Stopped : `stop` was called.
         AudioError : the stream has failed.
@@ -159,7 +159,7 @@ class Line:
                 return capture
             reasons.append(reason)
             self._on_discard(Discarded(attempt, reason, capture))
-        raise ShotAbandoned(f"{len(reasons)} recordings were discarded: " + "; ".join(reasons))
+        raise ShotAbandoned(told(reasons))
 
     def stop(self) -> None:
         """Ramp down the emission under way, from another thread or a signal handler; `emit` raises `Stopped`."""

@@ -1,10 +1,14 @@
 """What one emission gave: the recording, and whether anything may be learned from it."""
 
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from vibractl.config import Audio
+
+_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 FULL_SCALE = 1.0 - 2.0**-14
 """A recorded sample from here on is clipped: the largest number of 16 bits is above."""
@@ -104,3 +108,23 @@ def _first(wrong: np.ndarray, names: list[str], rate: float) -> str:
     sample = int(np.argmax(wrong.any(axis=1)))
     name = names[int(np.argmax(wrong[sample]))]
     return f"{name} at {sample / rate:.4f} s, and {int(wrong.sum()) - 1} more"
+
+
+def told(reasons: Sequence[str]) -> str:
+    """Say why recordings were discarded: each reason once, whatever its numbers are, and how often it came.
+
+    Parameters
+    ----------
+    reasons : sequence of str
+        Of one recording each.
+
+    Examples
+    --------
+    >>> told(["2 callbacks with lost input", "muted", "7 callbacks with lost input"])
+    '3 recordings were discarded: 2 callbacks with lost input (2 times); muted'
+    """
+    alike: dict[str, list[str]] = {}
+    for reason in reasons:
+        alike.setdefault(_NUMBER.sub("#", reason), []).append(reason)
+    said = [each[0] + f" ({len(each)} times)" * (len(each) > 1) for each in alike.values()]
+    return f"{len(reasons)} recordings were discarded: {'; '.join(said)}"

@@ -119,5 +119,5 @@ def _refuse_other_loops(config: StageConfig, chosen: Path) -> None:
         if pid(inner, number) != pid(config.inner, number):
             raise ValueError(
                 f"[inner] is not what the models were measured with: axis {axis} has {pid(config.inner, number)}, "
-                f"{chosen} has {pid(inner, number)}; start the daemon with --config {chosen}, or calibrate again"
+                f"{chosen} has {pid(inner, number)}; start the daemon with that file as --config, or calibrate again"
             )

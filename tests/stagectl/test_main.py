@@ -87,5 +87,5 @@ def test_what_a_live_run_has_no_laser_for_is_refused_and_not_passed_over(
     monkeypatch.setattr("sys.argv", ["stagectl", "run", "--live", "--set", setting, "--out", str(out)])
     assert main() == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert f"{setting.partition('=')[0]} is true, must be false where session.live is" in line
+    assert f"{setting.partition('=')[0]} is set, must not be where session.live is true" in line
     assert not out.exists()

@@ -12,6 +12,7 @@ from rigkit.service.journal import Journal
 from rigkit.service.lease import Lease
 from rigkit.service.state import State
 from tests.rigkit.service.demo_rig import DemoRig
+from tests.rigkit.service.told_once import check_told_once
 from tests.until import until
 
 
@@ -35,6 +36,7 @@ class Bench:
 
     def ended(self) -> None:
         until(lambda: not self.control.machine.busy)
+        check_told_once(self.control)
 
     def events(self) -> list[str]:
         return [entry["event"] for entry in self.control.journal.since(0)]

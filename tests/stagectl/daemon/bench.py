@@ -13,6 +13,7 @@ from rigkit.service.show import Gauge
 from rigkit.service.state import State
 from stagectl.config import StageConfig
 from stagectl.daemon.rig import PiezoStage
+from tests.rigkit.service.told_once import check_told_once
 from tests.stagectl.simulated_models import write_models
 from tests.until import until
 
@@ -58,6 +59,7 @@ class Lab:
 
     def ended(self) -> None:
         until(lambda: self.control.settle() or not self.control.machine.busy)
+        check_told_once(self.control)
 
     def until_follows(self) -> None:
         """Return when an error of the run proper is measured."""

@@ -142,7 +142,7 @@ def test_nothing_is_followed_without_models_or_with_other_inner_loops_than_their
     lab.begin("hold")
     lab.ended()
     assert "[inner] is not what the models were measured with: axis y has Pid(" in lab.why
-    assert "start the daemon with --config" in lab.why
+    assert "start the daemon with that file as --config" in lab.why
     assert not lab.run_folder().exists()
 
 

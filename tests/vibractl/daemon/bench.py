@@ -9,6 +9,7 @@ from rigkit.service.control import Control
 from rigkit.service.journal import Journal
 from rigkit.service.lease import Lease
 from rigkit.service.state import State
+from tests.rigkit.service.told_once import check_told_once
 from tests.until import until
 from tests.vibractl.linear_rig import SETTINGS, linear_model
 from vibractl.config import RigConfig
@@ -41,6 +42,7 @@ class Lab:
 
     def ended(self) -> None:
         until(lambda: self.control.settle() or not self.control.machine.busy)
+        check_told_once(self.control)
 
     def until_shot(self, number: int) -> None:
         """Return when so many shots are recorded."""
