@@ -21,9 +21,9 @@ Disk = Callable[[Path], AbstractContextManager[tuple[Path, str]]]
 
 
 @contextmanager
-def full(folder: Path) -> Iterator[tuple[Path, str]]:
-    """Mount a disk of `SIZE` bytes."""
-    with _mounted(folder, f"size={SIZE}") as place:
+def full(folder: Path, size: int = SIZE) -> Iterator[tuple[Path, str]]:
+    """Mount a disk of that many bytes."""
+    with _mounted(folder, f"size={size}") as place:
         yield place, os.strerror(errno.ENOSPC)
 
 

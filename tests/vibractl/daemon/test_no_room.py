@@ -1,13 +1,20 @@
-"""A run or a calibration for which the disk has no room does not begin: nothing is emitted, the rig stays armed."""
+"""A run or a calibration for which the disk has no room does not begin: nothing is emitted, the rig stays armed.
 
+One whose disk fills up while it runs is a fault, which says where there is no room, and how much there was wanted.
+"""
+
+import re
 from pathlib import Path
 
 import pytest
 
+from ctlblocks.room import free
 from rigkit.service.state import State
+from tests.rigkit.small_disk import full
 from tests.rigkit.test_disk_space import leave
 from tests.vibractl.daemon.bench import Lab, lab_in
 from vibractl.audio import Line
+from vibractl.daemon import running
 
 OPTIONS = {"run": {"run": "one"}, "calibrate": {"model": "found.h5"}}
 
@@ -48,3 +55,35 @@ def test_a_run_that_goes_on_wants_room_for_the_shots_that_are_left_alone(
     leave(67.2e6, monkeypatch)
     why = refused(lab, "run", run="one", shots=400, resume=True)
     assert "398 shots of " in why
+
+
+@pytest.mark.parametrize("procedure", OPTIONS)
+def test_a_disk_that_fills_up_meanwhile_is_a_fault_that_names_file_folder_and_room_and_the_run_goes_on(
+    procedure: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(running, "run_report", lambda _: None)
+    with full(tmp_path, 300_000_000) as (folder, why):
+        lab = lab_in(folder)
+        lab.control.arm(lab.key, "a test")
+        opened, filler = Line.__enter__, folder / "filler"
+
+        def fill_up(line: Line) -> Line:
+            filler.write_bytes(bytes(free(folder) - 100_000))
+            return opened(line)
+
+        monkeypatch.setattr(Line, "__enter__", fill_up)
+        lab.begin(procedure, **{**OPTIONS[procedure], "shots": 2} if procedure == "run" else OPTIONS[procedure])
+        lab.ended()
+        assert lab.state is State.FAULT
+        file, left = rf"{lab.data}/\S+", r"[\d.]+ MB"
+        told = f"{file}: {why}: {left} are free in {file}/, {left} are wanted"
+        assert re.fullmatch(told, lab.control.machine.last.why)
+        monkeypatch.setattr(Line, "__enter__", opened)
+        filler.unlink()
+        lab.control.acknowledge(lab.key, "there is room again")
+        again = {**OPTIONS[procedure], "shots": 2, "resume": (lab.data / "runs" / "one").exists()}
+        lab.begin(procedure, **again if procedure == "run" else OPTIONS[procedure])
+        lab.ended()
+        assert lab.state is State.ARMED, lab.control.machine.last.why
+        lab.control.close(60)
+        lab.control.journal.close()
