@@ -141,6 +141,27 @@ def test_files_and_joints_that_are_not_there_are_named_with_their_option(
 
 
 @pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"[" * 200_000, "objects or lists nested more than 12 deep"),
+        (b'{"rows": "\xff"}', "byte 0xff in line 1 is not UTF-8"),
+        (b'{"rows": NaN}', "rows is NaN, must be finite"),
+        (b'{"rows": 6, "rows": 7}', 'the key "rows" is there twice'),
+    ],
+    ids=range(4),
+)
+def test_a_pocket_that_is_no_sound_json_is_refused_in_one_line_and_the_rig_stays_armed(
+    lab: Lab, content: bytes, says: str
+) -> None:
+    (lab.data / "wrong.json").write_bytes(content)
+    lab.begin("force", task="wrong.json")
+    lab.ended()
+    assert lab.state is State.ARMED, lab.why
+    assert lab.why == f"Mill by force has not begun: {lab.data}/wrong.json: {says}"
+    assert not lab.run_folder().exists()
+
+
+@pytest.mark.parametrize(
     ("procedure", "key"), [("midrange", "midranging.session.live"), ("calibrate-joints", "clamping.live")]
 )
 def test_what_is_live_is_not_paced(tmp_path: Path, procedure: str, key: str) -> None:
