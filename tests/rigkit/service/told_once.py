@@ -12,7 +12,7 @@ SHORTEST = 12
 
 def repeated(text: str) -> list[str]:
     """Return the sentences, between colons, semicolons and full stops, that come twice, whatever their numbers are."""
-    parts = [re.sub(r"\d+", "0", part.strip()) for part in re.split(r"[;:,\n](?=\s)|\.(?=\s|$)", text)]
+    parts = [re.sub(r"\d+", "0", part.strip()) for part in re.split(r"[;:\n](?=\s)|\.(?=\s|$)", text)]
     return sorted({part for part in parts if len(part) >= SHORTEST and parts.count(part) > 1})
 
 
