@@ -43,7 +43,7 @@ def simulated(made: Setup, seed: int) -> np.ndarray:
 
 def drawn(made: Setup, seed: int) -> np.ndarray:
     band = float(made.law.matrix.frequency[0]), float(made.law.matrix.frequency[-1])
-    spectrum = LineSpectrum(made.shot.frames // 4, made.law.matrix.outputs, made.shot.rate / 4, band)
+    spectrum = LineSpectrum(made.shot.frames // 4, made.law.matrix.outputs, made.shot.rate / 4, band, made.plans)
     plant = DrawnPlant(made.law, spectrum, np.random.default_rng(seed))
     return profile(made, plant.respond(made.law.start) - (plant.response @ made.law.start[..., None])[..., 0])
 

@@ -41,7 +41,7 @@ FIXED_GAIN = ("learning.law=thesis", "learning.start=inverse", "learning.gains=[
 def learned(matrix: TransferMatrix, seed: int, *settings: str) -> tuple[float, np.ndarray]:
     """Return from which shot on the objective holds, and the last drive."""
     config = rig_file.load(None, RigConfig, (f"simulator.options.seed={seed}", *settings))
-    heard = list(shots(setup(config, matrix, fresh_plans=False), SHOTS))
+    heard = list(shots(setup(config, matrix), SHOTS))
     return met([shot.over for shot in heard]), heard[-1].drive.astype(float)
 
 

@@ -114,7 +114,7 @@ class Run:
 
 def learned(matrix: TransferMatrix, settings: tuple[str, ...], count: int) -> Run:
     """Learn."""
-    made = setup(rig_file.load(None, RigConfig, settings), matrix, fresh_plans=False)
+    made = setup(rig_file.load(None, RigConfig, settings), matrix)
     active = made.law.active > 0
     iae, over, held, bound = [], [], [], np.inf
     for heard in shots(made, count):

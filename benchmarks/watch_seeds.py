@@ -50,7 +50,7 @@ class Outcome:
 def watched(seed: int, count: int, *settings: str) -> Outcome:
     """Learn, and take down what was decided."""
     own = (f"simulator.options.seed={seed}",)
-    made = setup(rig_file.load(None, RigConfig, (*own, *settings)), identified(own).matrix, fresh_plans=False)
+    made = setup(rig_file.load(None, RigConfig, (*own, *settings)), identified(own).matrix)
     run, probing, last = Outcome([], [], [], [], [], [], []), False, np.zeros(0)
     for number, heard in enumerate(shots(made, count)):
         run.over.append(heard.over)

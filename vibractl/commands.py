@@ -24,6 +24,7 @@ from vibractl.audio_stream import AudioError
 from vibractl.config import RigConfig
 from vibractl.doctor.command import doctor_command
 from vibractl.export.command import export_command
+from vibractl.fft_command import plan_command
 from vibractl.library.command import LibraryOption, TagOption, chosen_entry, library_app
 from vibractl.predict.command import predict_command
 from vibractl.presets import PRESETS
@@ -37,6 +38,7 @@ app.command("export")(export_command)
 app.command("prune")(prune_command)
 app.command("doctor")(doctor_command)
 app.command("predict")(predict_command)
+app.command("plan-ffts")(plan_command)
 app.add_typer(library_app, name="library")
 
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")]
@@ -123,6 +125,8 @@ def _learn(session: Session, shots: int, json: str | None) -> None:
         def tell(shot: int, marks: Marks) -> None:
             meter.show(shot + 1, f"shot {shot}: objective {marks.reason}")
 
+        if session.done < shots:
+            meter.say(f"learning: {shots - session.done} shots of {session.seconds:.1f} s; the stream is opened")
         session.run(shots, tell, lambda: stop.made)
     figures = session.summary()
     if stop.made and session.done < shots:
@@ -168,7 +172,10 @@ def replay_command(
     """
     rows = []
     settings_of(path)
-    for each in replay(path, setup_of(path, tuple(settings or ()), model)):
+    made = setup_of(path, tuple(settings or ()), model)
+    if made.plans.note:
+        sys.stderr.write(f"{made.plans.note}\n")
+    for each in replay(path, made):
         if shot in (None, each.shot):
             same = "yes" if each.identical else "no"
             rows.append([str(each.shot), same, f"{each.difference:.3g}", f"{each.difference_db:.1f}"])

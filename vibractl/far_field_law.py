@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 
 from vibractl.far_field import FarField
+from vibractl.fft_plans import Plans
 from vibractl.law import Law, bounded_inverse, first_drive
 from vibractl.place import Place
 from vibractl.spectrum import LineSpectrum
 from vibractl.transfer_matrix import TransferMatrix
 
 
-def far_field_law(law: Law, matrix: TransferMatrix, far: FarField, place: Place, rate: float) -> Law:
+def far_field_law(law: Law, matrix: TransferMatrix, far: FarField, place: Place, rate: float, plans: Plans) -> Law:
     """Return a law that learns from hydrophones what another one would learn from accelerometers.
 
     Parameters
@@ -24,6 +25,7 @@ def far_field_law(law: Law, matrix: TransferMatrix, far: FarField, place: Place,
     place : Place
         Of the hydrophones.
     rate : float, samples/s, of the place's reference
+    plans : Plans
 
     Source
     ------
@@ -38,7 +40,8 @@ def far_field_law(law: Law, matrix: TransferMatrix, far: FarField, place: Place,
     product = heard @ response
     power = np.abs(product) ** 2
     plant = TransferMatrix(frequency, product, variance, power / (power + variance), law.matrix.provenance)
-    spectrum = LineSpectrum(len(place.reference), len(place.sensors), rate, (frequency[0], frequency[-1]))
+    band = frequency[0], frequency[-1]
+    spectrum = LineSpectrum(len(place.reference), len(place.sensors), rate, band, plans)
     wanted = spectrum.lines(law.window * place.reference)
     inverse = bounded_inverse(product, law.settings)
     start = first_drive(law.settings, plant, inverse, wanted) * law.active[:, None]

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.signal.windows import hann
 
 from vibractl.config import Learning
+from vibractl.fft_plans import Plans
 from vibractl.learning import CHIRP_GAINS, KALMAN_GAINS, SINE_GAINS, Gains
 from vibractl.reference import Reference
 from vibractl.spectrum import Decimator, LineSpectrum
@@ -53,7 +54,7 @@ class Law:
     window: np.ndarray | float = 1.0
 
 
-def learning_law(settings: Learning, matrix: TransferMatrix, reference: Reference, rate: float) -> Law:
+def learning_law(settings: Learning, matrix: TransferMatrix, reference: Reference, rate: float, plans: Plans) -> Law:
     """Build the law of a run from its settings, the rig's model and the reference.
 
     Parameters
@@ -62,6 +63,7 @@ def learning_law(settings: Learning, matrix: TransferMatrix, reference: Referenc
     matrix : TransferMatrix, of the whole rig
     reference : Reference, as wide as the outputs controlled
     rate : float, samples/s, of the reference
+    plans : Plans
 
     Raises
     ------
@@ -74,7 +76,7 @@ def learning_law(settings: Learning, matrix: TransferMatrix, reference: Referenc
     if settings.law == "kalman" and settings.structure == "decentralised":
         raise ValueError("learning.structure is decentralised: learning.law is kalman, must be thesis")
     outputs, spread = _structure(settings.structure, settings.side, matrix)
-    lines = _lines(settings, reference, rate)
+    lines = _lines(settings, reference, rate, plans)
     used = _as_driven(matrix.at(lines.frequency), outputs, spread, settings.structure)
     window = settled_window(reference, lines.frames)
     wanted = lines.lines(window * Decimator(settings.decimation).apply(reference.signal))
@@ -179,9 +181,9 @@ def _as_driven(matrix: TransferMatrix, outputs: tuple[int, ...], spread: np.ndar
     return TransferMatrix(matrix.frequency, response, variance, coherence, matrix.provenance)
 
 
-def _lines(settings: Learning, reference: Reference, rate: float) -> LineSpectrum:
+def _lines(settings: Learning, reference: Reference, rate: float, plans: Plans) -> LineSpectrum:
     frames, width = reference.signal.shape
-    return LineSpectrum(frames // settings.decimation, width, rate / settings.decimation, settings.band)
+    return LineSpectrum(frames // settings.decimation, width, rate / settings.decimation, settings.band, plans)
 
 
 def _scaled_reference(matrix: TransferMatrix, wanted: np.ndarray) -> np.ndarray:

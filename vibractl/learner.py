@@ -7,6 +7,7 @@ import numpy as np
 from vibractl.algorithm import Algorithm
 from vibractl.config import RigConfig
 from vibractl.disturbance import noise_power
+from vibractl.fft_plans import Plans
 from vibractl.place import Place
 from vibractl.shot import Shot
 from vibractl.spectrum import Decimator, LineSpectrum
@@ -61,10 +62,18 @@ class Learner(Trial):
     responses : int, accelerometers recorded
     place : Place
         Of the sensors that are learned from.
+    plans : Plans
     """
 
     def __init__(
-        self, algorithm: Algorithm, shot: Timeline, decimation: int, edge: float, responses: int, place: Place
+        self,
+        algorithm: Algorithm,
+        shot: Timeline,
+        decimation: int,
+        edge: float,
+        responses: int,
+        place: Place,
+        plans: Plans,
     ) -> None:
         law = algorithm.law
         super().__init__(np.zeros((shot.total, len(law.spread))), responses)
@@ -73,8 +82,9 @@ class Learner(Trial):
         lines = law.matrix.frequency
         band = (lines[0], lines[-1])
         self._decimator = Decimator(decimation)
-        self._analysis = LineSpectrum(shot.frames // decimation, len(place.sensors), shot.rate / decimation, band)
-        self._synthesis = LineSpectrum(shot.frames, law.spread.shape[1], shot.rate, band)
+        learned, rate = shot.frames // decimation, shot.rate / decimation
+        self._analysis = LineSpectrum(learned, len(place.sensors), rate, band, plans)
+        self._synthesis = LineSpectrum(shot.frames, law.spread.shape[1], shot.rate, band, plans)
         self._signal = np.zeros((shot.frames, law.spread.shape[1]))
         self._edge = _edges(shot.frames, round(edge * shot.rate))[:, None]
         self.restart()

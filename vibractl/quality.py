@@ -107,16 +107,17 @@ class Judge:
         self._decimator = Decimator(step)
         rate, frames, width = setup.shot.rate / step, setup.shot.frames // step, len(self._outputs)
         low = min(setup.config.learning.band[0], self._quality.above)
-        self._spectrum = LineSpectrum(frames, width, rate, (low, self._quality.judged_to))
+        self._spectrum = LineSpectrum(frames, width, rate, (low, self._quality.judged_to), setup.plans)
         self.frequency = self._spectrum.frequency
         self._reference = self.place.reference
         self._settled = settled_window(setup.reference, frames)
         self._wanted = self.lines(self._reference)
         self._root = setup.reference.root
         self._judged = self._judged_lines(setup.config.learning.overtones)
-        self._phase, self._hop = _analytic_phase(self._reference), max(1, round(FOLLOWED * rate))
+        analytic: np.ndarray = hilbert(self._reference, axis=0)
+        self._phase, self._hop = np.unwrap(np.angle(analytic), axis=0), max(1, round(FOLLOWED * rate))
         self._window = self._averaging(rate)
-        loud = np.abs(hilbert(self._reference, axis=0)) > SIGNIFICANT * np.abs(self._reference).max(axis=0)
+        loud = np.abs(analytic) > SIGNIFICANT * np.abs(self._reference).max(axis=0)
         self._loud = loud.all(axis=1)[:: self._hop]
 
     @property
@@ -224,8 +225,3 @@ class Judge:
 def _rms(signal: np.ndarray) -> np.ndarray:
     level: np.ndarray = np.sqrt(np.mean(np.abs(signal) ** 2, axis=0))
     return level
-
-
-def _analytic_phase(signal: np.ndarray) -> np.ndarray:
-    phase: np.ndarray = np.unwrap(np.angle(hilbert(signal, axis=0)), axis=0)
-    return phase

@@ -17,6 +17,7 @@ from rigkit.sealed_file import sealed
 from vibractl.audio import Line
 from vibractl.capture import Discarded
 from vibractl.config import RigConfig
+from vibractl.fft_plans import Plans
 from vibractl.learner import Learner
 from vibractl.library.entry import Entry, read_entry, write_entry
 from vibractl.model_file import read_far_field, read_model
@@ -26,7 +27,6 @@ from vibractl.quality_table import reduced, row_of, summary
 from vibractl.reference import is_file
 from vibractl.setup import Setup, setup, warm_setup
 from vibractl.shot_file import DISCARDED, far_field_of, keep_discarded, recording_of, split
-from vibractl.spectrum import load_wisdom, save_wisdom
 from vibractl.supervision import ALONE, Supervision
 
 MODEL, WISDOM, REFERENCE, START = "model.h5", "fftw.wisdom", "reference", "start.h5"
@@ -58,9 +58,9 @@ def create(
     far = read_far_field(model, len(config.audio.far_field_channels))
     matrix = read_model(model, config.rig.name, sides)
     if entry is None:
-        made, broken = setup(config, matrix, far=far), None
+        made, broken = setup(config, matrix, far, plans=Plans.of_user()), None
     else:
-        made, broken = warm_setup(config, matrix, far, entry)
+        made, broken = warm_setup(config, matrix, far, entry, Plans.of_user())
     config = made.config
     require_room(path, made, shots or config.session.shots)
     source = Path(config.reference.signal) if is_file(config.reference.signal) else None
@@ -72,7 +72,7 @@ def create(
         folder.take_in(model, MODEL)
         if source is not None:
             folder.take_in(source, kept.reference.signal)
-        save_wisdom(folder.path / WISDOM)
+        folder.write(WISDOM, made.plans.wisdom)
         if entry is not None:
             write_entry(folder.path / START, entry)
             folder.event("library", {"entry": entry.name, "tags": dict(entry.tags), "run": entry.about["run"]})
@@ -98,11 +98,11 @@ def setup_of(path: Path, overrides: tuple[str, ...] = (), model: Path | None = N
     ValueError : the folder lacks a part, or the parts do not fit.
     """
     config = settings_of(path, overrides)
-    load_wisdom(path / WISDOM)
+    plans = Plans.of_run(path / WISDOM)
     matrix = read_model(model or path / MODEL, config.rig.name)
     far = read_far_field(model or path / MODEL, len(config.audio.far_field_channels))
     entry = read_entry(path / START) if config.learning.start == "library" else None
-    return setup(config, matrix, fresh_plans=False, far=far, entry=entry)
+    return setup(config, matrix, far, entry, plans)
 
 
 def require_room(path: Path, made: Setup, shots: int) -> None:
@@ -166,9 +166,14 @@ class Session:
         return self._made.judged
 
     @property
+    def seconds(self) -> float:
+        """Length of a shot, s."""
+        return self.learner.shot.total / self.learner.shot.rate
+
+    @property
     def note(self) -> str:
-        """What a person should know before it begins, a line of text; empty for nothing."""
-        return f"{self._made.note}\n" if self._made.note else ""
+        """What a person should know before it begins, lines of text; empty for nothing."""
+        return "".join(f"{note}\n" for note in (self._made.note, self._made.plans.note) if note)
 
     @property
     def untouched(self) -> bool:
@@ -187,8 +192,7 @@ class Session:
         if self.done >= shots:
             return
         require_room(self.folder.path, self._made, shots - self.done)
-        seconds = self.learner.shot.total / self.learner.shot.rate
-        self.line = Line(self.config, seconds=seconds, on_discard=self._discarded, supervision=self._supervision)
+        self.line = Line(self.config, seconds=self.seconds, on_discard=self._discarded, supervision=self._supervision)
         with self.line as line:
             self.folder.event("started", {"shot": self.done, "round_trip": line.round_trip, "software": software()})
             try:

@@ -1,6 +1,6 @@
 """What a rig file, a model and a reference make together: everything a run, its replay and its report start from."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -8,6 +8,7 @@ from vibractl.algorithm import Algorithm
 from vibractl.config import RigConfig
 from vibractl.far_field import FarField
 from vibractl.far_field_law import far_field_law, shared_text
+from vibractl.fft_plans import Plans, Transform
 from vibractl.guard import Violation, violation
 from vibractl.law import Law, learning_law
 from vibractl.learner import Learner, Timeline, timeline
@@ -15,7 +16,7 @@ from vibractl.library.entry import Entry
 from vibractl.library.fit import misfit
 from vibractl.place import Place, Where, at_accelerometers, in_far_field
 from vibractl.reference import Reference, reference_from
-from vibractl.spectrum import Decimator, load_wisdom, save_wisdom, user_wisdom
+from vibractl.spectrum import Decimator
 from vibractl.transfer_matrix import TransferMatrix
 from vibractl.warm_start import KnownDrive
 
@@ -37,6 +38,8 @@ class Setup:
         Where shots are judged: at the accelerometers, and in the far field where that is known.
     known : KnownDrive or None
         What is checked first, and started from if it fits.
+    plans : Plans
+        By which everything of this run is transformed.
     """
 
     config: RigConfig
@@ -45,6 +48,7 @@ class Setup:
     shot: Timeline
     places: tuple[Place, ...]
     known: KnownDrive | None = None
+    plans: Plans = field(default_factory=Plans)
 
     @property
     def judged(self) -> Place:
@@ -73,7 +77,8 @@ class Setup:
         edge = config.limits.ramp
         if self.reference.root is not None:  # the overtones rise and fall with the root
             edge = max(edge, self.reference.taper * self.shot.frames / self.shot.rate)
-        return Learner(self.algorithm(), self.shot, config.learning.decimation, edge, responses, self.learned)
+        step = config.learning.decimation
+        return Learner(self.algorithm(), self.shot, step, edge, responses, self.learned, self.plans)
 
     def _place(self, where: Where) -> Place:
         return next(place for place in self.places if place.name == where)
@@ -92,6 +97,24 @@ def reference_of(config: RigConfig) -> Reference:
     )
 
 
+def transforms(config: RigConfig, frames: int) -> tuple[Transform, ...]:
+    """Return the sizes of all FFTs that a run makes by its plans.
+
+    Parameters
+    ----------
+    config : RigConfig
+    frames : int, samples, of the reference
+    """
+    learning, audio = config.learning, config.audio
+    controlled = 1 if learning.side else len(audio.response_channels)
+    driven = 1 if learning.side or learning.structure == "common" else len(audio.drive_channels)
+    learned = frames // learning.decimation
+    sizes = [Transform(learned, controlled), Transform(frames, driven)]
+    if audio.far_field_channels:
+        sizes.append(Transform(learned, len(audio.far_field_channels)))
+    return tuple(dict.fromkeys(sizes))
+
+
 def judged_lines(law: Law, reference: Reference, config: RigConfig) -> np.ndarray:
     """Return which learned lines the objective holds for, bool (lines,): those above the root, for a sine."""
     quality, frequency = config.quality, law.matrix.frequency
@@ -104,9 +127,9 @@ def judged_lines(law: Law, reference: Reference, config: RigConfig) -> np.ndarra
 def setup(
     config: RigConfig,
     matrix: TransferMatrix,
-    fresh_plans: bool = True,
     far: FarField | None = None,
     entry: Entry | None = None,
+    plans: Plans | None = None,
 ) -> Setup:
     """Put a run together.
 
@@ -114,19 +137,18 @@ def setup(
     ----------
     config : RigConfig
     matrix : TransferMatrix, of the rig
-    fresh_plans : bool
-        Take this user's FFT plans and keep new ones for the next time; False leaves those that are loaded.
     far : FarField, optional
         Of the rig's hydrophones.
     entry : Entry, optional
         Of the library, to be started from; for `learning.start = "library"`.
+    plans : Plans, optional
+        FFT plans to go by; all are estimated without them.
 
     Raises
     ------
     ValueError : the reference, the model and the settings do not fit together.
     """
-    if fresh_plans:
-        load_wisdom(user_wisdom())
+    plans = plans or Plans()
     reference = reference_of(config)
     if reference.root is not None and 2 * reference.root > min(config.learning.band[1], config.quality.judged_to):
         raise ValueError(
@@ -134,20 +156,18 @@ def setup(
             "below quality.judged_to"
         )
     _refuse_beyond_band(reference, config)
-    law = learning_law(config.learning, matrix, reference, config.audio.rate)
+    law = learning_law(config.learning, matrix, reference, config.audio.rate, plans)
     places = _places(config, reference, law, far)
     if config.learning.sensors == "far-field" and far is not None:
-        law = far_field_law(law, matrix, far, places[1], config.audio.rate / config.learning.decimation)
+        law = far_field_law(law, matrix, far, places[1], config.audio.rate / config.learning.decimation, plans)
     known = _known_drive(entry, law, reference, config)
-    made = Setup(config, reference, law, timeline(config, len(reference.signal)), places, known)
-    made.learner()  # plans its transforms, so that they can be kept
-    if fresh_plans:
-        save_wisdom(user_wisdom())
-    return made
+    for transform in transforms(config, len(reference.signal)):
+        plans.planned(transform)  # all of them now, so that they can be stored before the first shot
+    return Setup(config, reference, law, timeline(config, len(reference.signal)), places, known, plans)
 
 
 def warm_setup(
-    config: RigConfig, matrix: TransferMatrix, far: FarField | None, entry: Entry
+    config: RigConfig, matrix: TransferMatrix, far: FarField | None, entry: Entry, plans: Plans
 ) -> tuple[Setup, Violation | None]:
     """Put a run together that starts from an entry of the library.
 
@@ -157,6 +177,7 @@ def warm_setup(
     matrix : TransferMatrix, of the rig
     far : FarField, optional
     entry : Entry
+    plans : Plans
 
     Returns
     -------
@@ -169,12 +190,12 @@ def warm_setup(
     ------
     ValueError : as for `setup`, or the entry does not fit.
     """
-    made = setup(_starting(config, "library"), matrix, far=far, entry=entry)
+    made = setup(_starting(config, "library"), matrix, far, entry, plans)
     broken = violation(made.learner().rendered(entry.drive), config.limits, config.audio.rate)
     if broken is None:
         return made, None
     start = config.learning.start
-    return setup(_starting(config, "by-law" if start == "library" else start), matrix, far=far), broken
+    return setup(_starting(config, "by-law" if start == "library" else start), matrix, far, plans=plans), broken
 
 
 def _starting(config: RigConfig, start: str) -> RigConfig:

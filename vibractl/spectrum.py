@@ -1,13 +1,9 @@
-"""Between time and the lines that are learned: planned real FFTs, decimation, and where FFTW's plans are kept."""
-
-from pathlib import Path
+"""Between time and the frequency bins that are learned: planned real FFTs, and decimation."""
 
 import numpy as np
-import platformdirs
-import pyfftw
 from scipy.signal import firwin, upfirdn
 
-from rigkit import atomic
+from vibractl.fft_plans import Plans, Transform
 
 DECIMATOR_REACH = 24
 """Taps of the decimator to each side, times its factor: 100 dB with the transition below."""
@@ -29,13 +25,15 @@ class LineSpectrum:
     rate : float, samples/s
     band : (float, float), Hz
         First and last frequency of the lines; they lie at multiples of rate / frames.
+    plans : Plans
+        Of the run.
 
     Source
     ------
     Sörnmo 2015, eq. (6.4).
     """
 
-    def __init__(self, frames: int, width: int, rate: float, band: tuple[float, float]) -> None:
+    def __init__(self, frames: int, width: int, rate: float, band: tuple[float, float], plans: Plans) -> None:
         spacing = rate / frames
         self._first = int(np.ceil(band[0] / spacing - 1e-9))
         self._end = min(int(np.floor(band[1] / spacing + 1e-9)), (frames - 1) // 2) + 1
@@ -43,28 +41,22 @@ class LineSpectrum:
             raise ValueError(f"no line of {spacing:g} Hz spacing lies within {band[0]:g} to {band[1]:g} Hz")
         self.frequency = np.arange(self._first, self._end) * spacing
         self.rate, self.frames, self.width = rate, frames, width
-        self._time = pyfftw.empty_aligned((width, frames), dtype=np.float64)
-        self._bins = pyfftw.empty_aligned((width, frames // 2 + 1), dtype=np.complex128)
-        flags = ("FFTW_MEASURE", "FFTW_DESTROY_INPUT")
-        self._forward = pyfftw.FFTW(self._time, self._bins, axes=(1,), flags=flags, threads=1)
-        self._backward = pyfftw.FFTW(
-            self._bins, self._time, axes=(1,), direction="FFTW_BACKWARD", flags=flags, threads=1
-        )
+        self._fft = plans.planned(Transform(frames, width))
 
     def lines(self, signal: np.ndarray) -> np.ndarray:
         """Transform `signal` (frames, width) to its lines (lines, width), in the signal's unit times s."""
-        np.copyto(self._time, signal.T)
-        self._forward.execute()
-        result: np.ndarray = self._bins[:, self._first : self._end].T / self.rate
+        np.copyto(self._fft.time, signal.T)
+        self._fft.forward()
+        result: np.ndarray = self._fft.bins[:, self._first : self._end].T / self.rate
         return result
 
     def time(self, lines: np.ndarray, signal: np.ndarray) -> None:
         """Fill `signal` (frames, width) with the real signal that has these lines and no other."""
-        self._bins[:, : self._first] = 0.0
-        self._bins[:, self._end :] = 0.0
-        np.multiply(lines.T, self.rate / self.frames, out=self._bins[:, self._first : self._end])
-        self._backward.execute()
-        np.copyto(signal, self._time.T)
+        self._fft.bins[:, : self._first] = 0.0
+        self._fft.bins[:, self._end :] = 0.0
+        np.multiply(lines.T, self.rate / self.frames, out=self._fft.bins[:, self._first : self._end])
+        self._fft.backward()
+        np.copyto(signal, self._fft.time.T)
 
 
 class Decimator:
@@ -92,27 +84,3 @@ class Decimator:
         full = upfirdn(self._taps, signal, 1, self.factor, axis=0)
         kept: np.ndarray = full[DECIMATOR_REACH : DECIMATOR_REACH - (-len(signal) // self.factor)]
         return kept
-
-
-def user_wisdom() -> Path:
-    """Return where FFTW's plans are kept for this user."""
-    return Path(platformdirs.user_cache_dir("vibrostage")) / "fftw.wisdom"
-
-
-def load_wisdom(path: Path) -> bool:
-    """Take the plans of `path` for all transforms from now on, forgetting others; False when there are none.
-
-    The same plan gives the same bits: a replay takes the plans that its run was made with.
-    """
-    try:
-        wisdom = path.read_bytes()
-    except OSError:
-        return False
-    pyfftw.forget_wisdom()
-    return bool(pyfftw.import_wisdom((wisdom, b"", b""))[0])
-
-
-def save_wisdom(path: Path) -> None:
-    """Keep the plans made so far."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    atomic.write(path, pyfftw.export_wisdom()[0])

@@ -78,6 +78,7 @@ from tests.stagectl.robot.milling.torque_models import wide_model
 from vibractl.algorithm import Algorithm
 from vibractl.audio_engine import DeviceInput
 from vibractl.config import Adaptation, Learning, Limits, Watch
+from vibractl.fft_plans import Plans
 from vibractl.guard import Guard
 from vibractl.law import Law
 from vibractl.learner import Learner, Timeline
@@ -115,13 +116,14 @@ def _measured(plant: type[ImpulseResponse] | type[VibratorImpulseResponse]) -> B
 
 def _learner() -> Block:
     shot = Timeline(64, 4_096, 240, 44_100.0)
-    lines = LineSpectrum(shot.frames, 2, shot.rate, (15.0, 650.0)).frequency
+    plans = Plans()
+    lines = LineSpectrum(shot.frames, 2, shot.rate, (15.0, 650.0), plans).frequency
     response = np.broadcast_to(np.eye(2) + 0j, (len(lines), 2, 2))
     matrix = TransferMatrix(lines, response, np.zeros(response.shape), np.ones(response.shape))
     start, active = np.full((len(lines), 2), 1e-3 + 0j), np.ones(len(lines))
     law = Law(matrix, response, Learning(), 2 * start, start, Gains((0.5,), ()), active, (0, 1), np.eye(2))
     place = at_accelerometers(np.zeros((shot.frames // 4, 2)), (0, 1))
-    return Learner(Algorithm(law, Adaptation(), Watch(), -40.0), shot, 4, 0.002, 2, place)
+    return Learner(Algorithm(law, Adaptation(), Watch(), -40.0), shot, 4, 0.002, 2, place, plans)
 
 
 STAGE_MODEL = InnovationModel(

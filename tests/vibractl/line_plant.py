@@ -3,6 +3,7 @@
 import numpy as np
 
 from vibractl.config import Learning
+from vibractl.fft_plans import Plans
 from vibractl.law import Law, learning_law
 from vibractl.reference import reference_from
 from vibractl.shot import Shot
@@ -32,7 +33,7 @@ def law_of(matrix: TransferMatrix, reference: str = "chirp:40:90:1", **settings:
     """Return the law of a run on that model, lines 1 Hz apart."""
     chosen = Learning.model_validate(settings)
     outputs = 1 if chosen.side else matrix.outputs
-    return learning_law(chosen, matrix, reference_from(reference, RATE, 10.0, 0.04, outputs, 4), RATE)
+    return learning_law(chosen, matrix, reference_from(reference, RATE, 10.0, 0.04, outputs, 4), RATE, Plans())
 
 
 class LinePlant:

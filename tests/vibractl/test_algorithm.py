@@ -43,7 +43,7 @@ def sizes(left: list[np.ndarray]) -> list[float]:
 def learners(count: int, *settings: str) -> Iterator[Learner]:
     """Learn on the simulated vibrator, with all its distortion, noise and drift, from the model of a linear one."""
     config = rig_file.load(None, RigConfig, settings)
-    for heard in shots(setup(config, linear_matrix(), fresh_plans=False), count):
+    for heard in shots(setup(config, linear_matrix()), count):
         yield heard.learner
 
 
@@ -217,7 +217,7 @@ def test_errors_stay_within_their_bound_on_simulated_vibrators(seed: int) -> Non
 @pytest.mark.slow
 def test_four_coils_of_two_vibrators_learn_together() -> None:
     rig = (*ARRAY, "reference.signal=chirp:40:90:2")
-    made = setup(rig_file.load(None, RigConfig, rig), identified(rig).matrix, fresh_plans=False)
+    made = setup(rig_file.load(None, RigConfig, rig), identified(rig).matrix)
     assert made.law.matrix.response.shape[1:] == (4, 4)
     *_, last = shots(made, 9)
     assert last.marks.met, last.marks.reason

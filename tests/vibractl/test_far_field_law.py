@@ -17,7 +17,7 @@ FAR = "learning.sensors=far-field"
 
 def made(hydrophones: int, *overrides: str) -> Setup:
     matrix, far = far_model(hydrophones)
-    return setup(far_config(hydrophones, FAR, *overrides), matrix, fresh_plans=False, far=far)
+    return setup(far_config(hydrophones, FAR, *overrides), matrix, far=far)
 
 
 def test_the_plant_is_the_far_transfer_times_the_vibrators() -> None:
@@ -97,7 +97,7 @@ def test_weights_are_those_of_the_side_that_is_controlled() -> None:
     law = made(2, "learning.weights=[1.0,2.0]").law
     np.testing.assert_array_equal(law.settings.weights, (1.0, 2.0))
     matrix, far = far_model(2)
-    one = setup(far_config(2, "learning.side=2", "learning.weights=[1.0,5.0]"), matrix, fresh_plans=False, far=far).law
+    one = setup(far_config(2, "learning.side=2", "learning.weights=[1.0,5.0]"), matrix, far=far).law
     assert one.settings.weights == (5.0,)
 
 

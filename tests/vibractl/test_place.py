@@ -14,7 +14,7 @@ from vibractl.setup import Setup, setup
 
 def made(hydrophones: int, *overrides: str, distance: float = 10.0) -> Setup:
     matrix, far = far_model(hydrophones, distance)
-    return setup(far_config(hydrophones, *overrides), matrix, fresh_plans=False, far=far)
+    return setup(far_config(hydrophones, *overrides), matrix, far=far)
 
 
 @pytest.mark.parametrize("distance", [10.0, 150.0])
@@ -56,18 +56,18 @@ def test_a_hydrophone_that_hears_later_than_the_shot_lasts_is_refused() -> None:
     matrix, far = far_model(2)
     later = replace(far, delay=far.delay + np.array([0.0, 0.4]))
     with pytest.raises(ValueError, match=r"hydrophone 2 hears the vibrator 0.406 s late, must be <= shot.tail, 0.4 s"):
-        setup(far_config(2), matrix, fresh_plans=False, far=later)
+        setup(far_config(2), matrix, far=later)
 
 
 def test_a_far_field_objective_needs_a_model_with_a_far_field() -> None:
     matrix, _ = far_model(1)
     with pytest.raises(ValueError, match="quality.where is far-field, but the model was measured without hydrophones"):
-        setup(far_config(1), matrix, fresh_plans=False)
+        setup(far_config(1), matrix)
 
 
 def test_without_a_far_objective_an_old_model_does() -> None:
     matrix, _ = far_model(1)
-    assert len(setup(far_config(1, "quality.where=accelerometers"), matrix, fresh_plans=False).places) == 1
+    assert len(setup(far_config(1, "quality.where=accelerometers"), matrix).places) == 1
 
 
 def test_a_frame_begins_later_where_sound_comes_later() -> None:

@@ -19,7 +19,7 @@ def made_for(reference: str, **learning: object) -> Setup:
     response = np.broadcast_to(10.0 * np.eye(2) + 0j, (len(frequency), 2, 2))
     known = np.full(response.shape, 1e-6), np.ones(response.shape)
     config = RigConfig.model_validate({"reference": {"signal": reference}, "learning": learning})
-    return setup(config, TransferMatrix(frequency, response, *known, {"rig": "simulated-vibrator"}), fresh_plans=False)
+    return setup(config, TransferMatrix(frequency, response, *known, {"rig": "simulated-vibrator"}))
 
 
 @pytest.fixture(scope="module")

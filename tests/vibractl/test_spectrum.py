@@ -1,18 +1,17 @@
-"""The lines, the decimator and the kept FFT plans."""
-
-from pathlib import Path
+"""The lines and the decimator."""
 
 import numpy as np
 import pytest
 
-from vibractl.spectrum import Decimator, LineSpectrum, load_wisdom, save_wisdom
+from vibractl.fft_plans import Plans
+from vibractl.spectrum import Decimator, LineSpectrum
 
 RATE = 44_100.0
 
 
 def test_lines_are_the_dft_over_the_rate() -> None:
     signal = np.random.default_rng(1).standard_normal((8_820, 2))
-    spectrum = LineSpectrum(8_820, 2, RATE, (15.0, 650.0))
+    spectrum = LineSpectrum(8_820, 2, RATE, (15.0, 650.0), Plans())
     bins = np.fft.rfft(signal, axis=0) / RATE
     np.testing.assert_allclose(spectrum.frequency, np.arange(15, 651, 5))
     np.testing.assert_allclose(spectrum.lines(signal), bins[3:131], atol=1e-15)
@@ -21,7 +20,7 @@ def test_lines_are_the_dft_over_the_rate() -> None:
 def test_time_brings_back_what_lies_in_the_band_and_nothing_else() -> None:
     time = np.arange(8_820) / RATE
     inside, outside = np.sin(2 * np.pi * 100 * time), np.sin(2 * np.pi * 1_000 * time)
-    spectrum = LineSpectrum(8_820, 1, RATE, (15.0, 650.0))
+    spectrum = LineSpectrum(8_820, 1, RATE, (15.0, 650.0), Plans())
     back = np.empty((8_820, 1))
     spectrum.time(spectrum.lines((inside + outside)[:, None]), back)
     np.testing.assert_allclose(back[:, 0], inside, atol=1e-12)
@@ -29,7 +28,7 @@ def test_time_brings_back_what_lies_in_the_band_and_nothing_else() -> None:
 
 def test_a_band_without_a_line_is_refused() -> None:
     with pytest.raises(ValueError, match="no line of 441 Hz spacing lies within 10 to 20 Hz"):
-        LineSpectrum(100, 1, RATE, (10.0, 20.0))
+        LineSpectrum(100, 1, RATE, (10.0, 20.0), Plans())
 
 
 def test_decimation_keeps_amplitude_and_phase_of_the_learned_band() -> None:
@@ -49,17 +48,3 @@ def test_decimation_suppresses_what_would_fold_into_the_learned_band() -> None:
 def test_full_rate_passes_unchanged() -> None:
     signal = np.ones((7, 2))
     assert Decimator(1).apply(signal) is signal
-
-
-def test_the_same_plans_give_the_same_bits(tmp_path: Path) -> None:
-    signal = np.random.default_rng(1).standard_normal((55_125, 2))
-    first = LineSpectrum(55_125, 2, RATE, (15.0, 650.0)).lines(signal)
-    save_wisdom(tmp_path / "fftw.wisdom")
-    assert load_wisdom(tmp_path / "fftw.wisdom")
-    np.testing.assert_array_equal(LineSpectrum(55_125, 2, RATE, (15.0, 650.0)).lines(signal), first)
-
-
-def test_no_or_damaged_wisdom_is_no_obstacle(tmp_path: Path) -> None:
-    (tmp_path / "bad").write_bytes(b"(not wisdom")
-    assert not load_wisdom(tmp_path / "absent")
-    assert not load_wisdom(tmp_path / "bad")

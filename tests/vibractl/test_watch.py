@@ -12,7 +12,7 @@ LIMIT = 0.01
 
 @pytest.fixture(scope="module")
 def law() -> Law:
-    return setup(linear_config(), linear_matrix(), fresh_plans=False).law
+    return setup(linear_config(), linear_matrix()).law
 
 
 def errors(law: Law, level: float, around: float | None = None, times: float = 1.0) -> np.ndarray:

@@ -61,7 +61,7 @@ def forecast(made: Setup, runs: int, tell: Callable[[int], None]) -> Forecast:
     law, shots = made.law, made.config.session.shots
     step = made.config.learning.decimation
     band = float(law.matrix.frequency[0]), float(law.matrix.frequency[-1])
-    spectrum = LineSpectrum(made.shot.frames // step, law.matrix.outputs, made.shot.rate / step, band)
+    spectrum = LineSpectrum(made.shot.frames // step, law.matrix.outputs, made.shot.rate / step, band, made.plans)
     worst, place = np.full((shots, runs), np.nan), np.zeros(runs)
     met, drives = np.full(runs, np.inf), np.zeros((runs, *law.start.shape), complex)
     for run in range(runs):

@@ -12,7 +12,7 @@ from vibractl.setup import setup
 def entry_for(config: RigConfig | None = None, date: str = "2026-01-01T00:00:00", **tags: str) -> Entry:
     """Return an entry that fits a run with these settings: the drive that the linear plant needs."""
     config = config or linear_config()
-    made = setup(config, linear_matrix(), fresh_plans=False)
+    made = setup(config, linear_matrix())
     law = made.law
     about = dict.fromkeys(TOLD, "") | {
         "name": "kept",

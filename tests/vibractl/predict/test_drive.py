@@ -13,7 +13,7 @@ from vibractl.setup import Setup, setup
 def made_with(*overrides: str, deviation: float = 1e-3) -> Setup:
     matrix = linear_matrix()
     matrix = replace(matrix, variance=deviation**2 * np.abs(matrix.response) ** 2)
-    return setup(linear_config(*overrides), matrix, fresh_plans=False)
+    return setup(linear_config(*overrides), matrix)
 
 
 def needs(made: Setup) -> DriveNeeds:

@@ -14,7 +14,7 @@ RUNS = 4
 def made_with(*overrides: str, deviation: float = 1e-3) -> Setup:
     matrix = linear_matrix()
     matrix = replace(matrix, variance=deviation**2 * np.abs(matrix.response) ** 2)
-    return setup(linear_config("session.shots=25", *overrides), matrix, fresh_plans=False)
+    return setup(linear_config("session.shots=25", *overrides), matrix)
 
 
 def runs(made: Setup) -> Forecast:

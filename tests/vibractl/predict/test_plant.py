@@ -19,7 +19,9 @@ def uncertain(deviation: float) -> TransferMatrix:
 
 def drawn(made: Setup, seed: int) -> DrawnPlant:
     lines = made.law.matrix.frequency
-    spectrum = LineSpectrum(made.shot.frames // 4, made.law.matrix.outputs, made.shot.rate / 4, (lines[0], lines[-1]))
+    spectrum = LineSpectrum(
+        made.shot.frames // 4, made.law.matrix.outputs, made.shot.rate / 4, (lines[0], lines[-1]), made.plans
+    )
     return DrawnPlant(made.law, spectrum, np.random.default_rng(seed))
 
 
@@ -42,7 +44,7 @@ def test_neighbouring_lines_stray_together_and_distant_ones_do_not() -> None:
 
 
 def test_it_distorts_at_overtones_and_more_when_driven_harder() -> None:
-    made = setup(linear_config(), linear_matrix(), fresh_plans=False)
+    made = setup(linear_config(), linear_matrix())
     plant, frequency, drive = drawn(made, 1), made.law.matrix.frequency, made.law.start
 
     def unexplained(scale: float) -> np.ndarray:
@@ -57,19 +59,19 @@ def test_it_distorts_at_overtones_and_more_when_driven_harder() -> None:
 
 def test_one_side_alone_and_one_drive_for_both_are_drawn_as_well() -> None:
     for override in ("learning.side=1", "learning.structure=common"):
-        made = setup(linear_config(override), linear_matrix(), fresh_plans=False)
+        made = setup(linear_config(override), linear_matrix())
         assert drawn(made, 1).respond(made.law.start).shape == made.law.reference.shape
 
 
 def test_more_coils_than_accelerometers_are_drawn_as_well() -> None:
     matrix = linear_matrix()
     parts = {name: getattr(matrix, name)[:, :1] for name in ("response", "variance", "coherence")}
-    made = setup(linear_config("audio.response_channels=[1]"), replace(matrix, **parts), fresh_plans=False)
+    made = setup(linear_config("audio.response_channels=[1]"), replace(matrix, **parts))
     assert drawn(made, 1).respond(made.law.start).shape == (len(made.law.matrix.frequency), 1)
 
 
 def test_a_seed_is_one_vibrator() -> None:
-    made = setup(linear_config(), linear_matrix(), fresh_plans=False)
+    made = setup(linear_config(), linear_matrix())
     first, again, other = (drawn(made, seed).respond(made.law.start) for seed in (1, 1, 2))
     np.testing.assert_array_equal(first, again)
     assert not np.allclose(first, other)
