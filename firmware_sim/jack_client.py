@@ -46,8 +46,6 @@ class JackClient:
         self._ins = [self._client.inports.register(f"in_{n + 1}") for n in range(wiring.outputs)]
         self._outs = [self._client.outports.register(f"out_{n + 1}") for n in range(wiring.inputs)]
         laboratory.prepare(rate, frames)
-        laboratory.step(self._played, self._recorded)  # compiles
-        laboratory.prepare(rate, frames)
         self._client.set_process_callback(self._process)
         self._client.set_shutdown_callback(self._shut_down)
 

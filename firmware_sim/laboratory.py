@@ -16,6 +16,9 @@ PLANTS = {
     "vibrator-impulse-response": "firmware_sim.plant_blocks:VibratorImpulseResponse",
 }
 
+_WARM_UP = 1024
+"""Samples, after which a plant has called every kernel that it has."""
+
 
 @dataclass(frozen=True)
 class Wiring:
@@ -82,9 +85,12 @@ class Laboratory:
         self._heard: list[np.ndarray] = []
 
     def prepare(self, rate: float, frames: int) -> None:
-        """Put the plant at rest, for steps of `frames` samples at `rate` samples/s."""
+        """Put the plant at rest, all its kernels compiled, for steps of `frames` samples at `rate` samples/s."""
         self._drive = np.zeros((frames, self.plant.inputs[0].width))
         self._heard = [np.zeros((frames, port.width)) for port in self.plant.outputs]
+        self.plant.prepare(rate, frames)
+        for _ in range(-(-_WARM_UP // frames)):  # seconds in the first callback would be a card that stands still
+            self.plant.process(self._drive, *self._heard)
         self.plant.prepare(rate, frames)
 
     def step(self, played: np.ndarray, recorded: np.ndarray) -> None:

@@ -82,6 +82,7 @@ class Algorithm:
         self._reach = 0 if tonal else REACH
         self._neighbours = 0 if tonal else adaptation.neighbours
         self._disturbance = Disturbance(law.reference, adaptation.coupling, self._reach)
+        update(law.start, law.inverse, np.zeros_like(law.reference), 0.0)  # compiles, before a stream is opened
         self.restart()
 
     def restart(self) -> None:

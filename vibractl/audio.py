@@ -97,6 +97,8 @@ class Line:
 
     def __enter__(self) -> Self:
         """Open the stream and measure the round trip."""
+        silence = np.zeros((1, len(self._audio.drive_channels)))
+        violation(silence, self._limits, self._audio.rate)  # compiles what `emit` calls, before the stream runs
         try:
             self._host.start()
             probe = self._proof.probe()

@@ -43,9 +43,15 @@ def update(
     lines, inputs, outputs = inverse.shape
     if drive.shape != (lines, inputs) or error.shape != (lines, outputs):
         raise ValueError(f"drive is {drive.shape}, error is {error.shape}, the inverse is {inverse.shape}")
-    following = np.empty_like(drive)
-    _update(drive, inverse, error, np.broadcast_to(np.asarray(gain, dtype=float), (lines,)), keep, following)
+    following = np.empty((lines, inputs), complex)
+    gains = _one_kind(np.broadcast_to(np.asarray(gain, dtype=float), (lines,)))
+    _update(_one_kind(drive), _one_kind(inverse), _one_kind(error), gains, float(keep), following)
     return following
+
+
+def _one_kind(array: np.ndarray) -> np.ndarray:
+    """Return an array of one kind of memory: the kernel is compiled once, and never while a stream is open."""
+    return np.require(array, requirements=["C", "W"])
 
 
 @njit(cache=True, nogil=True)
