@@ -2,12 +2,13 @@
 
 import sys
 
-from rigkit.service.command import run_application
-from vibractl.application import app
-
 
 def main() -> int:
     """Run the command line and return its exit status."""
+    # Here and not above: each process that the program starts imports this file anew, as the audio's does.
+    from rigkit.service.command import run_application
+    from vibractl.application import app
+
     return run_application(app, "vibractl.commands", "vibractl")
 
 

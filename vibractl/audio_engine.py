@@ -1,13 +1,14 @@
 """What runs behind the audio callback: one graph for the whole session, and the phases of an emission."""
 
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from ctlblocks.block import Block, Port
 from rigkit.faults import FaultTable
-from rigkit.relay.heartbeat import Heartbeat
+from rigkit.relay.config import Relay
 from vibractl.audio_memory import Memory, Word
 from vibractl.audio_stream import open_stream
 from vibractl.config import RigConfig
@@ -72,7 +73,7 @@ class Engine:
         self._blocksize, self._rate = audio.blocksize, audio.rate
         self._heartbeat = audio.heartbeat_output - 1
         self._tone = heartbeat(audio.rate, audio.blocksize)
-        self._relay = Heartbeat(audio.relay, self._pulse)
+        self._relay = _relay(audio.relay, self._pulse)
         self._guard = Guard(config.limits, len(self._drives))
         self._trial = Trial(memory.drive[:0], len(self._responses))
         self._input = DeviceInput(len(self._responses))
@@ -274,3 +275,22 @@ class Engine:
             outdata[:timed, to] = memory.timing[position : position + timed]
             memory.loopback[position : position + kept] = indata[:kept, back]
         words[Word.POSITION] = position + kept
+
+
+class _NoRelay:
+    """What a rig without a relay has in place of a `Heartbeat`."""
+
+    sent = 0
+
+    def start(self) -> None:
+        """Send nothing."""
+
+    stop = start
+
+
+def _relay(relay: Relay, pulse: Callable[[], int | None]) -> Any:
+    if not relay.bus:
+        return _NoRelay()
+    from rigkit.relay.heartbeat import Heartbeat  # python-can is imported only where there is a relay
+
+    return Heartbeat(relay, pulse)
