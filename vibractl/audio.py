@@ -1,7 +1,6 @@
 """Live audio: one stream for the whole session, and recordings that are proved to be aligned, or repeated."""
 
 import math
-import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from typing import Protocol, Self
@@ -9,6 +8,7 @@ from typing import Protocol, Self
 import numpy as np
 
 from rigkit.latch import to_clear
+from rigkit.patience import Patience
 from rigkit.priority import all_real_time
 from rigkit.stop import Stopped
 from vibractl.audio_engine import Engine
@@ -29,7 +29,7 @@ SECONDS = 40.0
 SIGNS = 0.03
 """s that a waiting program may take from one sign of life to the next."""
 _STANDSTILL = 5.0
-"""s without a callback after which the stream is given up."""
+"""s without a callback, while this program looks for one, after which the stream is given up."""
 
 
 class ShotAbandoned(AudioError):
@@ -223,15 +223,13 @@ class Line:
 
     def _wait(self, word: Word, wanted: Word) -> None:
         words = self._memory.words
-        callbacks, since = -1, time.monotonic()
+        patience = Patience(_STANDSTILL, step=1)
         while words[word] != words[wanted]:
             words[Word.SIGN] += 1
             self._host.serve()
             if words[Word.FAULT]:
                 raise AudioError(self._memory.text)
-            if words[Word.CALLBACKS] != callbacks:
-                callbacks, since = int(words[Word.CALLBACKS]), time.monotonic()
-            elif time.monotonic() - since > _STANDSTILL:
+            if patience.is_over(int(words[Word.CALLBACKS])):
                 raise AudioError(f"the audio stream stands still: no callback for {_STANDSTILL:g} s")
 
     def _received(self, emission: Emission, samples: int) -> tuple[Capture, str]:

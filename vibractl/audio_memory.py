@@ -60,6 +60,8 @@ class Word(enum.IntEnum):
     """1: the stream is of no more use, the text says why."""
     READY = 16
     """1: the stream runs."""
+    STAGE = 22
+    """How far the process is on its way there: of `audio_process.STAGES`."""
 
 
 class Memory:

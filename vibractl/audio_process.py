@@ -6,18 +6,22 @@ import multiprocessing
 import os
 import signal
 import sys
-import time
 from multiprocessing.connection import wait
 
 from rigkit.faults import FaultTable
+from rigkit.patience import Patience, processor_time
 from rigkit.priority import all_real_time
 from vibractl.audio_engine import POLL, Engine
 from vibractl.audio_memory import Memory, Word
 from vibractl.audio_stream import AudioError
 from vibractl.config import RigConfig
 
-_LONGEST_START = 60.0
-"""s for a new interpreter to import, compile and open the stream."""
+STAGES = "imports its modules", "compiles its kernels", "opens the stream"
+"""On the way to a stream that runs."""
+_LONGEST_IDLE, _SIGN = 60.0, 0.1
+"""s in which the process must have used so much processor time, s, on that way: a slow machine is waited for."""
+_LONGEST_WORK = 600.0
+"""s of processor time that it may use there."""
 _LONGEST_END = 10.0
 """s for it to ramp down and close the stream."""
 _REST = 0.05
@@ -56,14 +60,21 @@ class AudioProcess:
         AudioError : it cannot be opened, or the process has died.
         """
         self._process.start()
-        deadline = time.monotonic() + _LONGEST_START
+        patience = Patience(_LONGEST_IDLE, _SIGN)
         while not self._memory.words[Word.READY]:
             if self._memory.words[Word.FAULT]:
                 self._process.join(_LONGEST_END)
                 raise AudioError(self._memory.text)
-            if time.monotonic() > deadline:
-                raise AudioError(f"the audio process has not opened its stream within {_LONGEST_START:g} s")
+            used = processor_time(self._process.pid or 0)
+            if patience.is_over(used):
+                raise AudioError(f"the audio process stands still for {_LONGEST_IDLE:g} s while it {self._stage}")
+            if used > _LONGEST_WORK:
+                raise AudioError(f"the audio process still {self._stage}, after {used:.0f} s of processor time")
             self.serve()
+
+    @property
+    def _stage(self) -> str:
+        return STAGES[self._memory.words[Word.STAGE]]
 
     def serve(self) -> None:
         """Wait a moment, and see that the child lives."""
@@ -73,11 +84,12 @@ class AudioProcess:
             self._memory.words[Word.FAULT] = 1
 
     def close(self) -> None:
-        """Let the child, if it was started, ramp down and close the stream; end it if it does not."""
+        """Let the child, if its stream runs, ramp down and close it; end a child that does not, or has none yet."""
         if self._process.pid is None:
             return
         self._memory.words[Word.END] = 1
-        self._process.join(_LONGEST_END)
+        if self._memory.words[Word.READY]:
+            self._process.join(_LONGEST_END)
         if self._process.exitcode is None:
             self._process.kill()
             self._process.join()
@@ -97,10 +109,12 @@ def run(config: RigConfig, memory: Memory, faults: FaultTable | None) -> None:
     signal.signal(signal.SIGTERM, lambda *_: words.__setitem__(Word.END, 1))
     sys.setswitchinterval(_SWITCH)
     try:
+        words[Word.STAGE] = STAGES.index("compiles its kernels")
         engine = Engine(config, memory, faults)
         gc.collect()
         gc.freeze()
         gc.disable()
+        words[Word.STAGE] = STAGES.index("opens the stream")
         engine.start()
     except Exception as fault:
         memory.text = str(fault) if isinstance(fault, ValueError | OSError) else f"{type(fault).__name__}: {fault}"

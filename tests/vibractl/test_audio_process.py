@@ -5,13 +5,17 @@ import select
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from ctlblocks.block import Block
+from rigkit.patience import processor_time
 from tests.until import EVER, until
+from vibractl import audio, audio_process
 from vibractl.audio import AudioError, Line
 from vibractl.audio_memory import Memory, Word
 from vibractl.config import Audio, RigConfig, Simulator
@@ -150,3 +154,35 @@ def test_shared_memory_carries_text_and_refuses_nothing_that_fits() -> None:
     assert (memory.latch == 2).all()
     assert (memory.drive == 3).all()
     assert memory.text == "x" * 4096
+
+
+class Hanging(Block):
+    """A plant that is never there."""
+
+    def __init__(self) -> None:
+        threading.Event().wait()
+
+
+def test_a_process_that_stands_still_before_its_stream_runs_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(audio_process, "_LONGEST_IDLE", 0.5)
+    hanging = Simulator(plant="tests.vibractl.test_audio_process:Hanging")
+    line = Line(RigConfig(audio=Audio(isolated=True), simulator=hanging))
+    with pytest.raises(AudioError, match=r"the audio process stands still for 0\.5 s while it \w+"), line:
+        pass
+    assert not processor_time(line._host.pid)  # type: ignore[attr-defined]  # noqa: SLF001
+
+
+def test_a_process_that_works_for_ever_before_its_stream_runs_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(audio_process, "_LONGEST_WORK", 0.05)
+    with pytest.raises(AudioError, match="the audio process still imports its modules, after 0 s of processor"):
+        Line(RigConfig(audio=Audio(isolated=True))).__enter__()
+
+
+def test_a_stream_that_stands_still_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(audio, "_STANDSTILL", 0.5)
+    with Line(rig(tmp_path, speed=1.0)) as line:
+        pid = line._host.pid  # type: ignore[attr-defined]  # noqa: SLF001
+        os.kill(pid, signal.SIGSTOP)
+        with pytest.raises(AudioError, match=r"the audio stream stands still: no callback for 0\.5 s"):
+            line.emit(sweep())
+        os.kill(pid, signal.SIGCONT)
