@@ -13,8 +13,13 @@ from typing import Any, ClassVar, Protocol
 import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
+from rigkit.json_text import json_text
+from rigkit.service.answers import error
+
 WITHIN = 5.0
 """s from the first byte, or from the connection, to the end of a request."""
+READ_WITHIN = 20.0
+"""s in which a client must read on what it has asked for."""
 OF_ONE = 32
 """Connections of one address without a whole request."""
 IN_ALL = 100
@@ -84,6 +89,7 @@ class PatientProtocol(H11Protocol):
     tells: ClassVar[tuple[Tell]]
     within: ClassVar[float]
     _late: asyncio.TimerHandle | None = None
+    _is_unread: asyncio.TimerHandle | None = None
     _is_idle = False
     """Between an answer and the next request, which is uvicorn's own `timeout_keep_alive`."""
 
@@ -108,6 +114,7 @@ class PatientProtocol(H11Protocol):
     def connection_lost(self, exc: Exception | None) -> None:
         """Wait no longer."""
         self._wait_no_longer()
+        self._has_read()
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
@@ -134,12 +141,35 @@ class PatientProtocol(H11Protocol):
         self._wait_no_longer()
         super().handle_websocket_upgrade(event)
 
+    def pause_writing(self) -> None:
+        """Wait for the client to read what it has asked for, but not for ever."""
+        super().pause_writing()
+        self._is_unread = self.loop.call_later(READ_WITHIN, self.give_up, 408, f"nothing read for {READ_WITHIN:g} s")
+
+    def resume_writing(self) -> None:
+        """Go on: it has read."""
+        super().resume_writing()
+        self._has_read()
+
+    def timeout_keep_alive_handler(self) -> None:
+        """Close an idle connection, whether or not its last answer is read."""
+        super().timeout_keep_alive_handler()
+        self.loop.call_later(READ_WITHIN, self.transport.abort)
+
+    def send_400_response(self, msg: str) -> None:
+        """Answer what is no HTTP as everything else is answered, with JSON."""
+        body = json_text(error(400, msg)).encode()
+        head = [(b"content-type", b"application/json"), (b"connection", b"close")]
+        for event in (h11.Response(status_code=400, headers=head), h11.Data(data=body), h11.EndOfMessage()):
+            self.transport.write(self.conn.send(event) or b"")
+        self.transport.close()
+
     def give_up(self, status: int, why: str) -> None:
         """Close the connection at once."""
         self._wait_no_longer()
         if not self.transport.is_closing():
             self.transport.abort()
-            if not self._is_idle:
+            if status != 503 or not self._is_idle:
                 self.tells[0]({"address": self._address, "path": "", "status": status, "why": why})
 
     @property
@@ -148,6 +178,11 @@ class PatientProtocol(H11Protocol):
 
     def _is_whole(self) -> bool:
         return self.cycle is not None and not self.cycle.more_body and not self.cycle.response_complete
+
+    def _has_read(self) -> None:
+        if self._is_unread is not None:
+            self._is_unread.cancel()
+            self._is_unread = None
 
     def _wait(self) -> None:
         self._wait_no_longer()

@@ -114,6 +114,8 @@ class Control:
             who = self._commander(key)
             if self.desk is not None and not self.desk.procedure.pausable:
                 raise NotNow(f"cannot hold now: {self.desk.procedure.title} cannot be paused")
+            if self.desk is not None and self.desk.ending():
+                raise NotNow(f"cannot hold now: {self.desk.procedure.title} is ending")
             told = self._take(Event.HOLD, who, why)
             self._desk().hold(True)
             return told

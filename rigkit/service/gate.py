@@ -139,9 +139,6 @@ class Gate:
         await self._app(scope, whole, sending)
 
     def _look_at(self, scope: Scope) -> None:
-        address, now = _address(scope), time.monotonic()
-        if scope["path"] != STOP and not self._requests.allows(address, now):
-            raise Refusal(429, "too many requests")
         if scope["path"] != STOP and not self._under_way < AT_A_TIME:
             raise Refusal(503, f"{self._under_way} requests are under way, {AT_A_TIME} may be")
         headers = {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
@@ -153,11 +150,18 @@ class Gate:
         if int(headers.get("content-length", "0") or 0) > LARGEST_BODY:
             raise Refusal(413, f"a request of {headers['content-length']} bytes, must be <= {LARGEST_BODY}")
         if scope["type"] == "http" and self._rules.is_open(scope["path"]):
+            self._refuse_too_frequent(scope, "")
             return
         role = self._role(scope, headers)
+        self._refuse_too_frequent(scope, role)
         if scope["type"] == "http" and scope["method"] not in ("GET", "HEAD") and role != "operate":
             raise Refusal(403, "this token may view; commands need the one that may operate")
         scope.setdefault("state", {})["role"] = role
+
+    def _refuse_too_frequent(self, scope: Scope, role: str) -> None:
+        """Count a request; whoever has no token takes nothing from those of the same address who have one."""
+        if scope["path"] != STOP and not self._requests.allows(f"{_address(scope)} {role}", time.monotonic()):
+            raise Refusal(429, "too many requests")
 
     def _role(self, scope: Scope, headers: Mapping[str, str]) -> Role:
         given = headers.get("authorization", "")

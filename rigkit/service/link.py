@@ -70,9 +70,11 @@ def serve(pipe: Connection, answer: Callable[[Mapping[str, Any]], Mapping[str, A
                 answered = {"number": request["number"], **answer(request)}
                 try:
                     content = json_text(answered)
-                except TypeError as fault:
-                    content = json_text({"number": request["number"], "status": 500, "error": str(fault)})
-                pipe.send_bytes(content.encode())
+                    encoded = content.encode()
+                except (TypeError, ValueError, RecursionError) as fault:  # no JSON, or no text that can be sent
+                    text = f"{type(fault).__name__}: {fault}"
+                    encoded = json_text({"number": request["number"], "status": 500, "error": text}).encode()
+                pipe.send_bytes(encoded)
         except (EOFError, OSError):
             pipe.close()
 

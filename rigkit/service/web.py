@@ -9,18 +9,16 @@ from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
 from fastapi import APIRouter, FastAPI, Header, Query, Request, Response, Security
-from fastapi.exceptions import RequestValidationError
 from fastapi.responses import FileResponse, JSONResponse
 from fastapi.security import HTTPBearer
 from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException
-from starlette.routing import Match
 from starlette.types import Receive, Scope, Send
 
 from rigkit.service import answers, beginning, requests, runs
-from rigkit.service.gate import Refusal
 from rigkit.service.journal import KEPT
-from rigkit.service.link import Asking, NoAnswer
+from rigkit.service.json_answer import Json, answer_errors
+from rigkit.service.link import Asking
 from rigkit.service.metrics import Metrics
 from rigkit.service.panel_cache import PanelCache
 from rigkit.service.slot import Slot
@@ -88,9 +86,7 @@ def application(ends: Ends, audience: Audience, metrics: Metrics, name: str) -> 
             await following
 
     app = FastAPI(title=f"{name} daemon", version="1", lifespan=lifespan, docs_url=None, redoc_url=None)
-    app.add_exception_handler(HTTPException, _as_error)
-    app.add_exception_handler(RequestValidationError, _as_error)
-    app.add_exception_handler(NoAnswer, _as_error)
+    answer_errors(app)
     api = APIRouter(responses=_ERRORS, dependencies=[_TOKEN])
     _add_views(api, ends)
     _add_metrics(api, metrics)
@@ -172,12 +168,12 @@ def _add_files(app: APIRouter, ends: Ends) -> None:
     @app.get("/api/runs", response_model=list[answers.Run])
     async def listed() -> JSONResponse:
         """Return the folders of runs, the newest first."""
-        return _Json(await asyncio.to_thread(runs.listed, ends.runs))
+        return Json(await asyncio.to_thread(runs.listed, ends.runs))
 
     @app.get("/api/runs/{run}", response_model=list[answers.File])
     async def files(run: str) -> JSONResponse:
         """Return the files of a run, by path."""
-        return _Json(await asyncio.to_thread(_found, runs.files, ends.runs, run))
+        return Json(await asyncio.to_thread(_found, runs.files, ends.runs, run))
 
     @app.get(
         "/api/runs/{run}/{path:path}", response_class=FileResponse, responses=_of_type("*/*", "the file", "binary")
@@ -215,7 +211,7 @@ def _add_commands(app: APIRouter, ends: Ends) -> None:
         """Begin a procedure: answered once it has begun, or has been refused; 202 where that takes very long."""
         wanted = {"name": asked.procedure, "options": asked.options, "why": asked.why}
         status, told = await beginning.begin(ends.asking, key=key, **wanted)
-        return _Json(told, status)
+        return Json(told, status)
 
     @app.post("/api/fault", response_model=answers.Injected)
     async def fault(asked: requests.Fault, key: Key = "") -> JSONResponse:
@@ -252,40 +248,13 @@ async def _asked(asking: Asking, do: str, /, **arguments: Any) -> JSONResponse:
     """Ask in a thread of the end's own: questions that wait for an answer hold up no STOP."""
     loop = asyncio.get_running_loop()
     status, told = await loop.run_in_executor(asking.threads, partial(_answered, asking, do, **arguments))
-    return _Json(told, status)
+    return Json(told, status)
 
 
 def _answered(asking: Asking, do: str, /, **arguments: Any) -> tuple[int, Any]:
     answer = asking.ask({"do": do, "with": arguments})
     status = answer["status"]
     return status, answer["told"] if status == 200 else answers.error(status, answer["error"])
-
-
-class _Json(JSONResponse):
-    def render(self, content: Any) -> bytes:
-        return as_bytes(content)
-
-
-async def _as_error(request: Request, fault: Exception) -> JSONResponse:
-    """Answer with one line, whatever it is that has no better answer."""
-    if isinstance(fault, RequestValidationError):
-        wrong = fault.errors()[0]
-        where = ".".join(map(str, wrong["loc"]))
-        return _Json(answers.error(422, f"{where}: {wrong['msg']}"), 422)
-    if isinstance(fault, HTTPException):
-        if fault.status_code == 403:
-            request.state.refused(Refusal(403, str(fault.detail)))
-        headers = dict(fault.headers or {})
-        if fault.status_code == 405 and (there := _methods(request)):
-            headers["Allow"] = ", ".join(there)
-        return _Json(answers.error(fault.status_code, str(fault.detail)), fault.status_code, headers)
-    return _Json(answers.error(503, str(fault)), 503)
-
-
-def _methods(request: Request) -> list[str]:
-    """Return the methods of all ways in at a path: Starlette tells those of the first."""
-    there = (route for route in request.app.state.routes if route.matches(request.scope)[0] is not Match.NONE)
-    return sorted({method for route in there for method in getattr(route, "methods", None) or ()})
 
 
 def _found(look: Callable[..., Found], root: Path, *names: str) -> Found:

@@ -1,5 +1,7 @@
 """Connections that ask for nothing hold nobody up, and STOP least of all."""
 
+import json
+import socket
 import time
 from pathlib import Path
 
@@ -9,7 +11,7 @@ import pytest
 from rigkit.service.connections import AT_ONCE, GRACE, IN_ALL, OF_ONE, Waiting
 from tests.rigkit.service.served import Served, served
 from tests.rigkit.service.slow_clients import slow_clients
-from tests.until import until
+from tests.until import EVER, until
 
 STOPPED_WITHIN = 0.5
 """s in which a STOP is answered."""
@@ -113,3 +115,26 @@ def test_one_that_asks_for_nothing_goes_after_its_time_and_is_told(tmp_path: Pat
             until(lambda: slow.cut_off >= 4)
             until(lambda: any("no whole request within 5 s" in each["why"] for each in daemon.named("refused")))
         assert {each["status"] for each in daemon.named("refused")} <= {401, 408}
+
+
+def test_what_is_no_http_is_answered_with_json_as_everything_else_is(tmp_path: Path) -> None:
+    with served(tmp_path) as daemon:
+        host, port = daemon.settings.address.split(":")
+        with socket.create_connection((host, int(port)), timeout=EVER) as line:
+            line.sendall(b"\x16\x03\x01 nonsense\r\n\r\n")
+            answer = b"".join(iter(lambda: line.recv(65_536), b""))
+        head, _, body = answer.partition(b"\r\n\r\n")
+        assert head.startswith(b"HTTP/1.1 400 ")
+        assert b"content-type: application/json" in head
+        assert json.loads(body) == {"error": "Invalid HTTP request received.", "reason": "unreadable"}
+
+
+@pytest.mark.slow
+def test_one_that_asks_and_does_not_read_is_cut_off_and_told(tmp_path: Path) -> None:
+    with served(tmp_path) as daemon:
+        host, port = daemon.settings.address.split(":")
+        ask = f"GET /openapi.json HTTP/1.1\r\nHost: {daemon.settings.address}\r\n\r\n".encode()
+        with socket.create_connection((host, int(port)), timeout=EVER) as line:
+            line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4_096)
+            line.sendall(500 * ask)
+            until(lambda: any("nothing read for" in each["why"] for each in daemon.named("refused")))

@@ -244,3 +244,13 @@ def test_a_reload_tells_how_deep_it_went(bench: Bench) -> None:
     told = bench.control.reload(bench.key)
     assert told == {"reach": "devices", "keys": ["audio.device", "session.shots"], "done": "reopened"}
     assert bench.events()[-1] == "reload"
+
+
+def test_a_procedure_that_is_ending_cannot_be_paused(bench: Bench) -> None:
+    bench.arm()
+    bench.begin(**LONG)
+    bench.control.abort(bench.key, "enough")
+    with pytest.raises(NotNow, match="cannot hold now"):
+        bench.control.hold(bench.key, "")
+    bench.ended()
+    assert bench.state is State.ARMED

@@ -166,3 +166,9 @@ def test_a_flood_of_refusals_does_not_flood_the_log() -> None:
     for _ in range(200):
         door.ask("/api/arm", OURS)
     assert 20 <= len(door.told) <= 30
+
+
+def test_who_has_no_token_takes_no_requests_from_those_of_its_address_who_have_one() -> None:
+    door = Door(rate=1.0)
+    assert {door.ask("/api/snapshot", {**VIEW, "authorization": "Bearer old"}, "GET") for _ in range(50)} == {401}
+    assert door.ask("/api/snapshot", VIEW, "GET") == 200
