@@ -2,11 +2,9 @@
 
 import json
 import multiprocessing
-import os
 import random
 import signal
-import time
-from collections.abc import Callable
+import threading
 from pathlib import Path
 
 import h5py
@@ -15,6 +13,7 @@ import pytest
 
 from ctlblocks import recording
 from rigkit.run_folder import RunFolder, read_events, read_quality
+from tests.until import until
 from tests.vibractl.linear_rig import linear_config, linear_model
 from vibractl.quality_table import summary
 from vibractl.session import Session, create, setup_of, shot_files
@@ -129,21 +128,53 @@ def test_a_resumed_run_gives_the_drives_of_one_that_was_not_stopped(tmp_path: Pa
     assert drives(tmp_path / "halves")[:2] == drives(tmp_path / "whole")[:2]
 
 
-def test_a_run_killed_at_any_moment_goes_on_with_the_same_next_drive(tmp_path: Path) -> None:
+DEFAULT_LAW = (
+    "learning.law=kalman",
+    "learning.gains=[]",
+    "simulator.options.nonlinearity=1.0",
+    "simulator.options.drift=0.01",
+    "simulator.options.noise=-60.0",
+)
+"""What it has learned from a shot depends on the shots before: in another order another drive would come."""
+
+
+@pytest.mark.parametrize("stopped_after", [3, pytest.param(5, marks=pytest.mark.slow)])
+def test_a_run_by_the_default_law_goes_on_with_the_drive_that_an_undisturbed_one_has(
+    tmp_path: Path, stopped_after: int
+) -> None:
+    model = linear_model(tmp_path)
+    run(tmp_path / "whole", model, stopped_after + 1, *DEFAULT_LAW)
+    run(tmp_path / "parts", model, stopped_after, *DEFAULT_LAW)
+    go_on(tmp_path / "parts", stopped_after + 1)
+    whole, parts = drives(tmp_path / "whole"), drives(tmp_path / "parts")
+    assert len(set(whole)) == len(whole) == stopped_after + 1
+    assert parts == whole
+    for name in ("gain", "error_bound", "certificate"):
+        kept = [_lines(tmp_path / each, stopped_after - 1, name) for each in ("whole", "parts")]
+        np.testing.assert_array_equal(*kept)
+
+
+def _lines(path: Path, shot: int, name: str) -> np.ndarray:
+    with h5py.File(path / "shots" / f"{shot:04d}.h5") as file:
+        return np.asarray(file[name])
+
+
+@pytest.mark.parametrize("kills", [4, pytest.param(60, marks=pytest.mark.slow)])
+def test_a_run_killed_at_any_moment_goes_on_with_the_same_next_drive(tmp_path: Path, kills: int) -> None:
     model, chance = linear_model(tmp_path), random.Random(3)
     path = tmp_path / "run"
     create(path, linear_config("session.shots=1000"), model)[0].close()
-    for _ in range(20):
+    for _ in range(kills):
         wanted = len(shot_files(path)) + chance.randint(0, 2)
         process = multiprocessing.get_context("fork").Process(target=go_on, args=(path, 1_000))
         process.start()
-        _wait_until(lambda: len(shot_files(path)) > wanted, 20)  # noqa: B023 (called here and now)
-        _wait_until(lambda: False, chance.uniform(0, 0.15))
+        until(lambda: len(shot_files(path)) > wanted)  # noqa: B023 (called here and now)
+        threading.Event().wait(chance.uniform(0, 0.15))
         process.kill()
         process.join()
         assert process.exitcode == -signal.SIGKILL
     made, files = setup_of(path), shot_files(path)
-    assert len(files) > 10
+    assert len(files) >= kills
     learner = made.learner()
     for file in files:
         drive, response = split(recording.read(file), made.config)
@@ -152,12 +183,6 @@ def test_a_run_killed_at_any_moment_goes_on_with_the_same_next_drive(tmp_path: P
         learner.advance()
     go_on(path, len(files))
     assert [int(row["shot"]) for row in read_quality(path)] == list(range(len(files)))
-
-
-def _wait_until(true: Callable[[], bool], seconds: float) -> None:
-    deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline and not true():
-        os.sched_yield()
 
 
 def test_the_objective_is_met_from_the_first_shot_after_the_last_miss() -> None:

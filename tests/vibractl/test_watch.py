@@ -92,3 +92,15 @@ def test_after_a_band_was_forgiven_it_starts_afresh(law: Law) -> None:
     assert found is not None
     watch.forgive(found.centre)
     assert watch.judged(drive, errors(law, 0.1, 545, 5), bound) is None
+
+
+@pytest.mark.parametrize(("times", "is_found"), [(1.8, False), (2.2, True)])
+def test_a_band_has_grown_when_it_is_twice_as_large_as_it_was_at_its_least(
+    law: Law, times: float, is_found: bool
+) -> None:
+    """Every line grows, so that it matters not where the bands begin; 12 dB is not wanted, and 5 dB is chance."""
+    history = [errors(law, 0.3), errors(law, 0.3), *(errors(law, times * 0.3) for _ in range(4))]
+    found = [trouble for trouble in judged(law, Settings(), history, bound=0.3) if trouble is not None]
+    assert bool(found) is is_found
+    assert {trouble.test for trouble in found} <= {"growth"}
+    assert all(trouble.values["grown_db"] == pytest.approx(20 * np.log10(times), abs=0.1) for trouble in found)
