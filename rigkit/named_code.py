@@ -14,8 +14,8 @@ from ctlblocks import Block
 from rigkit.config import CODE, ConfigError, resolve
 
 
-def named_class(name: str, what: str, fits: Callable[[type], bool]) -> Any:
-    """Return the class that a rig file names; nothing of it is called.
+def named_class(name: str, what: str, fits: Callable[[type], bool], *makers: object) -> Any:
+    """Return the class that a rig file names, or one of the functions that make one; nothing of it is called.
 
     Parameters
     ----------
@@ -25,12 +25,16 @@ def named_class(name: str, what: str, fits: Callable[[type], bool]) -> Any:
         What it must be, for the error: "the class of a Block".
     fits : callable(type) -> bool
         Whether the class is one of these.
+    *makers : functions
+        That stand for such a class.
 
     Raises
     ------
     ConfigError : there is none of that name, or it is something else.
     """
     found = resolve(name)
+    if any(found is maker for maker in makers):
+        return found
     if not isinstance(found, type):
         raise ConfigError(f"{name} is a {type(found).__name__}, must be {what}")
     if not fits(found):

@@ -26,6 +26,7 @@ from stagectl.machining.replay import replay_cell
 from stagectl.machining.report import cell_report
 from stagectl.machining.session import is_of_cell
 from stagectl.planning.command import plan
+from stagectl.planning.example_pocket import EXAMPLE_POCKET
 from stagectl.replay import Replayed, replay
 from stagectl.report import run_report
 from stagectl.robot.config import CellConfig
@@ -57,6 +58,15 @@ def example_cell() -> None:
     Example: `stagectl example-cell > cell.toml`
     """
     sys.stdout.write(rig_file.example(CellConfig))
+
+
+@app.command("example-pocket")
+def example_pocket() -> None:
+    """Print a pocket for the planners: the wood of chapter 7.
+
+    Example: `stagectl example-pocket > POCKET.json`
+    """
+    sys.stdout.write(EXAMPLE_POCKET)
 
 
 @app.command("run")

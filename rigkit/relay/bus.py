@@ -17,6 +17,11 @@ class RelayError(OSError):
     """The bus to the relay cannot be opened."""
 
 
+def named_bus(name: str) -> Any:
+    """Return the class of a bus that a rig file names, or `can.Bus`; ConfigError where it is something else."""
+    return named_class(name, "the class of a python-can bus", lambda found: issubclass(found, can.BusABC), can.Bus)
+
+
 class RelayBus:
     """A bus of which only the heartbeat's own frames are of interest.
 
@@ -32,7 +37,7 @@ class RelayBus:
 
     def __init__(self, relay: Relay) -> None:
         try:
-            build = named_class(relay.bus, "the class of a python-can bus", lambda found: issubclass(found, can.BusABC))
+            build = named_bus(relay.bus)
         except ValueError as fault:
             raise ValueError(f"relay.bus, {fault}") from fault
         try:

@@ -4,7 +4,7 @@ from typing import Any
 
 import can
 
-from rigkit.named_code import named_class
+from rigkit.relay.bus import named_bus
 from stagectl.link.config import Link
 
 LinkDown = (can.CanError, OSError)
@@ -32,7 +32,7 @@ def open_bus(link: Link) -> can.BusABC:
     ValueError : there is no such class.
     """
     try:
-        build = named_class(link.bus, "the class of a python-can bus", lambda found: issubclass(found, can.BusABC))
+        build = named_bus(link.bus)
     except ValueError as fault:
         raise ValueError(f"link.bus, {fault}") from fault
     try:

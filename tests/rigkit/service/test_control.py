@@ -248,7 +248,7 @@ def test_a_reload_tells_how_deep_it_went(bench: Bench) -> None:
 
 def test_a_procedure_that_is_ending_cannot_be_paused(bench: Bench) -> None:
     bench.arm()
-    bench.begin(**LONG)
+    bench.begin(steps=100_000, seconds=0.3)
     bench.control.abort(bench.key, "enough")
     with pytest.raises(NotNow, match="cannot hold now"):
         bench.control.hold(bench.key, "")

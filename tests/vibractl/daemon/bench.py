@@ -52,14 +52,14 @@ class Lab:
         return [entry for entry in self.control.journal.since(0) if entry["event"] == name]
 
 
-def lab_in(folder: Path) -> Lab:
+def lab_in(folder: Path, *overrides: str) -> Lab:
     """Return a vibrator that has been calibrated, in a folder."""
     data = folder / "data"
     (data / "runs").mkdir(parents=True)
     linear_model(data)
     lab = Lab.__new__(Lab)
     lab.file, lab.data = folder / "rig.toml", data
-    lab.edit()
+    lab.edit(*overrides)
     lab.rig = Vibrator(lambda: rig_file.load(lab.file, RigConfig))
     lab.control = Control(lab.rig, Lease(1e6), Journal(data / "events.jsonl"))
     lab.key = lab.control.take_control("Ada", False)["key"]

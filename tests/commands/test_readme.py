@@ -1,0 +1,72 @@
+"""The commands of the README do what it says, in an empty folder, in their order.
+
+`make test` runs them shortened as readme.toml states; `make soak` runs them as they are printed.
+"""
+
+import shlex
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from calibration.__main__ import main as calibrate
+from firmware_sim.__main__ import main as firmware_sim
+from stagectl.__main__ import main as stagectl
+from tests.commands.page_commands import Command, commands
+from tests.contract.source_tree import ROOT
+from vibractl.__main__ import main as vibractl
+
+PROGRAMS = {"vibractl": vibractl, "stagectl": stagectl, "calibrate": calibrate, "firmware-sim": firmware_sim}
+STATED = tomllib.loads((Path(__file__).parent / "readme.toml").read_text())
+COMMANDS = commands(ROOT / "README.md")
+HOUR = 3_600.0
+
+
+def test_what_is_stated_of_commands_is_of_commands_that_are_there_and_for_a_reason() -> None:
+    printed = {each.text for each in COMMANDS}
+    for table in ("appended", "not_run", "only_soak"):
+        assert set(STATED[table]) <= printed
+    assert set(STATED["not_run"].values()) <= set(STATED["reasons"])
+    assert set(STATED["only_soak"].values()) <= set(STATED["soak"])
+    assert len(printed) > 30
+
+
+def test_they_work_in_order_when_they_are_shortened(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "kept"))
+    for command in COMMANDS:
+        if command.text in STATED["not_run"] or command.text in STATED["only_soak"]:
+            continue
+        words = [*command.words, *shlex.split(STATED["appended"].get(command.text, ""))]
+        monkeypatch.setattr(sys, "argv", words)
+        status = PROGRAMS[words[0]]()
+        printed = capsys.readouterr()
+        assert status == 0, f"{shlex.join(words)}: {printed.err[-2_000:]}"
+        if command.into:
+            Path(command.into).write_text(printed.out)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(2 * HOUR)
+def test_they_work_in_order_as_they_are_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "kept"))
+    folder = tmp_path / "lab"
+    folder.mkdir()
+    for command in COMMANDS:
+        if command.text not in STATED["not_run"]:
+            done = _run(command, folder)
+            assert done.returncode == 0, f"{command.text}: {done.stderr[-2_000:]}"
+
+
+def _run(command: Command, folder: Path) -> subprocess.CompletedProcess[str]:
+    program = Path(sys.executable).parent / command.words[0]
+    words = [str(program), *command.words[1:]]
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=HOUR, check=False)
+    if command.into:
+        (folder / command.into).write_text(done.stdout)
+    return done
