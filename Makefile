@@ -11,7 +11,7 @@ PACKAGES := ctlblocks rigkit vibractl stagectl calibration firmware_sim
 TABLES := identification learning_seeds watch_seeds prediction warm_start planning force_control
 KEY = $(shell cat pyproject.toml | sha256sum | cut -c1-16) $(CURDIR)
 
-.PHONY: run test check soak bench peers setup packages docs clean help
+.PHONY: run test check soak bench peers mutants setup packages docs clean help
 
 help:            ## this list
 	@grep -hE '^[a-z]+: .*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 10
@@ -47,6 +47,10 @@ bench: setup packages ## speed beside peers, then the tables of docs/, made agai
 peers: setup     ## identification against other packages, which it installs: a quarter of an hour
 	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[peers]'
 	$(BIN)/python -m benchmarks.identification_peers
+
+mutants: setup   ## faults put into the code on purpose, which tests should catch: MUTANTS=30 of the sample of 300, an hour
+	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[mutants]'
+	$(BIN)/python -m benchmarks.mutants --count $(or $(MUTANTS),300)
 
 docs: setup      ## regenerate what is generated: docs/*.toml, docs/config-reference/, stagectl/stage.dbc, rigkit/relay/relay.dbc
 	$(BIN)/vibractl example-config > docs/rig.toml
