@@ -2,8 +2,8 @@
 
 A fixed random sample of all that cosmic-ray's operators can do to the modules below, drawn anew the same each time by
 `SEED`.  They are put into a copy of the checkout, in build/mutants, and tried against the tests of their module.
-Results stand in build/mutants.json as they come: stopped, the same command goes on.  Left out: changes of texts, which the
-operators do not make, and of `|`, which stands in types.
+Results stand in build/mutants.json as they come: stopped, the same command goes on.  Left out: changes of texts, which
+the operators do not make, and of `|`, which stands in types.
 """
 
 import json
