@@ -91,7 +91,7 @@ def origins(daemon: Daemon) -> frozenset[str]:
 
 @dataclass(frozen=True)
 class Tokens:
-    """What proves a role: `view` sees all and changes nothing, `operate` commands as well."""
+    """What proves a role: `view` sees all and may STOP, `operate` commands as well."""
 
     view: str
     operate: str

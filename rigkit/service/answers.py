@@ -139,7 +139,7 @@ class Rig(_Answer):
 
     program: str
     rig: str
-    role: Role = Field(description="what the token allows")
+    role: Role = Field(description="what the token allows: view, to look and to STOP, or operate, to command as well")
     procedures: list[Procedure]
     fault_sensors: list[str] = Field(description="where faults may be put in on purpose; none where that is off")
     fault_kinds: list[str]

@@ -112,7 +112,7 @@ class Client:
         return dict(self.ask("GET", f"/api/panels/{name}"))
 
     def stop(self, who: str, why: str) -> dict[str, Any]:
-        """Bring the output to zero and disarm, with or without control."""
+        """Bring the output to zero and disarm, with any token, with or without control."""
         return dict(self.ask("POST", "/api/stop", {"who": who, "why": why}, STOP_SECONDS))
 
     @contextmanager

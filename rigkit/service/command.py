@@ -30,6 +30,15 @@ from rigkit.service.rig import Rig
 _QUICK = (["status"], ["stop"], ["--version"])
 """First words of command lines which are not to wait for anything."""
 
+TokenOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--token",
+        metavar="FILE",
+        help="File that holds one token alone, to view or to operate; the daemon's own file of tokens unless given.",
+    ),
+]
+
 _COLOURS = {"good": "green", "near": "yellow", "over": "red", "unknown": "dim", "free": ""}
 
 
@@ -124,13 +133,14 @@ def _add_status(app: typer.Typer, choose: Choose) -> None:
         config: ConfigOption = None,
         settings: SetOption = None,
         watch: Annotated[bool, typer.Option("--watch", help="Go on showing it until Ctrl-C.")] = False,
+        token: TokenOption = None,
         json: JsonOption = None,
     ) -> None:
         """Show how the daemon of this rig file stands; status 1 in FAULT.
 
         Example: `status --config rig.toml --watch`
         """
-        with Client.of(_own(config, choose, settings)) as client:
+        with _client(_own(config, choose, settings), token) as client:
             if watch:
                 _watch(client)
             shown = client.snapshot()
@@ -146,19 +156,29 @@ def _add_stop(app: typer.Typer, choose: Choose) -> None:
         config: ConfigOption = None,
         settings: SetOption = None,
         why: Annotated[str, typer.Option(metavar="TEXT", help="For the event log.")] = "from the command line",
+        token: TokenOption = None,
     ) -> None:
         """Bring the output to zero and disarm, whoever has control.  No emergency stop: that one cuts the mains.
+
+        Any of the daemon's tokens will do, the one to view as well.
 
         Example: `stop --config rig.toml --why "smoke"`
         """
         table = _own(config, choose, settings)
         try:
-            with Client.of(table) as client:
+            with _client(table, token) as client:
                 told = client.stop(getpass.getuser(), why)
         except (DaemonError, OSError) as fault:
             _stop_by_signal(Path(table.data), fault)
             return
         sys.stdout.write(f"stopped: {told['before']} -> {told['state']}\n")
+
+
+def _client(table: Daemon, token: Path | None) -> Client:
+    """Return a client for a daemon, with the token in a file, or with the one that its own file has to operate."""
+    if token is None:
+        return Client.of(table)
+    return Client(table.address, token.read_text(encoding="utf-8").strip(), table.certificate)
 
 
 def _say(text: str) -> None:

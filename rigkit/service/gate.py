@@ -154,8 +154,8 @@ class Gate:
             return
         role = self._role(scope, headers)
         self._refuse_too_frequent(scope, role)
-        if scope["type"] == "http" and scope["method"] not in ("GET", "HEAD") and role != "operate":
-            raise Refusal(403, "this token may view; commands need the one that may operate")
+        if scope["type"] == "http" and role != "operate" and not _is_for_all(scope):
+            raise Refusal(403, "this token may view and STOP; commands need the one that may operate")
         scope.setdefault("state", {})["role"] = role
 
     def _refuse_too_frequent(self, scope: Scope, role: str) -> None:
@@ -222,6 +222,11 @@ async def answer(send: Send, status: int, told: Mapping[str, Any]) -> None:
         headers.append((b"www-authenticate", b"Bearer"))
     await send({"type": "http.response.start", "status": status, "headers": headers})
     await send({"type": "http.response.body", "body": json_text(told).encode()})
+
+
+def _is_for_all(scope: Scope) -> bool:
+    """Whether any of the tokens will do: to look, and to STOP."""
+    return scope["method"] in ("GET", "HEAD") or (scope["method"], scope["path"]) == ("POST", STOP)
 
 
 def _address(scope: Scope) -> str:

@@ -33,7 +33,7 @@ _ERRORS: dict[int | str, dict[str, Any]] = {
     for status, text in (
         (400, "not JSON, or none that can be read in one way only"),
         (401, "no token, or none of this daemon's"),
-        (403, "the token, the host, the origin or who has control does not allow it"),
+        (403, "the token (one to view may look and STOP), the host, the origin or who has control does not allow it"),
         (404, "there is no such thing"),
         (405, "not with this method"),
         (409, "the state of the rig does not allow it"),
@@ -202,7 +202,7 @@ def _add_commands(app: APIRouter, ends: Ends) -> None:
 
     @app.post("/api/stop", response_model=answers.Made)
     async def stop(asked: requests.Stop | None = None) -> JSONResponse:
-        """Bring the output to zero and disarm, now.  It needs no control, and no body."""
+        """Bring the output to zero and disarm, now.  Any token may, the one to view as well; no control, no body."""
         asked = asked or requests.Stop()
         return await _asked(ends.urgent, "stop", who=asked.who, why=asked.why)
 

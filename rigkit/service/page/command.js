@@ -24,7 +24,7 @@ export class Command {
     byId("reasoned").onsubmit = (event) => this.#submitted(event, () => {});
     byId("give-back").onclick = () => this.#do("control given back", () => this.#giveBack());
     for (const name of COMMANDS) byId(name).onclick = () => this.#do(name, () => this.#command(name));
-    show(byId("command"), rig.role === "operate");
+    document.body.classList.toggle("viewer", rig.role !== "operate");
     if (key()) this.#renew();
     else write(byId("told"), "");
   }

@@ -66,6 +66,21 @@ def test_a_stop_at_the_shell_says_what_it_has_stopped(daemon: Served) -> None:
     assert daemon.named("stop")[-1]["why"] == "smoke"
 
 
+def test_who_has_the_token_to_view_alone_looks_and_stops_at_the_shell(daemon: Served, tmp_path: Path) -> None:
+    until(lambda: not daemon.named("run") or daemon.named("end"))
+    daemon.begin(steps=100_000, seconds=0.02)
+    (tmp_path / "view").write_text(f"{daemon.tokens.view}\n")
+    assert "RUNNING" in said(daemon, "status", "--token", str(tmp_path / "view"))[1]
+    stop = said(daemon, "stop", "--token", str(tmp_path / "view"), "--why", "smoke from afar")
+    assert stop[:2] == (0, "stopped: RUNNING -> DISARMED\n")
+    assert daemon.named("stop")[-1]["why"] == "smoke from afar"
+    (tmp_path / "view").write_text("x" * 43)
+    assert said(daemon, "status", "--token", str(tmp_path / "view"))[2] == "error: the token is not this daemon's\n"
+    status, _, error = said(daemon, "status", "--token", str(tmp_path / "none"))
+    assert (status, error.count("\n")) == (2, 1)
+    assert "none" in error
+
+
 def test_a_stop_at_the_shell_reaches_a_daemon_whose_page_does_not_answer(daemon: Served) -> None:
     until(lambda: daemon.named("end"))
     daemon.begin(steps=100_000, seconds=0.02)

@@ -122,12 +122,17 @@ def test_a_finger_stops_when_it_comes_down(visit: Visit) -> None:
     assert len(visit.daemon.named("stop")) == stops + 1
 
 
-def test_who_may_only_look_sees_no_commands_and_learns_that_a_stop_was_refused(visit: Visit) -> None:
+def test_who_may_only_look_sees_no_commands_and_can_stop(visit: Visit) -> None:
+    visit.daemon.begin(steps=100_000)
     visit.open(visit.daemon.tokens.view)
-    visit.tab.until_state("DISARMED")
+    visit.tab.until_state("RUNNING")
     assert not visit.tab.shows("command")
+    assert not visit.tab.shows("hold")
     visit.tab.press("stop")
-    until(lambda: "STOP was not carried out" in visit.tab.text("alarm"))
+    visit.tab.until_state("DISARMED")
+    until(lambda: visit.tab.text("stop-told") == "STOP: RUNNING → DISARMED")
+    assert not visit.tab.shows("alarm")
+    assert visit.daemon.named("stop")[-1]["why"] == "STOP of the page"
 
 
 def test_a_fault_is_shown_with_its_reason_and_acknowledged_with_another(visit: Visit) -> None:
