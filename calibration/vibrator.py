@@ -89,7 +89,7 @@ class LiveLine:
         self._config, self._stop, self._discarded = config, stop, raw.path / DISCARDED
         self._supervision = supervision
         self.line: Line | None = None
-        """Once a drive has come."""
+        """From the first drive on, until it is closed."""
 
     def __enter__(self) -> Self:
         """Wait for the first drive."""
@@ -97,8 +97,11 @@ class LiveLine:
 
     def __exit__(self, *fault: object) -> None:
         """Close the line, if it was opened."""
-        if self.line is not None:
-            self.line.__exit__(*fault)
+        try:
+            if self.line is not None:
+                self.line.__exit__(*fault)
+        finally:
+            self.line = None
 
     def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Play `drive` (samples, drives) V; return what was emitted, and responses and far field: `experiment.Emit`.

@@ -1,6 +1,7 @@
 """A run: shot after shot is emitted, recorded, judged and learned from, in a folder from which it can go on."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -192,8 +193,7 @@ class Session:
         if self.done >= shots:
             return
         require_room(self.folder.path, self._made, shots - self.done)
-        self.line = Line(self.config, seconds=self.seconds, on_discard=self._discarded, supervision=self._supervision)
-        with self.line as line:
+        with self._opened() as line:
             self.folder.event("started", {"shot": self.done, "round_trip": line.round_trip, "software": software()})
             try:
                 while self.done < shots and not stopped():
@@ -202,8 +202,17 @@ class Session:
             except BaseException as fault:
                 self.folder.event("failed", {"shot": self.done, "fault": type(fault).__name__, "text": str(fault)})
                 raise
-        self.line = None
         self.folder.event("stopped" if self.done < shots else "finished", {"shots": self.done})
+
+    @contextmanager
+    def _opened(self) -> Iterator[Line]:
+        """Open the line, which is `line` until it is closed."""
+        self.line = Line(self.config, seconds=self.seconds, on_discard=self._discarded, supervision=self._supervision)
+        try:
+            with self.line as line:
+                yield line
+        finally:
+            self.line = None
 
     def summary(self) -> dict[str, Any]:
         """Return the figures of the run so far, and keep them in `summary.json`."""

@@ -59,7 +59,7 @@ class JointsProcedure:
         left = missing(self._folder, self._joints)
         self._steps = len(clamp_procedure(config.clamping, self._arm, left).steps()) if left else 0
         require_room(self._folder, len(left))
-        self._asked, self._motion = Requests(), Motion(config)
+        self._asked, self._motion = Requests(), Motion(config, idle=None if config.clamping.live else 0.0)
         self._run: ClampRun | None = None
 
     def stop(self) -> None:

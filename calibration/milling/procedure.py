@@ -58,7 +58,7 @@ class MillingProcedure:
         self._sweeping = Conductor(desk, SWEPT, options.paced)
         self._motion, self._total = Motion(self._cell), 4 + config.learning.free
         self._folder = raw_trials(self._out, self._cell)
-        self._trials = TrialRunner(self._conductor, self._folder, 1, self._total, self._show)
+        self._trials = TrialRunner(self._conductor, self._folder, first.cell, 1, self._total, self._show)
         self._free: list[DoneTrial] = []
         self._request = StopRequest()
 
@@ -70,7 +70,9 @@ class MillingProcedure:
     def gauges(self) -> list[Gauge]:
         """Return where the tool is, how fast the joints turn, when it was seen, and the force on it."""
         swept = self._sweeping.watch
-        return [*self._motion.gauges(swept), *timed(swept), *self._trials.gauges()]
+        if swept.newest("reference") is None:
+            return self._trials.gauges()
+        return [*self._motion.gauges(swept), *timed(swept)]
 
     def run(self) -> None:
         """Measure, fit, and write the models and their report.

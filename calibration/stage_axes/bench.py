@@ -71,6 +71,14 @@ def centre_of(config: StageConfig, loop: Pid | None) -> float:
     return config.limits.rest_voltage if loop is None else sum(config.limits.extension) / 2
 
 
+See = Callable[[np.ndarray, np.ndarray], object]
+"""Called now and then with the position (m) and the voltage (V) of each axis, shape (axes,)."""
+
+
+def unseen(position: np.ndarray, voltage: np.ndarray) -> None:  # noqa: ARG001 (an observer's own arguments)
+    """Look at nothing."""
+
+
 @dataclass(frozen=True)
 class Bench:
     """The stage that the rig file names, with one axis excited and the others at their rest voltage.
@@ -83,12 +91,15 @@ class Bench:
         The axis' inner loop, whose reference is excited; None: its voltage is.
     stopped : callable() -> bool
         Asked now and then whether to give up.
+    see : callable(array, array)
+        Called with position and voltage while the axis is excited; with NaN and the rest voltage when that is over.
     """
 
     config: StageConfig
     axis: int
     loop: Pid | None
     stopped: Callable[[], bool]
+    see: See = unseen
 
     @property
     def centre(self) -> float:
@@ -125,9 +136,12 @@ class Bench:
         whole = np.full((lead + len(drive), axes), self.centre)
         whole[lead:, self.axis] += drive[:, 0]
         graph, guard, start, record = self._wired(whole)
-        self._run(graph, guard, lead)
-        start()
-        self._run(graph, guard, len(drive))
+        try:
+            self._run(graph, guard, lead)
+            start()
+            self._run(graph, guard, len(drive))
+        finally:
+            self.see(np.full(axes, np.nan), np.full(axes, self.config.limits.rest_voltage))
         kept = record.recording().data[lead:]
         return kept[:, self.axis : self.axis + 1], kept[:, axes:]
 
@@ -176,6 +190,7 @@ class Bench:
         end = graph.ticks + samples
         while graph.ticks < end:
             run_offline(graph, min(CHUNK, end - graph.ticks))
+            self.see(graph.signal("plant.position")[-1], graph.signal("guard.voltage")[-1])
             if guard.latched:
                 raise ExcitationError(
                     f"axis {self.config.stage.axes[self.axis]}: the guard shut the stage: {guard.cause}; "

@@ -1,5 +1,6 @@
 """The stage's calibration as the daemon begins it: the same as `calibrate stage`, told to a desk."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -23,8 +24,9 @@ from calibration.stage_axes.report import (
 from calibration.stage_axes.rig import calibrated_rig
 from rigkit.progress import told_to
 from rigkit.service.rig import Desk
-from rigkit.service.show import Axis, Curves, Table, Trace
+from rigkit.service.show import Axis, Curves, Gauge, Table, Trace
 from stagectl.config import StageConfig
+from stagectl.daemon.gauges import driven, motion
 from stagectl.daemon.options import CalibrationOptions
 from stagectl.link.stage_link import StageLink
 from stagectl.stage.piezo_pid import Pid
@@ -59,10 +61,18 @@ class StageProcedure:
         require_room(config, len(self._axes), self._raw)
         self._found: list[AxisCalibration] = []
         self._stopped = False
+        self._position, self._voltage = np.full((2, len(config.stage.axes)), np.nan)
+        self._voltage.fill(config.limits.rest_voltage)
 
     def stop(self) -> None:
         """Take the stage to rest, from any thread."""
         self._stopped = True
+
+    def gauges(self) -> Iterator[Gauge]:
+        """Give where a simulated stage is, and what drives it; of a live one the link gives that."""
+        if self._link is None:
+            yield from motion(self._config, self._position, self._voltage)
+            yield from driven(self._config, self._voltage)
 
     def run(self) -> StageConfig:
         """Measure, write the models and their reports, and return the rig file with what was chosen.
@@ -91,8 +101,12 @@ class StageProcedure:
 
     def _bench(self, axis: int, loop: Pid | None) -> ExcitedAxis:
         if self._link is None:
-            return Bench(self._config, axis, loop, self._ending)
+            return Bench(self._config, axis, loop, self._ending, self._see)
         return LiveBench(self._config, axis, loop, self._link, self._ending, self._say)
+
+    def _see(self, position: np.ndarray, voltage: np.ndarray) -> None:
+        self._position[:] = position
+        self._voltage[:] = voltage
 
     def _ending(self) -> bool:
         return self._stopped or self._desk.ending()

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from rigkit.service.access import Role
+from rigkit.service.show import Output
 from rigkit.service.show import Role as TraceRole
 from rigkit.service.state import Event as StateEvent
 from rigkit.service.state import State
@@ -114,6 +115,7 @@ class Snapshot(_Answer):
     faults: dict[str, str] = Field(description="faults on purpose, by sensor")
     recording: bool
     procedure: Progress | None
+    output: Output = Field(description="whether the rig puts something out; unknown where that is not measured")
     gauges: list[Gauge]
     panels: dict[str, int] = Field(description="revision of each panel that there is")
     events: int = Field(description="number of the last event")

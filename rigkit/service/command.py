@@ -26,6 +26,7 @@ from rigkit.service.client import Client, DaemonError
 from rigkit.service.config import Daemon
 from rigkit.service.daemon import LOCK, run
 from rigkit.service.rig import Rig
+from rigkit.service.show import Output
 
 _QUICK = (["status"], ["stop"], ["--version"])
 """First words of command lines which are not to wait for anything."""
@@ -39,6 +40,7 @@ TokenOption = Annotated[
     ),
 ]
 
+_OUTPUT: dict[Output, str] = {"on": "on", "zero": "zero", "unknown": "not measured"}
 _COLOURS = {"good": "green", "near": "yellow", "over": "red", "unknown": "dim", "free": ""}
 
 
@@ -208,6 +210,7 @@ def _table(shown: dict[str, Any]) -> Table:
     state, procedure, control = shown["state"], shown["procedure"], shown["control"]
     table = Table(title=f"{shown['program']} {shown['rig']}, {shown['time']}", show_header=False, box=None)
     rows = {"state": f"{state['name']} since {state['since']}: {state['why']} ({state['who']})"}
+    rows["output"] = _OUTPUT[shown["output"]]
     rows["control"] = control["who"] if control else "nobody"
     if procedure:
         left = "" if procedure["seconds_left"] is None else f", {procedure['seconds_left']:.0f} s left"

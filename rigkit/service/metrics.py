@@ -11,6 +11,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metri
 from prometheus_client.exposition import CONTENT_TYPE_PLAIN_0_0_4
 from prometheus_client.registry import Collector
 
+from rigkit.service.show import Output
 from rigkit.service.slot import Slot
 from rigkit.service.state import State
 
@@ -18,6 +19,7 @@ PREFIX = "vibrostage"
 _UNITS = {"V": "volts", "m": "metres", "s": "seconds", "dB": "decibels", "m/s^2": "metres_per_second_squared"}
 _UNITS |= {"Pa": "pascals", "N": "newtons", "N m": "newton_metres", "Hz": "hertz", "1": "", "samples": "samples"}
 _UNITS |= {"byte": "bytes", "rad": "radians", "m/s": "metres_per_second", "K": "kelvins"}
+_ON: dict[Output, float] = {"on": 1.0, "zero": 0.0, "unknown": math.nan}
 
 
 class Metrics(Collector):
@@ -73,10 +75,9 @@ class Metrics(Collector):
 def _standing(shown: dict[str, Any]) -> Iterator[tuple[str, str, float]]:
     """Give name, meaning and value of what holds for every rig."""
     made = datetime.fromisoformat(shown["time"]).timestamp()
-    outputs = [gauge["value"] for gauge in shown["gauges"] if gauge["is_output"]]
     yield "snapshot_timestamp_seconds", "when the rig's process gave its last sign of life, Unix time", made
     yield "recording", "1 while recording", float(shown["recording"])
-    yield "output_on", "1 while the rig puts something out", float(any(outputs))
+    yield "output_on", "1 while the rig puts something out; NaN where that is not measured", _ON[shown["output"]]
     yield "control_held", "1 while somebody has control", float(shown["control"] is not None)
     yield "faults_on_purpose", "sensors with a fault that was put in on purpose", float(len(shown["faults"]))
     yield "journal_fault", "1 while events do not get to the disk", float(shown["journal_fault"] != "")

@@ -92,7 +92,10 @@ class Rig(Protocol):
         """What it can be told to do."""
 
     def gauges(self) -> Sequence[Gauge]:
-        """Return what is measured now: some microseconds, 25 times a second, from another thread."""
+        """Return what is measured now: some microseconds, 25 times a second, from another thread.
+
+        While a procedure runs, one at least is of the output: without any, the output counts as not measured.
+        """
 
     def arm(self) -> None:
         """Get ready for a procedure; what is ready already stays so.

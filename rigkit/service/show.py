@@ -1,6 +1,7 @@
 """What a rig shows of itself: gauges, which change all the time, and panels, which change now and then."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -10,6 +11,7 @@ NEAR = 0.9
 """Part of a limit from which a gauge is near it."""
 
 Role = Literal["measured", "limit", "reference"]
+Output = Literal["on", "zero", "unknown"]
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,7 @@ class Gauge:
     interval : (float, float) or None
         Where the true value lies, for an estimate.
     is_output : bool
-        Whether it measures what the rig puts out, which is 0 while nothing moves: the page's light shines by it.
+        Whether it measures what the rig puts out, which is 0 while nothing moves: `output` goes by it.
     """
 
     name: str
@@ -69,6 +71,22 @@ class Gauge:
     def plain(self) -> dict[str, Any]:
         """Return it as JSON has it."""
         return {**vars(self), "verdict": self.verdict}
+
+
+def output(gauges: Iterable[Gauge]) -> Output:
+    """Return whether a rig puts something out, of what its gauges measure; unknown where it is not measured.
+
+    Examples
+    --------
+    >>> output([Gauge("drive_1", "Drive 1", 0.0, "V", is_output=True), Gauge("drive_2", "Drive 2", None, "V")])
+    'zero'
+    >>> output([Gauge("drive_1", "Drive 1", None, "V", is_output=True)])
+    'unknown'
+    """
+    values = [math.nan if gauge.value is None else gauge.value for gauge in gauges if gauge.is_output]
+    if any(value != 0 and not math.isnan(value) for value in values):
+        return "on"
+    return "zero" if values and not any(map(math.isnan, values)) else "unknown"
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from rigkit.json_text import json_text
 from rigkit.service.control import Control
 from rigkit.service.journal import now
 from rigkit.service.not_begun import reason
+from rigkit.service.show import Output, output
 from rigkit.service.state import State
 
 RATE = 25.0
@@ -37,6 +38,7 @@ def snapshot(control: Control, tick: int, late: int, monotonic: float) -> dict[s
         allowed = machine.allowed()
         owner = holder and {"who": holder.who, "seconds": holder.until - monotonic}
     procedure = None if desk is None else desk.plain()
+    put_out, gauges = _measured(control)
     return {
         "tick": tick,
         "time": now(),
@@ -48,7 +50,8 @@ def snapshot(control: Control, tick: int, late: int, monotonic: float) -> dict[s
         "faults": {} if control.rig.faults is None else control.rig.faults.present(),
         "recording": desk is not None and desk.is_recording,
         "procedure": procedure,
-        "gauges": _gauges(control),
+        "output": put_out,
+        "gauges": gauges,
         "panels": control.board.revisions(),
         "events": control.journal.number,
         "journal_fault": control.journal.fault,
@@ -56,14 +59,15 @@ def snapshot(control: Control, tick: int, late: int, monotonic: float) -> dict[s
     }
 
 
-def _gauges(control: Control) -> list[dict[str, Any]]:
-    """Return what is measured; a rig that cannot say it is a rig in FAULT, and the daemon goes on."""
+def _measured(control: Control) -> tuple[Output, list[dict[str, Any]]]:
+    """Return the output and the gauges; a rig that cannot say them is a rig in FAULT, and the daemon goes on."""
     try:
-        return [gauge.plain() for gauge in control.rig.gauges()]
+        gauges = control.rig.gauges()
+        return output(gauges), [gauge.plain() for gauge in gauges]
     except Exception as fault:
         if control.machine.state is not State.FAULT:
             control.fault(f"the gauges cannot be read: {reason(fault)}")
-        return []
+        return "unknown", []
 
 
 def as_bytes(value: Any) -> bytes:

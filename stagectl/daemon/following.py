@@ -1,6 +1,6 @@
 """The procedure that follows: a run of the stage behind its link, or of the simulated one, paced."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -10,10 +10,12 @@ from rigkit.run_folder import RunFolder
 from rigkit.service.paths import run_path
 from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
+from rigkit.service.show import Gauge
 from rigkit.stream_recorder import StreamRecorder
 from stagectl import live, session
 from stagectl.cell import RECORDED, Cell, simulated
 from stagectl.config import StageConfig
+from stagectl.daemon.gauges import driven, motion, paced, tracked
 from stagectl.daemon.monitor import Monitor
 from stagectl.daemon.pace import Pace
 from stagectl.daemon.panels import PERIOD, Panels
@@ -62,6 +64,17 @@ class Following:
         self._stopped = True
         if self._ready.link is not None:
             self._ready.link.halt()
+
+    def gauges(self) -> Iterator[Gauge]:
+        """Give how well it follows; of a simulated stage, where that is, what drives it, and how late it is."""
+        config, monitor = self._made.config, self.monitor
+        if config.session.live:
+            yield from tracked(config, monitor)
+            return
+        yield from motion(config, monitor.position, monitor.voltage)
+        yield from tracked(config, monitor)
+        yield from driven(config, monitor.voltage)
+        yield from paced(self.pace)
 
     def run(self) -> None:
         """Follow to the end, and write the report; or until it is to end."""

@@ -6,7 +6,8 @@ import numpy as np
 
 from rigkit.service.show import Gauge
 from stagectl.config import StageConfig
-from stagectl.daemon.following import Following
+from stagectl.daemon.monitor import Monitor
+from stagectl.daemon.pace import Pace
 from stagectl.link.stage_link import StageLink
 from stagectl.tracking import WITHIN
 from stagectl.wire.messages import State
@@ -27,18 +28,31 @@ def motion(config: StageConfig, position: np.ndarray, voltage: np.ndarray) -> It
         yield Gauge(f"voltage_{axis}", f"Voltage {axis}", volts, "V", *limits.voltage)
 
 
-def tracked(config: StageConfig, following: Following) -> Iterator[Gauge]:
-    """Give how well a run follows, and whether a simulated one keeps to the clock."""
-    error = following.monitor.error()
+def driven(config: StageConfig, voltage: np.ndarray) -> Iterator[Gauge]:
+    """Give what is put out to a simulated stage: how far each voltage is from rest.
+
+    Parameters
+    ----------
+    config : StageConfig
+    voltage : array, shape (axes,), V
+    """
+    for axis, volts in zip(config.stage.axes, voltage.tolist(), strict=True):
+        away = volts - config.limits.rest_voltage
+        yield Gauge(f"drive_{axis}", f"Voltage {axis} from rest", away, "V", is_output=True)
+
+
+def tracked(config: StageConfig, monitor: Monitor) -> Iterator[Gauge]:
+    """Give how well a run follows."""
+    error = monitor.error()
     mean = np.abs(error).mean(axis=0).tolist() if len(error) else [None] * len(config.stage.axes)
     for axis, value in zip(config.stage.axes, mean, strict=True):
         yield Gauge(f"mae_{axis}", f"Mean absolute error {axis}, last second", value, "m", high=WITHIN)
-    if not config.session.live:
-        for axis, volts in zip(config.stage.axes, following.monitor.voltage.tolist(), strict=True):
-            away = volts - config.limits.rest_voltage
-            yield Gauge(f"drive_{axis}", f"Voltage {axis} from rest", away, "V", is_output=True)
-        yield Gauge("late", "Late steps of the simulation", following.pace.late, "1")
-        yield Gauge("behind", "Simulation behind the clock", following.pace.behind, "s")
+
+
+def paced(pace: Pace) -> Iterator[Gauge]:
+    """Give whether a simulation keeps to the clock."""
+    yield Gauge("late", "Late steps of the simulation", pace.late, "1")
+    yield Gauge("behind", "Simulation behind the clock", pace.behind, "s")
 
 
 def linked(link: StageLink) -> Iterator[Gauge]:

@@ -1,6 +1,6 @@
 """The stage as the daemon's rig."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Protocol
 
@@ -16,7 +16,7 @@ from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Gauge
 from stagectl.config import StageConfig
 from stagectl.daemon.following import Following
-from stagectl.daemon.gauges import linked, motion, tracked
+from stagectl.daemon.gauges import linked, motion
 from stagectl.daemon.options import CalibrationOptions, FollowOptions, HoldOptions, asked
 from stagectl.daemon.ready import Ready
 from stagectl.daemon.spoiled import sensor_names
@@ -44,6 +44,9 @@ class _UnderWay(Protocol):
 
     def stop(self) -> None:
         """Take the stage to rest, from any thread."""
+
+    def gauges(self) -> Iterable[Gauge]:
+        """Return what is measured now, beside what a link gives: of a simulated stage, what is put out."""
 
 
 class PiezoStage:
@@ -87,17 +90,15 @@ class PiezoStage:
 
     def gauges(self) -> Sequence[Gauge]:
         """Return travel, voltages and errors against limits, how the link does, and room on the disk."""
-        ready, following = self._ready, self._under_way
+        ready, under_way = self._ready, self._under_way
         found: list[Gauge] = []
         link = None if ready is None else ready.link
         if ready is not None and link is not None:
             position = link.signal("position")[1] + link.link.origin
             found += motion(ready.config, position, link.signal("voltage")[1])
             found += linked(link)
-        elif isinstance(following, Following):
-            found += motion(self.config, following.monitor.position, following.monitor.voltage)
-        if ready is not None and isinstance(following, Following):
-            found += tracked(ready.config, following)
+        if under_way is not None:
+            found += under_way.gauges()
         there = free(Path(self.config.daemon.data).absolute())
         return [*found, Gauge("disk_free", "Room on the disk", there, "byte", low=RESERVE)]
 

@@ -94,7 +94,11 @@ class Vibrator:
         under_way = self._under_way
         there = free(Path(self.config.daemon.data).absolute())
         line = None if under_way is None else under_way.line
-        found = [] if line is None else list(self._levels(line))
+        found: list[Gauge] = []
+        if line is not None:
+            found += self._levels(line)
+        elif under_way is not None:  # it is closed, between two shots: the card is given nothing
+            found += (self._drive_peak(side, 0.0) for side, _ in enumerate(self.config.audio.drive_channels, start=1))
         if isinstance(under_way, Running):
             found.append(Gauge("worst_line", "Worst line over the objective", under_way.worst_db, "dB", high=0.0))
             found.append(Gauge("discarded", "Recordings discarded", under_way.discarded, "1"))
@@ -143,11 +147,15 @@ class Vibrator:
     def close(self) -> None:
         """Nothing is open."""
 
+    def _drive_peak(self, side: int, peak: float) -> Gauge:
+        most = self.config.limits.peak
+        return Gauge(f"drive_peak_{side}", f"Drive {side}, peak", peak, "V", high=most, is_output=True)
+
     def _levels(self, line: Line) -> Iterator[Gauge]:
         limits = self.config.limits
         now = line.levels
         for side, (peak, rms) in enumerate(zip(now.drive_peak, now.drive_rms, strict=True), start=1):
-            yield Gauge(f"drive_peak_{side}", f"Drive {side}, peak", float(peak), "V", high=limits.peak, is_output=True)
+            yield self._drive_peak(side, float(peak))
             yield Gauge(f"drive_rms_{side}", f"Drive {side}, rms", float(rms), "V", high=limits.rms)
         full = self.config.audio.input_full_scale
         for side, peak in enumerate(now.response_peak, start=1):

@@ -6,6 +6,7 @@ import numpy as np
 
 from rigkit.service.show import Gauge
 from stagectl.daemon.cell.watch import LOOKS, Watch
+from stagectl.daemon.gauges import paced
 from stagectl.robot.config import CellConfig
 from stagectl.robot.kinematics import forward
 from stagectl.robot.port import arm_of
@@ -21,28 +22,33 @@ class Motion:
     ----------
     cell : CellConfig
         As it is run, with the box of its path.
+    idle : float or None, m/s
+        Speed while nothing is ticked: a simulated robot is not there then.  None where that is not known.
     """
 
-    def __init__(self, cell: CellConfig) -> None:
-        self._limits = cell.limits
+    def __init__(self, cell: CellConfig, idle: float | None = 0.0) -> None:
+        self._limits, self._idle = cell.limits, idle
         bare = arm_of(cell)
         self._arm, self._speed = bare.with_tool(cell.robot.tool), cell.limits.speed * bare.speed
 
     def gauges(self, watch: Watch) -> Iterator[Gauge]:
-        """Give them; none until something has been seen."""
+        """Give them; while nothing is ticked, the speed alone."""
+        limits = self._limits
         now, before = watch.newest("reference"), watch.newest("reference", back=1)
         if now is None:
+            yield self._speed_of_tool(self._idle)
             return
         last = now if before is None else before
         place, placed = forward(self._arm, np.stack([now, last]))[:, :3, 3]
-        limits = self._limits
-        speed = float(np.linalg.norm(place - placed)) * LOOKS
-        yield Gauge("tool_speed", "Tool speed", speed, "m/s", high=limits.tool_speed, is_output=True)
+        yield self._speed_of_tool(float(np.linalg.norm(place - placed)) * LOOKS)
         for axis, at, low, high in zip("xyz", place.tolist(), limits.lowest, limits.highest, strict=True):
             yield Gauge(f"tool_{axis}", f"Tool {axis}, in its box", at, "m", low, high)
         turning = (np.abs(now - last) * LOOKS).tolist()
         for joint, (value, most) in enumerate(zip(turning, self._speed.tolist(), strict=True), start=1):
             yield Gauge(f"joint_speed_{joint}", f"Joint {joint}, speed", value, "rad/s", high=most)
+
+    def _speed_of_tool(self, speed: float | None) -> Gauge:
+        return Gauge("tool_speed", "Tool speed", speed, "m/s", high=self._limits.tool_speed, is_output=True)
 
 
 def sighted(watch: Watch, cell: CellConfig) -> Iterator[Gauge]:
@@ -63,5 +69,4 @@ def felt(watch: Watch, most: float) -> Iterator[Gauge]:
 def timed(watch: Watch) -> Iterator[Gauge]:
     """Give how a simulation in real time keeps to the clock."""
     if watch.pace is not None:
-        yield Gauge("late", "Late steps of the simulation", watch.pace.late, "1")
-        yield Gauge("behind", "Simulation behind the clock", watch.pace.behind, "s")
+        yield from paced(watch.pace)

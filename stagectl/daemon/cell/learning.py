@@ -69,7 +69,7 @@ class Learning:
         else:
             self._folder = create(path, cell, task)
             self._folder.take_in(model, MODEL)
-        self._trials = TrialRunner(self._conductor, self._folder, 0, self._whole, self._keep)
+        self._trials = TrialRunner(self._conductor, self._folder, self._first.cell, 0, self._whole, self._keep)
 
     def stop(self) -> None:
         """Lift the tool out of the material, and hold."""

@@ -1,5 +1,7 @@
 """The procedure of mid-ranging: the macro and the micro manipulator share one position."""
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from ctlblocks import Graph
@@ -11,7 +13,7 @@ from rigkit.service.rig import Desk
 from rigkit.service.show import Axis, Gauge
 from rigkit.stop import Stopped
 from stagectl.daemon.cell.conductor import Conductor
-from stagectl.daemon.cell.gauges import timed
+from stagectl.daemon.cell.midranging_gauges import LIVE, SIMULATED, of_a_live_pair, of_a_simulation
 from stagectl.daemon.cell.options import MidrangeOptions
 from stagectl.daemon.cell.strips import PERIOD, strip
 from stagectl.daemon.cell.watch import WINDOW
@@ -19,12 +21,10 @@ from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging import session
 from stagectl.robot.midranging.axes import Runs, run_axes
 from stagectl.robot.midranging.controllers import controller
+from stagectl.robot.midranging.live_pair import LivePair
 from stagectl.robot.midranging.scenario import SCENARIOS, scenarios
 
-SOURCES = {
-    "reference": "wanted.reference", "position": "pair.position", "fast": "pair.fast", "slow": "pair.slow",
-    "control": "pair.control",
-}  # fmt: skip
+SEEN = {"reference": "wanted.reference"}
 
 
 class Midranging:
@@ -43,15 +43,20 @@ class Midranging:
     """
 
     def __init__(self, config: CellConfig, options: MidrangeOptions, desk: Desk) -> None:
-        options.refuse_live("midranging.session.live", config.midranging.session.live)
-        self._conductor, self._desk, self._cell = Conductor(desk, SOURCES, options.paced), desk, config
+        self._is_live = config.midranging.session.live
+        options.refuse_live("midranging.session.live", self._is_live)
+        sources = SEEN | (LIVE if self._is_live else SIMULATED)
+        self._conductor, self._desk, self._cell = Conductor(desk, sources, options.paced), desk, config
+        self._pair: LivePair | None = None
         self._name, name = options.controller, options.scenario
         file = name if name in SCENARIOS else str(data_file(config.daemon.data, "scenario", name, SCENARIOS))
         self._chosen = scenarios(file, config.midranging.pair.rate)
         made = controller(self._name, config.midranging, len(self._chosen))
         self._kept = session.about(self._name, name)
+        self._axes = [axis or config.midranging.session.axis for axis in self._chosen] if self._is_live else [""]
         lead, rate = config.midranging.session.lead, config.midranging.pair.rate
-        self._done, self._total = 0.0, sum(lead + len(each.reference) / rate for each in self._chosen.values())
+        lengths = [lead + len(each.reference) / rate for each in self._chosen.values()]
+        self._done, self._total = 0.0, max(lengths) if self._is_live else sum(lengths)
         desk.progress(0.0, self._total, "getting ready")
         path = run_path(config.daemon.data, options.run)
         session.require_room(path, made, self._chosen)
@@ -61,21 +66,12 @@ class Midranging:
         """End it; live, the robot is held and the stage goes to mid-travel."""
         self._conductor.stop()
 
-    def gauges(self) -> list[Gauge]:
-        """Return the control signal and the micro manipulator's position against their limits."""
-        watch, config = self._conductor.watch, self._cell.midranging
-        control, fast = watch.newest("control"), watch.newest("fast")
-        if control is None or fast is None:
-            return list(timed(watch))
-        most, low, high = config.inner.limit, -config.pair.travel, config.pair.travel
-        place = float(fast[0]) - config.pair.middle
-        return [
-            Gauge(
-                "control", "Control signal of the micro manipulator", float(control[0]), "m/s", -most, most, None, True
-            ),
-            Gauge("micro", "Micro manipulator, from its middle", place, "m", low, high),
-            *timed(watch),
-        ]
+    def gauges(self) -> Iterable[Gauge]:
+        """Give the control signal and the micro manipulator's position; live, what is asked of robot and stage."""
+        watch, pair = self._conductor.watch, self._pair
+        if not self._is_live:
+            return of_a_simulation(watch, self._cell.midranging)
+        return () if pair is None else of_a_live_pair(watch, self._cell, self._axes, pair)
 
     def run(self) -> None:
         """Run it and write the report.
@@ -93,6 +89,7 @@ class Midranging:
                     runs = session.recorded(folder, self._ran, self._chosen, self._kept)
             finally:
                 desk.recording(False)
+                self._pair = None
                 conductor.watch.forget()
             if conductor.ending():
                 session.write(folder, runs, self._kept)
@@ -102,12 +99,19 @@ class Midranging:
             desk.event("finished", {"run": folder.path.name, "iae": found["iae"], "fast_peak": found["fast_peak"]})
 
     def _ran(self) -> Runs:
-        return run_axes(self._name, self._cell, self._chosen, self._conductor.ending, self._advance)
+        return run_axes(self._name, self._cell, self._chosen, self._conductor.ending, self._advance, self._look)
 
     def _advance(self, graph: Graph, ticks: int) -> None:
         self._conductor.watch.advance(graph, ticks)
         self._done += ticks / graph.rate
         self._desk.progress(self._done, self._total, f"{self._name}, {self._kept['scenario']}")
+
+    def _look(self, graph: Graph, pair: LivePair) -> None:
+        """See what a tick over the wires has done."""
+        self._pair = pair
+        if graph.ticks:
+            self._conductor.watch.look(graph)
+            self._desk.progress(graph.ticks / graph.rate, self._total, f"{self._name}, {self._kept['scenario']}")
 
     def _draw(self) -> None:
         watch = self._conductor.watch
@@ -119,7 +123,7 @@ class Midranging:
             found = [watch.lately(part) for part in parts]
             count = min(len(time) for time, _ in found)
             if count:
-                self._desk.show(name, strip(
-                    f"{name.capitalize()}, last {WINDOW:g} s", Axis(name, unit), found[0][0][-count:],
-                    np.column_stack([rows[-count:, 0] for _, rows in found]), parts,
-                ))  # fmt: skip
+                lines = tuple(f"{part} {axis}".strip() for part in parts for axis in self._axes)
+                rows = np.column_stack([rows[-count:] for _, rows in found])
+                title = f"{name.capitalize()}, last {WINDOW:g} s"
+                self._desk.show(name, strip(title, Axis(name, unit), found[0][0][-count:], rows, lines))

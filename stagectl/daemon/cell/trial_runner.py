@@ -24,6 +24,8 @@ class TrialRunner:
     ----------
     conductor : Conductor
     folder : RunFolder
+    cell : CellConfig
+        As of the first trial.
     before, total : int
         Steps of the procedure that are done before the first trial, and all of them.
     draw : callable(DoneTrial)
@@ -31,13 +33,18 @@ class TrialRunner:
     """
 
     def __init__(
-        self, conductor: Conductor, folder: RunFolder, before: int, total: int, draw: Callable[[DoneTrial], object]
+        self,
+        conductor: Conductor,
+        folder: RunFolder,
+        cell: CellConfig,
+        before: int,
+        total: int,
+        draw: Callable[[DoneTrial], object],
     ) -> None:
         self._conductor, self._desk, self._folder = conductor, conductor.desk, folder
         self._done, self._total, self._draw = before, total, draw
         self._name, self._ticks = "", 1
-        self._cell: CellConfig | None = None
-        self._motion: Motion | None = None
+        self._cell, self._motion = cell, Motion(cell)
         conduct = conductor.conduct(folder, conductor.stopped, self._show)
         self._runner = Runner(folder, conduct, run_simulated, self._said)
 
@@ -74,8 +81,6 @@ class TrialRunner:
     def gauges(self) -> list[Gauge]:
         """Return where the tool is, how fast the joints turn, when it was seen, and the force on it."""
         cell, motion, watch = self._cell, self._motion, self._conductor.watch
-        if cell is None or motion is None:
-            return []
         strongest = max(cell.force_sensor.range_force)
         return [*motion.gauges(watch), *sighted(watch, cell), *felt(watch, strongest), *timed(watch)]
 

@@ -11,7 +11,7 @@ from ctlblocks.recording import Recording
 from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.controllers import controller
-from stagectl.robot.midranging.live import run_live
+from stagectl.robot.midranging.live import Look, run_live, unseen
 from stagectl.robot.midranging.measures import channel, figures
 from stagectl.robot.midranging.scenario import RADIUS, TOROID, Scenario
 from stagectl.robot.midranging.simulation import Advance, never, simulate
@@ -26,6 +26,7 @@ def run_axes(
     chosen: Mapping[str, Scenario],
     stopped: Callable[[], bool] = never,
     advance: Advance = run_offline,
+    look: Look = unseen,
 ) -> Runs:
     """Run one controller on every axis.
 
@@ -40,6 +41,8 @@ def run_axes(
         Whether to end early.
     advance : callable(Graph, int)
         Ticks what is simulated.
+    look : callable(Graph, LivePair)
+        Watches what is live, as of `run_live`.
 
     Raises
     ------
@@ -51,7 +54,7 @@ def run_axes(
     if config.session.live:
         wanted = np.stack([each.reference for each in chosen.values()], axis=1)
         names = [axis or config.session.axis for axis in chosen]
-        found = run_live(controller(name, config, len(chosen)), wanted, names, cell, stopped)
+        found = run_live(controller(name, config, len(chosen)), wanted, names, cell, stopped, look)
         return dict(zip(chosen, found, strict=True))
     return {
         axis: simulate(controller(name, config), each, _of_axis(config, number), stopped, advance)

@@ -22,6 +22,13 @@ from stagectl.wire.egm import RATE
 from stagectl.wire.messages import AXES, REFERENCE
 from stagectl.wire.samples import largest
 
+Look = Callable[[Graph, LivePair], object]
+"""Called once the wires are open, and before each tick."""
+
+
+def unseen(graph: Graph, pair: LivePair) -> None:  # noqa: ARG001 (an observer's own arguments)
+    """Look at nothing."""
+
 
 class LiveFault(LinkError):
     """A live run that a fault has ended.
@@ -39,7 +46,12 @@ class LiveFault(LinkError):
 
 
 def run_live(
-    made: Block, wanted: np.ndarray, names: Sequence[str], cell: CellConfig, stopped: Callable[[], bool] = lambda: False
+    made: Block,
+    wanted: np.ndarray,
+    names: Sequence[str],
+    cell: CellConfig,
+    stopped: Callable[[], bool] = lambda: False,
+    look: Look = unseen,
 ) -> list[Recording]:
     """Run one controller on the robot and the stage; return what was recorded, a recording an axis.
 
@@ -55,6 +67,8 @@ def run_live(
         Which axis each column is: x, y or z, of the stage and of the robot's base.
     cell : CellConfig
     stopped : callable() -> bool
+    look : callable(Graph, LivePair)
+        For whoever watches: called once the wires are open, and before each tick.
 
     Raises
     ------
@@ -78,10 +92,16 @@ def run_live(
         graph.add("seen", LiveSeen(pair))
         graph.add("send", LiveSend(pair, config.session.smoothing))
         record = wire(graph, made, whole, {name: (f"seen.{name}", False) for name in MEASURED}, "send")
+
+        def over() -> bool:
+            look(graph, pair)
+            return stopped()
+
+        look(graph, pair)
         try:
             with undisturbed():
                 _start(pair, cell)
-                run_linked(graph, pair.robot, len(whole), stopped)
+                run_linked(graph, pair.robot, len(whole), over)
         except LinkError as fault:
             raise LiveFault(str(fault), split(record, axes, 0) if record.position else []) from fault
     if record.position <= lead:

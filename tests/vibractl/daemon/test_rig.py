@@ -105,7 +105,8 @@ def test_a_run_that_is_held_is_silent_and_goes_on_with_the_next_shot(lab: Lab) -
     lab.control.hold(lab.key, "lunch")
     until(lambda: lab.events("held"))
     assert lab.state is State.HOLD
-    assert [gauge.name for gauge in lab.rig.gauges() if gauge.name.startswith("drive")] == []
+    drives = {gauge.name: gauge.value for gauge in lab.rig.gauges() if gauge.name.startswith("drive")}
+    assert drives == {"drive_peak_1": 0.0, "drive_peak_2": 0.0}
     shots = lab.events("held")[0]["shot"]
     lab.control.resume(lab.key, "back")
     lab.until_shot(shots + 1)

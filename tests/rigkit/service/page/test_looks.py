@@ -153,26 +153,31 @@ def test_every_control_that_can_be_pressed_is_reached_by_the_tab_key(visit: Visi
 
 
 @pytest.mark.parametrize(
-    ("state", "output", "tone", "light"),
+    ("state", "runs", "output", "tone", "light"),
     [
-        ("DISARMED", None, "quiet", "Output closed"),
-        ("DISARMED", 0.0, "quiet", "Output zero"),
-        ("DISARMED", 0.5, "fault", "Output on"),
-        ("ARMED", 0.0, "ready", "Output zero"),
-        ("RUNNING", 0.0, "ready", "Output zero"),
-        ("RUNNING", 0.5, "live", "Output on"),
-        ("FAULT", 0.0, "fault", "Output zero"),
+        ("DISARMED", False, "unknown", "quiet", "Output not measured"),
+        ("DISARMED", True, "unknown", "live", "Output not measured"),
+        ("DISARMED", False, "zero", "quiet", "Output zero"),
+        ("DISARMED", False, "on", "fault", "Output on"),
+        ("ARMED", False, "unknown", "ready", "Output not measured"),
+        ("ARMED", False, "zero", "ready", "Output zero"),
+        ("RUNNING", True, "zero", "ready", "Output zero"),
+        ("RUNNING", True, "on", "live", "Output on"),
+        ("RUNNING", True, "unknown", "live", "Output not measured"),
+        ("CALIBRATING", True, "unknown", "live", "Output not measured"),
+        ("HOLD", True, "unknown", "live", "Output not measured"),
+        ("FAULT", False, "zero", "fault", "Output zero"),
+        ("FAULT", True, "unknown", "fault", "Output not measured"),
     ],
 )
-def test_the_head_has_the_colour_of_what_is_measured(
-    page: Visit, state: str, output: float | None, tone: str, light: str
+def test_the_head_has_the_colour_of_what_is_measured_and_amber_of_what_is_not(
+    page: Visit, state: str, runs: bool, output: str, tone: str, light: str
 ) -> None:
     with page.daemon.client() as client:
         shown: dict[str, Any] = client.snapshot()
     shown["state"]["name"] = state
     shown["faults"] = {"response_1": "stuck"}
-    for gauge in shown["gauges"]:
-        gauge["value"] = output if gauge["is_output"] else gauge["value"]
+    shown |= {"output": output, "procedure": {} if runs else None}
     found = page.tab.driver.execute_async_script(
         "const [shown, done] = arguments; import('/state.js').then(({ showState }) => { showState(shown);"
         "done([document.getElementById('state').dataset.tone, document.getElementById('light-output').textContent,"
