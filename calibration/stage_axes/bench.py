@@ -76,7 +76,7 @@ See = Callable[[np.ndarray, np.ndarray], object]
 
 
 def unseen(position: np.ndarray, voltage: np.ndarray) -> None:  # noqa: ARG001 (an observer's own arguments)
-    """Look at nothing."""
+    """Look at nothing of the position (m) and the voltage (V), shape (axes,), of each axis."""
 
 
 @dataclass(frozen=True)

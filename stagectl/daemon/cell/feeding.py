@@ -112,6 +112,7 @@ class Feeding:
         """Give each pocket to be kept, draw it, and wait where it is held; no more are milled when it is to end."""
         for each in pockets:
             yield each
+            self._panels.draw()
             self._conductor.watch.forget()
             self._panels.keep(each)
             self._desk.event("pocket", {"name": each.plan.name, "segments": len(each.done.segments)})

@@ -77,11 +77,7 @@ def run_live(
     LiveFault : a fault, by its reason.
     """
     config, axes = cell.midranging, wanted.shape[1]
-    if not set(names) <= set(AXES) or config.pair.rate != RATE:
-        raise ValueError(
-            f"a live run has the axes {', '.join(names)} at midranging.pair.rate {config.pair.rate:g} samples/s, "
-            f"must be of {', '.join(AXES)} at {RATE:g}"
-        )
+    _refuse_other_axes(config, names)
     _refuse_far(config)
     lead = round(config.session.lead * RATE)
     whole = np.concatenate([np.zeros((lead, axes)), wanted])
@@ -111,6 +107,14 @@ def run_live(
     except ValueError as fault:
         raise LiveFault(str(fault), split(record, axes, 0)) from fault
     return split(record, axes, lead)
+
+
+def _refuse_other_axes(config: MidrangeConfig, names: Sequence[str]) -> None:
+    if not set(names) <= set(AXES) or config.pair.rate != RATE:
+        raise ValueError(
+            f"a live run has the axes {', '.join(names)} at midranging.pair.rate {config.pair.rate:g} samples/s, "
+            f"must be of {', '.join(AXES)} at {RATE:g}"
+        )
 
 
 def _refuse_far(config: MidrangeConfig) -> None:

@@ -32,7 +32,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "force": {"run": "one", "task": "small.json", "pockets": 2},
     "cell": {"run": "one", "setup": "A"},
     "midrange": {"run": "one", "scenario": "wave.csv", "controller": "mvpc"},
-    "calibrate-milling": {"task": "pocket28"},
+    "calibrate-milling": {"task": "pocket28", "model": "found.h5"},
     "calibrate-joints": {"joints": "3"},
 }
 LIVE = {"midrange": {"midranging": MIDRANGING}, "calibrate-joints": {"clamping": QUICK_JOINTS}}
