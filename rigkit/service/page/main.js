@@ -79,7 +79,12 @@ byId("login").onsubmit = (event) => {
   open();
 };
 
-addEventListener("scroll", () => document.body.classList.toggle("scrolled", scrollY > 160), { passive: true });
+/** As soon as the state's name is not whole to be seen, the strip says it. */
+function lookAtPlace() {
+  document.body.classList.toggle("scrolled", byId("state-name").getBoundingClientRect().top < 0);
+}
+
+for (const moved of ["scroll", "resize"]) addEventListener(moved, lookAtPlace, { passive: true });
 takeTokenFromAddress();
 if (token()) open();
 else login("");

@@ -9,11 +9,12 @@ const OUTPUT = { on: "Output on", zero: "Output zero", unknown: "Output not meas
 export function showState(snapshot) {
   const { state, output } = snapshot;
   write(byId("rig-name"), `${snapshot.rig} · ${snapshot.program}`);
-  write(byId("state-name"), state.name);
-  write(byId("state-why"), state.ending ? `${state.why} - the procedure is coming to its end` : state.why);
+  const why = state.ending ? `${state.why} - the procedure is coming to its end` : state.why;
+  for (const [place, text] of [["name", state.name], ["why", why]]) write(byId(`state-${place}`), text);
+  for (const [place, text] of [["state", state.name], ["why", why], ["output", OUTPUT[output]]]) write(byId(`strip-${place}`), text);
   const age = (new Date(snapshot.time) - new Date(state.since)) / 1000;
   write(byId("state-since"), `${state.who}, since ${clock(state.since)} (${duration(age)})`);
-  mark(byId("state"), "tone", tone(state.name, output, snapshot.procedure !== null));
+  for (const place of ["state", "strip"]) mark(byId(place), "tone", tone(state.name, output, snapshot.procedure !== null));
   light("output", output === "unknown" ? output : output === "on", OUTPUT[output]);
   light("recording", snapshot.recording, snapshot.recording ? "Recording" : "Not recording");
   const faults = Object.entries(snapshot.faults).map(([sensor, kind]) => `${sensor} ${kind}`);
