@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from tests.vibractl.line_plant import FREQUENCY, law_of, matrix_of, modal
-from vibractl.law import SIGNIFICANT, reference_level
+from vibractl.law import SIGNIFICANT, reference_level, settled_window
 from vibractl.learning import CHIRP_GAINS, KALMAN_GAINS, SINE_GAINS
+from vibractl.reference import reference_from
 from vibractl.transfer_matrix import norm, regularized_inverse
 
 MODEL = matrix_of(modal(2, 2))
@@ -88,3 +89,51 @@ def test_of_a_sine_the_root_and_its_overtones_are_learned_and_nothing_else() -> 
 def test_the_level_of_a_reference_is_that_of_its_strong_lines() -> None:
     lines = np.array([[4.0, 0.1], [3.0, 2.0], [0.5, 2.0]]) + 0j
     np.testing.assert_allclose(reference_level(lines), [np.sqrt(12.5), 2.0])
+
+
+def test_weights_make_the_weighted_error_small() -> None:
+    """(G^H W^2 G + eps I)^-1 G^H W^2, with eps of W G."""
+    weighted = law_of(MODEL, weights=(3.0, 0.5), regularisation="constant", constant_epsilon=0.3)
+    response, square = weighted.matrix.response, np.diag([9.0, 0.25])
+    adjoint = response.conj().swapaxes(-1, -2)
+    expected = np.linalg.solve(adjoint @ square @ response + 0.3 * np.eye(2), adjoint @ square)
+    np.testing.assert_allclose(weighted.inverse, expected, rtol=1e-9)
+    afar = law_of(MODEL, weights=(3.0, 0.5), sensors="far-field", regularisation="constant", constant_epsilon=0.3)
+    np.testing.assert_array_equal(afar.inverse, regularized_inverse(response, 0.3))  # those are weighted elsewhere
+
+
+def test_of_one_side_the_weight_is_its_own() -> None:
+    alone = law_of(MODEL, side=2, weights=(3.0, 0.5), regularisation="constant", constant_epsilon=0.3)
+    response = alone.matrix.response
+    np.testing.assert_allclose(alone.inverse, regularized_inverse(0.5 * response, 0.3) * 0.5, rtol=1e-9)
+
+
+def test_decentralised_learning_knows_each_side_s_own_response_and_no_other() -> None:
+    law = law_of(MODEL, law="thesis", structure="decentralised")
+    whole = MODEL.at(law.matrix.frequency).response
+    np.testing.assert_allclose(law.matrix.response, whole * np.eye(2), rtol=1e-9)
+
+
+def test_the_reference_is_scaled_by_the_plant_s_size_where_the_reference_is_strong() -> None:
+    law = law_of(MODEL, law="thesis")
+    size = np.abs(law.reference).max(axis=1)
+    strong = size > SIGNIFICANT * size.max()
+    assert 0 < strong.sum() < len(strong)
+    typical = np.median(np.linalg.norm(law.matrix.response[strong], axis=1), axis=0)
+    np.testing.assert_allclose(law.start, law.reference / typical, rtol=1e-9)
+
+
+def test_one_drive_for_both_sides_begins_with_the_mean_of_the_references() -> None:
+    law = law_of(MODEL, law="thesis", structure="common")
+    assert law.start.shape == (len(law.matrix.frequency), 1)
+    ratio = law.start[:, 0] / law.reference.mean(axis=1)
+    np.testing.assert_allclose(ratio, ratio[0], rtol=1e-9)
+
+
+def test_the_window_of_a_sine_s_steady_state_has_a_mean_of_1_and_nothing_at_the_ends() -> None:
+    window = settled_window(reference_from("sine:24:1", 44_100.0, 10.0, 0.04, 2, 4), 4_000)
+    assert isinstance(window, np.ndarray)
+    assert window.mean() == pytest.approx(1.0)
+    assert not window[:160].any()
+    assert not window[-160:].any()
+    assert settled_window(reference_from("chirp:40:90:1", 44_100.0, 10.0, 0.04, 2, 4), 4_000) == 1.0

@@ -18,7 +18,7 @@ def judged(back: Rollback, sizes: list[float], expected: float = NOTHING, first:
 
 
 def test_it_goes_back_to_the_best_drive_when_the_error_has_grown_twice_and_is_four_times_the_least() -> None:
-    *before, best = judged(Rollback(), [4.0, 1.0, 2.5, 4.5])
+    *before, best = judged(Rollback(), [8.0, 2.0, 5.0, 9.0])
     assert before == [None, None, None]
     assert best is not None
     assert best.shot == 1

@@ -96,6 +96,7 @@ class Door:
         ({**OURS, "authorization": "Basic " + TOKENS.operate}, 401),
         ({**OURS, "authorization": "Bearer \xe9"}, 401),
         (VIEW, 403),
+        ({**OPERATE, "content-length": str(LARGEST_BODY)}, 200),
         ({**OPERATE, "content-length": str(LARGEST_BODY + 1)}, 413),
     ],
 )

