@@ -9,7 +9,6 @@ hypothesis.settings.load_profile("repeatable")
 
 LONGEST = (
     "contract/test_every_block.py",
-    "commands/test_readme.py",
     "scenario/test_audio_through_jack.py",
     "calibration/test_main.py",
     "rigkit/service/page/test_runs.py",
@@ -17,6 +16,7 @@ LONGEST = (
     "rigkit/service/page/test_looks.py",
     "rigkit/service/test_daemon.py",
     "scenario/test_a_disk_that_fails.py",
+    "commands/test_readme.py",
     "vibractl/test_audio_process.py",
     "stagectl/daemon/test_killed.py",
     "stagectl/daemon/test_rig.py",

@@ -14,12 +14,8 @@ from tests.standstill import Standstill
 TRIES = 8
 """Repetitions of a test; each must be excused by the machine."""
 STOOD = pytest.StashKey[Standstill]()
-_EXCUSED = pytest.StashKey[list[str]]()
-
-
-def pytest_configure(config: pytest.Config) -> None:
-    """Begin the list of what was repeated."""
-    config.stash[_EXCUSED] = []
+SAID = "stood still"
+"""Under this name a report says for how long, which goes with it from a worker to who prints."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -42,13 +38,7 @@ class Excuse:
         self._item, self._seconds = item, seconds
 
     def __call__(self, fault: BaseException | None) -> bool:
-        longest = self._item.stash[STOOD].longest
-        if fault is None or not longest > self._seconds:
-            return False
-        self._item.config.stash[_EXCUSED].append(
-            f"{self._item.nodeid}: the machine stood still for {longest:.3f} s, the limit is {self._seconds:g} s"
-        )
-        return True
+        return fault is not None and self._item.stash[STOOD].longest > self._seconds
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
@@ -69,7 +59,19 @@ def pytest_runtest_teardown(item: pytest.Item) -> Iterator[None]:
             item.stash[STOOD].__exit__(None, None, None)
 
 
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
+    """Write into the report of a failure for how long the machine stood still."""
+    report: pytest.TestReport = yield  # type: ignore[misc]
+    if report.failed and (seconds := limit(item)) is not None:
+        longest = item.stash[STOOD].longest
+        report.user_properties.append((SAID, f"{longest:.3f} s, the limit is {seconds:g} s"))
+    return report  # type: ignore[return-value]
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Say what was repeated, and why."""
-    for line in config.stash[_EXCUSED]:
-        terminalreporter.write_line(f"repeated: {line}")
+    for report in terminalreporter.stats.get("rerun", []):
+        for name, text in report.user_properties:
+            if name == SAID:
+                terminalreporter.write_line(f"repeated: {report.nodeid}: the machine stood still for {text}")

@@ -5,6 +5,8 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import pytest
+
 from tests.contract.source_tree import ROOT
 from tests.deadlines import STOOD, Excuse
 from tests.until import EVER
@@ -27,25 +29,26 @@ def test_of_a_deadline():
 """
 CONFIGURATION = f"""
 [pytest]
-addopts = -p no:xdist -p tests.deadlines
+addopts = -p tests.deadlines
 markers = deadline
 pythonpath = {ROOT}
 """
 
 
-def run(folder: Path, stands_still: float, passes_at: int) -> tuple[str, int]:
+def run(folder: Path, stands_still: float, passes_at: int, workers: int = 0) -> tuple[str, int]:
     """Run a test that fails until it has run so often; return what is said and how often it ran."""
     (folder / "pytest.ini").write_text(CONFIGURATION)
     (folder / "test_it.py").write_text(FAILS.format(stands_still=stands_still, passes_at=passes_at))
-    command = [sys.executable, "-m", "pytest", "test_it.py"]
+    command = [sys.executable, "-m", "pytest", "-n", str(workers), "test_it.py"]
     done = subprocess.run(
         command, cwd=folder, env={"PYTHONPATH": str(ROOT)}, capture_output=True, text=True, timeout=EVER, check=False
     )
     return done.stdout + done.stderr, len((folder / "times").read_text())
 
 
-def test_it_is_repeated_where_the_machine_stood_still_and_says_so(tmp_path: Path) -> None:
-    said, times = run(tmp_path, stands_still=0.2, passes_at=3)
+@pytest.mark.parametrize("workers", [0, 1])
+def test_it_is_repeated_where_the_machine_stood_still_and_says_so(tmp_path: Path, workers: int) -> None:
+    said, times = run(tmp_path, 0.2, 3, workers)
     assert "1 passed, 2 rerun" in said, said
     assert times == 3
     assert said.count("repeated: test_it.py::test_of_a_deadline: the machine stood still for 0.") == 2
