@@ -6,9 +6,9 @@ Results stand in build/mutants.json as they come: stopped, the same command goes
 the operators do not make, and of `|`, which stands in types.
 """
 
+import hashlib
 import json
 import os
-import random
 import shutil
 import subprocess
 import sys
@@ -59,8 +59,17 @@ class Mutant:
     line: int
 
     @property
+    def key(self) -> str:
+        return f"{self.file} {self.operator.removeprefix('core/')} {self.occurrence}"
+
+    @property
     def name(self) -> str:
         return f"{self.file}:{self.line} {self.operator.removeprefix('core/')} {self.occurrence}"
+
+    @property
+    def lot(self) -> str:
+        """By which it is drawn: code that is changed elsewhere draws no other ones."""
+        return hashlib.sha256(f"{SEED} {self.key}".encode()).hexdigest()
 
 
 def mutants(file: str) -> list[Mutant]:
@@ -79,7 +88,7 @@ def mutants(file: str) -> list[Mutant]:
 def sample(count: int) -> list[Mutant]:
     """Return the sample; a smaller one is the beginning of a larger one."""
     every = [mutant for file in TESTS for mutant in mutants(file)]
-    return random.Random(SEED).sample(every, len(every))[:count]
+    return sorted(every, key=lambda mutant: mutant.lot)[:count]
 
 
 def copied() -> None:
@@ -133,27 +142,27 @@ def main(count: int = 300) -> None:
     copied()
     undisturbed: dict[str, float] = {}
     for number, mutant in enumerate(chosen, start=1):
-        if mutant.name in known:
+        if mutant.key in known:
             continue
         if mutant.file not in undisturbed:
             outcome, took = tested(mutant.file, 600.0)
             assert outcome == "survived", f"{TESTS[mutant.file]} fails without a fault"
             undisturbed[mutant.file] = LONGEST[0] + LONGEST[1] * took
-        known[mutant.name] = tried(mutant, undisturbed[mutant.file])
+        known[mutant.key] = tried(mutant, undisturbed[mutant.file])
         RESULTS.write_text(json.dumps(known, indent=1))
-        print(f"{number} of {count}: {known[mutant.name]}: {mutant.name}", flush=True)
-    report([mutant.name for mutant in chosen], known)
+        print(f"{number} of {count}: {known[mutant.key]}: {mutant.name}", flush=True)
+    report(chosen, known)
 
 
-def report(names: list[str], known: dict[str, str]) -> None:
+def report(chosen: list[Mutant], known: dict[str, str]) -> None:
     """Print how many of each there are, and those that survived."""
-    print(dict(Counter(known[name] for name in names)))
+    print(dict(Counter(known[mutant.key] for mutant in chosen)))
     page = ROOT / "docs" / "mutants.md"
     explained = page.read_text() if page.exists() else ""
-    survived = [name for name in names if known[name] == "survived"]
-    for name in survived:
-        print(f"survived{', explained' if name in explained else ''}: {name}")
-    sys.exit(any(name not in explained for name in survived))
+    survived = [mutant for mutant in chosen if known[mutant.key] == "survived"]
+    for mutant in survived:
+        print(f"survived{', explained' if mutant.key in explained else ''}: {mutant.name}")
+    sys.exit(any(mutant.key not in explained for mutant in survived))
 
 
 if __name__ == "__main__":
