@@ -4,7 +4,7 @@ import errno
 import os
 import re
 import secrets
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -55,15 +55,25 @@ def write(path: str | Path, content: str | bytes) -> None:
 @contextmanager
 def folder(path: Path) -> Iterator[Path]:
     """Make a folder, and those above it, to be filled; where the block raises, those that stay empty go again."""
-    absent = [each for each in (path, *path.parents) if not each.exists()]
+    made = absent(path)
     try:
         path.mkdir(parents=True, exist_ok=True)
         yield path
     except BaseException:
-        for made in absent:
-            with suppress(OSError):  # there is something in it
-                made.rmdir()
+        remove_empty(made)
         raise
+
+
+def absent(path: Path) -> list[Path]:
+    """Return a folder and those above it that are not there, the deepest first."""
+    return [each for each in (path, *path.parents) if not each.exists()]
+
+
+def remove_empty(folders: Iterable[Path]) -> None:
+    """Remove folders, the deepest first; one that has something in it stays."""
+    for each in folders:
+        with suppress(OSError):
+            each.rmdir()
 
 
 def leftovers(folder: Path) -> Iterator[Path]:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ctlblocks.room import writing
 from rigkit.atomic import to_disk
+from rigkit.text_file import decoded
 
 
 def append(path: Path, line: str) -> None:
@@ -43,11 +44,11 @@ def lines(path: Path) -> list[str]:
 
     Raises
     ------
-    ValueError : a line is not UTF-8.
+    TextFault : a line is not UTF-8.
     """
     content = path.read_bytes() if path.exists() else b""
     whole = content[: content.rfind(b"\n") + 1]
-    return [_decoded(path, number, line) for number, line in enumerate(whole.split(b"\n")[:-1], start=1)]
+    return [decoded(line, path, number) for number, line in enumerate(whole.split(b"\n")[:-1], start=1)]
 
 
 def first(path: Path) -> str:
@@ -56,7 +57,7 @@ def first(path: Path) -> str:
         return ""
     with path.open("rb") as file:
         line = file.readline()
-    return _decoded(path, 1, line[:-1]) if line.endswith(b"\n") else ""
+    return decoded(line[:-1], path) if line.endswith(b"\n") else ""
 
 
 def repair(path: Path) -> None:
@@ -67,10 +68,3 @@ def repair(path: Path) -> None:
         whole = file.read().rfind(b"\n") + 1
         file.truncate(whole)
         os.fsync(file.fileno())
-
-
-def _decoded(path: Path, number: int, line: bytes) -> str:
-    try:
-        return line.decode()
-    except UnicodeDecodeError as fault:
-        raise ValueError(f"{path}: byte {line[fault.start]:#04x} in line {number} is not UTF-8") from None

@@ -4,7 +4,7 @@ import csv
 import io
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Self
@@ -56,7 +56,7 @@ class RunFolder:
         """
         path = Path(path)
         _refuse_used(path)
-        made = [each for each in (path, *path.parents) if not each.exists()]
+        made = atomic.absent(path)
         with atomic.folder(path):
             lock = Lock(path / LOCK)
             folder = cls(path, lock, made)
@@ -121,9 +121,7 @@ class RunFolder:
         self.close()
         for entry in list(self.path.iterdir()) if self.path.exists() else ():
             shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
-        for made in self._made:
-            with suppress(OSError):  # there is something else in it
-                made.rmdir()
+        atomic.remove_empty(self._made)
 
     def close(self) -> None:
         """Release the lock; may be called twice."""

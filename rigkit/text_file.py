@@ -25,8 +25,13 @@ def read_text(path: str | os.PathLike[str], largest: int | None = None) -> str:
         content = file.read(-1 if largest is None else largest + 1)
     if largest is not None and len(content) > largest:
         raise TextFault(f"{path}: more than {largest} bytes")
+    return decoded(content, path).removeprefix("\ufeff")
+
+
+def decoded(content: bytes, path: str | os.PathLike[str], first: int = 1) -> str:
+    """Return bytes of a file as text; TextFault where some are not UTF-8.  Its first line is number `first`."""
     try:
-        return content.decode("utf-8-sig")
+        return content.decode()
     except UnicodeDecodeError as fault:
-        line = content.count(b"\n", 0, fault.start) + 1
-        raise TextFault(f"{path}: byte {fault.object[fault.start]:#04x} in line {line} is not UTF-8") from None
+        line = content.count(b"\n", 0, fault.start) + first
+        raise TextFault(f"{path}: byte {content[fault.start]:#04x} in line {line} is not UTF-8") from None

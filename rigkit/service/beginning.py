@@ -2,10 +2,10 @@
 
 import asyncio
 import time
-from functools import partial
 from typing import Any
 
 from rigkit.service import answers
+from rigkit.service.json_answer import asked
 from rigkit.service.link import Asking
 
 WITHIN = 60.0
@@ -24,23 +24,20 @@ async def begin(asking: Asking, **command: Any) -> tuple[int, Any]:
     **command
         Of `rigkit.service.control.Control.begin`.
     """
-    answer = await _ask(asking, "begin", command)
-    if answer["status"] != 200:
-        return answer["status"], answers.error(answer["status"], answer["error"])
-    told = dict(answer["told"])
+    status, told = await asked(asking, "begin", **command)
+    if status != 200:
+        return status, told
     number, until = told.pop("number"), time.monotonic() + WITHIN
     while time.monotonic() < until:
-        match (await _ask(asking, "begun", {"number": number}))["told"]:
-            case {"outcome": "begun"}:
+        status, came = await asked(asking, "begun", number=number)
+        if status != 200:
+            return status, came
+        match came["outcome"]:
+            case "begun":
                 return 200, told
-            case {"outcome": "not begun", "why": why}:
-                return 422, {**answers.error(422, why), "reason": NOT_BEGUN}
-            case {"outcome": "failed", "why": why}:
-                return 503, answers.error(503, why)
+            case "not begun":
+                return 422, {**answers.error(422, came["why"]), "reason": NOT_BEGUN}
+            case "failed":
+                return 503, answers.error(503, came["why"])
         await asyncio.sleep(LOOK)
     return 202, told
-
-
-async def _ask(asking: Asking, do: str, arguments: dict[str, Any]) -> dict[str, Any]:
-    loop = asyncio.get_running_loop()
-    return await loop.run_in_executor(asking.threads, partial(asking.ask, {"do": do, "with": arguments}))

@@ -40,9 +40,16 @@ class Closing(Protocol):
 
 
 class Waiting:
-    """The connections without a whole request, in the order in which they came, by address."""
+    """The connections without a whole request, in the order in which they came, by address.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    tell : callable(fields)
+        Told of every connection that is closed: address, path (empty), status and why.
+    """
+
+    def __init__(self, tell: Tell) -> None:
+        self.tell = tell
         self._since: dict[str, dict[Closing, float]] = {}
         self._all = 0
 
@@ -86,25 +93,15 @@ class PatientProtocol(H11Protocol):
     """uvicorn's HTTP/1.1 with an end to its patience; a subclass of `bound` is what a server is given."""
 
     waiting: ClassVar[Waiting]
-    tells: ClassVar[tuple[Tell]]
-    within: ClassVar[float]
     _late: asyncio.TimerHandle | None = None
-    _is_unread: asyncio.TimerHandle | None = None
+    _unread: asyncio.TimerHandle | None = None
     _is_idle = False
     """Between an answer and the next request, which is uvicorn's own `timeout_keep_alive`."""
 
     @classmethod
-    def bound(cls, waiting: Waiting, tell: Tell, within: float = WITHIN) -> type["PatientProtocol"]:
-        """Return the class for one server.
-
-        Parameters
-        ----------
-        waiting : Waiting
-        tell : callable(fields)
-            Told of every connection that is closed: address, path (empty), status and why.
-        within : float, s
-        """
-        return type(cls.__name__, (cls,), {"waiting": waiting, "tells": (tell,), "within": within})
+    def bound(cls, waiting: Waiting) -> type["PatientProtocol"]:
+        """Return the class for one server."""
+        return type(cls.__name__, (cls,), {"waiting": waiting})
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Begin to wait for a request."""
@@ -144,7 +141,7 @@ class PatientProtocol(H11Protocol):
     def pause_writing(self) -> None:
         """Wait for the client to read what it has asked for, but not for ever."""
         super().pause_writing()
-        self._is_unread = self.loop.call_later(READ_WITHIN, self.give_up, 408, f"nothing read for {READ_WITHIN:g} s")
+        self._unread = self.loop.call_later(READ_WITHIN, self.give_up, 408, f"nothing read for {READ_WITHIN:g} s")
 
     def resume_writing(self) -> None:
         """Go on: it has read."""
@@ -170,7 +167,7 @@ class PatientProtocol(H11Protocol):
         if not self.transport.is_closing():
             self.transport.abort()
             if status != 503 or not self._is_idle:
-                self.tells[0]({"address": self._address, "path": "", "status": status, "why": why})
+                self.waiting.tell({"address": self._address, "path": "", "status": status, "why": why})
 
     @property
     def _address(self) -> str:
@@ -180,13 +177,13 @@ class PatientProtocol(H11Protocol):
         return self.cycle is not None and not self.cycle.more_body and not self.cycle.response_complete
 
     def _has_read(self) -> None:
-        if self._is_unread is not None:
-            self._is_unread.cancel()
-            self._is_unread = None
+        if self._unread is not None:
+            self._unread.cancel()
+            self._unread = None
 
     def _wait(self) -> None:
         self._wait_no_longer()
-        self._late = self.loop.call_later(self.within, self.give_up, 408, f"no whole request within {self.within:g} s")
+        self._late = self.loop.call_later(WITHIN, self.give_up, 408, f"no whole request within {WITHIN:g} s")
         self.waiting.add(self, self._address, self.loop.time())
 
     def _wait_no_longer(self) -> None:

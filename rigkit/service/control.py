@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from rigkit.config import Section
 from rigkit.config_fault import ConfigError, explained
-from rigkit.service.desk import Board, OpenDesk
+from rigkit.service.desk import Board, OpenDesk, Outcome
 from rigkit.service.journal import Journal
 from rigkit.service.lease import Lease, Refused
 from rigkit.service.not_begun import NotBegun, reason
@@ -202,7 +202,8 @@ class Control:
 
     def _work(self, desk: OpenDesk, options: Section) -> None:
         """Run a procedure, in its own thread."""
-        why, outcome, refusal = f"{desk.procedure.title} has ended", desk.outcome, ""
+        why, refusal = f"{desk.procedure.title} has ended", ""
+        outcome: Outcome = "begun"
         try:
             desk.procedure.run(desk, options)
         except Stopped as end:

@@ -106,7 +106,7 @@ class OpenDesk:
         """Say what came of it where it never came to `begun`; else that is what came of it."""
         with self._moved:
             if self.outcome == "getting ready":
-                self.outcome, self.why = ("begun" if outcome == "getting ready" else outcome), why
+                self.outcome, self.why = outcome, why
 
     def progress(self, done: float, total: float, note: str = "") -> None:
         """Say how much is done."""

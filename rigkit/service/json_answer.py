@@ -1,5 +1,7 @@
 """Answers of the API as JSON, those to what has gone wrong included."""
 
+import asyncio
+from functools import partial
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -10,7 +12,7 @@ from starlette.routing import Match
 
 from rigkit.service import answers
 from rigkit.service.gate import Refusal
-from rigkit.service.link import NoAnswer
+from rigkit.service.link import Asking, NoAnswer
 from rigkit.service.snapshot import as_bytes
 
 
@@ -20,6 +22,19 @@ class Json(JSONResponse):
     def render(self, content: Any) -> bytes:
         """Return it as JSON."""
         return as_bytes(content)
+
+
+def answered(asking: Asking, do: str, /, **arguments: Any) -> tuple[int, Any]:
+    """Ask, which may wait; return the HTTP status, and what was told or the error."""
+    answer = asking.ask({"do": do, "with": arguments})
+    status = answer["status"]
+    return status, answer["told"] if status == 200 else answers.error(status, answer["error"])
+
+
+async def asked(asking: Asking, do: str, /, **arguments: Any) -> tuple[int, Any]:
+    """Ask in a thread of the end's own: questions that wait for an answer hold up no STOP."""
+    loop = asyncio.get_running_loop()
+    return await loop.run_in_executor(asking.threads, partial(answered, asking, do, **arguments))
 
 
 def answer_errors(app: FastAPI) -> None:

@@ -4,7 +4,6 @@ import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -17,7 +16,7 @@ from starlette.types import Receive, Scope, Send
 
 from rigkit.service import answers, beginning, requests, runs
 from rigkit.service.journal import KEPT
-from rigkit.service.json_answer import Json, answer_errors
+from rigkit.service.json_answer import Json, answer_errors, answered, asked
 from rigkit.service.link import Asking
 from rigkit.service.metrics import Metrics
 from rigkit.service.panel_cache import PanelCache
@@ -114,7 +113,7 @@ def _page(files: StaticFiles) -> Callable[[Scope, Receive, Send], Awaitable[None
 
 def _add_views(app: APIRouter, ends: Ends) -> None:
     def of_the_rig(name: str) -> tuple[int, bytes]:
-        status, told = _answered(ends.asking, "panel", name=name)
+        status, told = answered(ends.asking, "panel", name=name)
         return status, as_bytes(told)
 
     panels = PanelCache(ends.slot, of_the_rig)
@@ -245,16 +244,8 @@ def _with_reason(asking: Asking, name: str) -> Any:
 
 
 async def _asked(asking: Asking, do: str, /, **arguments: Any) -> JSONResponse:
-    """Ask in a thread of the end's own: questions that wait for an answer hold up no STOP."""
-    loop = asyncio.get_running_loop()
-    status, told = await loop.run_in_executor(asking.threads, partial(_answered, asking, do, **arguments))
+    status, told = await asked(asking, do, **arguments)
     return Json(told, status)
-
-
-def _answered(asking: Asking, do: str, /, **arguments: Any) -> tuple[int, Any]:
-    answer = asking.ask({"do": do, "with": arguments})
-    status = answer["status"]
-    return status, answer["told"] if status == 200 else answers.error(status, answer["error"])
 
 
 def _found(look: Callable[..., Found], root: Path, *names: str) -> Found:

@@ -71,7 +71,7 @@ def run(daemon: Daemon, tokens: Tokens, name: str, wires: Wires) -> None:
     ends = Ends(wires.slot, asking, urgent, data / "runs", Path(str(files("rigkit.service"))) / "page")
     rules = Rules(names(daemon), origins(daemon), tokens, daemon.requests, _is_open, lambda told: tell("refused", told))
     app = Gate(application(ends, audience, metrics, name), rules)
-    protocol = PatientProtocol.bound(Waiting(), app.tell)
+    protocol = PatientProtocol.bound(Waiting(app.tell))
     server = _Server(_settings(app, daemon, protocol))
     _allow_files()
     gc.collect()

@@ -66,12 +66,9 @@ def test_a_class_is_returned_and_not_made() -> None:
 @pytest.mark.parametrize("model", [RigConfig, StageConfig, CellConfig])
 def test_every_key_that_names_code_is_known_to_be_one(model: type[Section]) -> None:
     """By its default, which is of that form."""
-    texts = {key: text for key, text in _texts(model(), "") if ":" in text and " " not in text and "/" not in text}
+    form = re.compile(r"[a-z_][\w.]*:[A-Z]\w*")
     named = names_in(model())
-    assert {key: text for key, text in texts.items() if key in named or not text[0].isdigit()} == {
-        **named,
-        **{key: text for key, text in texts.items() if text.startswith("chirp:")},
-    }
+    assert {key: text for key, text in _texts(model(), "") if form.fullmatch(text)} == named
     assert named
 
 

@@ -27,7 +27,7 @@ class Connection:
 
 
 def test_the_oldest_of_the_address_that_has_most_goes_for_the_newest() -> None:
-    waiting, many, other = Waiting(), [Connection() for _ in range(OF_ONE + 2)], Connection()
+    waiting, many, other = Waiting(print), [Connection() for _ in range(OF_ONE + 2)], Connection()
     waiting.add(other, "10.0.0.2", 0.0)
     for number, each in enumerate(many):
         waiting.add(each, "10.0.0.1", float(number))
@@ -38,7 +38,7 @@ def test_the_oldest_of_the_address_that_has_most_goes_for_the_newest() -> None:
 
 
 def test_each_has_a_moment_to_ask_however_many_come_at_once() -> None:
-    waiting, many = Waiting(), [Connection() for _ in range(AT_ONCE)]
+    waiting, many = Waiting(print), [Connection() for _ in range(AT_ONCE)]
     for each in many:
         waiting.add(each, "10.0.0.1", 10.0)
     assert not any(each.why for each in many)
@@ -50,7 +50,7 @@ def test_each_has_a_moment_to_ask_however_many_come_at_once() -> None:
 
 
 def test_from_many_addresses_there_are_not_more_in_all() -> None:
-    waiting, many = Waiting(), [Connection() for _ in range(2 * IN_ALL)]
+    waiting, many = Waiting(print), [Connection() for _ in range(2 * IN_ALL)]
     for number, each in enumerate(many):
         waiting.add(each, f"10.0.{number}.1", float(number))
     assert len(waiting) == IN_ALL
@@ -58,7 +58,7 @@ def test_from_many_addresses_there_are_not_more_in_all() -> None:
 
 
 def test_one_that_has_asked_is_out_of_it() -> None:
-    waiting, asked = Waiting(), Connection()
+    waiting, asked = Waiting(print), Connection()
     waiting.add(asked, "10.0.0.1", 0.0)
     waiting.remove(asked, "10.0.0.1")
     waiting.remove(asked, "10.0.0.1")

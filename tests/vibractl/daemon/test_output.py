@@ -1,23 +1,12 @@
 """Each procedure of the vibrator's daemon shows what it puts out while it runs."""
 
-from collections.abc import Iterator
-from pathlib import Path
-
 import pytest
 
 from rigkit.service.snapshot import snapshot
 from tests.rigkit.service.outputs import is_measured_while_it_runs
-from tests.vibractl.daemon.bench import Lab, lab_in
+from tests.vibractl.daemon.bench import Lab
 
 OPTIONS = {"run": {"run": "one", "shots": 1000}, "calibrate": {"model": "found.h5"}}
-
-
-@pytest.fixture
-def lab(tmp_path: Path) -> Iterator[Lab]:
-    made = lab_in(tmp_path)
-    yield made
-    made.control.close(60)
-    made.control.journal.close()
 
 
 @pytest.mark.parametrize("procedure", OPTIONS)

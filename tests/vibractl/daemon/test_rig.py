@@ -1,6 +1,5 @@
 """The vibrator's procedures under the daemon."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,7 @@ from tests.contract import monitoring
 from tests.contract.monitoring import missing_of
 from tests.rigkit.service.described import views_are_described
 from tests.until import until
-from tests.vibractl.daemon.bench import Lab, lab_in
+from tests.vibractl.daemon.bench import Lab
 from vibractl.config import RigConfig
 from vibractl.daemon import running
 from vibractl.daemon.rig import Vibrator
@@ -28,14 +27,6 @@ def reports(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
     if "reported" not in request.node.name:
         monkeypatch.setattr(running, "run_report", drawn.append)
     return drawn
-
-
-@pytest.fixture
-def lab(tmp_path: Path) -> Iterator[Lab]:
-    made = lab_in(tmp_path)
-    yield made
-    made.control.close(60)
-    made.control.journal.close()
 
 
 def test_a_run_is_learned_shown_and_reported_and_the_rig_stays_armed(lab: Lab) -> None:
