@@ -6,11 +6,12 @@ import json
 from collections.abc import Sequence
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from rigkit.config_fault import ConfigError, explained
+from rigkit.config_role import ROLE, Role
 from rigkit.config_source import Override, file_values
 from rigkit.config_text import dump, example
 
@@ -25,25 +26,31 @@ class Section(BaseModel):
     """A table of a rig file.  Unknown keys, inf, NaN and a bool for a number are refused."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False, validate_default=True)
+    role: ClassVar[Role] = "experiment"
+    """Of its keys that declare none."""
 
 
 Model = TypeVar("Model", bound=Section)
 
 
-def setting(default: Any, unit: str, text: str, **limits: Any) -> Any:
+def setting(default: Any, unit: str, text: str, role: Role | None = None, **limits: Any) -> Any:
     """Declare one key of a `Section`: its default, its unit ("" for none), what it is for and its limits.
 
-    `limits` are pydantic's own (`ge`, `gt`, `le`, `lt`, `min_length`, `max_length`, `pattern`).
+    `role` is its table's where none is given; `limits` are pydantic's own (`ge`, `gt`, `le`, `lt`, `min_length`,
+    `max_length`, `pattern`).
     """
-    return Field(default=default, description=text, json_schema_extra={"unit": unit}, **limits)
+    declared: dict[str, Any] = {"unit": unit} if role is None else {"unit": unit, ROLE: role}
+    return Field(default=default, description=text, json_schema_extra=declared, **limits)
 
 
-def code(default: str, text: str, pattern: str | None = CLASS) -> Any:
+def code(default: str, text: str, pattern: str | None = CLASS, role: Role | None = None) -> Any:
     """Declare one key of a `Section` that names code as "package.module:Class": its default and what it is for.
 
-    `pattern` is of what else it may be; None if that is anything.
+    `pattern` is of what else it may be, None if that is anything; `role` as for `setting`.
     """
-    return Field(default=default, description=text, json_schema_extra={"unit": "", CODE: True}, pattern=pattern)
+    made = setting(default, "", text, role, pattern=pattern)
+    made.json_schema_extra[CODE] = True
+    return made
 
 
 def load(path: str | Path | None, model: type[Model], overrides: Sequence[str] = ()) -> Model:

@@ -17,11 +17,15 @@ PerAxis = tuple[float, ...]
 class Rig(Section):
     """Which rig this is; a model measured on one rig is refused on another."""
 
+    role = "wiring"
+
     name: str = setting("simulated-stage", "", "name of the rig, kept with every model and run", min_length=1)
 
 
 class Stage(Section):
     """The stage: its axes, and how often they are controlled."""
+
+    role = "wiring"
 
     axes: tuple[str, ...] = setting(("x", "y", "z"), "", "name of each axis", min_length=1, max_length=8)
     rate: float = setting(10_000.0, "samples/s", "sample rate of both loops", ge=100, le=100_000)
@@ -175,7 +179,11 @@ class Deflection(Section):
 class Session(Section):
     """How long a run is, where, and how it is kept."""
 
-    live: bool = setting(False, "", "the stage behind [link], which controls itself; else the one of [simulator]")
+    role = "patience"
+
+    live: bool = setting(
+        False, "", "the stage behind [link], which controls itself; else the one of [simulator]", role="plant"
+    )
     seconds: float = setting(20.0, "s", "length of the run", gt=0, le=3_600)
     lead: float = setting(1.0, "s", "before it, to come to rest and to start", ge=0.05, le=60)
     recording: Literal["csv", "wav"] = setting("csv", "", "format of the recording; a WAV is smaller and quicker")
@@ -184,6 +192,8 @@ class Session(Section):
 
 class Simulator(Section):
     """The laboratory without the laboratory; a live run does not read it."""
+
+    role = "plant"
 
     plant: str = code("firmware_sim.stage_blocks:PiezoStage", "module:Class of the stage's Block")
     options: dict[str, Any] = setting({}, "", "keywords it is built with")

@@ -16,16 +16,20 @@ Channels = tuple[int, ...]
 class Rig(Section):
     """Which rig this is; a model measured on one rig is refused on another."""
 
+    role = "wiring"
+
     name: str = setting("simulated-vibrator", "", "name of the rig, kept with every model and run", min_length=1)
 
 
 class Audio(Section):
     """The audio interface: one full-duplex stream for the whole session."""
 
-    stream: str = code("firmware_sim.audio:Stream", "module:Class with sounddevice.Stream's constructor")
-    device: str = setting("", "", "device name, for input and output alike; empty for the default")
+    role = "wiring"
+
+    stream: str = code("firmware_sim.audio:Stream", "module:Class with sounddevice.Stream's constructor", role="plant")
+    device: str = setting("", "", "device name, for input and output alike; empty for the default", role="plant")
     rate: int = setting(44_100, "samples/s", "sample rate", ge=8_000, le=192_000)
-    blocksize: int = setting(512, "samples", "samples a callback", ge=16, le=8_192)
+    blocksize: int = setting(512, "samples", "samples a callback", ge=16, le=8_192, role="patience")
     drive_channels: Channels = setting((1, 2), "", "output channel of each coil, counted from 1", min_length=1)
     response_channels: Channels = setting((1, 2), "", "input channel of each accelerometer", min_length=1)
     far_field_channels: Channels = setting(
@@ -34,16 +38,23 @@ class Audio(Section):
     alignment: Literal["loopback", "marker"] = setting(
         "loopback", "", "proof of alignment: a cable from output to input, or a short marker through the vibrator"
     )
-    loopback_output: int = setting(3, "", "output channel of the loopback cable", ge=1, le=64)
-    loopback_input: int = setting(3, "", "input channel of the loopback cable", ge=1, le=64)
+    loopback_output: int = setting(3, "", "output channel of the loopback cable", ge=1, le=64, role="patience")
+    loopback_input: int = setting(3, "", "input channel of the loopback cable", ge=1, le=64, role="patience")
     heartbeat_output: int = setting(
-        0, "", "output of a tone for a relay in the amplifier's supply, while all is well; 0 for none", ge=0, le=64
+        0,
+        "",
+        "output of a tone for a relay in the amplifier's supply, while all is well; 0 for none",
+        ge=0,
+        le=64,
+        role="patience",
     )
     output_full_scale: float = setting(10.0, "V", "drive at digital full scale", gt=0, le=1_000)
     input_full_scale: float = setting(400.0, "m/s^2", "response at digital full scale", gt=0, le=1e6)
     far_field_full_scale: float = setting(200.0, "Pa", "sound pressure at digital full scale", gt=0, le=1e6)
-    isolated: bool = setting(True, "", "run the stream in a process of its own")
-    attempts: int = setting(3, "", "times a shot with an xrun, a slip or a bad sample is tried", ge=1, le=20)
+    isolated: bool = setting(True, "", "run the stream in a process of its own", role="patience")
+    attempts: int = setting(
+        3, "", "times a shot with an xrun, a slip or a bad sample is tried", ge=1, le=20, role="patience"
+    )
     relay: Relay = Field(default_factory=Relay)
 
     @model_validator(mode="after")
@@ -155,6 +166,8 @@ class Watch(Section):
 class Session(Section):
     """How many shots, and how they are kept."""
 
+    role = "patience"
+
     shots: int = setting(30, "shots", "shots of the run", ge=1, le=100_000)
     recording: Literal["wav", "csv"] = setting("wav", "", "format of shots/0000.wav ...")
 
@@ -197,8 +210,10 @@ class Characterisation(Section):
 class Simulator(Section):
     """The laboratory without the laboratory; read by firmware_sim alone."""
 
+    role = "plant"
+
     plant: str = code("vibrator", "vibrator, impulse-response, or package.module:Class of a Block", pattern=None)
-    speed: float = setting(0.0, "1", "multiple of real time; 0 as fast as it goes", ge=0, le=1_000)
+    speed: float = setting(0.0, "1", "multiple of real time; 0 as fast as it goes", ge=0, le=1_000, role="patience")
     options: dict[str, Any] = setting({}, "", "keywords the plant is built with")
 
 

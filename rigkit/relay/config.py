@@ -9,6 +9,8 @@ from rigkit.relay.frame import IDENTIFIER
 class Relay(Section):
     """A relay in the amplifier's supply, which closes while frames on a CAN bus say that all is well."""
 
+    role = "patience"
+
     bus: str = code(
         "", "module:Class with can.Bus's constructor, such as can:Bus; no frames if empty", r"^([\w.]+:\w+)?$"
     )

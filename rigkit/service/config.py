@@ -6,6 +6,8 @@ from rigkit.config import Section, setting
 class Daemon(Section):
     """The service that `daemon` runs: who reaches it, and where it keeps things."""
 
+    role = "patience"
+
     address: str = setting(
         "127.0.0.1:8787",
         "",

@@ -13,13 +13,17 @@ from stagectl.wire.messages import HOLD, SILENCE
 class Link(Section):
     """The CAN bus to the stage's processor."""
 
+    role = "patience"
+
     bus: str = code("stagectl.link.slcan:SlcanBus", "module:Class with can.Bus's constructor, such as can:Bus")
     channel: str = setting("/dev/ttyACM0", "", "the adapter's port, or the interface's name", min_length=1)
     form: Literal["fd", "classic"] = setting("fd", "", "CAN FD: ten samples a frame; classic CAN: one in ten")
     bitrate: int = setting(1_000_000, "bit/s", "of a classic bus, and of the arbitration", ge=125_000, le=1_000_000)
     data_bitrate: int = setting(5_000_000, "bit/s", "of a CAN FD frame's data", ge=1_000_000, le=8_000_000)
     options: dict[str, Any] = setting({}, "", "more keywords the bus is built with, such as interface")
-    origin: float = setting(225e-6, "m", "position that is zero on the wire: mid-travel", ge=-1e-2, le=1e-2)
+    origin: float = setting(
+        225e-6, "m", "position that is zero on the wire: mid-travel", ge=-1e-2, le=1e-2, role="wiring"
+    )
     silence: float = setting(SILENCE, "s", "without a heartbeat of the host that is a fault", ge=0.01, le=10)
     hold: float = setting(HOLD, "s", "beyond silence, for which references, and the stage, may stay away", ge=0, le=10)
     patience: float = setting(2.0, "s", "for the stage to be heard at first, and to answer", ge=0.05, le=60)
@@ -44,12 +48,16 @@ class Link(Section):
 class Laser(Section):
     """The laser displacement sensor on a serial line, Keyence LK-G kind."""
 
+    role = "patience"
+
     port: str = code("serial:Serial", "module:Class with serial.Serial's constructor")
     device: str = setting("/dev/ttyUSB0", "", "the serial port", min_length=1)
     baud: int = setting(115_200, "bit/s", "as set on the sensor's controller", ge=9_600, le=921_600)
     mode: Literal["continuous", "request"] = setting(
         "continuous", "", "the sensor sends by itself, TG; or a value for each request, M"
     )
-    output: Literal[1, 2] = setting(1, "", "OUT1 or OUT2 of the controller")
-    scale: float = setting(1e-3, "m", "what one on its display is worth: 1e-3 where it shows mm", gt=0, le=1)
+    output: Literal[1, 2] = setting(1, "", "OUT1 or OUT2 of the controller", role="wiring")
+    scale: float = setting(
+        1e-3, "m", "what one on its display is worth: 1e-3 where it shows mm", gt=0, le=1, role="wiring"
+    )
     silence: float = setting(0.1, "s", "without a value that is a fault", ge=0.01, le=10)

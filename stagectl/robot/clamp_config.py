@@ -14,7 +14,7 @@ PerJoint = tuple[float, ...]
 class Clamping(Section):
     """Joints identified in a clamp: pose, limits and motions; where there are six numbers, one a joint."""
 
-    live: bool = setting(False, "", "the robot behind the wires of [robot]; else the one of [simulator]")
+    live: bool = setting(False, "", "the robot behind the wires of [robot]; else the one of [simulator]", role="plant")
     track: bool = setting(True, "", "live: record the poses of base, links and tool that [tracker] sees")
     pose: PerJoint = setting((20.0, 30.0, -30.0, 40.0, 50.0, 20.0), "deg", "where the tool is clamped")
     leave: PerJoint = setting((0.0, 0.0, 0.0, 0.0, 30.0, 0.0), "deg", "where the arm goes afterwards")
@@ -31,7 +31,7 @@ class Clamping(Section):
     rounds: int = setting(60, "", "of that search over all joints, at most", ge=1, le=10_000)
     settle: float = setting(0.2, "s", "after a motion, before torque is looked at", gt=0, le=10)
     cycles: int = setting(5, "", "to and fro of every joint", ge=2, le=1_000)
-    patience: float = setting(10.0, "s", "for soft servo and clamp to answer", gt=0, le=3_600)
+    patience: float = setting(10.0, "s", "for soft servo and clamp to answer", gt=0, le=3_600, role="patience")
     compliance: float = setting(
         0.0, "m/N", "of what the clamp is fastened to, along each axis, where it is known; else 0", ge=0, le=1e-4
     )

@@ -22,18 +22,26 @@ Box = tuple[float, float, float]
 class Rig(Section):
     """Which cell this is."""
 
+    role = "wiring"
+
     name: str = setting("simulated-cell", "", "name of the cell, on its daemon's page and in its metrics", min_length=1)
 
 
 class Robot(Section):
     """The robot's controller, which streams over UDP; it knows this computer's address and begins."""
 
-    arm: str = setting("irb140", "", "irb140, kuka, or a TOML file with an arm's geometry and limits", min_length=1)
-    tool: float = setting(0.1, "m", "from the flange along its axis to the tool point", ge=0, le=1)
+    role = "patience"
+
+    arm: str = setting(
+        "irb140", "", "irb140, kuka, or a TOML file with an arm's geometry and limits", min_length=1, role="wiring"
+    )
+    tool: float = setting(0.1, "m", "from the flange along its axis to the tool point", ge=0, le=1, role="wiring")
     listen: str = setting("127.0.0.1", "", "this computer's address towards the robot", min_length=1)
     port: int = setting(6510, "", "UDP port the robot sends to; 0 for any that is free", ge=0, le=65_535)
     address: str = setting("", "", "the robot's own address; others are not listened to; empty for the first heard")
-    mode: Literal["joints", "pose"] = setting("joints", "", "what is sent: joint angles, or the tool's pose")
+    mode: Literal["joints", "pose"] = setting(
+        "joints", "", "what is sent: joint angles, or the tool's pose", role="experiment"
+    )
     silence: int = setting(
         3, "cycles", "without a report from the robot, or without a reference, is a fault", ge=1, le=250
     )
@@ -44,9 +52,16 @@ class Robot(Section):
     )
     signals: int = setting(6512, "", "TCP port where motor torques come from; 0 for none", ge=0, le=65_535)
     height: float = setting(
-        0.03, "m", "over a workpiece, where the tool goes across to where it begins, and waits", ge=5e-3, le=1
+        0.03,
+        "m",
+        "over a workpiece, where the tool goes across to where it begins, and waits",
+        ge=5e-3,
+        le=1,
+        role="experiment",
     )
-    travel: float = setting(0.05, "m/s", "speed of the tool on the way there, at most", gt=0, le=0.25)
+    travel: float = setting(
+        0.05, "m/s", "speed of the tool on the way there, at most", gt=0, le=0.25, role="experiment"
+    )
     changer: bool = setting(False, "", "its own program changes workpieces, by BLOCK 1 and BLOCK 0; else a person does")
 
 
@@ -73,10 +88,12 @@ class RobotLimits(Section):
 class Tracker(Section):
     """The optical tracker's gateway, TCP."""
 
+    role = "patience"
+
     host: str = setting("127.0.0.1", "", "its address", min_length=1)
     port: int = setting(6513, "", "its TCP port", ge=1, le=65_535)
     rate: float = setting(440.0, "samples/s", "it sends", gt=0, le=10_000)
-    frame: int = setting(7, "", "number of the frame that is followed: the tool's", ge=0, le=255)
+    frame: int = setting(7, "", "number of the frame that is followed: the tool's", ge=0, le=255, role="wiring")
     blind: float = setting(0.05, "s", "without a sight of that frame is a fault", gt=0, le=10)
     leds: int = setting(3, "", "fewer LEDs seen do not make a pose", ge=3, le=255)
     residual: float = setting(5e-4, "m", "a pose whose LEDs fit worse, rms, is left out", gt=0, le=0.01)
@@ -89,6 +106,8 @@ class Tracker(Section):
 
 class Simulator(Section):
     """The robot without the robot; a live run does not read it."""
+
+    role = "plant"
 
     options: dict[str, Any] = setting({}, "", "keywords the simulated robot is built with")
     clamped: str = code("firmware_sim.clamped_robot:ClampedRobot", "module:Class of its Block for `calibrate joints`")

@@ -15,14 +15,16 @@ Three = tuple[Positive, Positive, Positive]
 class ForceSensor(Section):
     """The force sensor's network box, UDP in the manner of ATI's Net F/T."""
 
+    role = "patience"
+
     host: str = setting("127.0.0.1", "", "its address", min_length=1)
     port: int = setting(PORT, "", "its UDP port", ge=1, le=65_535)
     listen: str = setting("127.0.0.1", "", "this computer's address towards it", min_length=1)
     rate: float = setting(500.0, "samples/s", "it sends", gt=0, le=10_000)
-    counts_force: float = setting(1e6, "1/N", "counts of its box, as set there", gt=0, le=1e9)
-    counts_moment: float = setting(1e6, "1/(N m)", "counts of its box, as set there", gt=0, le=1e9)
-    range_force: Three = setting((400.0, 400.0, 800.0), "N", "x, y and z, where it saturates")
-    range_moment: Three = setting((40.0, 40.0, 40.0), "N m", "x, y and z, where it saturates")
+    counts_force: float = setting(1e6, "1/N", "counts of its box, as set there", gt=0, le=1e9, role="wiring")
+    counts_moment: float = setting(1e6, "1/(N m)", "counts of its box, as set there", gt=0, le=1e9, role="wiring")
+    range_force: Three = setting((400.0, 400.0, 800.0), "N", "x, y and z, where it saturates", role="wiring")
+    range_moment: Three = setting((40.0, 40.0, 40.0), "N m", "x, y and z, where it saturates", role="wiring")
     silence: float = setting(0.02, "s", "without a record is a fault", gt=0, le=10)
     saturated: float = setting(0.02, "s", "at an end of its range for longer is a fault", ge=0, le=10)
     rest: float = setting(0.5, "s", "at rest, of which the mean is zero force, and later shows its drift", gt=0, le=60)

@@ -20,7 +20,7 @@ SILENT = 64
 """Frames of zeros in which what an input left behind dies away."""
 FAINT = 1e-300
 """An input that is nearly nothing, in any unit: what is left of it is subnormal after a few time constants."""
-LARGE = 65_536
+LARGE = 32_768
 """Samples of a frame in which an array made by mistake cannot be overlooked."""
 
 
@@ -115,7 +115,7 @@ def check_nothing_is_allocated(example: Example) -> None:
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
-    assert peak < LARGE // 4, f"{_name(block)} allocates {peak} bytes in a frame of {LARGE} samples"
+    assert peak < LARGE // 2, f"{_name(block)} allocates {peak} bytes in a frame of {LARGE} samples"
 
 
 def check_silence_leaves_nothing_subnormal(example: Example) -> None:

@@ -1,0 +1,170 @@
+"""Whether two things were made of the same: one comparison, with three verdicts, for everything that asks.
+
+Same; different without harm, which is said; different so that one would spoil the other, which is refused until it is
+accepted by its key.
+"""
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import typer
+from pydantic import BaseModel
+
+from rigkit.config_role import Role, role_at
+from rigkit.origin import Origin, flat
+from rigkit.toml_text import value_text
+
+DRIVE = "drive"
+"""Key of a drive that is not the one that was played."""
+MOST_SAID = 4
+
+AcceptOption = Annotated[
+    list[str] | None,
+    typer.Option("--accept", metavar="KEY", help="Go on although this differs; may be given many times."),
+]
+
+
+class DisagreementError(ValueError):
+    """What differs would spoil it; the text names keys, values and ways out."""
+
+
+@dataclass(frozen=True)
+class Use:
+    """What a thing is compared for, and so which differences do harm.
+
+    Parameters
+    ----------
+    harmful : set of Role
+        Keys with these roles must be the same.
+    said : set of Role
+        Keys with these may differ, but it is said; others are not compared.
+    apart : tuple of str
+        Tables that the thing does not depend on.
+    """
+
+    harmful: frozenset[Role]
+    said: frozenset[Role]
+    apart: tuple[str, ...] = ()
+
+    def without(self, *tables: str) -> "Use":
+        """Return it for a thing that does not depend on some tables."""
+        return Use(self.harmful, self.said, (*self.apart, *tables))
+
+    def concerns(self, key: str, role: Role) -> bool:
+        """Whether a difference in a key would be told at all."""
+        is_apart = any(key == table or key.startswith(f"{table}.") for table in self.apart)
+        return not is_apart and role in self.harmful | self.said
+
+
+MEASURED_ELSEWHERE = Use(frozenset({"wiring"}), frozenset({"plant"}))
+"""A model in use on a rig: it must be wired and scaled alike."""
+GOING_ON = Use(frozenset({"wiring", "plant", "experiment"}), frozenset({"patience"}))
+"""Something unfinished that goes on: as it began."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One key that differs.
+
+    Parameters
+    ----------
+    key : str
+    before, now : any
+        None where it is not there.
+    is_harmful : bool
+    """
+
+    key: str
+    before: Any
+    now: Any
+    is_harmful: bool
+
+    @property
+    def text(self) -> str:
+        """It in words."""
+        return f"{self.key} was {_shown(self.before)}, is {_shown(self.now)}"
+
+
+def differences(before: Mapping[str, Any], config: BaseModel, use: Use) -> list[Difference]:
+    """Compare settings that were in force with those of now.
+
+    Parameters
+    ----------
+    before : mapping
+        Tables within each other, as of an `Origin`; a key that it lacks had its default.
+    config : Section
+        A whole rig file.
+    use : Use
+    """
+    model = type(config)
+    then = flat(model().model_dump(mode="json")) | flat(before)
+    today = flat(config.model_dump(mode="json"))
+    found = []
+    for key in dict.fromkeys([*today, *then]):
+        role = role_at(model, key.split("."))
+        if role is None or not use.concerns(key, role) or then.get(key) == today.get(key):
+            continue
+        found.append(Difference(key, then.get(key), today.get(key), role in use.harmful))
+    return found
+
+
+def changed_parts(origin: Origin, parts: Mapping[str, str]) -> list[Difference]:
+    """Compare the files that a thing was made of with those of now, by their checksums.
+
+    Parameters
+    ----------
+    origin : Origin
+    parts : mapping of str to str
+        Checksums; a part that is not there has none.
+    """
+    names = dict.fromkeys([*origin.parts, *parts])
+    pairs = ((name, origin.parts.get(name), parts.get(name)) for name in names)
+    return [Difference(name, _short(then), _short(now), True) for name, then, now in pairs if then != now]
+
+
+def agreed(found: Sequence[Difference], accept: Collection[str], what: str, way_out: str) -> list[str]:
+    """Refuse harmful differences that nobody has accepted, and return what is to be said of the others.
+
+    Parameters
+    ----------
+    found : sequence of Difference
+    accept : collection of str
+        Keys, as by `--accept`.
+    what : str
+        Begins each line, such as "model.h5 is of another wiring".
+    way_out : str
+        What else a person can do.
+
+    Raises
+    ------
+    DisagreementError : a harmful one; the text names all, up to `MOST_SAID`.
+    """
+    refused = [each for each in found if each.is_harmful and each.key not in accept]
+    if refused:
+        more = f" (and {len(refused) - MOST_SAID} more)" if len(refused) > MOST_SAID else ""
+        told = "; ".join(each.text for each in refused[:MOST_SAID])
+        accepting = " ".join(f"--accept {each.key}" for each in refused)
+        raise DisagreementError(f"{what}: {told}{more}; {way_out}, or go on all the same with {accepting}")
+    return list(_notes(found, accept, what))
+
+
+def accepted(found: Iterable[Difference], accept: Collection[str]) -> list[str]:
+    """Return the keys whose harmful difference has been accepted."""
+    return [each.key for each in found if each.is_harmful and each.key in accept]
+
+
+def _notes(found: Sequence[Difference], accept: Collection[str], what: str) -> Iterator[str]:
+    for each in found:
+        yield f"{what}: {each.text}{'; accepted' if each.is_harmful else ''}"
+    for key in accept:
+        if key not in [each.key for each in found]:
+            yield f"--accept {key}: nothing differs there"
+
+
+def _shown(value: Any) -> str:
+    return "not there" if value is None else value_text(value)
+
+
+def _short(checksum: str | None) -> str | None:
+    return None if checksum is None else checksum[:12]
