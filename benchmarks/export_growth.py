@@ -12,7 +12,8 @@ from pathlib import Path
 from benchmarks.page_table import FLAG, put, table
 from tests.vibractl.linear_rig import linear_config, linear_model
 from vibractl.export.run import FORMATS
-from vibractl.session import Session, create
+from vibractl.run_setup import create
+from vibractl.session import Session
 
 CHILD = """
 import os, pathlib

@@ -17,7 +17,8 @@ from vibractl.capture import Capture
 from vibractl.config import RigConfig
 from vibractl.fft_plans import Effort, Plans
 from vibractl.model_file import write_model
-from vibractl.session import Session, create
+from vibractl.run_setup import create
+from vibractl.session import Session
 from vibractl.setup import Setup, transforms
 from vibractl.transfer_matrix import TransferMatrix
 

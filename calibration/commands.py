@@ -1,12 +1,13 @@
 """The commands of `calibrate`."""
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from calibration.comparison_report import comparison_figures, comparison_report
-from calibration.experiment import RawFolder
+from calibration.experiment import RawFolder, refuse_to_emit
 from calibration.far_field_report import HEAD as FAR_FIELD_HEAD
 from calibration.far_field_report import far_field_rows
 from calibration.hysteresis_command import hysteresis_command
@@ -23,12 +24,13 @@ from calibration.model_comparison import (
     differing_rows,
 )
 from calibration.multisine_report import level_table
-from calibration.raw_folder import raw_folder
+from calibration.output import AgainOption, Output, RecomputeOption, Wish, output, refuse_inputs
 from calibration.stage_axes.command import stage_command
 from calibration.sweep_report import sweep_report
 from calibration.sweep_summary import BAND_HEAD, WORST_HEAD, band_rows, sweep_figures, worst_rows
-from calibration.vibrator import Calibration, LiveLine, calibrate, refuse_unfit, require_room
+from calibration.vibrator import KEPT, KIND, Calibration, LiveLine, calibrate, refuse_unfit, require_room
 from rigkit import config as rig_file
+from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, application, print_table, words, write_json
 from rigkit.stop import Stopped, stoppable
 from vibractl.config import RigConfig
@@ -53,6 +55,9 @@ def vibrator_command(
     passes: Annotated[int | None, typer.Option(help="Stepped sine; 2: once more, on a refined grid.")] = None,
     no_preload: Annotated[bool, typer.Option("--no-preload", help="Leave the preload out, for comparison.")] = False,
     png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
+    again: AgainOption = False,
+    recompute: RecomputeOption = False,
+    accept: AcceptOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -71,13 +76,18 @@ def vibrator_command(
     laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
     if no_preload:
         laid_over += ["characterisation.preload=0.0", "characterisation.operating=0.0"]
-    rig = rig_file.load(config, RigConfig, laid_over)
-    refuse_unfit(rig)
-    folder = RawFolder(raw_folder(out))
-    require_room(rig, folder)
-    with folder as raw:
-        found = _calibrated(rig, raw)
+    asked, wish = rig_file.load(config, RigConfig, laid_over), Wish(again, recompute, accept or [])
+    refuse_inputs([out, out.with_suffix(".html")], [config])
+    writes = output(out, KIND, asked, wish, [out.with_suffix(".html")], KEPT)
+    rig, folder = writes.config, RawFolder(writes.raw)
+    if not recompute:
+        refuse_unfit(rig)
+        require_room(rig, folder)
+    sys.stderr.write("".join(f"{note}\n" for note in writes.notes))
+    with writes.begun(), folder as raw:
+        found = _calibrated(writes, raw)
         write_model(out, found.matrix.described(seconds=f"{found.seconds:.1f}"), found.far)
+        writes.finish()
     report = sweep_report(found, rig)
     report.write(out.with_suffix(".html"))
     if png is not None:
@@ -116,10 +126,13 @@ def compare_command(
     write_json(json, comparison_figures(found, far))
 
 
-def _calibrated(rig: RigConfig, raw: RawFolder) -> Calibration:
+def _calibrated(writes: Output[RigConfig], raw: RawFolder) -> Calibration:
+    rig = writes.config
+    if writes.is_recomputed:
+        return calibrate(rig, raw, refuse_to_emit, writes.provenance)
     with stoppable() as stop, LiveLine(rig, raw, stop) as line:
         try:
-            return calibrate(rig, raw, line.emit)
+            return calibrate(rig, raw, line.emit, writes.provenance)
         except Stopped:
             raise Stopped(f"stopped; what is recorded is in {raw.path}/, the same command goes on from there") from None
 

@@ -29,6 +29,16 @@ class RawFolderError(ValueError):
     """A raw folder does not belong to the experiment that is asked for."""
 
 
+def refuse_to_emit(drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Stand for a device where only recordings may be used.
+
+    Raises
+    ------
+    RawFolderError : always.
+    """
+    raise RawFolderError(f"a recording of {len(drive)} samples is missing, and nothing is to be measured")
+
+
 class Batch(Protocol):
     """One recording of an experiment, made again from its parameters whenever it is needed."""
 

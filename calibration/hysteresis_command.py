@@ -8,6 +8,7 @@ import typer
 
 from calibration.hysteresis import PLAYS, Settings, fit
 from calibration.hysteresis_report import FIT_HEAD, Judged, fit_rows, hysteresis_figures, hysteresis_report, judged
+from calibration.output import AgainOption, refuse_inputs, refuse_taken
 from rigkit.command import JsonOption, print_table, words, write_json
 from rigkit.foreign_record import read_channels
 from rigkit.provenance import now, software
@@ -30,6 +31,7 @@ def hysteresis_command(
     delay: Annotated[int, typer.Option(help="Samples from voltage to output.")] = 1,
     lag: Annotated[bool, typer.Option("--lag", help="Fit a lag too; the record must have several rates.")] = False,
     png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files.")] = None,
+    again: AgainOption = False,
     json: JsonOption = None,
 ) -> None:
     """Fit a hysteresis model that has an inverse to a voltage and what it moved, and judge it on samples held back.
@@ -37,6 +39,8 @@ def hysteresis_command(
     Example: `calibrate hysteresis loops.csv --input 1 --output 5 --rate 200 --unit um --out stack.h5`
     """
     _refuse_unfit(out, skip, hold_back)
+    made = [out, out.with_suffix(".html")]
+    refuse_inputs(made, [data])
     measured = read_channels(data, [input_channel, output_channel], rate)
     volts = _scale("--input", measured.units[0], VOLTS)
     metres = _scale("--output", unit or measured.units[1], METRES)
@@ -45,8 +49,9 @@ def hysteresis_command(
     if not first < last:
         raise ValueError(f"--skip is {skip:g} s, must be less than the {last / measured.rate:g} s that are fitted")
     found = fit(voltage, moved, measured.rate, slice(first, last), Settings(plays, delay, lag))
-    origin = {"recording": str(data), "made": now(), "software": software()}
+    origin = {"recording": str(data), "computed": now(), "software": software()}
     found = replace(found, model=replace(found.model, provenance=origin))
+    refuse_taken(made, again)
     write_hysteresis(out, found.model)
     result = judged(found, voltage, moved)
     report = hysteresis_report(result, str(data))

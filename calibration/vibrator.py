@@ -2,6 +2,7 @@
 
 import sys
 import threading
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Protocol, Self
 
@@ -16,8 +17,7 @@ from calibration.sweep_estimate import SweepEstimator
 from calibration.uncertain_lines import merged, uncertain_lines
 from calibration.vibrator_multisine import longest_multisines, refuse_unfit_multisine
 from calibration.vibrator_sweep import FEWEST, chosen_tones, longest_batch, longest_sweep, refuse_unfit_sweep
-from rigkit import config as rig_file
-from rigkit.provenance import now, software
+from rigkit.agreement import GOING_ON
 from vibractl.audio import Line
 from vibractl.capture import Discarded
 from vibractl.config import RigConfig
@@ -28,6 +28,9 @@ from vibractl.transfer_matrix import TransferMatrix
 
 STOP_POLL = 0.1
 """s."""
+KIND = "vibrator calibration"
+KEPT = GOING_ON.without("reference", "shot", "learning", "adaptation", "watch", "session")
+"""What an unfinished one must have kept."""
 
 
 @dataclass(frozen=True)
@@ -135,7 +138,7 @@ class LiveLine:
         sys.stderr.write(f"recording discarded, attempt {discarded.attempt}: {discarded.reason}; kept as {kept}\n")
 
 
-def calibrate(config: RigConfig, raw: RawFolder, emit: Emit) -> Calibration:
+def calibrate(config: RigConfig, raw: RawFolder, emit: Emit, about: Mapping[str, str]) -> Calibration:
     """Measure the transfer matrix by `characterisation.method`.
 
     Parameters
@@ -144,15 +147,16 @@ def calibrate(config: RigConfig, raw: RawFolder, emit: Emit) -> Calibration:
     raw : RawFolder
         Open; what it holds already is not measured again.
     emit : Emit
+    about : mapping of str to str
+        The model's words.
 
     Returns
     -------
     Calibration
     """
     if config.characterisation.method == "stepped":
-        passes, seconds, far = measure_by_stepped_sine(config, raw, emit, _provenance(config))
+        passes, seconds, far = measure_by_stepped_sine(config, raw, emit, about)
         return Calibration(passes, seconds, far=far)
-    about = _provenance(config)
     found = measure_by_multisine(config, raw, emit, about)
     by_multisine = Calibration((found.matrix,), found.emitted, found.levels, found.loudest, far=found.far)
     tones = uncertain_lines(found.matrix) if config.characterisation.method == "both" else np.zeros(0)
@@ -190,12 +194,3 @@ def require_room(config: RigConfig, raw: RawFolder) -> None:
     seconds = longest_sweep(config) * (method == "stepped") + longest_multisines(config) * (method != "stepped")
     heard = len(audio.response_channels) + len(audio.far_field_channels)
     raw.require_room(round(seconds * audio.rate), len(audio.drive_channels) + heard)
-
-
-def _provenance(config: RigConfig) -> dict[str, str]:
-    return {
-        "rig": config.rig.name,
-        "config": rig_file.dump(config),
-        "software": software(),
-        "date": now(),
-    }

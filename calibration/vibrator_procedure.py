@@ -2,14 +2,15 @@
 
 from pathlib import Path
 
-from calibration.experiment import RawFolder
-from calibration.raw_folder import raw_folder
+from calibration.experiment import RawFolder, refuse_to_emit
+from calibration.output import Wish, output
 from calibration.sweep_report import sweep_report
-from calibration.vibrator import LiveLine, calibrate, refuse_unfit, require_room
+from calibration.vibrator import KEPT, KIND, LiveLine, calibrate, refuse_unfit, require_room
 from rigkit.progress import told_to
 from rigkit.service.rig import Desk
 from vibractl.audio import Line
 from vibractl.config import RigConfig
+from vibractl.daemon.options import CalibrationOptions
 from vibractl.model_file import write_model
 from vibractl.supervision import Supervision
 
@@ -20,22 +21,25 @@ class CalibrationProcedure:
     Parameters
     ----------
     config : RigConfig
-    out : Path
-        Model file to write; recordings and report go beside it.
+    options : CalibrationOptions
     desk : Desk
     supervision : Supervision
 
     Raises
     ------
-    ValueError : it could not end in a model, or `out` is something else's.
+    ValueError : it could not end in a model, or the name of its model is taken, or unfinished with other settings.
     DiskFault : there is no room for it.
     """
 
-    def __init__(self, config: RigConfig, out: Path, desk: Desk, supervision: Supervision) -> None:
-        refuse_unfit(config)
-        self._config, self._out, self._desk, self._supervision = config, out, desk, supervision
-        self._raw = RawFolder(raw_folder(out))
-        require_room(config, self._raw)
+    def __init__(self, config: RigConfig, options: CalibrationOptions, desk: Desk, supervision: Supervision) -> None:
+        out = Path(config.daemon.data) / options.model
+        wish = Wish(options.again, options.recompute, options.accept)
+        self._writes = output(out, KIND, config, wish, [out.with_suffix(".html")], KEPT)
+        self._config, self._out, self._desk, self._supervision = self._writes.config, out, desk, supervision
+        self._raw = RawFolder(self._writes.raw)
+        if not self._writes.is_recomputed:
+            refuse_unfit(self._config)
+            require_room(self._config, self._raw)
         self._live: LiveLine | None = None
 
     @property
@@ -55,12 +59,16 @@ class CalibrationProcedure:
         ------
         Stopped : the desk said that it is to end.
         """
-        config, out = self._config, self._out
+        config, out, writes = self._config, self._out, self._writes
+        for note in writes.notes:
+            self._desk.event("note", {"text": note})
         self._desk.recording(True)
-        with self._raw as raw:
+        with writes.begun(), self._raw as raw:
             with told_to(self._desk.progress), LiveLine(config, raw, self, self._supervision) as self._live:
-                found = calibrate(config, raw, self._live.emit)
+                emit = refuse_to_emit if writes.is_recomputed else self._live.emit
+                found = calibrate(config, raw, emit, writes.provenance)
             self._desk.recording(False)
             write_model(out, found.matrix.described(seconds=f"{found.seconds:.1f}"), found.far)
+            writes.finish()
         sweep_report(found, config).write(out.with_suffix(".html"))
         self._desk.event("calibrated", {"model": out.name, "lines": len(found.matrix.frequency)})

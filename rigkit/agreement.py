@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 from pydantic import BaseModel
 
-from rigkit.config_role import Role, role_at
+from rigkit.config_role import Role, is_free, role_at
 from rigkit.origin import Origin, flat
 from rigkit.toml_text import value_text
 
@@ -92,18 +92,18 @@ def differences(before: Mapping[str, Any], config: BaseModel, use: Use) -> list[
     Parameters
     ----------
     before : mapping
-        Tables within each other, as of an `Origin`; a key that it lacks had its default.
+        Tables within each other, as of an `Origin`; what it does not tell is not compared.
     config : Section
         A whole rig file.
     use : Use
     """
-    model = type(config)
-    then = flat(model().model_dump(mode="json")) | flat(before)
-    today = flat(config.model_dump(mode="json"))
+    then, today = flat(before), flat(config.model_dump(mode="json"))
     found = []
     for key in dict.fromkeys([*today, *then]):
-        role = role_at(model, key.split("."))
-        if role is None or not use.concerns(key, role) or then.get(key) == today.get(key):
+        path = key.split(".")
+        role = role_at(type(config), path)
+        is_told = key in then or (is_free(type(config), path) and path[0] in before)
+        if role is None or not is_told or not use.concerns(key, role) or then.get(key) == today.get(key):
             continue
         found.append(Difference(key, then.get(key), today.get(key), role in use.harmful))
     return found

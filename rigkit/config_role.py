@@ -39,3 +39,9 @@ def role_at(model: type[BaseModel], path: Sequence[str]) -> Role | None:
     own = declared.get(ROLE) if isinstance(declared, dict) else None
     table = model_at(model, way[:-1])
     return own or getattr(table, "role", "experiment")  # type: ignore[return-value]  # as `setting` takes it
+
+
+def is_free(model: type[BaseModel], path: Sequence[str]) -> bool:
+    """Whether a key stands in a table that may hold any keys, such as simulator.options.seed."""
+    field, way = field_at(model, path)
+    return field is not None and len(way) < len(path)

@@ -41,6 +41,8 @@ class Origin:
         When its first sample was taken or, of a run, when it began: UTC, ISO 8601.
     accepted : tuple of str
         Keys whose difference a person has accepted.
+    finished : str
+        When all that was to come of it was there: UTC, ISO 8601; empty while it is not.
     """
 
     kind: str
@@ -49,6 +51,7 @@ class Origin:
     software: str = field(default_factory=software)
     measured: str = field(default_factory=now)
     accepted: tuple[str, ...] = ()
+    finished: str = ""
 
     @classmethod
     def of(cls, kind: str, config: BaseModel, parts: Mapping[str, Path] | None = None) -> Self:
@@ -111,6 +114,7 @@ class Origin:
     def text(self) -> str:
         """It as JSON."""
         told = {"schema": SCHEMA, "kind": self.kind, "software": self.software, "measured": self.measured}
+        told |= {"finished": self.finished}
         told |= {"accepted": list(self.accepted), "parts": dict(self.parts), "settings": dict(self.settings)}
         return f"{json_text(told, indent=1)}\n"
 
@@ -130,7 +134,15 @@ def read_origin(path: Path) -> Origin | None:
         raise OriginError(str(fault)) from None
     if told.get("schema") != SCHEMA:
         raise OriginError(f"{path}: schema is {told.get('schema')!r}, must be {SCHEMA}")
-    wanted = {"kind": str, "software": str, "measured": str, "accepted": list, "parts": dict, "settings": dict}
+    wanted = {
+        "kind": str,
+        "software": str,
+        "measured": str,
+        "finished": str,
+        "accepted": list,
+        "parts": dict,
+        "settings": dict,
+    }
     for name, kind in wanted.items():
         if not isinstance(told.get(name), kind):
             raise OriginError(f"{path}: {name} is {told.get(name)!r}, must be {kind.__name__}")

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from rigkit import config as rig_file
+from rigkit.agreement import AcceptOption
 from rigkit.command import (
     ConfigOption,
     JsonOption,
@@ -32,7 +33,8 @@ from vibractl.quality import Marks
 from vibractl.quality_table import prefix_of
 from vibractl.replay import replay
 from vibractl.report import run_report
-from vibractl.session import Session, create, settings_of, setup_of
+from vibractl.run_setup import create, resumed_setup, settings_of, setup_of
+from vibractl.session import Session
 
 app.command("export")(export_command)
 app.command("prune")(prune_command)
@@ -65,7 +67,7 @@ def run_command(
     reference: Annotated[
         str | None, typer.Option(help="chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file.")
     ] = None,
-    shots: Annotated[int | None, typer.Option(help="Shots in all.")] = None,
+    shots: Annotated[int | None, typer.Option(min=1, help="Shots in all.")] = None,
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
     watch: Annotated[bool, typer.Option("--watch", help="Reidentify bands that diverge, while it goes on.")] = False,
     law: Annotated[str | None, typer.Option(help="kalman, or thesis for the text's own law.")] = None,
@@ -76,6 +78,7 @@ def run_command(
     tag: TagOption = None,
     library: LibraryOption = None,
     resume: Annotated[Path | None, typer.Option(metavar="RUN/", help="Go on with a run that stopped.")] = None,
+    accept: AcceptOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -90,13 +93,16 @@ def run_command(
         paths = {"--out": out, "--model": model, "--config": config, "--library": library}
         given = [name for name, value in {**paths, "--warm": warm, "--tag": tag}.items() if value]
         if given or [text for text in laid_over if not text.startswith("session.shots=")]:
-            raise ValueError(f"--resume {resume} goes on with the run's own settings; only --shots may go with it")
-        _go_on(resume, shots, json)
+            raise ValueError(
+                f"--resume {resume} goes on with the run's own settings; only --shots and --accept may go with it"
+            )
+        _go_on(resume, shots, accept or [], json)
         return
     if out is None or model is None:
         raise ValueError("a new run needs --model FILE and --out RUN/")
     settled = rig_file.load(config, RigConfig, laid_over)
-    folder, made = create(out, settled, model, chosen_entry(warm, settled, tag, library))
+    entry = chosen_entry(warm, settled, tag, library, accept or [])
+    folder, made = create(out, settled, model, entry, accept=accept or [])
     with folder:
         _begin(Session(folder, made), json)
 
@@ -111,10 +117,11 @@ def _begin(session: Session, json: str | None) -> None:
         raise
 
 
-def _go_on(path: Path, shots: int | None, json: str | None) -> None:
+def _go_on(path: Path, shots: int | None, accept: list[str], json: str | None) -> None:
     with RunFolder.open(path) as folder:
-        made = setup_of(path)
-        _learn(Session(folder, made), shots or made.config.session.shots, json)
+        made = resumed_setup(folder, accept)
+        session = Session(folder, made, accept=accept)
+        _learn(session, made.config.session.shots if shots is None else shots, json)
 
 
 def _learn(session: Session, shots: int, json: str | None) -> None:

@@ -24,28 +24,24 @@ def write_model(path: Path, matrix: TransferMatrix, far: FarField | None = None)
     write_model_file(path, ModelFile(FORMAT, arrays, UNITS | _FAR, provenance=matrix.provenance))
 
 
-def read_model(path: Path, rig: str | None = None, sides: tuple[int, int] | None = None) -> TransferMatrix:
-    """Read a model and check that it belongs here.
+def read_model(path: Path, sides: tuple[int, int] | None = None) -> TransferMatrix:
+    """Read a model; `model_origin.model_for` checks that it belongs to a rig.
 
     Parameters
     ----------
     path : Path
-    rig : str, optional
-        Name of the rig it must have been measured on.
     sides : (outputs, inputs), optional
         The number of accelerometers and coils it must have.
 
     Raises
     ------
-    ModelFileError : not a model file, damaged, of another rig, or of another size.
+    ModelFileError : not a model file, damaged, or of another size.
     """
     content = read_model_file(path, FORMAT, list(UNITS))
     try:
         matrix = TransferMatrix(**content.arrays, provenance=content.provenance)
     except ValueError as fault:
         raise ModelFileError(f"{path}: {fault}") from None
-    if rig is not None and matrix.provenance.get("rig") != rig:
-        raise ModelFileError(f"{path}: measured on rig {matrix.provenance.get('rig')!r}, this rig is {rig!r}")
     if sides is not None and (matrix.outputs, matrix.inputs) != sides:
         raise ModelFileError(
             f"{path}: {matrix.outputs} accelerometers and {matrix.inputs} coils, this rig has {sides[0]} and {sides[1]}"

@@ -12,7 +12,7 @@ from ctlblocks.replay import Replay
 from vibractl.guard import Guard
 from vibractl.learner import Learner
 from vibractl.quality import FAINT, decibels
-from vibractl.session import shot_files
+from vibractl.run_setup import shot_files
 from vibractl.setup import Setup
 from vibractl.shot_file import channel_names, far_field_of, split
 from vibractl.trial import shot_graph

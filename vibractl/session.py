@@ -1,138 +1,31 @@
 """A run: shot after shot is emitted, recorded, judged and learned from, in a folder from which it can go on."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording
-from ctlblocks.room import bytes_of, megabytes
-from rigkit import config as rig_file
-from rigkit.disk_space import require
+from rigkit.agreement import DRIVE, Difference, agreed
 from rigkit.provenance import software
 from rigkit.run_folder import RunFolder, read_quality
+from rigkit.run_origin import WAY_OUT
 from rigkit.sealed_file import sealed
 from vibractl.audio import Line
 from vibractl.capture import Discarded
-from vibractl.config import RigConfig
-from vibractl.fft_plans import Plans
 from vibractl.learner import Learner
-from vibractl.library.entry import Entry, read_entry, write_entry
-from vibractl.model_file import read_far_field, read_model
 from vibractl.place import Place
 from vibractl.quality import FAINT, Judge, Marks, decibels
 from vibractl.quality_table import reduced, row_of, summary
-from vibractl.reference import is_file
-from vibractl.setup import Setup, setup, warm_setup
+from vibractl.run_setup import require_room, shot_files
+from vibractl.setup import Setup
 from vibractl.shot_file import DISCARDED, far_field_of, keep_discarded, recording_of, split
 from vibractl.supervision import ALONE, Supervision
 
-MODEL, WISDOM, REFERENCE, START = "model.h5", "fftw.wisdom", "reference", "start.h5"
-
-
-def create(
-    path: Path, config: RigConfig, model: Path, entry: Entry | None = None, shots: int = 0
-) -> tuple[RunFolder, Setup]:
-    """Check everything a run needs, and then make its folder.
-
-    Parameters
-    ----------
-    path : Path
-        Absent or empty.
-    config : RigConfig
-    model : Path
-        Model file of this rig.
-    entry : Entry, optional
-        Of the library, to be checked and started from; refused at once where its drive breaks a limit of the guard.
-    shots : int
-        To be recorded; 0 for `session.shots`.
-
-    Raises
-    ------
-    ValueError : settings, model and reference do not fit, or the folder is in use; nothing is written.
-    DiskFault : the disk has no room for the shots; nothing is written.
-    """
-    sides = len(config.audio.response_channels), len(config.audio.drive_channels)
-    far = read_far_field(model, len(config.audio.far_field_channels))
-    matrix = read_model(model, config.rig.name, sides)
-    if entry is None:
-        made, broken = setup(config, matrix, far, plans=Plans.of_user()), None
-    else:
-        made, broken = warm_setup(config, matrix, far, entry, Plans.of_user())
-    config = made.config
-    require_room(path, made, shots or config.session.shots)
-    source = Path(config.reference.signal) if is_file(config.reference.signal) else None
-    kept = config
-    if source is not None:
-        name = REFERENCE + source.suffix.lower()
-        kept = config.model_copy(update={"reference": config.reference.model_copy(update={"signal": name})})
-    with RunFolder.filled(path, rig_file.dump(kept)) as folder:
-        folder.take_in(model, MODEL)
-        if source is not None:
-            folder.take_in(source, kept.reference.signal)
-        folder.write(WISDOM, made.plans.wisdom)
-        if entry is not None:
-            write_entry(folder.path / START, entry)
-            folder.event("library", {"entry": entry.name, "tags": dict(entry.tags), "run": entry.about["run"]})
-            if broken is not None:
-                folder.event("library_refused", {"entry": entry.name, "limit": str(broken)})
-    return folder, made
-
-
-def settings_of(path: Path, overrides: tuple[str, ...] = ()) -> RigConfig:
-    """Return the settings of a run folder, with what is laid over them."""
-    config = rig_file.load(path / "config.toml", RigConfig, overrides)
-    own = path / config.reference.signal
-    if is_file(config.reference.signal) and own.is_file():
-        config = config.model_copy(update={"reference": config.reference.model_copy(update={"signal": str(own)})})
-    return config
-
-
-def setup_of(path: Path, overrides: tuple[str, ...] = (), model: Path | None = None) -> Setup:
-    """Put the run of a folder together again, with the FFT plans it was made with.
-
-    Raises
-    ------
-    ValueError : the folder lacks a part, or the parts do not fit.
-    """
-    config = settings_of(path, overrides)
-    plans = Plans.of_run(path / WISDOM)
-    matrix = read_model(model or path / MODEL, config.rig.name)
-    far = read_far_field(model or path / MODEL, len(config.audio.far_field_channels))
-    entry = read_entry(path / START) if config.learning.start == "library" else None
-    return setup(config, matrix, far, entry, plans)
-
-
-def require_room(path: Path, made: Setup, shots: int) -> None:
-    """Refuse, by a `DiskFault`, what the disk cannot hold: so many shots, and a tenth more for what is kept of lines.
-
-    Parameters
-    ----------
-    path : Path
-        Folder of the run; need not exist.
-    made : Setup
-    shots : int
-        That are still to be recorded.
-    """
-    audio = made.config.audio
-    sensors = len(audio.response_channels) + len(audio.far_field_channels)
-    channels = len(audio.drive_channels) + sensors + 1
-    a_shot = bytes_of(made.shot.total, channels, "float32", made.config.session.recording)
-    require(path, round(1.1 * shots * a_shot), f"{shots} shots of {megabytes(a_shot)}")
-
-
-def shot_files(path: Path) -> list[Path]:
-    """Return the recordings of a run in order, from shot 0 without a gap."""
-    files: list[Path] = []
-    while True:
-        stem = path / "shots" / f"{len(files):04d}"
-        found = [file for suffix in (".wav", ".csv") if (file := stem.with_suffix(suffix)).is_file()]
-        if not found:
-            return files
-        files.append(found[0])
+ALIKE = 1e-3
+"""Of a drive's rms, by which one rebuilt may differ from the recorded one and still be taken for it."""
 
 
 class Session:
@@ -144,11 +37,19 @@ class Session:
     made : Setup
     supervision : Supervision
         Of its line.
+    accept : collection of str
+        May hold `DRIVE`: the run goes on although its drives are not those that were played.
+
+    Raises
+    ------
+    DisagreementError : the drives rebuilt from what is recorded are not those that were played.
     """
 
-    def __init__(self, folder: RunFolder, made: Setup, supervision: Supervision = ALONE) -> None:
+    def __init__(
+        self, folder: RunFolder, made: Setup, supervision: Supervision = ALONE, accept: Collection[str] = ()
+    ) -> None:
         self.folder, self.config, self._made = folder, made.config, made
-        self._supervision = supervision
+        self._supervision, self._accept, self._said = supervision, accept, list(made.said)
         self.line: Line | None = None
         """While it is open, or after it has failed."""
         self.learner: Learner = made.learner()
@@ -174,7 +75,7 @@ class Session:
     @property
     def note(self) -> str:
         """What a person should know before it begins, lines of text; empty for nothing."""
-        return "".join(f"{note}\n" for note in (self._made.note, self._made.plans.note) if note)
+        return "".join(f"{note}\n" for note in (*self._said, self._made.note, self._made.plans.note) if note)
 
     @property
     def untouched(self) -> bool:
@@ -278,10 +179,18 @@ class Session:
     def _resume(self) -> None:
         files = shot_files(self.folder.path)
         judged = len(read_quality(self.folder.path))
+        off = 0.0
         for number, path in enumerate(files):
-            self._learn(recording.read(path), write=number >= judged)
-        if files:
-            self.folder.event("resumed", {"shots": len(files)})
+            record = recording.read(path)
+            drive, _ = split(record, self.config)
+            off = float(np.linalg.norm(drive - self.learner.drive)) / max(float(np.linalg.norm(drive)), FAINT)
+            self._learn(record, write=number >= judged)
+        if not files:
+            return
+        if not off <= ALIKE:  # NaN as well
+            what = Difference(DRIVE, "as recorded", f"{decibels(off):.1f} dB beside it, rebuilt", True)
+            self._said += agreed([what], self._accept, f"{self.folder.path}/, shot {len(files) - 1}", WAY_OUT)
+        self.folder.event("resumed", {"shots": len(files)})
 
     def _discarded(self, discarded: Discarded) -> None:
         """Keep a recording that nothing is learned from, and say why."""

@@ -40,6 +40,8 @@ class Setup:
         What is checked first, and started from if it fits.
     plans : Plans
         By which everything of this run is transformed.
+    said : tuple of str
+        What a person should know of how its parts differ, a line each.
     """
 
     config: RigConfig
@@ -49,6 +51,7 @@ class Setup:
     places: tuple[Place, ...]
     known: KnownDrive | None = None
     plans: Plans = field(default_factory=Plans)
+    said: tuple[str, ...] = ()
 
     @property
     def judged(self) -> Place:

@@ -17,6 +17,7 @@ from calibration.identification.report import (
     verdicts,
 )
 from calibration.identification.workflow import Identification, Method, identify_recording
+from calibration.output import AgainOption, refuse_inputs, refuse_taken
 from ctlblocks.recording import Recording
 from rigkit.command import JsonOption, print_table, words, write_json
 from rigkit.foreign_record import read_channels
@@ -34,6 +35,7 @@ def identify_command(
     hold_back: Annotated[float, typer.Option("--hold-back", help="Share kept, at the end, to judge by.")] = 0.3,
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file; the report goes beside it.")] = None,
     png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files.")] = None,
+    again: AgainOption = False,
     json: JsonOption = None,
 ) -> None:
     """Identify a state-space model from a measurement, and judge it on samples held back.
@@ -48,6 +50,8 @@ def identify_command(
         raise ValueError(f"--out {out}: the suffix is {out.suffix!r}, must be '.h5'")
     if out is not None and not out.parent.is_dir():
         raise ValueError(f"--out {out}: there is no folder {out.parent}")
+    if out is not None:
+        refuse_inputs([out, out.with_suffix(".html")], [data])
     measured = _read(data, drives, responses, rate)
     found = identify_recording(
         measured,
@@ -58,6 +62,7 @@ def identify_command(
         hold_back=hold_back,
     )
     if out is not None:
+        refuse_taken([out, out.with_suffix(".html")], again)
         write_model(out, found.model)
     if out is not None or png is not None:
         report = identification_report(found, str(data))

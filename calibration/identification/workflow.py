@@ -119,7 +119,7 @@ def _check_moving(measured: Recording, data: np.ndarray) -> None:
 
 
 def _labelled(model: InnovationModel, measured: Recording, inputs: int, method: str, cut: int) -> InnovationModel:
-    words = {"made": now(), "software": software(), "method": method, "samples": str(cut)}
+    words = {"computed": now(), "software": software(), "method": method, "samples": str(cut)}
     return replace(
         model,
         input_names=measured.names[:inputs],

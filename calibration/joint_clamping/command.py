@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, TextIO
 
@@ -12,14 +12,26 @@ from calibration.guided_arm import arm_with_tool
 from calibration.joint_clamping import advice_table
 from calibration.joint_clamping.full_stiffness import ArmStiffness
 from calibration.joint_clamping.joints_file import write_joints
+from calibration.joint_clamping.measurement import missing
 from calibration.joint_clamping.poses import in_poses
 from calibration.joint_clamping.recorded_map import recorded_map
 from calibration.joint_clamping.report import HEAD, figures, joints_report, rows
 from calibration.joint_clamping.requests import requests
 from calibration.joint_clamping.results import CLAMP, LINK, RAW, TOOL, Clamped, JointResult, of_recording
-from calibration.joint_clamping.session import measure
+from calibration.joint_clamping.session import KEPT, KIND, measure
 from calibration.joint_clamping.several_poses import experiment, stiffest, whole_arm
+from calibration.output import (
+    AgainOption,
+    Output,
+    RecomputeOption,
+    Wish,
+    output,
+    raw_folder,
+    refuse_inputs,
+    refuse_taken,
+)
 from rigkit import config as rig_file
+from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.provenance import now, software
 from stagectl.robot.clamp_config import clamp_procedure
@@ -50,6 +62,9 @@ def joints_command(
     gear: Annotated[float, typer.Option(help="With --from: turns of the motor per turn of the joint.")] = 1.0,
     rate: Annotated[float | None, typer.Option(help="With --from: samples a second.")] = None,
     png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the maps as PNG files.")] = None,
+    again: AgainOption = False,
+    recompute: RecomputeOption = False,
+    accept: AcceptOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -68,8 +83,12 @@ def joints_command(
     if compensate not in WAY_OF:
         raise ValueError(f"--compensate is {compensate!r}, must be one of {', '.join(WAY_OF)}")
     if record is not None:
+        if out is not None:
+            refuse_inputs([out, out.with_suffix(".html")], [record, config])
+            refuse_taken([out, out.with_suffix(".html")], again)
         found = recorded_map(record, (angle, torque, link), gear, rate, WAY_OF[compensate])
-        _finish([found], None, str(record), out, png, json)
+        about = {"recording": str(record), "software": software(), "computed": now()}
+        _finish([found], None, str(record), about, out, png, json)
         return
     cell = rig_file.load(config, CellConfig, [*(settings or []), *["clamping.live=true"] * live])
     wanted = joint_numbers(joints, arm_with_tool(cell).joints)
@@ -81,8 +100,15 @@ def joints_command(
     elif out is None:
         raise ValueError("--out is missing: recordings are kept beside the model file")
     else:
-        results, whole = _measured(cells, wanted, out, words(json), WAY_OF[compensate])
-        _finish(results, whole, str(config or "defaults"), out, png, json)
+        refuse_inputs([out, out.with_suffix(".html")], [config, poses])
+        is_whole = not missing_in(cells, wanted, raw_folder(out))
+        wish, own = Wish(again, recompute, accept or []), cells[0] if len(cells) == 1 else cell
+        writes = output(out, KIND, own, wish, [out.with_suffix(".html")], KEPT, is_whole)
+        cells = [writes.config] if len(cells) == 1 else in_poses(writes.config, pose or [], poses)
+        results, whole = _measured(writes, cells, wanted, words(json), WAY_OF[compensate], wish.accept)
+        about = {"recording": f"{writes.raw.name}/", **writes.provenance}
+        _finish(results, whole, str(config or "defaults"), about, out, png, json)
+        writes.finish()
 
 
 def _advise(cell: CellConfig, joints: tuple[int, ...], json: str | None) -> None:
@@ -110,20 +136,28 @@ def joint_numbers(text: str, most: int) -> tuple[int, ...]:
 
 
 def _measured(
-    cells: Sequence[CellConfig], joints: tuple[int, ...], out: Path, stream: TextIO, chosen: str
+    writes: Output[CellConfig],
+    cells: Sequence[CellConfig],
+    joints: tuple[int, ...],
+    stream: TextIO,
+    chosen: str,
+    accept: Sequence[str],
 ) -> tuple[list[JointResult], ArmStiffness | str | None]:
     """Measure in every pose; return all results, and what several poses say of the whole arm."""
-    arm, folder, several = arm_with_tool(cells[0]), out.with_suffix(".raw"), len(cells) > 1
+    arm, several = arm_with_tool(cells[0]), len(cells) > 1
     for each in cells:
         clamp_procedure(each.clamping, arm, joints)  # refuses what does not fit before anything moves
+    for note in writes.notes:
+        _tell(stream, note)
     _tell(stream, f"pid {os.getpid()}: SIGUSR1 pauses, SIGUSR2 goes on, Ctrl-C aborts")
     results, experiments = [], []
-    with requests() as asked:
+    with writes.begun(), requests() as asked:
         for number, each in enumerate(cells, start=1):
             if several:
                 _tell(stream, f"pose {number} of {len(cells)}")
-            place = folder / f"pose-{number}" if several else folder
-            recorded, way = measure(each, joints, place, lambda text: _tell(stream, text), asked)
+            place = writes.part(place_of(writes.raw, number, True).name, each, accept, KEPT) if several else writes.raw
+            tell, only = (lambda text: _tell(stream, text)), writes.is_recomputed
+            recorded, way = measure(each, joints, place, tell, asked, only_recorded=only)
             pose = clamp_procedure(each.clamping, arm, joints).pose
             clamped = Clamped(arm, pose, each.clamping.environment, number if several else 0)
             for joint in joints:
@@ -131,6 +165,17 @@ def _measured(
                 results.append(result)
                 experiments.append(experiment(recorded[joint], result, clamped))
     return results, whole_arm(arm, experiments) if several else None
+
+
+def place_of(folder: Path, number: int, several: bool) -> Path:
+    """Return the folder of a pose, counted from 1."""
+    return folder / f"pose-{number}" if several else folder
+
+
+def missing_in(cells: Sequence[CellConfig], joints: tuple[int, ...], folder: Path) -> bool:
+    """Whether a joint is not recorded yet, in some pose."""
+    places = (place_of(folder, number, len(cells) > 1) for number, _ in enumerate(cells, start=1))
+    return any(missing(place, joints) for place in places)
 
 
 def _tell(stream: TextIO, text: str) -> None:
@@ -142,13 +187,14 @@ def _finish(
     results: Sequence[JointResult],
     whole: ArmStiffness | str | None,
     source: str,
+    about: Mapping[str, str],
     out: Path | None,
     png: Path | None,
     json: str | None,
 ) -> None:
     stream, report = words(json), joints_report(results, whole, source)
     if out is not None:
-        write_joints(out, stiffest(results), {"recording": source, "made": now(), "software": software()})
+        write_joints(out, stiffest(results), about)
         report.write(out.with_suffix(".html"))
     if png is not None:
         report.png(png)

@@ -16,9 +16,8 @@ from calibration.joint_clamping.measurement import ClampRun, missing, require_ro
 from calibration.joint_clamping.report import HEAD, joints_report, rows
 from calibration.joint_clamping.requests import Requests
 from calibration.joint_clamping.results import RAW, Clamped, of_recording
-from calibration.joint_clamping.session import measure
-from calibration.raw_folder import raw_folder
-from rigkit.provenance import now, software
+from calibration.joint_clamping.session import KEPT, KIND, measure
+from calibration.output import Wish, output, raw_folder
 from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
 from rigkit.service.show import Gauge, Table
@@ -50,13 +49,20 @@ class JointsProcedure:
     def __init__(self, config: CellConfig, options: JointsOptions, desk: Desk) -> None:
         options.refuse_live("clamping.live", config.clamping.live)
         self._conductor, self._desk = Conductor(desk, SOURCES, options.paced), desk
-        self._cell, self._options = config, options
         self._out = Path(config.daemon.data) / options.model
+        wish = Wish(options.again, options.recompute, options.accept)
         self._folder = raw_folder(self._out)
+        self._joints = joint_numbers(options.joints, arm_with_tool(config).joints)
+        is_whole = not missing(self._folder, self._joints)
+        made = [self._out.with_suffix(".html")]
+        self._writes = output(self._out, KIND, config, wish, made, KEPT, is_whole)
+        config = self._writes.config
+        self._cell, self._options = config, options
         self._arm = arm_with_tool(config)
-        self._joints = joint_numbers(options.joints, self._arm.joints)
         self._pose = clamp_procedure(config.clamping, self._arm, self._joints).pose
-        left = missing(self._folder, self._joints)
+        left = self._joints if options.again else missing(self._folder, self._joints)
+        if left and options.recompute:
+            raise ValueError(f"{self._folder}/ has no recording of joint {left[0] + 1}, and nothing is to be measured")
         self._steps = len(clamp_procedure(config.clamping, self._arm, left).steps()) if left else 0
         require_room(self._folder, len(left))
         self._asked, self._motion = Requests(), Motion(config, idle=None if config.clamping.live else 0.0)
@@ -87,14 +93,22 @@ class JointsProcedure:
         """
         desk, cell = self._desk, self._cell
         desk.progress(0, self._steps, "getting ready")
-        with self._recording(), self._beside() as work, Regularly(partial(self._draw, LiveMap(desk, work)), PERIOD):
+        for note in self._writes.notes:
+            desk.event("note", {"text": note})
+        with (
+            self._writes.begun(),
+            self._recording(),
+            self._beside() as work,
+            Regularly(partial(self._draw, LiveMap(desk, work)), PERIOD),
+        ):
             recorded, way = measure(cell, self._joints, self._folder, self._told, self._asked, self._look)
         desk.progress(self._steps, self._steps, "extracting the models")
         clamped = Clamped(self._arm, self._pose, cell.clamping.environment)
         chosen = WAY_OF[self._options.compensate]
         results = [of_recording(recorded[joint], way, joint, clamped, chosen) for joint in self._joints]
         source = f"{self._folder.name}/"
-        write_joints(self._out, results, {"recording": source, "made": now(), "software": software()})
+        write_joints(self._out, results, {"recording": source, **self._writes.provenance})
+        self._writes.finish()
         joints_report(results, None, source).write(self._out.with_suffix(".html"))
         maps = LiveMap(desk, Here())
         for each in results:

@@ -21,7 +21,7 @@ from calibration.joint_clamping.measurement import (
 from calibration.joint_clamping.requests import Requests
 from ctlblocks import Block, recording
 from ctlblocks.recording import Recording
-from rigkit import atomic
+from rigkit.agreement import GOING_ON
 from rigkit.named_code import named_block
 from stagectl.link.bus import LinkError
 from stagectl.robot.clamp_config import clamp_procedure
@@ -29,12 +29,23 @@ from stagectl.robot.clamp_search import ClampSearch
 from stagectl.robot.config import CellConfig
 from stagectl.wire.egm import RATE
 
-NOTE = "config.json"
+KIND = "calibration of joints"
+KEPT = GOING_ON.without(
+    "midranging", "toroid", "feedback", "plants", "force", "pocket", "learning", "friction", "force_estimate",
+    "segments", "feed_plants", "chirp", "force_sensor", "link",
+)  # fmt: skip
+"""What an unfinished one must have kept."""
 Watch = Callable[[ClampRun], object]
 
 
 def measure(
-    cell: CellConfig, joints: Sequence[int], folder: Path, tell: Tell, asked: Requests, watch: Watch = unwatched
+    cell: CellConfig,
+    joints: Sequence[int],
+    folder: Path,
+    tell: Tell,
+    asked: Requests,
+    watch: Watch = unwatched,
+    only_recorded: bool = False,
 ) -> tuple[dict[int, Recording], Recording | None]:
     """Run the procedure for the joints that have no recording yet; return those of all, and of the way to the clamp.
 
@@ -50,17 +61,20 @@ def measure(
     asked : Requests
     watch : callable(ClampRun)
         Called after every tick.
+    only_recorded : bool
+        Whether nothing may move.
 
     Raises
     ------
-    ValueError : a folder that belongs to another configuration, or limits that do not fit to the arm.
+    ValueError : limits that do not fit to the arm, or a recording is missing and nothing may move.
     DiskFault : the disk has no room for the joints that are missing.
     LinkError : a wire that cannot be had, before anything moves.
     ClampAborted : something went wrong; what was recorded is kept.
     Stopped : it was asked to.
     """
-    _refuse_another(folder, cell)
     left = missing(folder, joints)
+    if left and only_recorded:
+        raise ValueError(f"{folder}/ has no recording of joint {left[0] + 1}, and nothing is to be measured")
     if left:
         require_room(folder, len(left))
         search = ClampSearch(clamp_procedure(cell.clamping, arm_with_tool(cell), left))
@@ -70,29 +84,11 @@ def measure(
     return found, recording.read(way) if way.exists() else None
 
 
-def _refuse_another(folder: Path, cell: CellConfig) -> None:
-    """Refuse a folder that was recorded with another configuration."""
-    note = folder / NOTE
-    if note.exists() and note.read_text(encoding="utf-8") != _told(cell):
-        raise ValueError(f"{folder} was recorded with another configuration; choose another name for the model")
-
-
-def _note(folder: Path, cell: CellConfig) -> None:
-    """Make the folder, and note in it what it is recorded with: once everything is there that a recording wants."""
-    folder.mkdir(parents=True, exist_ok=True)
-    atomic.write(folder / NOTE, _told(cell))
-
-
-def _told(cell: CellConfig) -> str:
-    """Return all that a recording depends on: not the daemon that may have made it."""
-    return cell.model_dump_json(indent=1, exclude={"daemon"})
-
-
 def _run_simulated(
     cell: CellConfig, search: ClampSearch, folder: Path, tell: Tell, asked: Requests, watch: Watch
 ) -> None:
     run = ClampRun(simulated_robot(cell), search, RATE, folder, tell, asked, Here(), False, watch)
-    _note(folder, cell)
+    folder.mkdir(parents=True, exist_ok=True)
     while not run.look():
         run.graph.tick()
     run.finish()
@@ -114,7 +110,7 @@ def _run_live(cell: CellConfig, search: ClampSearch, folder: Path, tell: Tell, a
     _compile(search)
     with aside(nothing) as work, wired_arm(cell, clamping.track, tell) as robot:
         run = ClampRun(robot, search, RATE, folder, tell, asked, work, True, watch)
-        _note(folder, cell)
+        folder.mkdir(parents=True, exist_ok=True)
         try:
             lead(robot, run.graph, run.look)
         except LinkError as fault:

@@ -7,9 +7,11 @@ import typer
 
 from calibration.milling.live import live_steps, refuse_unfit
 from calibration.milling.report import FIT_HEAD, figures, fit_rows, milling_report
-from calibration.milling.session import SWEEP, Calibrated, calibrate, dry_run, raw_trials, require_room
+from calibration.milling.session import SWEEP, Calibrated, calibrate, dry_run, output_of, raw_trials, require_room
 from calibration.milling.sweep_session import sweep, sweep_steps
+from calibration.output import AgainOption, Output, RecomputeOption, Wish, refuse_inputs
 from rigkit import config as rig_file
+from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.stop import stoppable
 from stagectl.machining.run import Conduct
@@ -33,6 +35,9 @@ def milling_command(
     is_sure: Annotated[bool, typer.Option("--yes", help="Live: go on from motion to motion without asking.")] = False,
     dry: Annotated[bool, typer.Option("--dry-run", help="Print every motion, and make none.")] = False,
     png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
+    again: AgainOption = False,
+    recompute: RecomputeOption = False,
+    accept: AcceptOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -57,14 +62,20 @@ def milling_command(
         raise ValueError("--out is missing: recordings are kept beside the model file")
     if is_live:
         refuse_unfit(cell, is_sure)
-    require_room(out, cell, task)
+    refuse_inputs([out, out.with_suffix(".html")], [config])
+    writes = output_of(out, cell, Wish(again, recompute, accept or []), is_live)
+    if not recompute:
+        require_room(out, cell, task)
     stream = words(json)
 
     def tell(text: str) -> None:
         print(text, file=stream, flush=True)  # noqa: T201
 
-    found = _measured(out, cell, task, is_live, is_sure, tell)
+    for note in writes.notes:
+        tell(note)
+    found = _measured(writes, task, is_live, is_sure, tell)
     write_milling(out, found.models, UNITS)
+    writes.finish()
     report = milling_report(found, str(out))
     report.write(out.with_suffix(".html"))
     if png is not None:
@@ -74,13 +85,14 @@ def milling_command(
     write_json(json, figures(found))
 
 
-def _measured(out: Path, cell: CellConfig, task: str, is_live: bool, is_sure: bool, tell: Tell) -> Calibrated:
+def _measured(writes: Output[CellConfig], task: str, is_live: bool, is_sure: bool, tell: Tell) -> Calibrated:
     """Make all motions, or go on with them, and fit all models."""
-    with raw_trials(out, cell, is_live) as folder, stoppable() as stop:
+    cell, about = writes.config, writes.provenance
+    with raw_trials(writes) as folder, stoppable() as stop:
         conduct = Conduct(folder.event, lambda: stop.made)
         person = Person(tell, conduct.stopped, not is_sure) if is_live else None
         if person is not None and not (folder.path / SWEEP).exists():
             person.confirm(f"the sweep, {len(sweep_steps(cell))} motions: no block, nobody in the cell")
         swept = sweep(cell, is_live, folder.path / SWEEP, tell, stop)
         with performing(cell, person, conduct) as perform:
-            return calibrate(cell, task, Runner(folder, conduct, perform, tell), swept)
+            return calibrate(cell, task, Runner(folder, conduct, perform, tell), swept, about)

@@ -3,8 +3,9 @@
 from pathlib import Path
 
 from calibration.milling.report import FIT_HEAD, fit_rows, milling_report
-from calibration.milling.session import CHIRPS, SWEEP, calibrate, raw_trials, refuse_unfit_path, require_room
+from calibration.milling.session import CHIRPS, SWEEP, calibrate, output_of, raw_trials, refuse_unfit_path, require_room
 from calibration.milling.sweep_session import sweep, sweep_steps
+from calibration.output import Wish
 from ctlblocks import Graph
 from ctlblocks.recording import Recording
 from rigkit.service.regularly import Regularly
@@ -52,13 +53,16 @@ class MillingProcedure:
         first = first_trial(self._cell, options.task)
         refuse_wrong_plants(first)
         refuse_unfit_path(self._cell, first)
-        require_room(self._out, self._cell, options.task)
+        wish = Wish(options.again, options.recompute, options.accept)
+        self._writes = output_of(self._out, self._cell, wish)
+        if not options.recompute:
+            require_room(self._out, self._cell, options.task)
         self._steps, self._moves = [step.words for step in sweep_steps(self._cell)], 0
         self._conductor = Conductor(desk, SOURCES, options.paced)
         self._sweeping = Conductor(desk, SWEPT, options.paced)
         self._motion, self._total = Motion(self._cell), 4 + config.learning.free
-        self._folder = raw_trials(self._out, self._cell)
-        self._trials = TrialRunner(self._conductor, self._folder, first.cell, 1, self._total, self._show)
+        self._trials: TrialRunner | None = None
+        self._first = first
         self._free: list[DoneTrial] = []
         self._request = StopRequest()
 
@@ -70,7 +74,7 @@ class MillingProcedure:
     def gauges(self) -> list[Gauge]:
         """Return where the tool is, how fast the joints turn, when it was seen, and the force on it."""
         swept = self._sweeping.watch
-        if swept.newest("reference") is None:
+        if self._trials is not None:
             return self._trials.gauges()
         return [*self._motion.gauges(swept), *timed(swept)]
 
@@ -84,11 +88,15 @@ class MillingProcedure:
         """
         desk, total = self._desk, self._total
         desk.progress(0, total, "getting ready")
-        with self._folder as folder, Regularly(self._draw, PERIOD):
+        for note in self._writes.notes:
+            desk.event("note", {"text": note})
+        with raw_trials(self._writes) as folder, Regularly(self._draw, PERIOD):
             swept = self._swept(folder.path / SWEEP)
-            found = calibrate(self._cell, self._task, self._trials, swept)
+            self._trials = TrialRunner(self._conductor, folder, self._first.cell, 1, total, self._show)
+            found = calibrate(self._cell, self._task, self._trials, swept, self._writes.provenance)
         desk.progress(total, total, "writing models and report")
         write_milling(self._out, found.models, UNITS)
+        self._writes.finish()
         milling_report(found, str(self._out)).write(self._out.with_suffix(".html"))
         desk.show("fits", Table("Fits on what was held back, %", FIT_HEAD, tuple(fit_rows(found))))
         desk.event("calibrated", {"model": self._out.name, "fits": {row[0]: row[1:] for row in fit_rows(found)}})

@@ -1,6 +1,7 @@
 """`calibrate milling` from its first motion to its models: chirps, sweep, free space, the first trial in material."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,12 +12,13 @@ from calibration.milling.process_fit import ProcessFit, fit_process, refuse_shor
 from calibration.milling.robot_fit import AxisFit, fit_axis
 from calibration.milling.sweep_session import sweep_path
 from calibration.milling.torque_fit import TorqueFit, friction_and_gravity, known_speeds
-from calibration.raw_folder import raw_folder
+from calibration.output import Output, Wish, output, raw_folder
 from ctlblocks.recording import Recording
 from ctlblocks.room import bytes_of
+from rigkit import atomic
 from rigkit import config as rig_file
+from rigkit.agreement import GOING_ON
 from rigkit.disk_space import require
-from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.force_model import ForceModel
@@ -32,9 +34,11 @@ from stagectl.trials.tool_path import RATE
 from stagectl.trials.trial import Trial, first_trial, in_the_air
 
 CHIRPS, SWEEP = "chirps", "sweep.wav"
-PLACE = "cell.txt"
-"""File of the folder of recordings: whether they are of the live cell."""
 LIVE, SIMULATED = "live", "simulated"
+KEPT = GOING_ON.without(
+    "clamping", "midranging", "toroid", "feedback", "segments", "feed_plants", "force", "force_estimate", "link"
+)
+"""What an unfinished one must have kept."""
 SWEPT_CHANNELS = 24
 """Of the sweep's record, at most: reference, angle, torque and velocity of six joints."""
 
@@ -67,33 +71,38 @@ class Calibrated:
     milled: DoneTrial
 
 
-def raw_trials(out: Path, cell: CellConfig, is_live: bool = False) -> RunFolder:
-    """Make the folder of a model file's raw recordings, or take it up again where it is of the same configuration.
+def output_of(out: Path, cell: CellConfig, wish: Wish, is_live: bool = False) -> Output[CellConfig]:
+    """Say what a calibration of milling may write.
 
     Parameters
     ----------
     out : Path
     cell : CellConfig
+    wish : Wish
     is_live : bool
-        Whether they are of a robot behind its wires.
+        Whether it is of a robot behind its wires.
 
     Raises
     ------
-    ValueError : another configuration, the other cell, or `out` is something else's.
+    ValueError : the name is taken, or unfinished with other settings or on the other cell.
     """
-    path, text, place = raw_folder(out), rig_file.dump(cell), LIVE if is_live else SIMULATED
-    if not (path / CONFIG).exists():
-        with RunFolder.filled(path, text) as folder:
-            folder.write(PLACE, f"{place}\n")
-        return folder
-    told = path / PLACE
-    was = told.read_text(encoding="utf-8").strip() if told.exists() else SIMULATED
-    if was != place:
-        raise ValueError(f"{path}/ was recorded on the {was} cell, this is the {place} one; choose another name")
-    kept = rig_file.load(path / CONFIG, CellConfig)
-    if kept.model_copy(update={"daemon": cell.daemon}) != cell:
-        raise ValueError(f"{path}/ was recorded with another configuration; choose another name for the model")
-    return RunFolder.open(path)
+    kind = f"calibration of milling, {LIVE if is_live else SIMULATED}"
+    return output(out, kind, cell, wish, [out.with_suffix(".html")], KEPT)
+
+
+@contextmanager
+def raw_trials(writes: Output[CellConfig]) -> Iterator[RunFolder]:
+    """Make the folder of a model file's raw recordings, or take it up again; one in which nothing came goes again."""
+    with writes.begun():
+        is_new = not (writes.raw / CONFIG).exists()
+        if is_new:
+            atomic.write(writes.raw / CONFIG, rig_file.dump(writes.config))
+        with RunFolder.open(writes.raw) as folder:
+            try:
+                yield folder
+            finally:
+                if is_new and not any(writes.raw.rglob("*.wav")):
+                    folder.withdraw()
 
 
 def require_room(out: Path, cell: CellConfig, task: str) -> None:
@@ -167,7 +176,13 @@ def fit_milling(learner: Learner, milled: DoneTrial) -> dict[str, ProcessFit]:
     return {name: fit_process(signals.seen, deflection, force, inside, RATE) for name, force in forces.items()}
 
 
-def calibrate(cell: CellConfig, task: str, run: Callable[[str, Trial], DoneTrial], swept: Recording) -> Calibrated:
+def calibrate(
+    cell: CellConfig,
+    task: str,
+    run: Callable[[str, Trial], DoneTrial],
+    swept: Recording,
+    words: Mapping[str, str],
+) -> Calibrated:
     """Run all trials and fit all models.
 
     Parameters
@@ -178,6 +193,8 @@ def calibrate(cell: CellConfig, task: str, run: Callable[[str, Trial], DoneTrial
         Runs a trial under a name.
     swept : Recording
         Of the workspace sweep.
+    words : mapping of str to str
+        The models' own.
     """
     chirps, first = in_the_air(cell, chirp_path(cell).path(cell.pocket)), first_trial(cell, task)
     friction, gravity, torques = friction_and_gravity(swept, first.arm, cell.friction)
@@ -186,7 +203,7 @@ def calibrate(cell: CellConfig, task: str, run: Callable[[str, Trial], DoneTrial
     chirped = run(CHIRPS, chirps)
     late = tracker_late(chirped.trial, chirped.records)
     axes = fit_robot(cell, DoneTrial(CHIRPS, replace(chirped.trial, late=late), chirped.records))
-    about = {"made": now(), "software": software(), "task": task}
+    about = {**words, "task": task}
     robot = {side: robot_model(fits) for side, fits in axes.items()}
     models = MillingModels(robot, {}, first.path.pocket.depth, torque_arrays(friction, gravity, torques.inertia), about)
 

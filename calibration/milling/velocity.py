@@ -59,7 +59,7 @@ def identify_velocity(record: Recording, order: int = 3) -> Velocity:
     drive, response = data[:, :1], data[:, 1:]
     found = identify(drive[:cut], response[:cut], record.rate, order, "n4sid", direct=False)
     drive, response = drive - found.input_offset, response - found.output_offset
-    words = {"made": now(), "software": software(), "method": "n4sid", "samples": str(cut), **record.provenance}
+    words = {**record.provenance, "computed": now(), "software": software(), "method": "n4sid", "samples": str(cut)}
     model = replace(
         found.model,
         provenance=words,

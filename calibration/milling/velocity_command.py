@@ -1,14 +1,19 @@
 """The command `calibrate velocity`: the robot's velocity model for `stagectl force`."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from calibration.milling.velocity import SIGNALS, Velocity, identify_velocity
+from calibration.output import AgainOption, provenance, refuse_inputs, refuse_taken
 from ctlblocks import recording
+from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.disk_space import require
+from rigkit.provenance import now
 from stagectl.feed.free_run import WAYS, free_run
 from stagectl.feed.job import pocket_of
 from stagectl.feed.plan import feed_plan
@@ -34,6 +39,7 @@ def velocity_command(
     axis: Annotated[str, typer.Option(metavar="x|y", help="Along which axis of the base it feeds.")] = "x",
     seconds: Annotated[float, typer.Option(help="Of steps.")] = 24.0,
     seed: Annotated[int, typer.Option(min=0, help="Of the steps.")] = 1,
+    again: AgainOption = False,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -50,15 +56,24 @@ def velocity_command(
     if not LEAST <= seconds <= 600.0:
         raise ValueError(f"--seconds is {seconds:g}, must be {LEAST:g} to 600")
     cell = rig_file.load(config, CellConfig, settings or [])
+    kept = out.with_suffix(".csv")
+    made = [out] if record is not None else [out, kept]
+    refuse_inputs(made, [config, record])
     if record is None:
         pocket = pocket_of("pocket", cell.segments)
         assert pocket is not None
+        refuse_taken(made, again)
+        require(out.parent, bytes_of(round(seconds * RATE), len(SIGNALS), "float64", "csv"), "the record")
         measured = free_run(feed_plan(cell, pocket, nominal_velocity(RATE)), axis, seconds, seed)
-        recording.write(out.with_suffix(".csv"), measured)
+        words = {**provenance(cell, now()), "axis": axis, "seed": str(seed)}
+        measured = replace(measured, provenance={**measured.provenance, **words})
+        recording.write(kept, measured)
     else:
         measured = recording.read(record, rate=RATE)
     found = identify_velocity(measured, order)
     velocity_loop(found.model, velocity_weights(cell.force))  # a model that nothing can be designed from is told now
+    if record is not None:
+        refuse_taken(made, again)
     write_model(out, found.model)
     _tell(found, out, json)
 

@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
+from calibration.experiment import refuse_to_emit
 from ctlblocks import Graph, Port
 from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
@@ -46,10 +47,6 @@ class ExcitedAxis(Protocol):
     def centre(self) -> float:
         """What the drive deviates from, V or m."""
 
-    @property
-    def depends(self) -> dict[str, str]:
-        """What a recording depends on beside the excitation, the limits and the loop."""
-
     def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Excite it about its rest: `experiment.Emit`.
 
@@ -69,6 +66,31 @@ class ExcitedAxis(Protocol):
 def centre_of(config: StageConfig, loop: Pid | None) -> float:
     """Return the middle of a drive: the rest voltage, V, or where a loop is excited that of its references, m."""
     return config.limits.rest_voltage if loop is None else sum(config.limits.extension) / 2
+
+
+@dataclass(frozen=True)
+class RecordedBench:
+    """An axis that is not excited: all is recorded already.
+
+    Parameters
+    ----------
+    config : StageConfig
+    axis : int, counted from 0
+    loop : Pid or None
+    """
+
+    config: StageConfig
+    axis: int
+    loop: Pid | None
+
+    @property
+    def centre(self) -> float:
+        """What the drive deviated from, V or m."""
+        return centre_of(self.config, self.loop)
+
+    def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Refuse, by a RawFolderError."""
+        return refuse_to_emit(drive)
 
 
 See = Callable[[np.ndarray, np.ndarray], object]
@@ -105,12 +127,6 @@ class Bench:
     def centre(self) -> float:
         """What the drive deviates from: the rest voltage, V, or the middle of the extension's references, m."""
         return centre_of(self.config, self.loop)
-
-    @property
-    def depends(self) -> dict[str, str]:
-        """What a recording depends on beside the excitation: which plant it is of."""
-        options = {f"simulator.options.{key}": repr(value) for key, value in self.config.simulator.options.items()}
-        return {"simulator.plant": self.config.simulator.plant, **options}
 
     def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Excite the axis about its rest: `experiment.Emit`.

@@ -1,6 +1,6 @@
 """One axis from its first chirp to its loops: open, the PID that this makes, closed with it, and the loop around."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,8 +12,6 @@ from calibration.stage_axes.experiment import Experiment, record
 from calibration.stage_axes.faster import at_rate, stack_at_rate
 from calibration.stage_axes.identification import Wanted, identified, simo, siso, stretched
 from calibration.subspace.realization import Method
-from rigkit import config as rig_file
-from rigkit.provenance import now, software
 from stagectl.config import Inner, StageConfig
 from stagectl.models import InnovationModel
 from stagectl.stage.design import Design, design
@@ -98,6 +96,7 @@ def calibrate_axes(
     order: int | None,
     method: Method,
     bench: Callable[[int, Pid | None], ExcitedAxis],
+    about: Mapping[str, str],
 ) -> list[AxisCalibration]:
     """Identify axes, each with open inner loop and with the loop closed by the PID that this gives; choose outer loops.
 
@@ -112,6 +111,8 @@ def calibrate_axes(
     method : "n4sid" or "moesp"
     bench : callable(int, Pid or None) -> ExcitedAxis
         Gives an axis, counted from 0, to be excited: its voltage, or the reference of its inner loop.
+    about : mapping of str to str
+        The models' words.
 
     Source
     ------
@@ -119,8 +120,8 @@ def calibrate_axes(
     """
     found = []
     for axis in axes:
-        opened = _opened(bench(axis, None), raw, order, method)
-        closed = _closed(bench(axis, opened.loop), raw, order, method)
+        opened = _opened(bench(axis, None), raw, order, method, about)
+        closed = _closed(bench(axis, opened.loop), raw, order, method, about)
         outer = outer_loop(config, axis, closed.one.model)
         found.append(AxisCalibration(config.stage.axes[axis], config.characterisation.band[1], opened, closed, outer))
     return found
@@ -142,11 +143,11 @@ def outer_loop(config: StageConfig, axis: int, model: InnovationModel) -> Design
         return str(fault)
 
 
-def _opened(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Method) -> Opened:
+def _opened(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Method, words: Mapping[str, str]) -> Opened:
     config, axis = bench.config, bench.axis
     name, settings = config.stage.axes[axis], config.characterisation
     experiment = record(bench, raw)
-    about = _about(bench, raw, experiment)
+    about = {**words, **_recorded(raw, experiment)}
     drive = (f"voltage_{name}", "V")
     stack, one, every = (
         identified(experiment, wanted, config.stage.rate, settings.band[1], about)
@@ -177,10 +178,10 @@ def inner_loop(config: StageConfig, axis: int, stack: InnovationModel) -> tuple[
     return loop, wished.model_copy(update=made), figures
 
 
-def _closed(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Method) -> Closed:
+def _closed(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Method, words: Mapping[str, str]) -> Closed:
     config, axis = bench.config, bench.axis
     experiment = record(bench, raw)
-    about = _about(bench, raw, experiment) | {"inner": repr(bench.loop)}
+    about = {**words, **_recorded(raw, experiment), "inner": repr(bench.loop)}
     drive = (f"extension_reference_{config.stage.axes[axis]}", "m")
     one, every = (
         identified(experiment, wanted, config.stage.rate, config.characterisation.band[1], about)
@@ -211,11 +212,5 @@ def slow(inner: Inner, axis: int, most: float) -> Inner:
     return inner.model_copy(update={"bandwidth": (bandwidth,), "gain": (gain,)})
 
 
-def _about(bench: ExcitedAxis, raw: RawFolder, experiment: Experiment) -> dict[str, str]:
-    return {
-        "rig": bench.config.rig.name,
-        "config": rig_file.dump(bench.config),
-        "recording": f"{raw.path.name}/, fingerprints {', '.join(experiment.fingerprints)}",
-        "software": software(),
-        "made": now(),
-    }
+def _recorded(raw: RawFolder, experiment: Experiment) -> dict[str, str]:
+    return {"recording": f"{raw.path.name}/, fingerprints {', '.join(experiment.fingerprints)}"}

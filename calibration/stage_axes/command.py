@@ -9,11 +9,11 @@ from typing import Annotated, cast
 import typer
 
 from calibration.experiment import RawFolder
-from calibration.raw_folder import raw_folder
-from calibration.stage_axes.bench import Bench, ExcitedAxis
+from calibration.output import AgainOption, Output, RecomputeOption, Wish, output, refuse_inputs
+from calibration.stage_axes.bench import Bench, ExcitedAxis, RecordedBench
 from calibration.stage_axes.calibration import AxisCalibration, calibrate_axes
-from calibration.stage_axes.experiment import require_room
-from calibration.stage_axes.files import ALL, axes_of, write
+from calibration.stage_axes.experiment import KEPT, KIND, require_room
+from calibration.stage_axes.files import ALL, axes_of, results, write
 from calibration.stage_axes.live_bench import LiveBench
 from calibration.stage_axes.order import MOST
 from calibration.stage_axes.report import (
@@ -28,6 +28,7 @@ from calibration.stage_axes.report import (
 )
 from calibration.subspace.realization import Method
 from rigkit import config as rig_file
+from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.stop import Stopped, stoppable
 from stagectl.config import StageConfig
@@ -44,6 +45,9 @@ def stage_command(
     method: Annotated[str, typer.Option(metavar="moesp|n4sid", help="Subspace method.")] = "moesp",
     png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
     live: Annotated[bool, typer.Option("--live", help="The stage behind its CAN adapter, link.channel.")] = False,
+    again: AgainOption = False,
+    recompute: RecomputeOption = False,
+    accept: AcceptOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -63,29 +67,47 @@ def stage_command(
         raise ValueError(f"--order is {order}, must be 1 to {MOST}")
     if method not in ("moesp", "n4sid"):
         raise ValueError(f"--method is {method!r}, must be moesp or n4sid")
-    folder = RawFolder(raw_folder(out))
-    require_room(rig, len(axes), folder)
-    with folder as raw:
-        found = _calibrated(rig, axes, raw, order, cast(Method, method))
-        write(found, out, axis == ALL, rig, png)
+    made = results(rig, axis, out)
+    refuse_inputs(made, [config])
+    writes = output(out, KIND, rig, Wish(again, recompute, accept or []), made, KEPT)
+    folder = RawFolder(writes.raw)
+    if not recompute:
+        require_room(rig, len(axes), folder)
+    sys.stderr.write("".join(f"{note}\n" for note in writes.notes))
+    with writes.begun(), folder as raw:
+        found = _calibrated(writes, axes, raw, order, cast(Method, method))
+        write(found, out, axis == ALL, writes.config, _text_of(config), png)
+        writes.finish()
     _print(found, out, json)
     if any(without_loop(found)):
         raise typer.Exit(1)
 
 
+def _text_of(config: Path | None) -> str:
+    """Return the rig file as a person has written it; without one, a complete one."""
+    return rig_file.example(StageConfig) if config is None else config.read_text(encoding="utf-8")
+
+
 def _calibrated(
-    rig: StageConfig, axes: Sequence[int], raw: RawFolder, order: int | None, method: Method
+    writes: Output[StageConfig], axes: Sequence[int], raw: RawFolder, order: int | None, method: Method
 ) -> list[AxisCalibration]:
-    with stoppable() as stop, _bench(rig, lambda: stop.made) as bench:
+    rig, about = writes.config, writes.provenance
+    with stoppable() as stop, _bench(writes, lambda: stop.made) as bench:
         try:
-            return calibrate_axes(rig, axes, raw, order, method, bench)
+            return calibrate_axes(rig, axes, raw, order, method, bench, about)
         except Stopped:
             raise Stopped(f"stopped; what is recorded is in {raw.path}/, the same command goes on from there") from None
 
 
 @contextmanager
-def _bench(rig: StageConfig, stopped: Callable[[], bool]) -> Iterator[Callable[[int, Pid | None], ExcitedAxis]]:
+def _bench(
+    writes: Output[StageConfig], stopped: Callable[[], bool]
+) -> Iterator[Callable[[int, Pid | None], ExcitedAxis]]:
     """Give what excites an axis: of the stage behind its link where the run is live, else of the one in process."""
+    rig = writes.config
+    if writes.is_recomputed:
+        yield lambda axis, loop: RecordedBench(rig, axis, loop)
+        return
     if not rig.session.live:
         yield lambda axis, loop: Bench(rig, axis, loop, stopped)
         return

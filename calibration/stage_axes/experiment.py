@@ -8,9 +8,13 @@ import numpy as np
 from calibration.experiment import Plan, RawFolder
 from calibration.stage_axes.bench import HEARD, ExcitationError, ExcitedAxis
 from calibration.stage_axes.chirp import Chirp
+from rigkit.agreement import GOING_ON
 from rigkit.progress import progress
 from stagectl.config import StageConfig
 
+KIND = "stage calibration"
+KEPT = GOING_ON.without("inner", "outer", "weights", "reference", "deflection", "laser")
+"""What an unfinished one must have kept."""
 DOWN, FRESH = 1.15, 1.25
 """Length of the falling chirp and of the fresh one, re the first."""
 ONCE_MORE = 0.95
@@ -149,12 +153,19 @@ def _plan(bench: ExcitedAxis, what: str, chirps: Sequence[Chirp]) -> Plan:
     depends = {
         "rig.name": config.rig.name,
         "limits": repr(config.limits),
-        **bench.depends,
+        **_which_stage(config),
         "inner": repr(bench.loop),
         **{f"chirp {number}": repr(chirp) for number, chirp in enumerate(chirps)},
     }
     heard = [(f"{signal}_{each}", "m") for signal in HEARD for each in config.stage.axes]
     return Plan(f"{axis}-{loop}-{what}", depends, config.stage.rate, [(f"{name}_{axis}", unit)], heard, chirps)
+
+
+def _which_stage(config: StageConfig) -> dict[str, str]:
+    if config.session.live:
+        return {"stage": "behind the link"}
+    options = {f"simulator.options.{key}": repr(value) for key, value in config.simulator.options.items()}
+    return {"simulator.plant": config.simulator.plant, **options}
 
 
 def _recorded(bench: ExcitedAxis, plan: Plan, raw: RawFolder) -> list[Excited]:

@@ -5,9 +5,9 @@ from pathlib import Path
 
 from calibration.stage_axes.calibration import AxisCalibration
 from calibration.stage_axes.report import axis_report
-from calibration.stage_axes.rig import calibrated_rig
+from calibration.stage_axes.rig import CHOSEN, calibrated_rig
 from rigkit import atomic
-from rigkit import config as rig_file
+from rigkit.config_edit import with_tables
 from stagectl.config import StageConfig
 from stagectl.model_file import write_model
 
@@ -29,8 +29,20 @@ def model_file(out: Path, name: str, is_of_all: bool) -> Path:
     return out.with_stem(f"{out.stem}-{name}") if is_of_all else out
 
 
+def results(rig: StageConfig, axis: str, out: Path) -> list[Path]:
+    """Return all files that `write` will make, beside figures."""
+    models = [model_file(out, rig.stage.axes[each], axis == ALL) for each in axes_of(rig, axis)]
+    made = [path.with_stem(f"{path.stem}{part}") for path in models for part in ("", "-open", "-simo")]
+    return [*made, *(path.with_suffix(".html") for path in models), out.with_suffix(".toml")]
+
+
 def write(
-    found: Sequence[AxisCalibration], out: Path, is_of_all: bool, rig: StageConfig, png: Path | None = None
+    found: Sequence[AxisCalibration],
+    out: Path,
+    is_of_all: bool,
+    rig: StageConfig,
+    text: str,
+    png: Path | None = None,
 ) -> None:
     """Write the models and reports of axes, and the rig file with what was chosen for them.
 
@@ -42,6 +54,8 @@ def write(
     is_of_all : bool
         Whether each axis has its name in that of its file.
     rig : StageConfig
+    text : str
+        Of the rig file, which is kept but for what was chosen.
     png : Path, optional
         Folder for the figures as PNG files as well.
     """
@@ -54,4 +68,4 @@ def write(
         report.write(path.with_suffix(".html"))
         if png is not None:
             report.png(png / each.axis)
-    atomic.write(out.with_suffix(".toml"), rig_file.dump(calibrated_rig(rig, found)))
+    atomic.write(out.with_suffix(".toml"), with_tables(text, calibrated_rig(rig, found), CHOSEN))

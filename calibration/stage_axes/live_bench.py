@@ -64,11 +64,6 @@ class LiveBench:
         """What the drive deviates from: the rest voltage, V, or the middle of the extension's references, m."""
         return centre_of(self.config, self.loop)
 
-    @property
-    def depends(self) -> dict[str, str]:
-        """What a recording depends on beside the excitation: that it is of the stage itself."""
-        return {"stage": "behind the link"}
-
     def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Excite the axis about its rest: `experiment.Emit`.
 

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from calibration.experiment import RawFolder
-from calibration.raw_folder import raw_folder
-from calibration.stage_axes.bench import Bench, ExcitedAxis
+from calibration.output import Wish, output
+from calibration.stage_axes.bench import Bench, ExcitedAxis, RecordedBench
 from calibration.stage_axes.calibration import AxisCalibration, calibrate_axes
-from calibration.stage_axes.experiment import require_room
-from calibration.stage_axes.files import axes_of, write
+from calibration.stage_axes.experiment import KEPT, KIND, require_room
+from calibration.stage_axes.files import ALL, axes_of, model_file, results, write
 from calibration.stage_axes.live_bench import LiveBench
 from calibration.stage_axes.report import (
     INNER_HEAD,
@@ -22,6 +22,7 @@ from calibration.stage_axes.report import (
     without_loop,
 )
 from calibration.stage_axes.rig import calibrated_rig
+from rigkit import config as rig_file
 from rigkit.progress import told_to
 from rigkit.service.rig import Desk
 from rigkit.service.show import Axis, Curves, Gauge, Table, Trace
@@ -54,11 +55,17 @@ class StageProcedure:
     """
 
     def __init__(self, config: StageConfig, options: CalibrationOptions, desk: Desk, link: StageLink | None) -> None:
-        self._config, self._options, self._desk, self._link = config, options, desk, link
-        self._axes = axes_of(config, options.axis)
         self._out = Path(config.daemon.data) / OUT
-        self._raw = RawFolder(raw_folder(self._out))
-        require_room(config, len(self._axes), self._raw)
+        if options.again and options.axis != ALL:
+            raise ValueError(f"axis is {options.axis!r}, must be {ALL} where again is true: the axes share recordings")
+        wish = Wish(options.again, options.recompute, options.accept)
+        made = results(config, ALL, self._out)
+        self._writes = output(self._out, KIND, config, wish, made, KEPT, self._is_whole(config, options.axis))
+        self._config, self._options, self._desk, self._link = self._writes.config, options, desk, link
+        self._axes = axes_of(config, options.axis)
+        self._raw = RawFolder(self._writes.raw)
+        if not options.recompute:
+            require_room(config, len(self._axes), self._raw)
         self._found: list[AxisCalibration] = []
         self._stopped = False
         self._position, self._voltage = np.full((2, len(config.stage.axes)), np.nan)
@@ -82,16 +89,19 @@ class StageProcedure:
         Stopped : the desk said that it is to end.
         ExcitationError, LinkError : something went wrong; the stage has gone to rest.
         """
-        config = self._config
+        config, about = self._config, self._writes.provenance
+        for note in self._writes.notes:
+            self._desk.event("note", {"text": note})
         self._desk.recording(True)
         try:
-            with self._raw as raw, told_to(self._progress):
+            with self._writes.begun(), self._raw as raw, told_to(self._progress):
                 for axis in self._axes:
-                    self._found += calibrate_axes(config, [axis], raw, None, self._options.method, self._bench)
+                    self._found += calibrate_axes(config, [axis], raw, None, self._options.method, self._bench, about)
                     self._show()
                 self._desk.recording(False)
                 self._desk.progress(len(self._axes), len(self._axes), "writing models and reports")
-                write(self._found, self._out, True, config)
+                write(self._found, self._out, True, config, self._text())
+                self._writes.finish()
         finally:
             self._desk.recording(False)
         lacking = without_loop(self._found)
@@ -99,7 +109,18 @@ class StageProcedure:
         self._desk.event("calibrated", told | ({"without_loop": lacking} if lacking else {}))
         return calibrated_rig(config, self._found)
 
+    def _is_whole(self, config: StageConfig, axis: str) -> bool:
+        """Whether all that is asked for has a model: axes may be calibrated one by one."""
+        return all(model_file(self._out, config.stage.axes[each], True).exists() for each in axes_of(config, axis))
+
+    def _text(self) -> str:
+        """Return the rig file that an earlier calibration has left, which a person may have edited; or the daemon's."""
+        chosen = self._out.with_suffix(".toml")
+        return chosen.read_text(encoding="utf-8") if chosen.is_file() else rig_file.dump(self._config)
+
     def _bench(self, axis: int, loop: Pid | None) -> ExcitedAxis:
+        if self._writes.is_recomputed:
+            return RecordedBench(self._config, axis, loop)
         if self._link is None:
             return Bench(self._config, axis, loop, self._ending, self._see)
         return LiveBench(self._config, axis, loop, self._link, self._ending, self._say)

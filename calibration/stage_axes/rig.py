@@ -6,6 +6,9 @@ from calibration.stage_axes.calibration import AxisCalibration
 from stagectl.config import ChosenWeights, Inner, StageConfig
 from stagectl.stage.design import Design
 
+CHOSEN = "inner", "weights"
+"""Tables of a rig file that a calibration chooses."""
+
 
 def calibrated_rig(config: StageConfig, found: Sequence[AxisCalibration]) -> StageConfig:
     """Return the rig file for `stagectl run`; what was not calibrated stays.

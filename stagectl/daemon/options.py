@@ -9,6 +9,14 @@ from stagectl.config import Reference, StageConfig
 _NAME_OR_NONE = r"^([A-Za-z0-9][A-Za-z0-9._-]{0,79})?$"
 
 
+class Renewed(Section):
+    """What may be wanted of a calibration whose name is there already."""
+
+    again: bool = setting(False, "", "measure anew; what is there under that name is kept under its date")
+    recompute: bool = setting(False, "", "compute again from the recordings that are there, with their settings")
+    accept: tuple[str, ...] = setting((), "", "keys that may differ from those that an unfinished one began with")
+
+
 class _RunOptions(Section):
     """A run of any kind."""
 
@@ -31,7 +39,7 @@ class HoldOptions(_RunOptions):
     )
 
 
-class CalibrationOptions(Section):
+class CalibrationOptions(Renewed):
     """Models of the axes, and their loops."""
 
     axis: str = setting("all", "", "which axis by its name, or all", min_length=1, max_length=40)

@@ -17,7 +17,7 @@ from calibration import vibrator_sweep
 from calibration.experiment import RawFolder
 from calibration.vibrator import calibrate
 from rigkit import config as rig_file
-from tests.calibration.linear_vibrator import emitter
+from tests.calibration.linear_vibrator import ABOUT, emitter
 from vibractl.config import RigConfig
 from vibractl.model_file import read_model, write_model
 
@@ -33,7 +33,7 @@ def emit_from_rest(drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def work(folder: Path) -> None:
     with RawFolder(folder / "model.raw") as raw:
-        write_model(folder / "model.h5", calibrate(CONFIG, raw, emit_from_rest).matrix)
+        write_model(folder / "model.h5", calibrate(CONFIG, raw, emit_from_rest, ABOUT).matrix)
 
 
 def killed(folder: Path, seconds: float) -> bool:

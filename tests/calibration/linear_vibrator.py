@@ -10,6 +10,8 @@ from firmware_sim.plants.vibrator import RETUNE_EVERY, VibratorPlant
 from firmware_sim.plants.vibrator_modes import vibrator_modes
 
 RATE = 44_100.0
+ABOUT = {"rig": "simulated-vibrator", "date": "2026-01-02T03:04:05+00:00"}
+"""Words of a model."""
 LINEAR = {"nonlinearity": 0.0, "drift": 0.0, "hum": -400.0}
 
 

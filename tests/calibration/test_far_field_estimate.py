@@ -10,6 +10,7 @@ from calibration.far_field_estimate import FarFieldError, travel_time
 from calibration.vibrator import calibrate
 from firmware_sim.plants.vibrator_array import VibratorArrayPlant
 from tests.calibration.far_field_rig import RATE, SHORT, array_config, array_emitter, true_transfer
+from tests.calibration.linear_vibrator import ABOUT
 from vibractl.far_field import FarField
 
 WATER = {"vibrators": 1, "medium": "water"}
@@ -18,7 +19,7 @@ WATER = {"vibrators": 1, "medium": "water"}
 def measured(folder: Path, plant: VibratorArrayPlant, *settings: str) -> FarField:
     config = array_config(plant.vibrators, plant.hydrophones, *settings)
     with RawFolder(folder) as raw:
-        found = calibrate(config, raw, array_emitter(plant))
+        found = calibrate(config, raw, array_emitter(plant), ABOUT)
     assert found.matrix.response.shape[1:] == (2 * plant.vibrators, 2 * plant.vibrators)
     assert found.far is not None
     return found.far
@@ -84,4 +85,4 @@ def test_a_hydrophone_that_is_not_plugged_in_is_refused(tmp_path: Path) -> None:
     emit = array_emitter(plant)
     config = array_config(1, 1, *SHORT)
     with RawFolder(tmp_path) as raw, pytest.raises(FarFieldError, match="hydrophone 1, input 4: silent"):
-        calibrate(config, raw, lambda drive: (emit(drive)[0], emit(drive)[1] * np.float32([1, 1, 0])))
+        calibrate(config, raw, lambda drive: (emit(drive)[0], emit(drive)[1] * np.float32([1, 1, 0])), ABOUT)

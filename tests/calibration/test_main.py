@@ -29,7 +29,7 @@ def test_it_writes_model_recordings_report_and_figures(
     model = tmp_path / "model.h5"
     assert call(monkeypatch, "--out", model, "--json", tmp_path / "figures.json", "--png", tmp_path / "png") == 0
     figures = json.loads((tmp_path / "figures.json").read_text())
-    matrix = read_model(model, "simulated-vibrator", (2, 2))
+    matrix = read_model(model, (2, 2))
     assert figures["lines"] == len(matrix.frequency)
     assert (tmp_path / "model.raw" / "pass-2-000.wav").is_file()
     assert "Refined grid" in (tmp_path / "model.html").read_text()
@@ -82,13 +82,13 @@ def test_models_of_different_rigs_are_not_compared(
     assert "was measured on rig 'tank'" in capsys.readouterr().err
 
 
-def test_called_again_it_takes_the_recordings_that_are_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_computed_again_it_takes_the_recordings_that_are_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     model = tmp_path / "model.h5"
     arguments = ("--out", model, "--passes", "1", "--no-preload", "--seed", "2")
     assert call(monkeypatch, *arguments) == 0
     first, times = read_model(model), [path.stat().st_mtime_ns for path in (tmp_path / "model.raw").glob("*.wav")]
     model.unlink()
-    assert call(monkeypatch, *arguments) == 0
+    assert call(monkeypatch, *arguments, "--recompute") == 0
     assert (read_model(model).response == first.response).all()
     assert [path.stat().st_mtime_ns for path in (tmp_path / "model.raw").glob("*.wav")] == times
 

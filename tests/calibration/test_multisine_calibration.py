@@ -7,7 +7,7 @@ from benchmarks.identification import BANDS, FREQUENCY, errors, truth_at_preload
 from calibration.experiment import RawFolder
 from calibration.vibrator import Calibration, calibrate
 from rigkit import config as rig_file
-from tests.calibration.linear_vibrator import emitter
+from tests.calibration.linear_vibrator import ABOUT, emitter
 from vibractl.config import RigConfig
 
 SHORT = ("band=[100, 160]", "records=4", "period=2", "run_in=0.3")
@@ -20,7 +20,7 @@ def config(*settings: str) -> RigConfig:
 
 def found(folder: Path, *settings: str) -> Calibration:
     with RawFolder(folder) as raw:
-        return calibrate(config(*settings), raw, emitter(1))
+        return calibrate(config(*settings), raw, emitter(1), ABOUT)
 
 
 def test_45_seconds_find_a_nonlinear_vibrator_within_the_stated_variance(tmp_path: Path) -> None:
@@ -60,12 +60,12 @@ def test_stopped_after_any_record_it_goes_on_to_the_same_model(tmp_path: Path) -
         return emitter(1)(drive)
 
     with pytest.raises(InterruptedError), RawFolder(tmp_path / "stopped") as raw:
-        calibrate(rig, raw, failing)
+        calibrate(rig, raw, failing, ABOUT)
     assert len(list((tmp_path / "stopped").glob("*.wav"))) == 3
     models = []
     for name in ("stopped", "undisturbed"):
         with RawFolder(tmp_path / name) as raw:
-            models.append(calibrate(rig, raw, lambda drive: emitter(1)(drive)).matrix)
+            models.append(calibrate(rig, raw, lambda drive: emitter(1)(drive), ABOUT).matrix)
     assert (models[0].response == models[1].response).all()
     assert (models[0].variance == models[1].variance).all()
 

@@ -18,7 +18,8 @@ from ctlblocks import recording
 from rigkit.run_folder import CONFIG, RunFolder, read_events, read_quality
 from tests.rigkit.killed_run import in_a_child
 from tests.vibractl.linear_rig import linear_config, linear_model
-from vibractl.session import Session, create, setup_of
+from vibractl.run_setup import create, setup_of
+from vibractl.session import Session
 from vibractl.shot_file import split
 
 SHOTS = 2

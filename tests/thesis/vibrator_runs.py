@@ -3,22 +3,25 @@
 from pathlib import Path
 
 from calibration.experiment import RawFolder
+from calibration.output import provenance
 from calibration.vibrator import LiveLine, calibrate
 from rigkit import config as rig_file
+from rigkit.provenance import now
 from rigkit.run_folder import read_quality
 from rigkit.stop import StopRequest
 from vibractl.audio import AudioError
 from vibractl.config import RigConfig
 from vibractl.model_file import write_model
 from vibractl.quality_table import summary
-from vibractl.session import Session, create
+from vibractl.run_setup import create
+from vibractl.session import Session
 
 
 def measured_model(folder: Path, *overrides: str) -> Path:
     """Measure the simulated vibrator's transfer matrix and return its model file."""
     config = rig_file.load(None, RigConfig, ("audio.isolated=false", "characterisation.method=stepped", *overrides))
     with RawFolder(folder / "raw") as raw, LiveLine(config, raw, StopRequest()) as line:
-        matrix = calibrate(config, raw, line.emit).matrix
+        matrix = calibrate(config, raw, line.emit, provenance(config, now())).matrix
     write_model(folder / "model.h5", matrix)
     return folder / "model.h5"
 

@@ -16,10 +16,12 @@ import soundfile
 from numba.core.dispatcher import Dispatcher
 
 from calibration.experiment import RawFolder
+from calibration.output import provenance
 from calibration.vibrator import LiveLine, calibrate
 from firmware_sim.audio import Stream
 from rigkit import config as rig_file
 from rigkit.faults import FaultTable
+from rigkit.provenance import now
 from rigkit.stop import StopRequest
 from tests.calibration.far_field_rig import array_config
 from vibractl.audio_process import AudioProcess
@@ -27,7 +29,8 @@ from vibractl.config import RigConfig
 from vibractl.doctor.examination import examine
 from vibractl.far_field import delayed
 from vibractl.model_file import write_model
-from vibractl.session import Session, create
+from vibractl.run_setup import create
+from vibractl.session import Session
 from vibractl.supervision import Supervision, input_names
 from vibractl.transfer_matrix import TransferMatrix
 
@@ -60,7 +63,7 @@ def run(folder: Path, config: RigConfig) -> None:
 def measure(folder: Path, config: RigConfig) -> None:
     """Calibrate."""
     with RawFolder(folder) as raw, LiveLine(config, raw, StopRequest()) as line:
-        calibrate(config, raw, line.emit)
+        calibrate(config, raw, line.emit, provenance(config, now()))
 
 
 def by_impulse_response(folder: Path) -> RigConfig:

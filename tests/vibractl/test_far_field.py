@@ -32,7 +32,7 @@ def test_a_far_field_comes_back_from_its_file(tmp_path: Path) -> None:
     np.testing.assert_allclose(back.prompt.response, far_field().prompt.response, atol=1e-12)
     np.testing.assert_array_equal(back.prompt.variance, far_field().prompt.variance)
     np.testing.assert_array_equal(back.delay, DELAY)
-    assert read_model(tmp_path / "m.h5", "a", (2, 2)).outputs == 2
+    assert read_model(tmp_path / "m.h5", (2, 2)).outputs == 2
     with h5py.File(tmp_path / "m.h5") as file:
         stored = np.asarray(file["far_field_response"])
         assert file["far_field_response"].attrs["unit"] == "Pa/(m/s^2)"

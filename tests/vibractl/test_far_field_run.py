@@ -17,7 +17,8 @@ from vibractl.export.mat import write_mat
 from vibractl.export.uff import write_uff
 from vibractl.replay import replay
 from vibractl.report import run_report
-from vibractl.session import Session, create, setup_of
+from vibractl.run_setup import create, setup_of
+from vibractl.session import Session
 
 FAR = "learning.sensors=far-field"
 

@@ -10,7 +10,8 @@ from rigkit.faults import KINDS, FaultTable
 from rigkit.run_folder import read_events, read_quality
 from tests.vibractl.linear_rig import linear_config, linear_model
 from vibractl.audio import Line, ShotAbandoned
-from vibractl.session import Session, create, shot_files
+from vibractl.run_setup import create, shot_files
+from vibractl.session import Session
 from vibractl.shot_file import DISCARDED
 from vibractl.supervision import Supervision, input_names
 

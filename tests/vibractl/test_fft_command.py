@@ -13,7 +13,7 @@ from vibractl import fft_command
 from vibractl.__main__ import main
 from vibractl.fft_measurement import measured
 from vibractl.fft_plans import Plans, Transform, user_wisdom
-from vibractl.session import WISDOM
+from vibractl.run_setup import WISDOM
 
 REFERENCE = "chirp:40:90:0.2"
 

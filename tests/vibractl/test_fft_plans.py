@@ -13,7 +13,8 @@ from tests.vibractl.test_session import run
 from vibractl.config import RigConfig
 from vibractl.fft_plans import Plans, Transform, user_wisdom
 from vibractl.replay import replay
-from vibractl.session import WISDOM, Session, create, setup_of
+from vibractl.run_setup import WISDOM, create, setup_of
+from vibractl.session import Session
 from vibractl.setup import setup
 
 SIZE = Transform(504, 2)

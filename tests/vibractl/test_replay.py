@@ -7,7 +7,7 @@ import pytest
 from tests.vibractl.linear_rig import linear_model
 from tests.vibractl.test_session import run
 from vibractl.replay import replay
-from vibractl.session import setup_of, shot_files
+from vibractl.run_setup import setup_of, shot_files
 
 
 @pytest.mark.parametrize(

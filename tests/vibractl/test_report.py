@@ -17,7 +17,8 @@ from vibractl.figures.spectrogram import spectrogram_plot
 from vibractl.figures.tracking import tracking_plot
 from vibractl.model_file import write_model
 from vibractl.report import run_report, shot_table
-from vibractl.session import Session, create
+from vibractl.run_setup import create
+from vibractl.session import Session
 from vibractl.transfer_matrix import TransferMatrix
 
 SIDES = np.array([[10.0, 2.0], [-1.0, 8.0]])

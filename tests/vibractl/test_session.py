@@ -16,7 +16,8 @@ from rigkit.run_folder import RunFolder, read_events, read_quality
 from tests.until import until
 from tests.vibractl.linear_rig import linear_config, linear_model
 from vibractl.quality_table import summary
-from vibractl.session import Session, create, setup_of, shot_files
+from vibractl.run_setup import create, resumed_setup, setup_of, shot_files
+from vibractl.session import Session
 from vibractl.shot_file import split
 
 
@@ -32,7 +33,7 @@ def run(path: Path, model: Path, shots: int, *overrides: str) -> None:
 def go_on(path: Path, shots: int) -> None:
     """Go on with the run of a folder."""
     with RunFolder.open(path) as folder:
-        session = Session(folder, setup_of(path))
+        session = Session(folder, resumed_setup(folder))
         session.run(shots, lambda *_: None, lambda: False)
         session.summary()
 
@@ -95,7 +96,7 @@ def test_a_reference_file_goes_with_the_run(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("overrides", "words"),
     [
-        (("rig.name=other",), "measured on rig 'simulated-vibrator', this rig is 'other'"),
+        (("rig.name=other",), 'rig.name was "simulated-vibrator", is "other".*--accept rig.name'),
         (("learning.side=3",), "learning.side is 3, must be 0 to 2"),
         (("learning.gains=[0.5,0.1]",), "must have one fewer"),
         (("learning.band=[5.0,650.0]",), "the model was measured from"),

@@ -15,9 +15,13 @@ class RunOptions(Section):
     reference: str = setting("", "", "chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a file in the data folder")
     shots: int = setting(0, "shots", "shots in all; 0 for session.shots", ge=0, le=100_000)
     watch: bool = setting(False, "", "reidentify bands that diverge, while it goes on")
+    accept: tuple[str, ...] = setting((), "", "keys that may differ from what the model or the run was made with")
 
 
 class CalibrationOptions(Section):
     """A calibration."""
 
     model: str = setting("model.h5", "", "model file to write in the data folder", pattern=NAME)
+    again: bool = setting(False, "", "measure anew; what is there under that name is kept under its date")
+    recompute: bool = setting(False, "", "compute again from the recordings that are there, with their settings")
+    accept: tuple[str, ...] = setting((), "", "keys that may differ from those that an unfinished one began with")

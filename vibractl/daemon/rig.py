@@ -20,7 +20,7 @@ from vibractl.config import RigConfig
 from vibractl.daemon.options import CalibrationOptions, RunOptions
 from vibractl.daemon.running import Running
 from vibractl.proof import SLIP
-from vibractl.session import settings_of
+from vibractl.run_setup import settings_of
 from vibractl.supervision import Supervision, input_names
 
 CALIBRATION = "calibration.vibrator_procedure:CalibrationProcedure"
@@ -31,13 +31,20 @@ REACHES = {
     "limits": Reach.DEVICES,
     "audio": Reach.DEVICES,
     "simulator": Reach.DEVICES,
+    "simulator.plant": Reach.GRAPH,
+    "simulator.options": Reach.GRAPH,
     "audio.rate": Reach.GRAPH,
+    "audio.output_full_scale": Reach.GRAPH,
+    "audio.input_full_scale": Reach.GRAPH,
+    "audio.far_field_full_scale": Reach.GRAPH,
+    "audio.alignment": Reach.GRAPH,
     "audio.drive_channels": Reach.GRAPH,
     "audio.response_channels": Reach.GRAPH,
     "audio.far_field_channels": Reach.GRAPH,
     "limits.ramp": Reach.GRAPH,
 }
-"""The learner knows rate, channels and ramp: with others it is another run."""
+"""The learner knows rate, channels and ramp, and what is recorded stands for what the scales say: with others it is
+another run."""
 
 
 class _UnderWay(Protocol):
@@ -174,9 +181,8 @@ class Vibrator:
         self._follow(running)
 
     def _calibrate(self, desk: Desk, options: CalibrationOptions) -> None:
-        out = Path(self.config.daemon.data) / options.model
         with making(desk):
-            calibration = resolve(CALIBRATION)(self.config, out, desk, self._supervision())
+            calibration = resolve(CALIBRATION)(self.config, options, desk, self._supervision())
         self._follow(calibration)
 
     def _supervision(self) -> Supervision:

@@ -6,6 +6,7 @@ from typing import Any
 
 from rigkit import config as rig_file
 from rigkit.run_folder import CONFIG, RunFolder
+from rigkit.run_origin import take_over
 from rigkit.service.paths import confined, run_path
 from rigkit.service.reload import Change, Reach, taken
 from rigkit.service.rig import Desk
@@ -17,7 +18,8 @@ from vibractl.daemon.panels import Panels
 from vibractl.quality import Marks
 from vibractl.reference import is_file
 from vibractl.report import run_report
-from vibractl.session import Session, create, require_room, setup_of, shot_files
+from vibractl.run_setup import create, refuse_other_wiring, require_room, resumed_setup, shot_files
+from vibractl.session import Session
 from vibractl.supervision import Supervision
 
 _TOLD = ("started", "stopped", "finished", "failed")
@@ -50,14 +52,18 @@ class Running:
         if options.resume:
             self._folder = RunFolder.open(path)
         else:
-            self._folder, made = create(path, _asked(config, options, data), data / options.model, shots=options.shots)
+            asked, accept = _asked(config, options, data), options.accept
+            self._folder, made = create(path, asked, data / options.model, shots=options.shots, accept=accept)
         try:
             if options.resume:
-                made = setup_of(path)
+                refuse_other_wiring(path, config, options.accept)
+                made = resumed_setup(self._folder, options.accept)
                 left = (options.shots or made.config.session.shots) - len(shot_files(path))
                 require_room(path, made, max(left, 0))
             self._folder.listener = self._heard
-            self._session = Session(self._folder, made, supervision)
+            self._session = Session(self._folder, made, supervision, options.accept)
+            for note in filter(None, self._session.note.splitlines()):
+                desk.event("note", {"text": note})
         except BaseException:
             self._folder.close()
             raise
@@ -139,6 +145,7 @@ class Running:
         changed = {name: getattr(new, name) for name in ("audio", "limits", "simulator")}
         self._session.config = new
         self._folder.write(CONFIG, rig_file.dump(kept.model_copy(update=changed)))
+        take_over(self._folder, rig_file.load(self._folder.path / CONFIG, RigConfig), tuple(changed))
         self._folder.event("reloaded", {"settings": rig_file.dump(new.audio) + rig_file.dump(new.limits)})
 
 

@@ -12,7 +12,7 @@ from rigkit.provenance import software
 from vibractl.config import RigConfig
 from vibractl.far_field import FarField
 from vibractl.model_file import read_far_field, read_model
-from vibractl.session import MODEL, setup_of, shot_files
+from vibractl.run_setup import MODEL, setup_of, shot_files
 from vibractl.transfer_matrix import TransferMatrix
 
 TIMING = "loopback"

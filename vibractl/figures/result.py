@@ -11,7 +11,7 @@ from rigkit.run_folder import read_quality
 from vibractl.model_file import read_model
 from vibractl.quality import Judge
 from vibractl.quality_table import is_reduced
-from vibractl.session import MODEL, setup_of, shot_files
+from vibractl.run_setup import MODEL, setup_of, shot_files
 from vibractl.setup import Setup
 from vibractl.shot_file import far_field_of, split
 from vibractl.transfer_matrix import TransferMatrix

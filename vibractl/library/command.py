@@ -2,18 +2,21 @@
 
 import re
 import sys
+from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from rigkit import config as rig_file
+from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, application, print_table, words, write_json
 from vibractl.config import RigConfig
 from vibractl.library.entry import Entry, EntryError
 from vibractl.library.folder import Candidate, Library, user_library
 from vibractl.library.of_run import entry_of
 from vibractl.library.tags import parsed
+from vibractl.run_setup import refuse_changed
 from vibractl.setup import reference_of
 
 NEAREST = "nearest"
@@ -35,7 +38,13 @@ def library_at(path: Path | None) -> Library:
     return Library(path or user_library())
 
 
-def chosen_entry(warm: str | None, config: RigConfig, tags: list[str] | None, path: Path | None) -> Entry | None:
+def chosen_entry(
+    warm: str | None,
+    config: RigConfig,
+    tags: list[str] | None,
+    path: Path | None,
+    accept: Collection[str] = (),
+) -> Entry | None:
     """Return the entry that `--warm` asks for; None without it.
 
     Raises
@@ -48,8 +57,8 @@ def chosen_entry(warm: str | None, config: RigConfig, tags: list[str] | None, pa
         return None
     library, asked, reference = library_at(path), parsed(tags or []), reference_of(config)
     if warm == NEAREST:
-        return library.nearest(config, reference, asked).entry
-    return library.fitting(warm, config, reference)
+        return library.nearest(config, reference, asked, accept).entry
+    return library.fitting(warm, config, reference, accept)
 
 
 @library_app.command("add")
@@ -57,6 +66,7 @@ def add_command(
     run: Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")],
     name: Annotated[str | None, typer.Option(help="Name of the entry; without one, the run's and the shot's.")] = None,
     tag: TagOption = None,
+    accept: AcceptOption = None,
     shot: Annotated[
         int | None, typer.Option(help="Whose drive; without, the last that met the objective, or the least error.")
     ] = None,
@@ -73,6 +83,7 @@ def add_command(
         place.file(name)  # refuses what is not a name before the run is read
     if name == NEAREST:
         raise EntryError(f"name {NEAREST!r} is what --warm calls the nearest; must be another")
+    refuse_changed(run, accept or [])
     entry = entry_of(run, shot, tags)
     called = name or re.sub(r"[^A-Za-z0-9._-]+", "-", f"{run.resolve().name}-{entry.about['shot']}").lstrip("._-")
     file = place.write(called, entry, force)

@@ -1,17 +1,19 @@
 """The folder of a library: entries by name, and which of them is nearest."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import platformdirs
 
 from rigkit import atomic
+from rigkit.agreement import DisagreementError, agreed
 from vibractl.config import RigConfig
 from vibractl.library.entry import Entry, EntryError, read_entry, write_entry
 from vibractl.library.fit import misfit
 from vibractl.library.tags import distances
+from vibractl.model_origin import wired_otherwise
 from vibractl.reference import Reference
 
 SUFFIX = ".h5"
@@ -112,7 +114,7 @@ class Library:
         file.unlink()
 
     def ranked(
-        self, config: RigConfig, reference: Reference, asked: Mapping[str, str]
+        self, config: RigConfig, reference: Reference, asked: Mapping[str, str], accept: Collection[str] = ()
     ) -> tuple[list[Candidate], dict[str, str]]:
         """Return the entries that fit a run, the nearest first, and of each other one why it does not.
 
@@ -124,6 +126,8 @@ class Library:
         reference : Reference
         asked : mapping of str
             Tags.
+        accept : collection of str
+            Keys in which the rig that an entry was learned on may differ.
         """
         fitting: dict[str, Entry] = {}
         refused: dict[str, str] = {}
@@ -133,7 +137,7 @@ class Library:
             except EntryError as fault:
                 refused[name] = str(fault)
                 continue
-            if reason := misfit(entry, config, reference):
+            if reason := misfit(entry, config, reference) or _wired_otherwise(entry, config, accept):
                 refused[name] = reason
             else:
                 fitting[name] = entry
@@ -142,20 +146,22 @@ class Library:
         found.sort(key=lambda each: each.entry.about["date"], reverse=True)
         return sorted(found, key=lambda each: each.distance), refused
 
-    def nearest(self, config: RigConfig, reference: Reference, asked: Mapping[str, str]) -> Candidate:
+    def nearest(
+        self, config: RigConfig, reference: Reference, asked: Mapping[str, str], accept: Collection[str] = ()
+    ) -> Candidate:
         """Return the entry nearest to a run.
 
         Raises
         ------
         EntryError : none fits.
         """
-        found, refused = self.ranked(config, reference, asked)
+        found, refused = self.ranked(config, reference, asked, accept)
         if not found:
             reasons = "; ".join(f"{name}: {reason}" for name, reason in list(refused.items())[:3])
             raise EntryError(f"library {self.path} has no entry that fits: {reasons or 'it is empty'}")
         return found[0]
 
-    def fitting(self, name: str, config: RigConfig, reference: Reference) -> Entry:
+    def fitting(self, name: str, config: RigConfig, reference: Reference, accept: Collection[str] = ()) -> Entry:
         """Return the entry of that name.
 
         Raises
@@ -163,6 +169,16 @@ class Library:
         EntryError : there is none, or it does not fit the run.
         """
         entry = self.read(name)
-        if reason := misfit(entry, config, reference):
+        if reason := misfit(entry, config, reference) or _wired_otherwise(entry, config, accept):
             raise EntryError(f"library entry {name} is {reason}")
         return entry
+
+
+def _wired_otherwise(entry: Entry, config: RigConfig, accept: Collection[str]) -> str:
+    """Say how the rig that an entry was learned on was wired otherwise; nothing where that does no harm."""
+    found = wired_otherwise(entry.about, config, f"library entry {entry.name}")
+    try:
+        agreed(found, accept, "of a rig that was wired otherwise", "learn it anew")
+    except DisagreementError as fault:
+        return str(fault)
+    return ""

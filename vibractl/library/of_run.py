@@ -6,17 +6,17 @@ from pathlib import Path
 import numpy as np
 
 from ctlblocks import recording
+from rigkit import config as rig_file
 from rigkit.provenance import now, software
 from rigkit.run_folder import read_events, read_quality
 from vibractl.library.entry import Entry
 from vibractl.library.fit import reference_hash, wiring
 from vibractl.quality_table import is_reduced, prefix_of
-from vibractl.session import setup_of, shot_files
+from vibractl.run_setup import setup_of, shot_files
+from vibractl.session import ALIKE
 from vibractl.setup import Setup
 from vibractl.shot_file import far_field_of, split
 
-ALIKE = 1e-3
-"""Of a drive's rms, by which one rebuilt may differ from the recorded one and still be taken for it."""
 Rows = list[dict[str, str]]
 
 
@@ -92,6 +92,7 @@ def _about(path: Path, made: Setup, row: Mapping[str, str]) -> dict[str, str]:
     return {
         "name": "",
         "rig": made.config.rig.name,
+        "config": rig_file.dump(made.config),
         "wiring": wiring(made.config),
         "reference_text": made.reference.text,
         "reference_hash": reference_hash(made.reference, made.config.audio.rate),

@@ -1,15 +1,18 @@
 """The command `vibractl predict`."""
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from rigkit import config as rig_file
+from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.progress import progress
 from vibractl.config import RigConfig
-from vibractl.model_file import read_far_field, read_model
+from vibractl.model_file import read_far_field
+from vibractl.model_origin import model_for
 from vibractl.predict.prediction import RUNS, Prediction, predict
 from vibractl.predict.report import drive_table, reason_table, shots_text, write_report
 from vibractl.setup import setup
@@ -25,6 +28,7 @@ def predict_command(
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
     law: Annotated[str | None, typer.Option(help="kalman, or thesis for the text's own law.")] = None,
     report: Annotated[Path | None, typer.Option(metavar="FILE", help="Write an HTML page with figures.")] = None,
+    accept: AcceptOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -45,9 +49,9 @@ def predict_command(
     made_with = rig_file.load(config, RigConfig, laid_over)
     if report is not None and not report.parent.is_dir():
         raise ValueError(f"--report {report}: its folder does not exist")
-    sides = len(made_with.audio.response_channels), len(made_with.audio.drive_channels)
-    far = read_far_field(model, len(made_with.audio.far_field_channels))
-    made = setup(made_with, read_model(model, made_with.rig.name, sides), far=far)
+    matrix, notes = model_for(model, made_with, accept or [])
+    made = setup(made_with, matrix, far=read_far_field(model, len(made_with.audio.far_field_channels)))
+    sys.stderr.write("".join(f"{note}\n" for note in notes))
     with progress("predicting", RUNS) as meter:
         found = predict(made, RUNS, meter.show)
     _print(found, json)

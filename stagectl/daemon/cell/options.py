@@ -5,6 +5,7 @@ from typing import Literal, Self
 from pydantic import model_validator
 
 from rigkit.config import Section, setting
+from stagectl.daemon.options import Renewed
 from stagectl.planning.pocket import UNTRAINED
 from stagectl.robot.midranging.scenario import SCENARIOS
 
@@ -81,14 +82,14 @@ class MidrangeOptions(Run):
     controller: Literal["aimc", "mvpc", "mvpc-aw", "vpc"] = setting("aimc", "", "who controls")
 
 
-class MillingOptions(Paced):
+class MillingOptions(Paced, Renewed):
     """Models of the robot, and of what milling does to it."""
 
     model: str = setting("milling.h5", "", "model file to write in the data folder", pattern=MODEL)
     task: Literal["pocket28", "pocket28-deep", "pocket"] = setting("pocket28", "", "pocket is that of [pocket]")
 
 
-class JointsOptions(Paced):
+class JointsOptions(Paced, Renewed):
     """Backlash, stiffness and friction of joints whose tool is clamped."""
 
     model: str = setting("joints.h5", "", "model file to write in the data folder", pattern=MODEL)

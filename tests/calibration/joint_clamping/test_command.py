@@ -12,8 +12,9 @@ from calibration.joint_clamping.measurement import ClampAborted
 from calibration.joint_clamping.report import HEAD, rows
 from calibration.joint_clamping.requests import Requests
 from calibration.joint_clamping.results import LINK, RAW, TOOL, of_map
-from calibration.joint_clamping.session import measure
+from calibration.joint_clamping.session import KEPT, KIND, measure
 from calibration.joint_clamping.torque_map import TorqueMap
+from calibration.output import OutputError, Wish, output
 from rigkit.config import load
 from rigkit.model_file import ModelFileError
 from rigkit.stop import Stopped
@@ -76,8 +77,11 @@ def test_the_simulated_arm_is_measured_from_the_command_line_and_not_twice(
     config = load(None, CellConfig, QUICK)
     measure(config, (2,), tmp_path / "joints.raw", print, stopped())
     assert (tmp_path / "joints.raw" / "joint-3.wav").stat().st_mtime_ns == before
-    with pytest.raises(ValueError, match="was recorded with another configuration"):
-        measure(CellConfig(), (2,), tmp_path / "joints.raw", print, stopped())
+    with pytest.raises(OutputError, match=r"joints.h5: was measured on .* and is finished; --again"):
+        output(tmp_path / "joints.h5", KIND, config, Wish(), use=KEPT)
+    assert call(monkeypatch, tmp_path, "--joints", "3", *files, *options) == 2
+    assert call(monkeypatch, tmp_path, "--joints", "3", "--recompute", "--out", "joints.h5") == 0
+    assert (tmp_path / "joints.raw" / "joint-3.wav").stat().st_mtime_ns == before
 
 
 def stopped() -> Requests:

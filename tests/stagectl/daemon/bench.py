@@ -63,7 +63,11 @@ class Lab:
 
     def until_follows(self) -> None:
         """Return when an error of the run proper is measured."""
-        until(lambda: any(gauge.name == "mae_x" and gauge.value is not None for gauge in self.rig.gauges()))
+        until(lambda: self._follows() or not self.control.machine.busy)
+        assert self._follows(), f"{self.state.name}: {self.why}"
+
+    def _follows(self) -> bool:
+        return any(gauge.name == "mae_x" and gauge.value is not None for gauge in self.rig.gauges())
 
     def events(self, name: str) -> list[dict[str, Any]]:
         return [entry for entry in self.control.journal.since(0) if entry["event"] == name]

@@ -17,7 +17,7 @@ def test_what_the_disk_has_no_room_for_does_not_begin(
     lab.control.arm(lab.key, "a test")
     leave(67.2e6, monkeypatch)
     before = sorted(path for path in lab.data.rglob("*") if path.name != "events.jsonl")
-    lab.control.begin(lab.key, procedure, {"run": "one"} if procedure != "calibrate" else {}, "")
+    lab.control.begin(lab.key, procedure, {"run": "one"} if procedure != "calibrate" else {"again": True}, "")
     lab.ended()
     assert lab.state is State.ARMED, lab.why
     assert sorted(path for path in lab.data.rglob("*") if path.name != "events.jsonl") == before

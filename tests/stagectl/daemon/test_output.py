@@ -18,7 +18,7 @@ from tests.until import until
 OPTIONS: dict[str, dict[str, Any]] = {
     "follow": {"run": "one", "reference": "hold", "seconds": 100.0},
     "hold": {"run": "one", "position": [300e-6], "seconds": 100.0},
-    "calibrate": {},
+    "calibrate": {"again": True},
 }
 
 
@@ -52,6 +52,8 @@ def test_the_output_is_measured_while_a_procedure_runs(
 
 def test_a_simulated_stage_that_is_swept_shows_the_axis_that_moves(simulated: Lab) -> None:
     simulated.control.arm(simulated.key, "a test")
+    for model in simulated.data.glob("stage-*.h5"):
+        model.unlink()
     simulated.control.begin(simulated.key, "calibrate", {"axis": "x"}, "")
     until(lambda: [axis for axis, volts in driven(simulated).items() if volts] == ["drive_x"])
     found = {gauge.name: gauge for gauge in simulated.rig.gauges()}

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 
-from calibration.raw_folder import raw_folder
+from calibration.output import raw_folder
 from ctlblocks import recording
 from rigkit import atomic
 from rigkit import config as rig_file
@@ -15,7 +15,7 @@ from rigkit.service.daemon import EVENTS
 from tests.until import until
 from tests.vibractl.daemon.killed import KilledDaemon, straight_daemon
 from vibractl.config import RigConfig
-from vibractl.session import shot_files
+from vibractl.run_setup import shot_files
 
 STATES = ("PLAYING", "RUNNING", "PLAYING", "HOLD", "PLAYING", "CALIBRATING", "ARMED", "FAULT", "DISARMED")
 """PLAYING is RUNNING while the drive is not zero."""

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from calibration import vibrator_procedure
-from calibration.raw_folder import raw_folder
+from calibration.output import raw_folder
 from ctlblocks import recording
 from rigkit import atomic
 from rigkit.run_folder import CONFIG, read_quality
@@ -95,7 +95,7 @@ def fail_and_go_on(folder: Path, patch: pytest.MonkeyPatch, procedure: str, stri
         if procedure == "run":
             assert check(lab.data / "runs" / "one") == len(read_quality(lab.data / "runs" / "one")) == SHOTS
         else:
-            read_model(lab.data / "found.h5", "simulated-vibrator", (2, 2))
+            read_model(lab.data / "found.h5", (2, 2))
     return told
 
 

@@ -17,7 +17,7 @@ from vibractl.config import RigConfig
 from vibractl.daemon import running
 from vibractl.daemon.rig import Vibrator
 from vibractl.replay import replay
-from vibractl.session import setup_of
+from vibractl.run_setup import setup_of
 
 
 @pytest.fixture(autouse=True)

@@ -8,7 +8,8 @@ from ctlblocks import recording
 from ctlblocks.recording import Recording
 from tests.vibractl.linear_rig import linear_config, linear_model
 from vibractl.export.content import Content
-from vibractl.session import Session, create
+from vibractl.run_setup import create
+from vibractl.session import Session
 
 SHOTS = 3
 REAL = Path(__file__).parents[3] / "shared" / "data"

@@ -12,7 +12,7 @@ from ctlblocks import recording
 from rigkit.export.optional import optional
 from tests.vibractl.export.exported_run import SHOTS, recorded_run
 from vibractl.export.content import read_content, selected
-from vibractl.session import setup_of
+from vibractl.run_setup import setup_of
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,8 @@ from vibractl.figures.result import read_result
 from vibractl.library.entry import Entry, EntryError, write_entry
 from vibractl.library.of_run import entry_of
 from vibractl.replay import replay
-from vibractl.session import START, Session, create, setup_of, shot_files
+from vibractl.run_setup import START, create, setup_of, shot_files
+from vibractl.session import Session
 from vibractl.shot_file import split
 
 

@@ -1,0 +1,315 @@
+"""What a calibration writes, and whether it may: a new name, an unfinished one's, or one to be made again."""
+
+import json
+import shutil
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated, Generic, TypeVar
+
+import typer
+
+from rigkit import atomic
+from rigkit import config as rig_file
+from rigkit.agreement import GOING_ON, Use, agreed, differences
+from rigkit.config import Section
+from rigkit.lock import Lock
+from rigkit.origin import RUN, Origin, read_origin
+from rigkit.provenance import now, software
+
+LOCK = ".lock"
+_WAY_OUT = "go back to that, choose another name, or measure anew with --again"
+Config = TypeVar("Config", bound=Section)
+
+AgainOption = Annotated[
+    bool, typer.Option("--again", help="Measure anew; what is there under that name is kept under its date.")
+]
+RecomputeOption = Annotated[
+    bool, typer.Option("--recompute", help="Compute again from the recordings that are there, with their settings.")
+]
+
+
+class OutputError(ValueError):
+    """A name that a calibration may not write to."""
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What is wanted of a name that is there already.
+
+    Parameters
+    ----------
+    again : bool
+        Measure anew, and set the old one aside.
+    recompute : bool
+        Compute again from its recordings.
+    accept : sequence of str
+        Keys that may differ from those that an unfinished one began with.
+    """
+
+    again: bool = False
+    recompute: bool = False
+    accept: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Output(Generic[Config]):
+    """What a calibration may write.
+
+    Parameters
+    ----------
+    out : Path
+        Of the model.
+    raw : Path
+        Folder of the recordings, `out` with the suffix .raw.
+    config : Section
+        Settings that are in force: those of the recordings, where they are computed again.
+    origin : Origin
+        Of the recordings, to be written by `begun` where they are new.
+    notes : tuple of str
+        To be said.
+    is_recomputed : bool
+        Whether no device may be opened.
+    aside : tuple of Path
+        What `begun` sets aside.
+    """
+
+    out: Path
+    raw: Path
+    config: Config
+    origin: Origin
+    notes: tuple[str, ...] = ()
+    is_recomputed: bool = False
+    aside: tuple[Path, ...] = field(default=())
+
+    @contextmanager
+    def begun(self) -> Iterator[None]:
+        """Set aside what is to be kept, and say in the folder of recordings what they are made with.
+
+        Where nothing has been recorded when the block ends, the folder goes again.
+
+        Raises
+        ------
+        FolderInUseError : another process is working in it.
+        OSError : the disk.
+        """
+        if self.aside:
+            _set_aside(self.out, self.raw, self.aside)
+        with atomic.folder(self.raw):
+            self.origin.write(self.raw / RUN)
+        try:
+            yield
+        finally:
+            if not any(self.raw.rglob("*.wav")):
+                (self.raw / RUN).unlink(missing_ok=True)
+                atomic.remove_empty([*(each for each in self.raw.glob("*") if each.is_dir()), self.raw])
+
+    def part(self, name: str, config: Config, accept: Sequence[str], use: Use) -> Path:
+        """Return a folder for recordings with settings of their own, such as a pose.
+
+        Raises
+        ------
+        DisagreementError : it was begun with others.
+        """
+        folder = self.raw / name
+        origin = read_origin(folder / RUN)
+        if origin is None:
+            folder.mkdir(exist_ok=True)
+            Origin.of(self.origin.kind, config).write(folder / RUN)
+        else:
+            found = differences(origin.settings, config, use)
+            agreed(found, accept, f"{folder}/ is unfinished, and began otherwise", _WAY_OUT)
+        return folder
+
+    def finish(self) -> None:
+        """Say that all is computed and written."""
+        replace(self.origin, finished=now()).write(self.raw / RUN)
+
+    @property
+    def provenance(self) -> dict[str, str]:
+        """The words of a model that comes of it: dates are those of the measurement."""
+        return provenance(self.config, self.origin.measured)
+
+
+def provenance(config: Section, measured: str) -> dict[str, str]:
+    """Return the words of a model: rig, configuration, software, when it was measured, and when computed.
+
+    Parameters
+    ----------
+    config : Section
+        A whole rig file, with a table `rig`.
+    measured : str
+        UTC, ISO 8601.
+    """
+    name = str(config.rig.name)  # type: ignore[attr-defined]  # every rig file has this table
+    words = {"rig": name, "config": rig_file.dump(config), "software": software()}
+    return {**words, "date": measured, "computed": now()}
+
+
+def output(
+    out: Path,
+    kind: str,
+    config: Config,
+    wish: Wish,
+    results: Sequence[Path] = (),
+    use: Use = GOING_ON,
+    is_whole: bool = True,
+) -> Output[Config]:
+    """Say what a calibration may write; nothing is written before it is `begun`.
+
+    Parameters
+    ----------
+    out : Path
+        Of the model; `results` are other files that it makes, whose names begin alike.
+    kind : str
+        Such as "vibrator calibration".
+    config : Section
+        A whole rig file.
+    wish : Wish
+    results : sequence of Path
+    use : Use
+        What an unfinished one must have kept.
+    is_whole : bool
+        Whether all that is asked for is recorded, where some is.
+
+    Raises
+    ------
+    OutputError : not a name for a model, or one that is taken.
+    DisagreementError : it is unfinished, and began with other settings or on another rig.
+    OriginError : what its recordings say of themselves cannot be read.
+    """
+    raw = raw_folder(out)
+    there = [path for path in dict.fromkeys((out, *results)) if path.exists()]
+    origin = read_origin(raw / RUN)
+    recorded = raw.is_dir() and any(raw.rglob("*.wav"))
+    if wish.again and wish.recompute:
+        raise OutputError("--again measures anew and --recompute does not: one of them")
+    if wish.again:
+        aside = (*there, *([raw] if raw.exists() else []))
+        return Output(out, raw, config, Origin.of(kind, config), aside=aside)
+    if wish.recompute:
+        return _recomputed(out, raw, config, kind, origin, recorded)
+    if there and not recorded:
+        raise OutputError(
+            f"{there[0]}: is there already, without its recordings in {raw}/; choose another name, or keep it under "
+            "its date and measure with --again"
+        )
+    if there and is_whole and (origin is None or origin.finished):
+        measured = origin.measured if origin is not None else _oldest(raw)
+        raise OutputError(
+            f"{there[0]}: was measured on {measured}, and is finished; --again measures anew and keeps it under its "
+            "date, --recompute computes it from its recordings, or choose another name"
+        )
+    if origin is None:
+        told = Origin.of(kind, config)
+        return Output(out, raw, config, replace(told, measured=_oldest(raw)) if recorded else told)
+    return _unfinished(out, raw, config, kind, origin, wish, use)
+
+
+def raw_folder(out: Path) -> Path:
+    """Return the folder of a model file's recordings, `out` with the suffix .raw.
+
+    Raises
+    ------
+    OutputError : the model would not be an .h5 file, or there is no folder for it.
+    """
+    if not out.parent.is_dir():
+        raise OutputError(f"{out}: there is no folder {out.parent}")
+    if out.suffix != ".h5":
+        raise OutputError(f"{out}: the suffix is {out.suffix!r}, must be '.h5'")
+    return out.with_suffix(".raw")
+
+
+def refuse_inputs(results: Sequence[Path], inputs: Sequence[Path | None]) -> None:
+    """Refuse to write a file that the command was given to read.
+
+    Raises
+    ------
+    OutputError : it names the file.
+    """
+    given = {path.resolve() for path in inputs if path is not None}
+    for path in results:
+        if path.resolve() in given:
+            raise OutputError(f"{path}: would be written, and was given to be read; choose another name for --out")
+
+
+def refuse_taken(results: Sequence[Path], again: bool) -> None:
+    """Refuse to write over a result that no recordings of its own stand beside.
+
+    Parameters
+    ----------
+    results : sequence of Path
+        The model first.
+    again : bool
+        Whether those that are there are set aside; they are, by this call.
+
+    Raises
+    ------
+    OutputError : one is there.
+    """
+    there = [path for path in results if path.exists()]
+    if there and not again:
+        raise OutputError(f"{there[0]}: is there already; choose another name, or keep it under its date with --again")
+    if there:
+        _set_aside(results[0], raw_folder(results[0]), there)
+
+
+def _unfinished(
+    out: Path, raw: Path, config: Config, kind: str, origin: Origin, wish: Wish, use: Use
+) -> Output[Config]:
+    if origin.kind != kind:
+        raise OutputError(f"{raw}/ is of a {origin.kind}, this is a {kind}; choose another name, or --again")
+    found = differences(origin.settings, config, use)
+    notes = agreed(found, wish.accept, f"{raw}/ is unfinished, and began otherwise", _WAY_OUT)
+    keys = [each.key for each in found if each.is_harmful]
+    today = replace(origin, settings=Origin.of(kind, config).settings, finished="").accepting(keys)
+    return Output(out, raw, config, today, tuple(notes))
+
+
+def _recomputed(
+    out: Path, raw: Path, config: Config, kind: str, origin: Origin | None, recorded: bool
+) -> Output[Config]:
+    if not recorded:
+        raise OutputError(f"--recompute: {raw}/ holds no recordings")
+    if origin is None:
+        note = f"{raw}/ does not say what it was recorded with: the settings of now are taken"
+        return Output(out, raw, config, replace(Origin.of(kind, config), measured=_oldest(raw)), (note,), True)
+    if origin.kind != kind:
+        raise OutputError(f"--recompute: {raw}/ is of a {origin.kind}, this is a {kind}")
+    then = type(config).model_validate_json(json.dumps(origin.settings))
+    note = f"computed again from the recordings of {origin.measured}, with their settings"
+    return Output(out, raw, then, origin, (note,), True)
+
+
+def _set_aside(out: Path, raw: Path, paths: Sequence[Path]) -> None:
+    """Rename what a calibration has left, together, to names with its date."""
+    lock = Lock(raw / LOCK) if raw.is_dir() else None
+    try:
+        origin = read_origin(raw / RUN)
+        date = datetime.fromisoformat(origin.measured if origin is not None else _oldest(paths[0]))
+        stem, number = f"{out.stem}-{date:%Y%m%d-%H%M%S}", 1
+        while any(_renamed(path, out.stem, stem).exists() for path in paths):
+            number += 1
+            stem = f"{out.stem}-{date:%Y%m%d-%H%M%S}-{number}"
+        for path in paths:
+            kept = _renamed(path, out.stem, stem)
+            if path.suffix == ".toml":  # a program may be running with it, and is started with it again
+                shutil.copy2(path, kept)
+            else:
+                path.rename(kept)
+    finally:
+        if lock is not None:
+            lock.release()
+
+
+def _renamed(path: Path, before: str, after: str) -> Path:
+    return path.with_name(f"{after}{path.name.removeprefix(before)}")
+
+
+def _oldest(path: Path) -> str:
+    """Return when the oldest file of a folder, or a file, was written, UTC."""
+    files = [file for file in path.rglob("*") if file.is_file()] if path.is_dir() else [path]
+    oldest = min((file.stat().st_mtime for file in files), default=0.0)
+    return datetime.fromtimestamp(oldest, UTC).isoformat(timespec="seconds")

@@ -1,0 +1,193 @@
+"""What a run is made of, in its folder: made new, or put together again to go on, to be replayed or reported."""
+
+from collections.abc import Collection
+from dataclasses import replace
+from pathlib import Path
+
+from ctlblocks.room import bytes_of, megabytes
+from rigkit import config as rig_file
+from rigkit.agreement import GOING_ON, MEASURED_ELSEWHERE, agreed, differences
+from rigkit.disk_space import require
+from rigkit.run_folder import CONFIG, RunFolder
+from rigkit.run_origin import changed, going_on, keep_origin
+from vibractl.config import RigConfig
+from vibractl.fft_plans import Plans
+from vibractl.library.entry import Entry, read_entry, write_entry
+from vibractl.model_file import read_far_field, read_model
+from vibractl.model_origin import model_for
+from vibractl.reference import is_file
+from vibractl.setup import Setup, setup, warm_setup
+
+MODEL, WISDOM, REFERENCE, START = "model.h5", "fftw.wisdom", "reference", "start.h5"
+UNCHANGED = GOING_ON.without("characterisation")
+"""What a run that goes on must have kept."""
+
+
+def create(
+    path: Path,
+    config: RigConfig,
+    model: Path,
+    entry: Entry | None = None,
+    shots: int = 0,
+    accept: Collection[str] = (),
+) -> tuple[RunFolder, Setup]:
+    """Check everything a run needs, and then make its folder.
+
+    Parameters
+    ----------
+    path : Path
+        Absent or empty.
+    config : RigConfig
+    model : Path
+        Model file of this rig.
+    entry : Entry, optional
+        Of the library, to be checked and started from; refused at once where its drive breaks a limit of the guard.
+    shots : int
+        To be recorded; 0 for `session.shots`.
+    accept : collection of str
+        Keys in which the rig that the model was measured on may differ.
+
+    Raises
+    ------
+    ValueError : settings, model and reference do not fit, or the folder is in use; nothing is written.
+    DiskFault : the disk has no room for the shots; nothing is written.
+    """
+    matrix, notes = model_for(model, config, accept)
+    far = read_far_field(model, len(config.audio.far_field_channels))
+    if entry is None:
+        made, broken = setup(config, matrix, far, plans=Plans.of_user()), None
+    else:
+        made, broken = warm_setup(config, matrix, far, entry, Plans.of_user())
+    made, config = replace(made, said=tuple(notes)), made.config
+    require_room(path, made, shots or config.session.shots)
+    source = Path(config.reference.signal) if is_file(config.reference.signal) else None
+    kept = config
+    if source is not None:
+        name = REFERENCE + source.suffix.lower()
+        kept = config.model_copy(update={"reference": config.reference.model_copy(update={"signal": name})})
+    parts = [MODEL]
+    with RunFolder.filled(path, rig_file.dump(kept)) as folder:
+        folder.take_in(model, MODEL)
+        if source is not None:
+            folder.take_in(source, kept.reference.signal)
+            parts.append(kept.reference.signal)
+        folder.write(WISDOM, made.plans.wisdom)
+        if entry is not None:
+            write_entry(folder.path / START, entry)
+            parts.append(START)
+        keep_origin(folder, "vibrator run", kept, parts, sorted(accept))
+        if entry is not None:
+            folder.event("library", {"entry": entry.name, "tags": dict(entry.tags), "run": entry.about["run"]})
+            if broken is not None:
+                folder.event("library_refused", {"entry": entry.name, "limit": str(broken)})
+    return folder, made
+
+
+def settings_of(path: Path, overrides: tuple[str, ...] = ()) -> RigConfig:
+    """Return the settings of a run folder, with what is laid over them."""
+    config = rig_file.load(path / "config.toml", RigConfig, overrides)
+    own = path / config.reference.signal
+    if is_file(config.reference.signal) and own.is_file():
+        config = config.model_copy(update={"reference": config.reference.model_copy(update={"signal": str(own)})})
+    return config
+
+
+def setup_of(path: Path, overrides: tuple[str, ...] = (), model: Path | None = None) -> Setup:
+    """Put the run of a folder together again, with the FFT plans it was made with.
+
+    Raises
+    ------
+    ValueError : the folder lacks a part, or the parts do not fit.
+    """
+    config = settings_of(path, overrides)
+    plans = Plans.of_run(path / WISDOM)
+    matrix = read_model(model or path / MODEL)
+    far = read_far_field(model or path / MODEL, len(config.audio.far_field_channels))
+    entry = read_entry(path / START) if config.learning.start == "library" else None
+    return setup(config, matrix, far, entry, plans)
+
+
+def resumed_setup(folder: RunFolder, accept: Collection[str] = ()) -> Setup:
+    """Put a run together again that is to go on, if it is what it began as.
+
+    Parameters
+    ----------
+    folder : RunFolder
+    accept : collection of str
+        Keys that may have changed since.
+
+    Raises
+    ------
+    ValueError : the folder lacks a part, or the parts do not fit.
+    DisagreementError : settings or parts have changed.
+    """
+    kept = rig_file.load(folder.path / CONFIG, RigConfig)
+    notes = going_on(folder, kept, accept, UNCHANGED)
+    return replace(setup_of(folder.path), said=tuple(notes))
+
+
+def refuse_changed(path: Path, accept: Collection[str] = ()) -> list[str]:
+    """Refuse a run of which settings or parts have changed since it was made; return what is to be said.
+
+    Parameters
+    ----------
+    path : Path
+        Of the run; nothing is written.
+    accept : collection of str
+        Keys that may have changed.
+
+    Raises
+    ------
+    DisagreementError : it says which.
+    """
+    found = changed(path, rig_file.load(path / CONFIG, RigConfig), UNCHANGED)
+    return agreed(found or [], accept, f"{path}/ has changed since the run was made", "put back what it was made with")
+
+
+def refuse_other_wiring(path: Path, config: RigConfig, accept: Collection[str]) -> None:
+    """Refuse to go on with a run on a rig that is wired otherwise than its own settings say.
+
+    Parameters
+    ----------
+    path : Path
+        Of the run.
+    config : RigConfig
+        Of the rig now.
+    accept : collection of str
+        Keys that may differ.
+
+    Raises
+    ------
+    DisagreementError : it says which keys.
+    """
+    found = differences(settings_of(path).model_dump(mode="json"), config, MEASURED_ELSEWHERE)
+    agreed(found, accept, f"{path}/ is of a rig that was wired otherwise", "begin a new run")
+
+
+def require_room(path: Path, made: Setup, shots: int) -> None:
+    """Refuse, by a `DiskFault`, what the disk cannot hold: so many shots, and a tenth more for what is kept of lines.
+
+    Parameters
+    ----------
+    path : Path
+        Folder of the run; need not exist.
+    made : Setup
+    shots : int
+        That are still to be recorded.
+    """
+    audio = made.config.audio
+    sensors = len(audio.response_channels) + len(audio.far_field_channels)
+    channels = len(audio.drive_channels) + sensors + 1
+    a_shot = bytes_of(made.shot.total, channels, "float32", made.config.session.recording)
+    require(path, round(1.1 * shots * a_shot), f"{shots} shots of {megabytes(a_shot)}")
+
+
+def shot_files(path: Path) -> list[Path]:
+    """Return the recordings of a run in order, from shot 0 without a gap."""
+    files: list[Path] = []
+    while True:
+        stem = path / "shots" / f"{len(files):04d}"
+        found = [file for suffix in (".wav", ".csv") if (file := stem.with_suffix(suffix)).is_file()]
+        if not found:
+            return files
+        files.append(found[0])
