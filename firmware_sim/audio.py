@@ -55,6 +55,9 @@ class Stream:
     faults : iterable of Fault
     """
 
+    in_process = True
+    """Each one is a card of its own: two programs that open it do not meet."""
+
     def __init__(
         self,
         samplerate: float | None = None,

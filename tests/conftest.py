@@ -1,12 +1,18 @@
 """What holds for every test: random cases are the same ones each time, and what takes longest comes first."""
 
+import os
+import tempfile
+
 import hypothesis
 import pytest
+
+from rigkit.machine_lock import FOLDER
 
 pytest_plugins = ["tests.deadlines"]
 hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None)
 hypothesis.settings.load_profile("repeatable")
 
+os.environ[FOLDER] = tempfile.mkdtemp(prefix="locks-")  # beside a rig at work, and beside the other worker
 LONGEST = (
     "contract/test_every_block.py",
     "scenario/test_audio_through_jack.py",

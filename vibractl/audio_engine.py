@@ -8,9 +8,10 @@ import numpy as np
 
 from ctlblocks.block import Block, Port
 from rigkit.faults import FaultTable
+from rigkit.machine_lock import MachineLock
 from rigkit.relay.config import Relay
 from vibractl.audio_memory import Memory, Word
-from vibractl.audio_stream import open_stream
+from vibractl.audio_stream import device_locks, open_stream
 from vibractl.config import RigConfig
 from vibractl.guard import Guard
 from vibractl.heartbeat import heartbeat
@@ -92,6 +93,7 @@ class Engine:
             array.fill(0.0)  # maps every page now, not in the callback
         self._config = config
         self._stream: Any = None
+        self._locks: list[MachineLock] = []
         self.stepped = False
         """Whether the stream has no clock of its own; known once started."""
 
@@ -105,10 +107,12 @@ class Engine:
         """
         self._relay.start()
         try:
+            self._locks = device_locks(self._config.audio)
             self._stream = open_stream(self._config, self.callback)
             self.stepped = hasattr(self._stream, "advance")
             self._stream.start()
         except BaseException:
+            self._release()
             self._relay.stop()
             raise
         self._words[Word.READY] = 1
@@ -135,6 +139,7 @@ class Engine:
         """
         if self._stream is None or not self._stream.active:
             self._relay.stop()
+            self._release()
             return
         self._words[Word.STOP] = self._words[Word.REQUEST]
         deadline = time.monotonic() + self._guard.limits.ramp + 1.0
@@ -143,6 +148,13 @@ class Engine:
         self._relay.stop()
         self._stream.stop()
         self._stream.close()
+        self._release()
+
+    def _release(self) -> None:
+        """Let others have the device."""
+        for lock in self._locks:
+            lock.release()
+        self._locks = []
 
     def callback(self, indata: np.ndarray, outdata: np.ndarray, frames: int, now: Any, status: Any) -> None:
         """Exchange one block with the device: `indata` (frames, inputs), `outdata` (frames, outputs), full scale 1.

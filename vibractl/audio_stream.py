@@ -2,8 +2,10 @@
 
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
+from rigkit.machine_lock import MachineLock
 from rigkit.named_code import named_class
 from vibractl.config import Audio, RigConfig
 
@@ -56,6 +58,34 @@ def open_stream(config: RigConfig, callback: Callable[..., None]) -> Any:
         ) from fault
 
 
+def device_locks(audio: Audio) -> list[MachineLock]:
+    """Take the audio interface, from whoever else would open it, by what it is and not by what it is called.
+
+    A stream that is all within this process, which says so by `in_process`, is nobody else's.
+
+    Raises
+    ------
+    AudioError : another process has it, or there is no such stream.
+    """
+    found = _class_of(audio)
+    if getattr(found, "in_process", False):
+        return []
+    query = getattr(sys.modules[found.__module__], "query_devices", None)
+    names = {audio.device or "default"}
+    if query is not None:
+        with suppress(Exception):  # no such device: opening it says so better
+            names = {str(query(audio.device or None, kind)["name"]) for kind in ("input", "output")}
+    locks: list[MachineLock] = []
+    try:
+        for name in sorted(names):
+            locks.append(MachineLock(f"audio device {name} of {audio.stream.partition(':')[0]}"))
+    except OSError as fault:
+        for lock in locks:
+            lock.release()
+        raise AudioError(str(fault)) from None
+    return locks
+
+
 def channels(audio: Audio) -> tuple[int, int]:
     """Return how many input and output channels the rig file needs, loopback and heartbeat included."""
     loopback = audio.alignment == "loopback"
@@ -66,15 +96,19 @@ def channels(audio: Audio) -> tuple[int, int]:
 
 def _constructor(config: RigConfig) -> tuple[Any, Any]:
     """Return the module and the constructor; a class that wants to see the whole rig file first has `from_config`."""
-    try:
-        found = named_class(config.audio.stream, "the class of an audio stream, as sounddevice:Stream is", _is_stream)
-    except ValueError as fault:
-        hint = "; on Debian: apt-get install libportaudio2" if "PortAudio" in str(fault) else ""
-        raise AudioError(f"audio.stream, {fault}{hint}") from fault
+    found = _class_of(config.audio)
     try:
         return sys.modules[found.__module__], found.from_config(config) if hasattr(found, "from_config") else found
     except ValueError as fault:
         raise AudioError(str(fault)) from fault
+
+
+def _class_of(audio: Audio) -> Any:
+    try:
+        return named_class(audio.stream, "the class of an audio stream, as sounddevice:Stream is", _is_stream)
+    except ValueError as fault:
+        hint = "; on Debian: apt-get install libportaudio2" if "PortAudio" in str(fault) else ""
+        raise AudioError(f"audio.stream, {fault}{hint}") from fault
 
 
 def _is_stream(found: type) -> bool:

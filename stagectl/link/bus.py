@@ -1,9 +1,11 @@
 """Opens the bus that a rig file names; the one place, beside the bus itself, that knows python-can."""
 
+import os
 from typing import Any
 
 import can
 
+from rigkit.machine_lock import MachineLock
 from rigkit.relay.bus import named_bus
 from stagectl.link.config import Link
 
@@ -44,6 +46,23 @@ def open_bus(link: Link) -> can.BusABC:
         ) from fault
     assert isinstance(bus, can.BusABC)
     return bus
+
+
+def bus_lock(link: Link) -> MachineLock | None:
+    """Take the stage's bus, from whoever else would speak on it; None of one that is within programs alone.
+
+    Raises
+    ------
+    LinkError : another process has it.
+    """
+    interface = link.options.get("interface", "slcan")
+    if interface in _WITHOUT_BITS:
+        return None
+    is_file = "/" in link.channel
+    try:
+        return MachineLock(f"the stage's bus {os.path.realpath(link.channel) if is_file else link.channel}")
+    except OSError as fault:
+        raise LinkError(str(fault)) from None
 
 
 def message(identifier: int, data: bytes) -> can.Message:

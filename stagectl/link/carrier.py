@@ -5,8 +5,9 @@ from collections.abc import Callable
 from threading import Condition, Event, Thread
 from typing import Any
 
+from rigkit.machine_lock import MachineLock
 from rigkit.priority import real_time
-from stagectl.link.bus import LinkDown, LinkError, message, open_bus
+from stagectl.link.bus import LinkDown, LinkError, bus_lock, message, open_bus
 from stagectl.link.config import Link
 from stagectl.link.conversation import Conversation
 from stagectl.wire.messages import PERIOD, HostState
@@ -33,6 +34,7 @@ class Carrier:
         self.arrived = Condition()
         self._link, self._conversation, self._now = link, conversation, now
         self._bus: Any = None
+        self._lock: MachineLock | None = None
         self._garbled = 0
         self._over, self._wake = Event(), Event()
         works = (self._listen, self._speak)
@@ -50,7 +52,12 @@ class Carrier:
 
     def open(self) -> None:
         """Open the bus and begin; LinkError where it cannot be opened."""
-        self._bus = open_bus(self._link)
+        self._lock = bus_lock(self._link)
+        try:
+            self._bus = open_bus(self._link)
+        except BaseException:
+            self._release()
+            raise
         for thread in self._threads:
             thread.start()
 
@@ -61,6 +68,12 @@ class Carrier:
         for thread in self._threads:
             thread.join(_LONGEST_END)
         self._close_bus()
+        self._release()
+
+    def _release(self) -> None:
+        if self._lock is not None:
+            self._lock.release()
+            self._lock = None
 
     def flush(self) -> None:
         """Have what waits sent now."""

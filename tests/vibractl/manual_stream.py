@@ -9,6 +9,8 @@ import numpy as np
 class ManualStream:
     """Calls back when it is told to, and keeps what was played."""
 
+    in_process = True
+
     last: "ManualStream"
 
     def __init__(self, samplerate: float, blocksize: int, channels: tuple[int, int], **rest: Any) -> None:
@@ -34,3 +36,9 @@ class ManualStream:
         played = np.full((self.blocksize, self._channels[1]), np.nan, np.float32)
         self._callback(heard, played, self.blocksize, None, None)
         return played
+
+
+class SharedStream(ManualStream):
+    """One that other programs could open as well."""
+
+    in_process = False
