@@ -134,7 +134,7 @@ def _calibrated(writes: Output[RigConfig], raw: RawFolder) -> Calibration:
         try:
             return calibrate(rig, raw, line.emit, writes.provenance)
         except Stopped:
-            raise Stopped(f"stopped; what is recorded is in {raw.path}/, the same command goes on from there") from None
+            raise Stopped(writes.left) from None
 
 
 def _print(found: Calibration, out: Path, json: str | None) -> None:

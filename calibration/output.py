@@ -128,6 +128,13 @@ class Output(Generic[Config]):
         replace(self.origin, finished=now()).write(self.raw / RUN)
 
     @property
+    def left(self) -> str:
+        """What to say where it was stopped."""
+        if any(self.raw.rglob("*.wav")):
+            return f"stopped; what is recorded is in {self.raw}/, the same command goes on from there"
+        return "stopped before anything was recorded"
+
+    @property
     def provenance(self) -> dict[str, str]:
         """The words of a model that comes of it: dates are those of the measurement."""
         return provenance(self.config, self.origin.measured)

@@ -60,6 +60,12 @@ def read(path: Path) -> tuple[np.ndarray, float, dict[str, Any]]:
     return data, float(rate), json.loads(b"{" + comment) if comment else {}
 
 
+def subtype(path: Path) -> str:
+    """Return how the samples of a readable WAV are written, such as PCM_16 or FLOAT."""
+    with soundfile.SoundFile(path) as file:
+        return str(file.subtype)
+
+
 class _Target:
     """A file as libsndfile writes to it, which keeps the first fault: the library says "System error." of them all."""
 

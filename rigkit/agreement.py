@@ -6,11 +6,13 @@ accepted by its key.
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import PurePath
 from typing import Annotated, Any
 
 import typer
 from pydantic import BaseModel
 
+from rigkit.config_paths import is_path
 from rigkit.config_role import Role, is_free, role_at
 from rigkit.origin import Origin, flat
 from rigkit.toml_text import value_text
@@ -59,7 +61,7 @@ class Use:
 
 MEASURED_ELSEWHERE = Use(frozenset({"wiring"}), frozenset({"plant"}))
 """A model in use on a rig: it must be wired and scaled alike."""
-GOING_ON = Use(frozenset({"wiring", "plant", "experiment"}), frozenset({"patience"}))
+GOING_ON = Use(frozenset({"wiring", "plant", "experiment"}), frozenset({"patience"}), ("daemon",))
 """Something unfinished that goes on: as it began."""
 
 
@@ -103,10 +105,21 @@ def differences(before: Mapping[str, Any], config: BaseModel, use: Use) -> list[
         path = key.split(".")
         role = role_at(type(config), path)
         is_told = key in then or (is_free(type(config), path) and path[0] in before)
-        if role is None or not is_told or not use.concerns(key, role) or then.get(key) == today.get(key):
+        if role is None or not is_told or not use.concerns(key, role):
+            continue
+        if _same(then.get(key), today.get(key), is_path(type(config), path)):
             continue
         found.append(Difference(key, then.get(key), today.get(key), role in use.harmful))
     return found
+
+
+def _same(before: Any, now: Any, is_path: bool) -> bool:
+    """Whether two values are the same; of paths, the names count: folders are moved."""
+    if is_path and isinstance(before, str) and isinstance(now, str):
+        return PurePath(before).name == PurePath(now).name
+    if is_path and isinstance(before, list) and isinstance(now, list):
+        return len(before) == len(now) and all(_same(a, b, True) for a, b in zip(before, now, strict=True))
+    return bool(before == now)
 
 
 def changed_parts(origin: Origin, parts: Mapping[str, str]) -> list[Difference]:

@@ -11,6 +11,7 @@ from typing import Any, ClassVar, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from rigkit.config_fault import ConfigError, explained
+from rigkit.config_paths import FILES, anchored
 from rigkit.config_role import ROLE, Role
 from rigkit.config_source import Override, file_values
 from rigkit.config_text import dump, example
@@ -33,13 +34,18 @@ class Section(BaseModel):
 Model = TypeVar("Model", bound=Section)
 
 
-def setting(default: Any, unit: str, text: str, role: Role | None = None, **limits: Any) -> Any:
+def setting(
+    default: Any, unit: str, text: str, role: Role | None = None, files: tuple[str, ...] = (), **limits: Any
+) -> Any:
     """Declare one key of a `Section`: its default, its unit ("" for none), what it is for and its limits.
 
-    `role` is its table's where none is given; `limits` are pydantic's own (`ge`, `gt`, `le`, `lt`, `min_length`,
+    `role` is its table's where none is given; `files` are the suffixes by which its text is a path, ("",) where it
+    always is one; `limits` are pydantic's own (`ge`, `gt`, `le`, `lt`, `min_length`,
     `max_length`, `pattern`).
     """
-    declared: dict[str, Any] = {"unit": unit} if role is None else {"unit": unit, ROLE: role}
+    declared: dict[str, Any] = {"unit": unit}
+    declared |= {} if role is None else {ROLE: role}
+    declared |= {FILES: files} if files else {}
     return Field(default=default, description=text, json_schema_extra=declared, **limits)
 
 
@@ -53,8 +59,10 @@ def code(default: str, text: str, pattern: str | None = CLASS, role: Role | None
     return made
 
 
-def load(path: str | Path | None, model: type[Model], overrides: Sequence[str] = ()) -> Model:
+def load(path: str | Path | None, model: type[Model], overrides: Sequence[str] = (), as_written: bool = False) -> Model:
     """Read a rig file, lay the overrides over it and check the whole.
+
+    Relative paths in the file are relative to it; those in overrides are relative to where the program works.
 
     Parameters
     ----------
@@ -64,12 +72,16 @@ def load(path: str | Path | None, model: type[Model], overrides: Sequence[str] =
         What a whole file holds.
     overrides : sequence of str, "table.key=value"
         The value is TOML; a bare word is text.  They go one level deep or many ("simulator.options.noise=-80").
+    as_written : bool
+        Leave relative paths as they are.
 
     Raises
     ------
     ConfigError : one line with the file (or the override), the key, the value and what is allowed.
     """
     data = {} if path is None else file_values(path)
+    if path is not None and not as_written:
+        anchored(data, model, Path(path).parent)
     parsed = [Override(text, model) for text in overrides]
     for override in parsed:
         override.lay_over(data)

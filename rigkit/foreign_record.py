@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ctlblocks import recording
+from ctlblocks import recording, wav_file
 from ctlblocks.recording import Recording, RecordingError
 from rigkit.foreign_hdf5 import read_hdf5
 from rigkit.text_file import TextFault, read_text
@@ -74,6 +74,11 @@ def read_signals(path: Path, rate: float | None = None) -> Recording:
     if not signals:
         raise RecordingError(f"{path}: holds nothing but {', '.join(found.names)}")
     return found.select(signals)
+
+
+def is_of_integers(path: Path) -> bool:
+    """Whether a file is a WAV of integers, whose numbers are parts of a full scale that it does not say."""
+    return path.suffix.lower() == ".wav" and wav_file.subtype(path).startswith("PCM")
 
 
 def _named(path: Path, found: Recording, channel: str) -> str:

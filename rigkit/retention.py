@@ -13,6 +13,8 @@ MARK = "keep"
 """A file of this name in a run's folder keeps it for ever."""
 DAY = 86_400.0
 """s."""
+AHEAD = 60.0
+"""s by which the clock of a disk's own computer may be ahead."""
 _DELETED = ".deleted"
 
 
@@ -27,12 +29,15 @@ class StoredRun:
     changed : float, s since 1970
         When its newest file was written.
     is_marked : bool
+    is_misdated : bool
+        Whether all of its files are from the future: nobody knows how old it is, and it is kept.
     """
 
     path: Path
     size: int
     changed: float
     is_marked: bool
+    is_misdated: bool = False
 
 
 @dataclass(frozen=True)
@@ -62,7 +67,8 @@ def stored_runs(root: Path) -> list[StoredRun]:
         raise ValueError(f"{root}: there is no such folder")
     shown = (path for path in root.iterdir() if not path.name.startswith("."))
     folders = [path for path in shown if path.is_dir() and not path.is_symlink()]
-    found = [_stored(path) for path in folders if (path / CONFIG).is_file() and (path / LOCK).is_file()]
+    now = time.time() + AHEAD
+    found = [_stored(path, now) for path in folders if (path / CONFIG).is_file() and (path / LOCK).is_file()]
     return sorted(found, key=lambda run: (run.changed, run.path), reverse=True)
 
 
@@ -77,7 +83,7 @@ def superfluous(runs: Sequence[StoredRun], policy: Policy, now: float) -> list[S
     now : float, s since 1970
     """
     found, size = [], 0
-    for number, run in enumerate(runs):
+    for number, run in enumerate(each for each in runs if not each.is_misdated):
         size += run.size
         is_beyond = (
             (policy.newest is not None and number >= policy.newest)
@@ -128,7 +134,10 @@ def prune(root: Path, policy: Policy) -> Iterator[tuple[StoredRun, bool]]:
         yield run, delete(run)
 
 
-def _stored(path: Path) -> StoredRun:
+def _stored(path: Path, now: float) -> StoredRun:
+    """Describe a run; what is dated after `now` tells nothing of its age."""
     stats = [file.lstat() for file in path.rglob("*") if not file.is_dir() and file.name != LOCK]
-    changed = max((stat.st_mtime for stat in stats), default=path.stat().st_mtime)
-    return StoredRun(path, sum(stat.st_size for stat in stats), changed, (path / MARK).exists())
+    dates = [stat.st_mtime for stat in stats] or [path.stat().st_mtime]
+    past = [date for date in dates if date <= now]
+    size = sum(stat.st_size for stat in stats)
+    return StoredRun(path, size, max(past, default=0.0), (path / MARK).exists(), not past)

@@ -103,7 +103,7 @@ class Inner(Section):
     smoothing: float = setting(2.5e-4, "s", "time constant of the derivative's low-pass", gt=0, le=1)
     tracking: float = setting(1e-3, "s", "time constant of the anti-windup", gt=0, le=10)
     hysteresis: tuple[str, ...] = setting(
-        (), "", "model file of each axis' hysteresis to undo, from `calibrate hysteresis`; empty for none"
+        (), "", "model file of each axis' hysteresis to undo, from `calibrate hysteresis`; empty for none", files=("",)
     )
 
 
@@ -164,7 +164,9 @@ class ChosenWeights(Section):
 class Reference(Section):
     """Where the plate is to be; with `deflection.on`, where the tool is to be in the workpiece."""
 
-    signal: str = setting("hold", "", "hold, or a WAV or CSV file of positions in m, a channel an axis")
+    signal: str = setting(
+        "hold", "", "hold, or a WAV or CSV file of positions in m, a channel an axis", files=(".wav", ".csv")
+    )
     position: PerAxis = setting((225e-6,), "m", "where hold holds; one for all axes, or one an axis", min_length=1)
 
 

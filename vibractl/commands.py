@@ -33,7 +33,7 @@ from vibractl.quality import Marks
 from vibractl.quality_table import prefix_of
 from vibractl.replay import replay
 from vibractl.report import run_report
-from vibractl.run_setup import create, resumed_setup, settings_of, setup_of
+from vibractl.run_setup import create, resumed_setup, say_changed, settings_of, setup_of
 from vibractl.session import Session
 
 app.command("export")(export_command)
@@ -179,6 +179,7 @@ def replay_command(
     """
     rows = []
     settings_of(path)
+    say_changed(path)
     made = setup_of(path, tuple(settings or ()), model)
     if made.plans.note:
         sys.stderr.write(f"{made.plans.note}\n")
@@ -209,6 +210,8 @@ def report_command(
 
     Example: `vibractl report RUN/ --png figures/`
     """
+    settings_of(path)
+    say_changed(path)
     figures = run_report(path, png)
     print(f"report: {path / 'report.html'}", file=words(json))
     write_json(json, figures)

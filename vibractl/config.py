@@ -81,8 +81,17 @@ class Limits(Section):
 class Reference(Section):
     """What the vibrator is to emit."""
 
-    signal: str = setting("chirp:40:90:5", "", "chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file")
+    signal: str = setting(
+        "chirp:40:90:5", "", "chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file", files=(".wav", ".csv")
+    )
     amplitude: float = setting(10.0, "m/s^2", "amplitude of a chirp or sine", gt=0, le=1e4)
+    full_scale: float = setting(
+        0.0,
+        "m/s^2",
+        "digital full scale of a WAV file of integers; 0: there is none, such a file is refused",
+        ge=0,
+        le=1e4,
+    )
     taper: float = setting(0.04, "1", "part of a chirp or sine that is tapered, at each end", ge=0, le=0.5)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from scipy.signal.windows import tukey
 
-from rigkit.foreign_record import read_signals
+from rigkit.foreign_record import is_of_integers, read_signals
 
 LONGEST = 60.0
 """s, longest reference of one shot."""
@@ -36,7 +36,9 @@ class Reference:
     taper: float = 0.0
 
 
-def reference_from(text: str, rate: float, amplitude: float, taper: float, outputs: int, step: int) -> Reference:
+def reference_from(
+    text: str, rate: float, amplitude: float, taper: float, outputs: int, step: int, full_scale: float = 0.0
+) -> Reference:
     """Make the reference that `text` asks for.
 
     Parameters
@@ -49,6 +51,8 @@ def reference_from(text: str, rate: float, amplitude: float, taper: float, outpu
     outputs : int, accelerometers controlled
     step : int, samples
         The length is a multiple of it; a file is padded with silence, a chirp or sine must fit.
+    full_scale : float, m/s^2
+        Of a WAV file of integers, which must have one.
 
     Raises
     ------
@@ -61,7 +65,7 @@ def reference_from(text: str, rate: float, amplitude: float, taper: float, outpu
     kind, _, rest = text.partition(":")
     makers: dict[str, tuple[int, Callable[..., Reference]]] = {"chirp": (3, _chirp), "sine": (2, _sine)}
     if is_file(text):
-        return _from_file(Path(text), text, rate, outputs, step)
+        return _from_file(Path(text), text, rate, outputs, step, full_scale)
     if kind not in makers:
         raise ValueError(f"reference {text!r} is not chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a .wav or .csv file")
     count, maker = makers[kind]
@@ -110,8 +114,15 @@ def _numbers(text: str, rest: str, count: int, rate: float) -> list[float]:
     return numbers
 
 
-def _from_file(path: Path, text: str, rate: float, outputs: int, step: int) -> Reference:
+def _from_file(path: Path, text: str, rate: float, outputs: int, step: int, full_scale: float) -> Reference:
     data = read_signals(path, rate).data
+    if is_of_integers(path):
+        if not full_scale > 0:
+            raise ValueError(
+                f"{path}: a WAV of integers says no units; reference.full_scale must be what its full scale stands "
+                "for, > 0 m/s^2"
+            )
+        data = full_scale * data
     frames, width = data.shape
     if width not in (1, outputs):
         wanted = "1 channel" if outputs == 1 else f"1 or {outputs} channels"

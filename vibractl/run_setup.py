@@ -1,5 +1,6 @@
 """What a run is made of, in its folder: made new, or put together again to go on, to be replayed or reported."""
 
+import sys
 from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
@@ -121,7 +122,7 @@ def resumed_setup(folder: RunFolder, accept: Collection[str] = ()) -> Setup:
     ValueError : the folder lacks a part, or the parts do not fit.
     DisagreementError : settings or parts have changed.
     """
-    kept = rig_file.load(folder.path / CONFIG, RigConfig)
+    kept = rig_file.load(folder.path / CONFIG, RigConfig, as_written=True)
     notes = going_on(folder, kept, accept, UNCHANGED)
     return replace(setup_of(folder.path), said=tuple(notes))
 
@@ -140,8 +141,15 @@ def refuse_changed(path: Path, accept: Collection[str] = ()) -> list[str]:
     ------
     DisagreementError : it says which.
     """
-    found = changed(path, rig_file.load(path / CONFIG, RigConfig), UNCHANGED)
+    found = changed(path, rig_file.load(path / CONFIG, RigConfig, as_written=True), UNCHANGED)
     return agreed(found or [], accept, f"{path}/ has changed since the run was made", "put back what it was made with")
+
+
+def say_changed(path: Path) -> None:
+    """Say, on the standard error, what of a run has changed since it was made."""
+    found = changed(path, rig_file.load(path / CONFIG, RigConfig, as_written=True), UNCHANGED)
+    for each in found or []:
+        sys.stderr.write(f"{path}/ has changed since the run was made: {each.text}\n")
 
 
 def refuse_other_wiring(path: Path, config: RigConfig, accept: Collection[str]) -> None:

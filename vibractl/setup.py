@@ -97,6 +97,7 @@ def reference_of(config: RigConfig) -> Reference:
         config.reference.taper,
         controlled,
         config.learning.decimation,
+        config.reference.full_scale,
     )
 
 

@@ -96,7 +96,7 @@ def _calibrated(
         try:
             return calibrate_axes(rig, axes, raw, order, method, bench, about)
         except Stopped:
-            raise Stopped(f"stopped; what is recorded is in {raw.path}/, the same command goes on from there") from None
+            raise Stopped(writes.left) from None
 
 
 @contextmanager

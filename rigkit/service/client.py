@@ -52,7 +52,7 @@ class Client:
     """
 
     def __init__(self, address: str, token: str, certificate: str = "") -> None:
-        self._at = _reachable(address_of(address))
+        self._at = reachable(address_of(address))
         self._token, self._scheme = token, "https" if certificate else "http"
         self._trusted = ssl.create_default_context(cafile=certificate) if certificate else None
         self._key, self._seconds = "", 0.0
@@ -189,6 +189,6 @@ class Client:
         return f"[{self._at.host}]:{self._at.port}" if ":" in self._at.host else f"{self._at.host}:{self._at.port}"
 
 
-def _reachable(address: Address) -> Address:
+def reachable(address: Address) -> Address:
     """Return where a daemon that listens everywhere is reached from its own machine."""
     return Address({"0.0.0.0": "127.0.0.1", "::": "::1"}.get(address.host, address.host), address.port, address.path)

@@ -1,8 +1,5 @@
 """The commands `daemon`, `status` and `stop` of a rig's command line."""
 
-import getpass
-import os
-import signal
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -20,13 +17,13 @@ from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
 from rigkit.command import run as run_commands
 from rigkit.config import Section
-from rigkit.lock import holder
 from rigkit.service.access import TOKENS, new_tokens
-from rigkit.service.client import Client, DaemonError
+from rigkit.service.client import Client
 from rigkit.service.config import Daemon
-from rigkit.service.daemon import LOCK, run
+from rigkit.service.daemon import run
 from rigkit.service.rig import Rig
 from rigkit.service.show import Output
+from rigkit.service.stopping import answers, client_of, stopped
 
 _QUICK = (["status"], ["stop"], ["--version"])
 """First words of command lines which are not to wait for anything."""
@@ -142,7 +139,8 @@ def _add_status(app: typer.Typer, choose: Choose) -> None:
 
         Example: `status --config rig.toml --watch`
         """
-        with _client(_own(config, choose, settings), token) as client:
+        table = _own(config, choose, settings)
+        with _client(table, token) as client:
             if watch:
                 _watch(client)
             shown = client.snapshot()
@@ -166,34 +164,25 @@ def _add_stop(app: typer.Typer, choose: Choose) -> None:
 
         Example: `stop --config rig.toml --why "smoke"`
         """
-        table = _own(config, choose, settings)
-        try:
-            with _client(table, token) as client:
-                told = client.stop(getpass.getuser(), why)
-        except (DaemonError, OSError) as fault:
-            _stop_by_signal(Path(table.data), fault)
-            return
-        sys.stdout.write(f"stopped: {told['before']} -> {told['state']}\n")
+        sys.stdout.write(f"{stopped(_own(config, choose, settings), token, why)}\n")
 
 
 def _client(table: Daemon, token: Path | None) -> Client:
-    """Return a client for a daemon, with the token in a file, or with the one that its own file has to operate."""
-    if token is None:
-        return Client.of(table)
-    return Client(table.address, token.read_text(encoding="utf-8").strip(), table.certificate)
+    """Return a client for a daemon, with the token in a file, or with the one that its own file has to operate.
+
+    Raises
+    ------
+    ValueError, OSError : there is no token; the text says whether something answers there.
+    """
+    try:
+        return client_of(table, token)
+    except OSError as fault:
+        there = "something answers" if answers(table.address) else "nothing answers"
+        raise ValueError(f"{fault.filename}: {fault.strerror}; {there} at {table.address}") from None
 
 
 def _say(text: str) -> None:
     sys.stderr.write(f"{text}\n")
-
-
-def _stop_by_signal(data: Path, fault: Exception) -> None:
-    """Stop without the web process, where that does not answer."""
-    process = holder(data / LOCK)
-    if process is None:
-        raise ValueError(f"no daemon runs in {data}/: {fault}")
-    os.kill(process, signal.SIGUSR1)
-    sys.stdout.write(f"process {process} was told to stop by a signal, since its page does not answer: {fault}\n")
 
 
 def _watch(client: Client) -> None:

@@ -14,10 +14,12 @@ class Daemon(Section):
         "host:port, or unix:/path for a socket in the file system",
         pattern=r"^(unix:/.+|(\[[0-9a-fA-F:]+\]|[\w.-]+):\d{1,5})$",
     )
-    data: str = setting("data", "", "folder of runs, models, token file and event log; made if absent", min_length=1)
+    data: str = setting(
+        "data", "", "folder of runs, models, token file and event log; made if absent", min_length=1, files=("",)
+    )
     hosts: tuple[str, ...] = setting((), "", "further names, as in a browser's address, by which it may be reached")
-    certificate: str = setting("", "", "file of a TLS certificate and its chain (PEM)")
-    key: str = setting("", "", "file of its private key (PEM)")
+    certificate: str = setting("", "", "file of a TLS certificate and its chain (PEM)", files=("",))
+    key: str = setting("", "", "file of its private key (PEM)", files=("",))
     plain: bool = setting(False, "", "let others than this machine reach it without TLS")
     clients: int = setting(20, "", "pages and programs that may watch at a time", ge=1, le=200)
     requests: float = setting(50.0, "1/s", "requests that one address may make, in the long run", ge=1, le=1_000)

@@ -11,6 +11,7 @@ from types import FrameType
 from typing import Self
 
 from rigkit.lock import Lock
+from rigkit.machine_lock import MachineLock
 from rigkit.service.access import TOKENS, address_of, refuse_open, tokens_at
 from rigkit.service.commands import Commands
 from rigkit.service.config import Daemon
@@ -23,9 +24,10 @@ from rigkit.service.rig import Rig
 from rigkit.service.slot import Slot
 from rigkit.service.snapshot import RATE, as_bytes, snapshot
 from rigkit.service.sockets import listening, notify, watchdog_seconds
+from rigkit.service.stopping import LOCK, address_lock
 from rigkit.service.web_process import WebProcess, Wires
 
-LOCK, EVENTS = ".lock", "events.jsonl"
+EVENTS = "events.jsonl"
 LONGEST_END = 15.0
 """s for a procedure to end."""
 _AGAIN = 1.0
@@ -52,11 +54,13 @@ class Service:
         data = Path(settings.data)
         (data / RUNS).mkdir(parents=True, exist_ok=True)
         self._lock = Lock(data / LOCK)
+        self._place: MachineLock | None = None
         try:
+            self._place = MachineLock(address_lock(settings.address))
             self._tokens = tokens_at(data / TOKENS)
             self._listener = listening(address_of(settings.address))
         except BaseException:
-            self._lock.release()
+            self._release()
             raise
         self._settings, self._slot = settings, Slot()
         self.journal = Journal(data / EVENTS)
@@ -86,7 +90,12 @@ class Service:
         if path:
             Path(path).unlink(missing_ok=True)
         self.journal.close()
+        self._release()
+
+    def _release(self) -> None:
         self._lock.release()
+        if self._place is not None:
+            self._place.release()
 
     def run(self) -> None:
         """Show the rig 25 times a second until `ended` is set."""

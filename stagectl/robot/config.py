@@ -33,7 +33,12 @@ class Robot(Section):
     role = "patience"
 
     arm: str = setting(
-        "irb140", "", "irb140, kuka, or a TOML file with an arm's geometry and limits", min_length=1, role="wiring"
+        "irb140",
+        "",
+        "irb140, kuka, or a TOML file with an arm's geometry and limits",
+        min_length=1,
+        role="wiring",
+        files=(".toml",),
     )
     tool: float = setting(0.1, "m", "from the flange along its axis to the tool point", ge=0, le=1, role="wiring")
     listen: str = setting("127.0.0.1", "", "this computer's address towards the robot", min_length=1)

@@ -56,7 +56,7 @@ class Pocket(Section):
 class Learning(Section):
     """Learning from trial to trial."""
 
-    model: str = setting("milling.h5", "", "model file, as `calibrate milling` writes it", min_length=1)
+    model: str = setting("milling.h5", "", "model file, as `calibrate milling` writes it", min_length=1, files=("",))
     free: int = setting(2, "", "trials in free space that are learned from, before the first in material", ge=1, le=20)
     cutoff: float = setting(10.0, "Hz", "of Q, a low-pass without phase", ge=0.1, le=50)
     highest: float = setting(25.0, "Hz", "nothing is learned above", ge=0.2, le=100)

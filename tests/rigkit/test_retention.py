@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import time
 from pathlib import Path
 
 import pytest
@@ -67,6 +68,20 @@ def test_runs_are_found_by_what_is_in_them_the_newest_first(root: Path) -> None:
     assert [each.path.name for each in found] == [f"run-{number}" for number in range(5)]
     assert {each.size for each in found} == {1_006}
     assert [each.changed for each in found] == [1e9 - number * DAY for number in range(5)]
+
+
+def test_a_file_from_the_future_makes_no_run_the_newest(root: Path) -> None:
+    later = time.time() + 300 * DAY
+    os.utime(root / "run-3" / "shots" / "0000.wav", (later, later))
+    assert [each.path.name for each in stored_runs(root)] == [f"run-{number}" for number in range(5)]
+
+
+def test_a_run_of_which_all_is_from_the_future_is_kept_and_takes_no_others_place(root: Path) -> None:
+    later = time.time() + 300 * DAY
+    for file in (root / "run-3").rglob("*"):
+        os.utime(file, (later, later))
+    gone = [each.path.name for each in superfluous(stored_runs(root), Policy(newest=2), time.time())]
+    assert gone == ["run-2", "run-4"]
 
 
 def test_a_dry_run_deletes_nothing(

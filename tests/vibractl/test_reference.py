@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import soundfile
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording
@@ -47,6 +48,15 @@ def test_a_file_of_one_channel_serves_all_sides(tmp_path: Path) -> None:
     assert signal.shape == (6_004, 2)
     np.testing.assert_array_equal(signal[:6_001, 1], data[:, 0])
     assert not signal[6_001:].any()
+
+
+def test_a_wav_of_integers_needs_a_full_scale(tmp_path: Path) -> None:
+    path = tmp_path / "r.wav"
+    soundfile.write(path, np.full((6_000, 1), 0.5), int(RATE), "PCM_16")
+    with pytest.raises(ValueError, match=r"r.wav: a WAV of integers says no units; reference.full_scale must be"):
+        reference_from(str(path), RATE, 10.0, 0.0, 2, 4)
+    signal = reference_from(str(path), RATE, 10.0, 0.0, 2, 4, full_scale=20.0).signal
+    np.testing.assert_allclose(signal[:6_000], 10.0)
 
 
 def test_a_csv_file_of_one_channel_a_side_serves_each(tmp_path: Path) -> None:

@@ -141,11 +141,11 @@ class Running:
         new, self._waiting = self._waiting, None
         if new is None:
             return
-        kept = rig_file.load(self._folder.path / CONFIG, RigConfig)
+        kept = rig_file.load(self._folder.path / CONFIG, RigConfig, as_written=True)
         changed = {name: getattr(new, name) for name in ("audio", "limits", "simulator")}
         self._session.config = new
         self._folder.write(CONFIG, rig_file.dump(kept.model_copy(update=changed)))
-        take_over(self._folder, rig_file.load(self._folder.path / CONFIG, RigConfig), tuple(changed))
+        take_over(self._folder, rig_file.load(self._folder.path / CONFIG, RigConfig, as_written=True), tuple(changed))
         self._folder.event("reloaded", {"settings": rig_file.dump(new.audio) + rig_file.dump(new.limits)})
 
 

@@ -10,7 +10,7 @@ from scipy.signal.windows import blackmanharris
 from vibractl.config import RigConfig
 from vibractl.law import SIGNIFICANT
 from vibractl.quality import FAINT, decibels
-from vibractl.reference import reference_from
+from vibractl.setup import reference_of
 
 MAINS = (50.0, 60.0)
 """Hz."""
@@ -47,10 +47,7 @@ def reference_level(config: RigConfig) -> Level:
     ------
     ValueError : the reference cannot be made.
     """
-    asked, sides = config.reference, 1 if config.learning.side else len(config.audio.response_channels)
-    made = reference_from(
-        asked.signal, config.audio.rate, asked.amplitude, asked.taper, sides, config.learning.decimation
-    )
+    made = reference_of(config)
     size = np.abs(np.fft.rfft(made.signal, axis=0)) / config.audio.rate
     strong = size > SIGNIFICANT * size.max(axis=0)
     level = np.sqrt((size**2 * strong).sum(axis=0) / strong.sum(axis=0))

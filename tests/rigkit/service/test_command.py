@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -10,7 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from rigkit.service.daemon import LOCK
+from rigkit.service.daemon import Service
+from rigkit.service.stopping import LOCK
+from tests.rigkit.service.demo_rig import DemoRig
 from tests.rigkit.service.served import ROOT, Served, served
 from tests.until import EVER, until
 
@@ -101,8 +104,72 @@ def test_where_no_daemon_runs_that_is_said_in_one_line(tmp_path: Path) -> None:
         status, _, error = said(gone, command)
         assert status == 2
         assert error.count("\n") == 1
-        assert "no daemon runs in" in error or "no answer from the daemon" in error
+        assert "no daemon works in" in error or "no answer from the daemon" in error
     assert (tmp_path / LOCK).exists()
+
+
+def from_elsewhere(folder: Path, *arguments: str) -> tuple[int, str, str]:
+    """Call a command in another folder than the rig file's; return status, standard output and standard error."""
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, *arguments],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=EVER,
+        check=False,
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Iterator[tuple[Served, Path]]:
+    """Return a daemon whose rig file names its data folder relative to itself, and that file."""
+    (tmp_path / "d1").mkdir()
+    with served(tmp_path / "d1" / "data") as made:
+        rig = tmp_path / "d1" / "rig.toml"
+        rig.write_text(f'[daemon]\ndata = "data"\naddress = "{made.settings.address}"\n')
+        yield made, rig
+
+
+def test_a_stop_works_from_any_folder_with_the_rig_file(lab: tuple[Served, Path], tmp_path: Path) -> None:
+    made, rig = lab
+    for place, named in ((tmp_path, "d1/rig.toml"), (rig.parent, "rig.toml"), (Path("/"), str(rig))):
+        made.begin(steps=100_000, seconds=0.02)
+        assert from_elsewhere(place, "stop", "--config", named) == (0, "stopped: RUNNING -> DISARMED\n", "")
+        until(lambda: not made.named("run") or made.named("end"))
+    assert from_elsewhere(tmp_path, "status", "--config", "d1/rig.toml")[0] == 0
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["d1"]
+
+
+def test_a_stop_without_the_rig_file_goes_by_the_address(lab: tuple[Served, Path], tmp_path: Path) -> None:
+    made, _ = lab
+    made.begin(steps=100_000, seconds=0.02)
+    address = f"--set=daemon.address={made.settings.address}"
+    status, out, _ = from_elsewhere(tmp_path, "stop", address)
+    assert status == 0
+    assert f"process {made.process.pid}, which has the address {made.settings.address}, was told to stop" in out
+    assert "data/tokens.toml" in out or "data/" in out
+    until(lambda: made.named("stop"))
+    status, _, error = from_elsewhere(tmp_path, "status", address)
+    assert (status, error.count("\n")) == (2, 1)
+    assert f"something answers at {made.settings.address}" in error
+
+
+def test_where_something_answers_it_is_never_said_that_no_daemon_runs(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        address = f"127.0.0.1:{other.getsockname()[1]}"
+        status, _, error = from_elsewhere(tmp_path, "stop", f"--set=daemon.address={address}")
+    assert (status, error.count("\n")) == (2, 1)
+    assert f"nothing was stopped at {address}; something answers there, though: by its page: " in error
+    assert "by a signal: no daemon works in data/; by a signal: no daemon has the address" in error
+
+
+def test_a_second_daemon_at_an_address_is_told_who_has_it(lab: tuple[Served, Path], tmp_path: Path) -> None:
+    made, _ = lab
+    table = made.settings.model_copy(update={"data": str(tmp_path / "other")})
+    with pytest.raises(OSError, match=rf"daemon at port \d+ is in use by process {made.process.pid} "):
+        Service(DemoRig(), table)
 
 
 def test_control_that_is_watched_with_lasts(daemon: Served) -> None:

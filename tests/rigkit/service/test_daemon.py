@@ -15,7 +15,7 @@ from prometheus_client.parser import text_string_to_metric_families
 
 from rigkit.lock import holder
 from rigkit.service.client import Client, DaemonError
-from rigkit.service.daemon import LOCK
+from rigkit.service.stopping import LOCK
 from tests.contract import monitoring
 from tests.rigkit.service.served import answers, listener, served
 from tests.until import EVER, until

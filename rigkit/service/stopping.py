@@ -1,0 +1,96 @@
+"""STOP from a shell, by every way there is: the daemon's page, and a signal to the process that runs it."""
+
+import getpass
+import os
+import signal
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
+from rigkit.lock import holder
+from rigkit.machine_lock import holder_of
+from rigkit.service.access import address_of
+from rigkit.service.client import STOP_SECONDS, Client, DaemonError, reachable
+from rigkit.service.config import Daemon
+
+LOCK = ".lock"
+"""In a daemon's data folder."""
+
+
+def address_lock(address: str) -> str:
+    """Return by which name a daemon holds its address on this machine."""
+    at = reachable(address_of(address))
+    return f"daemon at {at.path or f'port {at.port}'}"
+
+
+def stopped(table: Daemon, token: Path | None, why: str) -> str:
+    """Stop the rig of a daemon; return in a line how.
+
+    Parameters
+    ----------
+    table : Daemon
+    token : Path, optional
+        File that holds one alone.
+    why : str
+        For the event log.
+
+    Raises
+    ------
+    ValueError : no way has led to it; each is named with what was wrong.
+    """
+    faults = []
+    try:
+        with client_of(table, token) as client:
+            told = client.stop(getpass.getuser(), why)
+        return f"stopped: {told['before']} -> {told['state']}"
+    except (DaemonError, OSError, ValueError) as fault:
+        faults.append(f"by its page: {_said(fault)}")
+    for where, process in _processes(table):
+        if process is None:
+            faults.append(f"by a signal: no daemon {where}")
+            continue
+        try:
+            os.kill(process, signal.SIGUSR1)
+        except OSError as fault:
+            faults.append(f"by a signal to process {process}, which {where}: {_said(fault)}")
+            continue
+        return f"process {process}, which {where}, was told to stop by a signal, since its page was no way: {faults[0]}"
+    there = " something answers there, though:" if answers(table.address) else ""
+    raise ValueError(f"nothing was stopped at {table.address};{there} {'; '.join(faults)}")
+
+
+def _processes(table: Daemon) -> Iterator[tuple[str, int | None]]:
+    """Yield which processes may be the daemon, and where that is known from."""
+    yield f"works in {table.data}/", holder(Path(table.data) / LOCK)
+    yield f"has the address {table.address}", holder_of(address_lock(table.address))
+
+
+def client_of(table: Daemon, token: Path | None) -> Client:
+    """Return a client for a daemon, with the token in a file, or with the one that its own file has to operate.
+
+    Raises
+    ------
+    OSError : the file cannot be read.
+    """
+    if token is None:
+        return Client.of(table)
+    return Client(table.address, token.read_text(encoding="utf-8").strip(), table.certificate)
+
+
+def answers(address: str) -> bool:
+    """Whether something on this machine takes a connection at a daemon's address."""
+    at = reachable(address_of(address))
+    family = socket.AF_UNIX if at.path else socket.AF_INET6 if ":" in at.host else socket.AF_INET
+    with socket.socket(family, socket.SOCK_STREAM) as probe:
+        probe.settimeout(STOP_SECONDS)
+        try:
+            probe.connect(at.path or (at.host, at.port))
+        except OSError:
+            return False
+    return True
+
+
+def _said(fault: Exception) -> str:
+    if isinstance(fault, OSError) and fault.filename:
+        return f"{fault.filename}: {fault.strerror}"
+    return str(fault)
