@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from rigkit import config as rig_file
+from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.progress import progress
 from rigkit.retention_command import prune_command
@@ -84,6 +85,7 @@ def run_command(
     scenario: Annotated[str | None, typer.Option(help="milling-x, milling-y or milling-z.")] = None,
     seed: Annotated[int | None, typer.Option(help="Which simulated stage.")] = None,
     live: Annotated[bool, typer.Option("--live", help="The stage behind its CAN adapter.")] = False,
+    accept: AcceptOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -102,7 +104,8 @@ def run_command(
         raise ValueError("--live runs the stage on what is there: --seed is for the simulator")
     if scenario is not None:
         made = rig_file.load(config, StageConfig, [*scenario_settings(scenario, made.session), *laid_over])
-    folder, put_together = session.create(out, made, model or [])
+    folder, put_together = session.create(out, made, model or [], accept or [])
+    sys.stderr.write("".join(f"{note}\n" for note in put_together.said))
     with folder:
         _end(_run(folder, put_together), out, json)
 

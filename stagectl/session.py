@@ -1,6 +1,6 @@
 """A run in its folder: the stage in closed loop with the plant in process, everything recorded, measured and kept."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -14,8 +14,10 @@ from rigkit import config as rig_file
 from rigkit.disk_space import require
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder, read_events
+from rigkit.run_origin import keep_origin
 from stagectl.cell import RECORDED, Cell, kept_in, memory, simulated
 from stagectl.config import StageConfig
+from stagectl.model_origin import refuse_foreign
 from stagectl.reference import wanted_position
 from stagectl.setup import Setup, setup
 from stagectl.tracking import tracking
@@ -30,7 +32,9 @@ RECORDED_LIVE = ("reference", "position", "extension", "voltage")
 Tell = Callable[[str, int], None]
 
 
-def create(path: Path, config: StageConfig, models: Sequence[Path]) -> tuple[RunFolder, Setup]:
+def create(
+    path: Path, config: StageConfig, models: Sequence[Path], accept: Collection[str] = ()
+) -> tuple[RunFolder, Setup]:
     """Make the folder of a new run, with copies of its models and of a reference from a file.
 
     Parameters
@@ -39,6 +43,8 @@ def create(path: Path, config: StageConfig, models: Sequence[Path]) -> tuple[Run
     config : StageConfig
     models : sequence of Path
         Model files, one an axis; of a live run, none as well.
+    accept : collection of str
+        Keys in which the stage that models were measured on may differ.
 
     Raises
     ------
@@ -46,6 +52,8 @@ def create(path: Path, config: StageConfig, models: Sequence[Path]) -> tuple[Run
     OSError : there is no room on the disk for the recordings; nothing is written.
     """
     made = setup(config, models)
+    if made.models:
+        made = replace(made, said=tuple(refuse_foreign(config, models, made.models, accept)))
     return make_folder(path, made, models), made
 
 
@@ -64,6 +72,8 @@ def make_folder(path: Path, made: Setup, models: Sequence[Path]) -> RunFolder:
         if config.reference.signal != "hold":
             source = Path(config.reference.signal)
             folder.take_in(source, f"reference{source.suffix.lower()}")
+        parts = [path.name for path in folder.path.iterdir() if path.suffix in (".h5", ".wav", ".csv")]
+        keep_origin(folder, "stage run", config, sorted(parts), [])
     return folder
 
 

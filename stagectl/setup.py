@@ -29,12 +29,15 @@ class Setup:
         One of each an axis; none of a live run on the loops that the stage has already.
     held : int, samples
         By which the run was longer, since its reference was held.
+    said : tuple of str
+        What a person should know of its models, a line each.
     """
 
     config: StageConfig
     models: tuple[InnovationModel, ...]
     designs: tuple[Design, ...]
     held: int = 0
+    said: tuple[str, ...] = ()
 
     @property
     def timeline(self) -> Timeline:

@@ -12,6 +12,7 @@ from stagectl.link.bus import LinkError
 from stagectl.link.stage_link import StageLink
 from stagectl.link.tell import Tell, nobody
 from stagectl.model_file import read_model
+from stagectl.model_origin import refuse_foreign
 from stagectl.setup import Setup, setup
 from stagectl.stage.piezo_pid import pid
 from stagectl.wire.messages import Fault
@@ -66,7 +67,9 @@ class Ready:
         """
         if self._made is None:
             self.models = _models(self.config)
-            self._made = setup(self.config, self.models)
+            made = setup(self.config, self.models)
+            refuse_foreign(self.config, self.models, made.models, ())
+            self._made = made
         return replace(self._made, config=config)
 
     def take(self, config: StageConfig) -> None:
