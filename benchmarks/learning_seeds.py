@@ -17,8 +17,10 @@ from benchmarks.direct import Machine, met, shots
 from benchmarks.on_all_cores import over_seeds
 from benchmarks.page_table import put, table, told, words
 from calibration.experiment import RawFolder
+from calibration.output import provenance
 from calibration.vibrator import Calibration, calibrate
 from rigkit import config as rig_file
+from rigkit.provenance import now
 from tests.shared_data import DATA, MEASURED_PAIRS, measured_pair
 from vibractl.config import RigConfig
 from vibractl.setup import setup
@@ -99,7 +101,7 @@ def identified(settings: tuple[str, ...]) -> Calibration:
     """Calibrate the plant of a rig file."""
     config = rig_file.load(None, RigConfig, settings)
     with tempfile.TemporaryDirectory() as folder, RawFolder(Path(folder)) as raw:
-        return calibrate(config, raw, Machine(config).emit)
+        return calibrate(config, raw, Machine(config).emit, provenance(config, now()))
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,9 @@ import numpy as np
 from benchmarks.on_all_cores import over_seeds
 from calibration.milling.session import calibrate
 from calibration.milling.sweep_session import sweep
+from calibration.output import provenance
 from rigkit.config import load
+from rigkit.provenance import now
 from rigkit.run_folder import RunFolder
 from rigkit.stop import StopRequest
 from stagectl.machining.run import Conduct
@@ -40,7 +42,7 @@ def one_seed(
     with tempfile.TemporaryDirectory() as place, RunFolder.create(Path(place) / "run", "") as folder:
         run = Runner(folder, Conduct(), run_simulated, lambda _: None)
         swept = sweep(cell, False, folder.path / "sweep.wav", lambda _: None, StopRequest())
-        found = calibrate(cell, task, run, swept)
+        found = calibrate(cell, task, run, swept, provenance(cell, now()))
         learner = Learner(cell, found.models, found.forces, found.free)
         free = ", ".join(_size(each) for each in (*found.free[:2], found.free[-1]))
         rows: list[tuple[Any, ...]] = []

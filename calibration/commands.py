@@ -24,7 +24,7 @@ from calibration.model_comparison import (
     differing_rows,
 )
 from calibration.multisine_report import level_table
-from calibration.output import AgainOption, Output, RecomputeOption, Wish, output, refuse_inputs
+from calibration.output import AgainOption, Output, RecomputeOption, Wish, output
 from calibration.stage_axes.command import stage_command
 from calibration.sweep_report import sweep_report
 from calibration.sweep_summary import BAND_HEAD, WORST_HEAD, band_rows, sweep_figures, worst_rows
@@ -77,8 +77,7 @@ def vibrator_command(
     if no_preload:
         laid_over += ["characterisation.preload=0.0", "characterisation.operating=0.0"]
     asked, wish = rig_file.load(config, RigConfig, laid_over), Wish(again, recompute, accept or [])
-    refuse_inputs([out, out.with_suffix(".html")], [config])
-    writes = output(out, KIND, asked, wish, [out.with_suffix(".html")], KEPT)
+    writes = output(out, KIND, asked, wish, [out.with_suffix(".html")], KEPT, inputs=[config])
     rig, folder = writes.config, RawFolder(writes.raw)
     if not recompute:
         refuse_unfit(rig)

@@ -32,6 +32,10 @@ class RawFolderError(ValueError):
 def refuse_to_emit(drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Stand for a device where only recordings may be used.
 
+    Parameters
+    ----------
+    drive : array, shape (samples, drives), any unit
+
     Raises
     ------
     RawFolderError : always.

@@ -8,7 +8,8 @@ import typer
 
 from calibration.hysteresis import PLAYS, Settings, fit
 from calibration.hysteresis_report import FIT_HEAD, Judged, fit_rows, hysteresis_figures, hysteresis_report, judged
-from calibration.output import AgainOption, refuse_inputs, refuse_taken
+from calibration.names import raw_folder, refuse_inputs, refuse_taken
+from calibration.output import AgainOption
 from rigkit.command import JsonOption, print_table, words, write_json
 from rigkit.foreign_record import read_channels
 from rigkit.provenance import now, software
@@ -62,10 +63,7 @@ def hysteresis_command(
 
 
 def _refuse_unfit(out: Path, skip: float, hold_back: float) -> None:
-    if out.suffix != ".h5":
-        raise ValueError(f"--out {out}: the suffix is {out.suffix!r}, must be '.h5'")
-    if not out.parent.is_dir():
-        raise ValueError(f"--out {out}: there is no folder {out.parent}")
+    raw_folder(out)  # refuses what is no name of a model
     if not 0 <= skip < float("inf"):
         raise ValueError(f"--skip is {skip:g} s, must be >= 0")
     if not 0.05 <= hold_back <= 0.9:

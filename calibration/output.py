@@ -1,25 +1,22 @@
 """What a calibration writes, and whether it may: a new name, an unfinished one's, or one to be made again."""
 
 import json
-import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Generic, TypeVar
 
 import typer
 
+from calibration.names import OutputError, oldest, raw_folder, refuse_inputs, set_aside
 from rigkit import atomic
 from rigkit import config as rig_file
 from rigkit.agreement import GOING_ON, Use, agreed, differences
 from rigkit.config import Section
-from rigkit.lock import Lock
 from rigkit.origin import RUN, Origin, read_origin
 from rigkit.provenance import now, software
 
-LOCK = ".lock"
 _WAY_OUT = "go back to that, choose another name, or measure anew with --again"
 Config = TypeVar("Config", bound=Section)
 
@@ -29,10 +26,6 @@ AgainOption = Annotated[
 RecomputeOption = Annotated[
     bool, typer.Option("--recompute", help="Compute again from the recordings that are there, with their settings.")
 ]
-
-
-class OutputError(ValueError):
-    """A name that a calibration may not write to."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +89,7 @@ class Output(Generic[Config]):
         OSError : the disk.
         """
         if self.aside:
-            _set_aside(self.out, self.raw, self.aside)
+            set_aside(self.out, self.raw, self.aside)
         with atomic.folder(self.raw):
             self.origin.write(self.raw / RUN)
         try:
@@ -163,6 +156,7 @@ def output(
     results: Sequence[Path] = (),
     use: Use = GOING_ON,
     is_whole: bool = True,
+    inputs: Sequence[Path | None] = (),
 ) -> Output[Config]:
     """Say what a calibration may write; nothing is written before it is `begun`.
 
@@ -180,6 +174,8 @@ def output(
         What an unfinished one must have kept.
     is_whole : bool
         Whether all that is asked for is recorded, where some is.
+    inputs : sequence of Path
+        Files that are read, and so are none of the results.
 
     Raises
     ------
@@ -188,6 +184,7 @@ def output(
     OriginError : what its recordings say of themselves cannot be read.
     """
     raw = raw_folder(out)
+    refuse_inputs([out, *results], inputs)
     there = [path for path in dict.fromkeys((out, *results)) if path.exists()]
     origin = read_origin(raw / RUN)
     recorded = raw.is_dir() and any(raw.rglob("*.wav"))
@@ -204,63 +201,15 @@ def output(
             "its date and measure with --again"
         )
     if there and is_whole and (origin is None or origin.finished):
-        measured = origin.measured if origin is not None else _oldest(raw)
+        measured = origin.measured if origin is not None else oldest(raw)
         raise OutputError(
             f"{there[0]}: was measured on {measured}, and is finished; --again measures anew and keeps it under its "
             "date, --recompute computes it from its recordings, or choose another name"
         )
     if origin is None:
         told = Origin.of(kind, config)
-        return Output(out, raw, config, replace(told, measured=_oldest(raw)) if recorded else told)
+        return Output(out, raw, config, replace(told, measured=oldest(raw)) if recorded else told)
     return _unfinished(out, raw, config, kind, origin, wish, use)
-
-
-def raw_folder(out: Path) -> Path:
-    """Return the folder of a model file's recordings, `out` with the suffix .raw.
-
-    Raises
-    ------
-    OutputError : the model would not be an .h5 file, or there is no folder for it.
-    """
-    if not out.parent.is_dir():
-        raise OutputError(f"{out}: there is no folder {out.parent}")
-    if out.suffix != ".h5":
-        raise OutputError(f"{out}: the suffix is {out.suffix!r}, must be '.h5'")
-    return out.with_suffix(".raw")
-
-
-def refuse_inputs(results: Sequence[Path], inputs: Sequence[Path | None]) -> None:
-    """Refuse to write a file that the command was given to read.
-
-    Raises
-    ------
-    OutputError : it names the file.
-    """
-    given = {path.resolve() for path in inputs if path is not None}
-    for path in results:
-        if path.resolve() in given:
-            raise OutputError(f"{path}: would be written, and was given to be read; choose another name for --out")
-
-
-def refuse_taken(results: Sequence[Path], again: bool) -> None:
-    """Refuse to write over a result that no recordings of its own stand beside.
-
-    Parameters
-    ----------
-    results : sequence of Path
-        The model first.
-    again : bool
-        Whether those that are there are set aside; they are, by this call.
-
-    Raises
-    ------
-    OutputError : one is there.
-    """
-    there = [path for path in results if path.exists()]
-    if there and not again:
-        raise OutputError(f"{there[0]}: is there already; choose another name, or keep it under its date with --again")
-    if there:
-        _set_aside(results[0], raw_folder(results[0]), there)
 
 
 def _unfinished(
@@ -282,41 +231,11 @@ def _recomputed(
         raise OutputError(f"--recompute: {raw}/ holds no recordings")
     if origin is None:
         note = f"{raw}/ does not say what it was recorded with: the settings of now are taken"
-        return Output(out, raw, config, replace(Origin.of(kind, config), measured=_oldest(raw)), (note,), True)
+        return Output(out, raw, config, replace(Origin.of(kind, config), measured=oldest(raw)), (note,), True)
     if origin.kind != kind:
         raise OutputError(f"--recompute: {raw}/ is of a {origin.kind}, this is a {kind}")
+    if not origin.finished:
+        raise OutputError(f"--recompute: in {raw}/ not all is recorded; the same command without it goes on")
     then = type(config).model_validate_json(json.dumps(origin.settings))
     note = f"computed again from the recordings of {origin.measured}, with their settings"
     return Output(out, raw, then, origin, (note,), True)
-
-
-def _set_aside(out: Path, raw: Path, paths: Sequence[Path]) -> None:
-    """Rename what a calibration has left, together, to names with its date."""
-    lock = Lock(raw / LOCK) if raw.is_dir() else None
-    try:
-        origin = read_origin(raw / RUN)
-        date = datetime.fromisoformat(origin.measured if origin is not None else _oldest(paths[0]))
-        stem, number = f"{out.stem}-{date:%Y%m%d-%H%M%S}", 1
-        while any(_renamed(path, out.stem, stem).exists() for path in paths):
-            number += 1
-            stem = f"{out.stem}-{date:%Y%m%d-%H%M%S}-{number}"
-        for path in paths:
-            kept = _renamed(path, out.stem, stem)
-            if path.suffix == ".toml":  # a program may be running with it, and is started with it again
-                shutil.copy2(path, kept)
-            else:
-                path.rename(kept)
-    finally:
-        if lock is not None:
-            lock.release()
-
-
-def _renamed(path: Path, before: str, after: str) -> Path:
-    return path.with_name(f"{after}{path.name.removeprefix(before)}")
-
-
-def _oldest(path: Path) -> str:
-    """Return when the oldest file of a folder, or a file, was written, UTC."""
-    files = [file for file in path.rglob("*") if file.is_file()] if path.is_dir() else [path]
-    oldest = min((file.stat().st_mtime for file in files), default=0.0)
-    return datetime.fromtimestamp(oldest, UTC).isoformat(timespec="seconds")

@@ -2,16 +2,16 @@
 
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from typing import Any
 
 import numpy as np
 
 from ctlblocks.block import Block, Port
 from rigkit.faults import FaultTable
-from rigkit.machine_lock import MachineLock
 from rigkit.relay.config import Relay
 from vibractl.audio_memory import Memory, Word
-from vibractl.audio_stream import device_locks, open_stream
+from vibractl.audio_stream import device_held, open_stream
 from vibractl.config import RigConfig
 from vibractl.guard import Guard
 from vibractl.heartbeat import heartbeat
@@ -93,7 +93,7 @@ class Engine:
             array.fill(0.0)  # maps every page now, not in the callback
         self._config = config
         self._stream: Any = None
-        self._locks: list[MachineLock] = []
+        self._held = ExitStack()
         self.stepped = False
         """Whether the stream has no clock of its own; known once started."""
 
@@ -102,19 +102,15 @@ class Engine:
 
         Raises
         ------
-        AudioError : it cannot be opened.
-        RelayError : the bus to the relay cannot.
+        AudioError, RelayError : it, or the bus to the relay, cannot be opened.
         """
-        self._relay.start()
-        try:
-            self._locks = device_locks(self._config.audio)
+        with device_held(self._config.audio) as opened:
+            self._relay.start()
+            opened.callback(self._relay.stop)
             self._stream = open_stream(self._config, self.callback)
             self.stepped = hasattr(self._stream, "advance")
             self._stream.start()
-        except BaseException:
-            self._release()
-            self._relay.stop()
-            raise
+            self._held = opened.pop_all()
         self._words[Word.READY] = 1
 
     def serve(self) -> None:
@@ -138,8 +134,7 @@ class Engine:
         gone, when it closes a stream and when the program ends.  So that only an `AudioProcess` gets rid of one.
         """
         if self._stream is None or not self._stream.active:
-            self._relay.stop()
-            self._release()
+            self._held.close()
             return
         self._words[Word.STOP] = self._words[Word.REQUEST]
         deadline = time.monotonic() + self._guard.limits.ramp + 1.0
@@ -148,13 +143,7 @@ class Engine:
         self._relay.stop()
         self._stream.stop()
         self._stream.close()
-        self._release()
-
-    def _release(self) -> None:
-        """Let others have the device."""
-        for lock in self._locks:
-            lock.release()
-        self._locks = []
+        self._held.close()
 
     def callback(self, indata: np.ndarray, outdata: np.ndarray, frames: int, now: Any, status: Any) -> None:
         """Exchange one block with the device: `indata` (frames, inputs), `outdata` (frames, outputs), full scale 1.

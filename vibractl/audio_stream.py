@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from typing import Any
 
 from rigkit.machine_lock import MachineLock
@@ -58,32 +58,35 @@ def open_stream(config: RigConfig, callback: Callable[..., None]) -> Any:
         ) from fault
 
 
-def device_locks(audio: Audio) -> list[MachineLock]:
+def device_held(audio: Audio) -> ExitStack:
     """Take the audio interface, from whoever else would open it, by what it is and not by what it is called.
 
     A stream that is all within this process, which says so by `in_process`, is nobody else's.
+
+    Returns
+    -------
+    ExitStack
+        Its `close` lets others have it.
 
     Raises
     ------
     AudioError : another process has it, or there is no such stream.
     """
-    found = _class_of(audio)
+    found, held = _class_of(audio), ExitStack()
     if getattr(found, "in_process", False):
-        return []
+        return held
     query = getattr(sys.modules[found.__module__], "query_devices", None)
     names = {audio.device or "default"}
     if query is not None:
         with suppress(Exception):  # no such device: opening it says so better
             names = {str(query(audio.device or None, kind)["name"]) for kind in ("input", "output")}
-    locks: list[MachineLock] = []
     try:
         for name in sorted(names):
-            locks.append(MachineLock(f"audio device {name} of {audio.stream.partition(':')[0]}"))
+            held.callback(MachineLock(f"audio device {name} of {audio.stream.partition(':')[0]}").release)
     except OSError as fault:
-        for lock in locks:
-            lock.release()
+        held.close()
         raise AudioError(str(fault)) from None
-    return locks
+    return held
 
 
 def channels(audio: Audio) -> tuple[int, int]:

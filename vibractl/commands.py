@@ -93,9 +93,7 @@ def run_command(
         paths = {"--out": out, "--model": model, "--config": config, "--library": library}
         given = [name for name, value in {**paths, "--warm": warm, "--tag": tag}.items() if value]
         if given or [text for text in laid_over if not text.startswith("session.shots=")]:
-            raise ValueError(
-                f"--resume {resume} goes on with the run's own settings; only --shots and --accept may go with it"
-            )
+            raise ValueError(f"--resume {resume} has the run's own settings; only --shots and --accept may go with it")
         _go_on(resume, shots, accept or [], json)
         return
     if out is None or model is None:

@@ -17,7 +17,8 @@ from calibration.identification.report import (
     verdicts,
 )
 from calibration.identification.workflow import Identification, Method, identify_recording
-from calibration.output import AgainOption, refuse_inputs, refuse_taken
+from calibration.names import raw_folder, refuse_inputs, refuse_taken
+from calibration.output import AgainOption
 from ctlblocks.recording import Recording
 from rigkit.command import JsonOption, print_table, words, write_json
 from rigkit.foreign_record import read_channels
@@ -46,11 +47,8 @@ def identify_command(
     states = _order(order)
     if rate is not None and not 0 < rate < float("inf"):
         raise ValueError(f"--rate is {rate}, must be > 0 samples/s")
-    if out is not None and out.suffix != ".h5":
-        raise ValueError(f"--out {out}: the suffix is {out.suffix!r}, must be '.h5'")
-    if out is not None and not out.parent.is_dir():
-        raise ValueError(f"--out {out}: there is no folder {out.parent}")
     if out is not None:
+        raw_folder(out)  # refuses what is no name of a model
         refuse_inputs([out, out.with_suffix(".html")], [data])
     measured = _read(data, drives, responses, rate)
     found = identify_recording(

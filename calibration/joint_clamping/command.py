@@ -20,16 +20,8 @@ from calibration.joint_clamping.requests import requests
 from calibration.joint_clamping.results import CLAMP, LINK, RAW, TOOL, Clamped, JointResult, of_recording
 from calibration.joint_clamping.session import KEPT, KIND, measure
 from calibration.joint_clamping.several_poses import experiment, stiffest, whole_arm
-from calibration.output import (
-    AgainOption,
-    Output,
-    RecomputeOption,
-    Wish,
-    output,
-    raw_folder,
-    refuse_inputs,
-    refuse_taken,
-)
+from calibration.names import raw_folder, refuse_inputs, refuse_taken
+from calibration.output import AgainOption, Output, RecomputeOption, Wish, output
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
@@ -70,54 +62,63 @@ def joints_command(
 ) -> None:
     """Find backlash, stiffness and friction of joints whose tool is clamped, or from a recorded torque and angle.
 
-    While it runs, `kill -USR1 PID` pauses (the arm holds, limits are watched), `kill -USR2 PID` goes on, Ctrl-C aborts:
-    the arm holds, soft servo and clamp stay, and the same command goes on with the joints that are missing.  It prints
-    its PID, and in a live run draws the maps into FILE.raw/maps.html as each cycle ends.
+    `kill -USR1 PID`, which it prints, pauses (the arm holds, limits are watched), `kill -USR2 PID` goes on, Ctrl-C
+    aborts: all stays, and the same command goes on.  Live, maps are drawn into FILE.raw/maps.html after each cycle.
 
     Examples: `calibrate joints --config cell.toml --joints 1-6 --dry-run`,
     `calibrate joints --config cell.toml --live --joints 1-3 --out joints.h5`,
     `calibrate joints --from map.csv --angle phi --torque tau --gear 121`
     """
-    if out is not None and (out.suffix != ".h5" or not out.parent.is_dir()):
-        raise ValueError(f"--out {out}: must end in '.h5' and lie in a folder that is there")
-    if compensate not in WAY_OF:
-        raise ValueError(f"--compensate is {compensate!r}, must be one of {', '.join(WAY_OF)}")
+    _refuse_unfit(out, compensate)
     if record is not None:
-        if out is not None:
-            refuse_inputs([out, out.with_suffix(".html")], [record, config])
-            refuse_taken([out, out.with_suffix(".html")], again)
-        found = recorded_map(record, (angle, torque, link), gear, rate, WAY_OF[compensate])
-        about = {"recording": str(record), "software": software(), "computed": now()}
-        _finish([found], None, str(record), about, out, png, json)
-        return
+        _refuse_taken(out, [record, config], again)
+        measured = recorded_map(record, (angle, torque, link), gear, rate, WAY_OF[compensate])
+        return _finish([measured], None, str(record), _words(str(record)), out, png, json)
     cell = rig_file.load(config, CellConfig, [*(settings or []), *["clamping.live=true"] * live])
     wanted = joint_numbers(joints, arm_with_tool(cell).joints)
     cells = in_poses(cell, pose or [], poses)
-    if advise:
-        _advise(cell, wanted, json)
-    elif dry_run:
-        _say_steps(cells, wanted)
-    elif out is None:
+    if advise or dry_run:
+        return (_advise if advise else _say_steps)(cells, wanted, json)
+    if out is None:
         raise ValueError("--out is missing: recordings are kept beside the model file")
-    else:
-        refuse_inputs([out, out.with_suffix(".html")], [config, poses])
-        is_whole = not missing_in(cells, wanted, raw_folder(out))
-        wish, own = Wish(again, recompute, accept or []), cells[0] if len(cells) == 1 else cell
-        writes = output(out, KIND, own, wish, [out.with_suffix(".html")], KEPT, is_whole)
-        cells = [writes.config] if len(cells) == 1 else in_poses(writes.config, pose or [], poses)
-        results, whole = _measured(writes, cells, wanted, words(json), WAY_OF[compensate], wish.accept)
-        about = {"recording": f"{writes.raw.name}/", **writes.provenance}
-        _finish(results, whole, str(config or "defaults"), about, out, png, json)
-        writes.finish()
+    wish, own = Wish(again, recompute, accept or []), cells[0] if len(cells) == 1 else cell
+    writes = _output(out, own, wish, not missing_in(cells, wanted, out), [config, poses])
+    cells = [writes.config] if len(cells) == 1 else in_poses(writes.config, pose or [], poses)
+    found = _measured(writes, cells, wanted, words(json), WAY_OF[compensate], wish.accept)
+    _finish(*found, str(config or "defaults"), _words(f"{writes.raw.name}/") | writes.provenance, out, png, json)
+    writes.finish()
 
 
-def _advise(cell: CellConfig, joints: tuple[int, ...], json: str | None) -> None:
-    advised = advice_table.advice(cell, arm_with_tool(cell), joints)
+def _refuse_unfit(out: Path | None, compensate: str) -> None:
+    if out is not None:
+        raw_folder(out)  # refuses what is no name of a model
+    if compensate not in WAY_OF:
+        raise ValueError(f"--compensate is {compensate!r}, must be one of {', '.join(WAY_OF)}")
+
+
+def _refuse_taken(out: Path | None, inputs: Sequence[Path | None], again: bool) -> None:
+    if out is not None:
+        refuse_inputs([out, out.with_suffix(".html")], inputs)
+        refuse_taken([out, out.with_suffix(".html")], again)
+
+
+def _output(
+    out: Path, cell: CellConfig, wish: Wish, is_whole: bool, inputs: Sequence[Path | None]
+) -> Output[CellConfig]:
+    return output(out, KIND, cell, wish, [out.with_suffix(".html")], KEPT, is_whole, inputs)
+
+
+def _words(source: str) -> dict[str, str]:
+    return {"recording": source, "software": software(), "computed": now()}
+
+
+def _advise(cells: Sequence[CellConfig], joints: tuple[int, ...], json: str | None) -> None:
+    advised = advice_table.advice(cells[0], arm_with_tool(cells[0]), joints)
     print_table("where to clamp", advice_table.HEAD, advice_table.rows(advised), words(json))
     write_json(json, advice_table.figures(advised))
 
 
-def _say_steps(cells: Sequence[CellConfig], joints: tuple[int, ...]) -> None:
+def _say_steps(cells: Sequence[CellConfig], joints: tuple[int, ...], _: str | None) -> None:
     steps = [step for each in cells for step in clamp_procedure(each.clamping, arm_with_tool(each), joints).steps()]
     for number, step in enumerate(steps, start=1):
         typer.echo(f"{number:3d}  {step.words}")
@@ -172,8 +173,9 @@ def place_of(folder: Path, number: int, several: bool) -> Path:
     return folder / f"pose-{number}" if several else folder
 
 
-def missing_in(cells: Sequence[CellConfig], joints: tuple[int, ...], folder: Path) -> bool:
+def missing_in(cells: Sequence[CellConfig], joints: tuple[int, ...], out: Path) -> bool:
     """Whether a joint is not recorded yet, in some pose."""
+    folder = raw_folder(out)
     places = (place_of(folder, number, len(cells) > 1) for number, _ in enumerate(cells, start=1))
     return any(missing(place, joints) for place in places)
 

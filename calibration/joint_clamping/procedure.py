@@ -17,7 +17,8 @@ from calibration.joint_clamping.report import HEAD, joints_report, rows
 from calibration.joint_clamping.requests import Requests
 from calibration.joint_clamping.results import RAW, Clamped, of_recording
 from calibration.joint_clamping.session import KEPT, KIND, measure
-from calibration.output import Wish, output, raw_folder
+from calibration.names import raw_folder
+from calibration.output import Wish, output
 from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
 from rigkit.service.show import Gauge, Table

@@ -9,7 +9,7 @@ from calibration.milling.live import live_steps, refuse_unfit
 from calibration.milling.report import FIT_HEAD, figures, fit_rows, milling_report
 from calibration.milling.session import SWEEP, Calibrated, calibrate, dry_run, output_of, raw_trials, require_room
 from calibration.milling.sweep_session import sweep, sweep_steps
-from calibration.output import AgainOption, Output, RecomputeOption, Wish, refuse_inputs
+from calibration.output import AgainOption, Output, RecomputeOption, Wish
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
@@ -55,15 +55,13 @@ def milling_command(
     cell = cell_for_task(rig_file.load(config, CellConfig, settings or []), task)
     moves = [*(step.words for step in sweep_steps(cell)), *dry_run(cell, task), *(live_steps(cell) if is_live else ())]
     if dry:
-        for number, each in enumerate(moves, start=1):
-            typer.echo(f"{number:3d}  {each}")
+        typer.echo("\n".join(f"{number:3d}  {each}" for number, each in enumerate(moves, start=1)))
         return
     if out is None:
         raise ValueError("--out is missing: recordings are kept beside the model file")
     if is_live:
         refuse_unfit(cell, is_sure)
-    refuse_inputs([out, out.with_suffix(".html")], [config])
-    writes = output_of(out, cell, Wish(again, recompute, accept or []), is_live)
+    writes = output_of(out, cell, Wish(again, recompute, accept or []), is_live, config)
     if not recompute:
         require_room(out, cell, task)
     stream = words(json)
@@ -76,12 +74,16 @@ def milling_command(
     found = _measured(writes, task, is_live, is_sure, tell)
     write_milling(out, found.models, UNITS)
     writes.finish()
+    _report(found, out, png, json)
+
+
+def _report(found: Calibrated, out: Path, png: Path | None, json: str | None) -> None:
     report = milling_report(found, str(out))
     report.write(out.with_suffix(".html"))
     if png is not None:
         report.png(png)
-    print_table(f"{out}: fits on what was held back, %", FIT_HEAD, fit_rows(found), stream)
-    tell(f"report: {out.with_suffix('.html')}")
+    print_table(f"{out}: fits on what was held back, %", FIT_HEAD, fit_rows(found), words(json))
+    words(json).write(f"report: {out.with_suffix('.html')}\n")
     write_json(json, figures(found))
 
 

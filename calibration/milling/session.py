@@ -12,7 +12,8 @@ from calibration.milling.process_fit import ProcessFit, fit_process, refuse_shor
 from calibration.milling.robot_fit import AxisFit, fit_axis
 from calibration.milling.sweep_session import sweep_path
 from calibration.milling.torque_fit import TorqueFit, friction_and_gravity, known_speeds
-from calibration.output import Output, Wish, output, raw_folder
+from calibration.names import raw_folder
+from calibration.output import Output, Wish, output
 from ctlblocks.recording import Recording
 from ctlblocks.room import bytes_of
 from rigkit import atomic
@@ -71,7 +72,9 @@ class Calibrated:
     milled: DoneTrial
 
 
-def output_of(out: Path, cell: CellConfig, wish: Wish, is_live: bool = False) -> Output[CellConfig]:
+def output_of(
+    out: Path, cell: CellConfig, wish: Wish, is_live: bool = False, read: Path | None = None
+) -> Output[CellConfig]:
     """Say what a calibration of milling may write.
 
     Parameters
@@ -81,13 +84,15 @@ def output_of(out: Path, cell: CellConfig, wish: Wish, is_live: bool = False) ->
     wish : Wish
     is_live : bool
         Whether it is of a robot behind its wires.
+    read : Path, optional
+        The rig file, which is no result.
 
     Raises
     ------
     ValueError : the name is taken, or unfinished with other settings or on the other cell.
     """
     kind = f"calibration of milling, {LIVE if is_live else SIMULATED}"
-    return output(out, kind, cell, wish, [out.with_suffix(".html")], KEPT)
+    return output(out, kind, cell, wish, [out.with_suffix(".html")], KEPT, inputs=[read])
 
 
 @contextmanager

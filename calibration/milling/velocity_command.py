@@ -7,8 +7,10 @@ from typing import Annotated, Any
 import typer
 
 from calibration.milling.velocity import SIGNALS, Velocity, identify_velocity
-from calibration.output import AgainOption, provenance, refuse_inputs, refuse_taken
+from calibration.names import raw_folder, refuse_inputs, refuse_taken
+from calibration.output import AgainOption, provenance
 from ctlblocks import recording
+from ctlblocks.recording import Recording
 from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
@@ -47,27 +49,17 @@ def velocity_command(
 
     Example: `calibrate velocity --config cell.toml --out velocity.h5`
     """
-    if out.suffix != ".h5":
-        raise ValueError(f"--out {out}: the suffix is {out.suffix!r}, must be '.h5'")
-    if not out.parent.is_dir():
-        raise ValueError(f"--out {out}: there is no folder {out.parent}")
+    raw_folder(out)  # refuses what is no name of a model
     if axis not in WAYS:
         raise ValueError(f"--axis is {axis!r}, must be one of {', '.join(WAYS)}")
     if not LEAST <= seconds <= 600.0:
         raise ValueError(f"--seconds is {seconds:g}, must be {LEAST:g} to 600")
     cell = rig_file.load(config, CellConfig, settings or [])
-    kept = out.with_suffix(".csv")
-    made = [out] if record is not None else [out, kept]
+    made = [out] if record is not None else [out, out.with_suffix(".csv")]
     refuse_inputs(made, [config, record])
     if record is None:
-        pocket = pocket_of("pocket", cell.segments)
-        assert pocket is not None
         refuse_taken(made, again)
-        require(out.parent, bytes_of(round(seconds * RATE), len(SIGNALS), "float64", "csv"), "the record")
-        measured = free_run(feed_plan(cell, pocket, nominal_velocity(RATE)), axis, seconds, seed)
-        words = {**provenance(cell, now()), "axis": axis, "seed": str(seed)}
-        measured = replace(measured, provenance={**measured.provenance, **words})
-        recording.write(kept, measured)
+        measured = _measured(cell, axis, seconds, seed, out.with_suffix(".csv"))
     else:
         measured = recording.read(record, rate=RATE)
     found = identify_velocity(measured, order)
@@ -76,6 +68,18 @@ def velocity_command(
         refuse_taken(made, again)
     write_model(out, found.model)
     _tell(found, out, json)
+
+
+def _measured(cell: CellConfig, axis: str, seconds: float, seed: int, file: Path) -> Recording:
+    """Make the steps, and keep the record with all that it is of."""
+    pocket = pocket_of("pocket", cell.segments)
+    assert pocket is not None
+    require(file.parent, bytes_of(round(seconds * RATE), len(SIGNALS), "float64", "csv"), "the record")
+    measured = free_run(feed_plan(cell, pocket, nominal_velocity(RATE)), axis, seconds, seed)
+    about = {**provenance(cell, now()), "axis": axis, "seed": str(seed)}
+    measured = replace(measured, provenance={**measured.provenance, **about})
+    recording.write(file, measured)
+    return measured
 
 
 def _tell(found: Velocity, out: Path, json: str | None) -> None:

@@ -89,7 +89,12 @@ class RecordedBench:
         return centre_of(self.config, self.loop)
 
     def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Refuse, by a RawFolderError."""
+        """Refuse, by a RawFolderError.
+
+        Parameters
+        ----------
+        drive : array, shape (samples, 1), V or m
+        """
         return refuse_to_emit(drive)
 
 

@@ -9,7 +9,7 @@ from typing import Annotated, cast
 import typer
 
 from calibration.experiment import RawFolder
-from calibration.output import AgainOption, Output, RecomputeOption, Wish, output, refuse_inputs
+from calibration.output import AgainOption, Output, RecomputeOption, Wish, output
 from calibration.stage_axes.bench import Bench, ExcitedAxis, RecordedBench
 from calibration.stage_axes.calibration import AxisCalibration, calibrate_axes
 from calibration.stage_axes.experiment import KEPT, KIND, require_room
@@ -68,8 +68,7 @@ def stage_command(
     if method not in ("moesp", "n4sid"):
         raise ValueError(f"--method is {method!r}, must be moesp or n4sid")
     made = results(rig, axis, out)
-    refuse_inputs(made, [config])
-    writes = output(out, KIND, rig, Wish(again, recompute, accept or []), made, KEPT)
+    writes = output(out, KIND, rig, Wish(again, recompute, accept or []), made, KEPT, inputs=[config])
     folder = RawFolder(writes.raw)
     if not recompute:
         require_room(rig, len(axes), folder)

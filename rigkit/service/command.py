@@ -23,7 +23,7 @@ from rigkit.service.config import Daemon
 from rigkit.service.daemon import run
 from rigkit.service.rig import Rig
 from rigkit.service.show import Output
-from rigkit.service.stopping import answers, client_of, stopped
+from rigkit.service.stopping import client_of, is_answered, stopped
 
 _QUICK = (["status"], ["stop"], ["--version"])
 """First words of command lines which are not to wait for anything."""
@@ -177,7 +177,7 @@ def _client(table: Daemon, token: Path | None) -> Client:
     try:
         return client_of(table, token)
     except OSError as fault:
-        there = "something answers" if answers(table.address) else "nothing answers"
+        there = "something answers" if is_answered(table) else "nothing answers"
         raise ValueError(f"{fault.filename}: {fault.strerror}; {there} at {table.address}") from None
 
 

@@ -82,3 +82,15 @@ def _at_path(path: str) -> socket.socket:
 def _answers(path: str) -> bool:
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as to:
         return to.connect_ex(path) == 0
+
+
+def answers(at: Address) -> bool:
+    """Whether something takes a connection at an address within a second."""
+    family = socket.AF_UNIX if at.path else socket.AF_INET6 if ":" in at.host else socket.AF_INET
+    with socket.socket(family, socket.SOCK_STREAM) as probe:
+        probe.settimeout(1.0)
+        try:
+            probe.connect(at.path or (at.host, at.port))
+        except OSError:
+            return False
+    return True

@@ -3,15 +3,15 @@
 import getpass
 import os
 import signal
-import socket
 from collections.abc import Iterator
 from pathlib import Path
 
 from rigkit.lock import holder
 from rigkit.machine_lock import holder_of
 from rigkit.service.access import address_of
-from rigkit.service.client import STOP_SECONDS, Client, DaemonError, reachable
+from rigkit.service.client import Client, DaemonError, reachable
 from rigkit.service.config import Daemon
+from rigkit.service.sockets import answers
 
 LOCK = ".lock"
 """In a daemon's data folder."""
@@ -55,7 +55,7 @@ def stopped(table: Daemon, token: Path | None, why: str) -> str:
             faults.append(f"by a signal to process {process}, which {where}: {_said(fault)}")
             continue
         return f"process {process}, which {where}, was told to stop by a signal, since its page was no way: {faults[0]}"
-    there = " something answers there, though:" if answers(table.address) else ""
+    there = " something answers there, though:" if is_answered(table) else ""
     raise ValueError(f"nothing was stopped at {table.address};{there} {'; '.join(faults)}")
 
 
@@ -77,17 +77,9 @@ def client_of(table: Daemon, token: Path | None) -> Client:
     return Client(table.address, token.read_text(encoding="utf-8").strip(), table.certificate)
 
 
-def answers(address: str) -> bool:
-    """Whether something on this machine takes a connection at a daemon's address."""
-    at = reachable(address_of(address))
-    family = socket.AF_UNIX if at.path else socket.AF_INET6 if ":" in at.host else socket.AF_INET
-    with socket.socket(family, socket.SOCK_STREAM) as probe:
-        probe.settimeout(STOP_SECONDS)
-        try:
-            probe.connect(at.path or (at.host, at.port))
-        except OSError:
-            return False
-    return True
+def is_answered(table: Daemon) -> bool:
+    """Whether something on this machine answers at a daemon's address."""
+    return answers(reachable(address_of(table.address)))
 
 
 def _said(fault: Exception) -> str:

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from calibration.__main__ import main
-from calibration.output import OutputError, Wish, output, raw_folder, refuse_inputs, refuse_taken
+from calibration.names import OutputError, raw_folder, refuse_inputs, refuse_taken
+from calibration.output import Wish, output
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file

@@ -150,7 +150,7 @@ def test_models_are_found_over_the_wires(tmp_path: Path) -> None:
     with SteppedCell(cell_cut, **settings) as cell:
         made = Laboratory(cell)
         swept = sweep(cell.config, False, tmp_path / "sweep.wav", lambda _: None, StopRequest())
-        found = calibrate(cell.config, "pocket", made.run, swept)
+        found = calibrate(cell.config, "pocket", made.run, swept, {"rig": "cell"})
     assert min(found.models.robot["motors"].fresh) > 80.0
     assert min(found.models.robot["tool"].fresh) > 75.0
     late = found.free[-1].trial.late

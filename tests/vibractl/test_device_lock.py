@@ -6,7 +6,7 @@ from rigkit.machine_lock import MachineLock
 from tests.vibractl.manual_stream import SharedStream
 from vibractl.audio_engine import Engine
 from vibractl.audio_memory import Memory
-from vibractl.audio_stream import AudioError, device_locks
+from vibractl.audio_stream import AudioError, device_held
 from vibractl.config import Audio, RigConfig
 
 AUDIO = Audio(stream="tests.vibractl.manual_stream:SharedStream", device="shaker")
@@ -40,4 +40,5 @@ def test_a_stream_that_does_not_open_leaves_the_device_free(monkeypatch: pytest.
 
 
 def test_a_simulated_card_is_each_programs_own() -> None:
-    assert device_locks(Audio()) == []
+    with device_held(Audio()), device_held(Audio()):
+        pass

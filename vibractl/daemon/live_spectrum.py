@@ -54,7 +54,8 @@ class LiveSpectrum:
         if line is None:
             return
         emitted, response = line.lately(SECONDS)
-        if len(response) and np.abs(emitted[: len(emitted) // 2]).max() > 0:
+        is_sound = len(response) and np.isfinite(response).all()  # else the shot is discarded, and it is said
+        if is_sound and np.abs(emitted[: len(emitted) // 2]).max() > 0:
             self._desk.show("live", live_panel(response, self._config))
 
 

@@ -14,7 +14,8 @@ from calibration.joint_clamping.requests import Requests
 from calibration.joint_clamping.results import LINK, RAW, TOOL, of_map
 from calibration.joint_clamping.session import KEPT, KIND, measure
 from calibration.joint_clamping.torque_map import TorqueMap
-from calibration.output import OutputError, Wish, output
+from calibration.names import OutputError
+from calibration.output import Wish, output
 from rigkit.config import load
 from rigkit.model_file import ModelFileError
 from rigkit.stop import Stopped

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 
-from calibration.output import raw_folder
+from calibration.names import raw_folder
 from ctlblocks import recording
 from rigkit import atomic
 from rigkit import config as rig_file

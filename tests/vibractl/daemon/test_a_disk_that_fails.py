@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from calibration import vibrator_procedure
-from calibration.output import raw_folder
+from calibration.names import raw_folder
 from ctlblocks import recording
 from rigkit import atomic
 from rigkit.run_folder import CONFIG, read_quality
