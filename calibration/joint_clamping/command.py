@@ -65,8 +65,7 @@ def joints_command(
     `kill -USR1 PID`, which it prints, pauses (the arm holds, limits are watched), `kill -USR2 PID` goes on, Ctrl-C
     aborts: all stays, and the same command goes on.  Live, maps are drawn into FILE.raw/maps.html after each cycle.
 
-    Examples: `calibrate joints --config cell.toml --joints 1-6 --dry-run`,
-    `calibrate joints --config cell.toml --live --joints 1-3 --out joints.h5`,
+    Examples: `calibrate joints --config cell.toml --live --joints 1-3 --out joints.h5`, first with `--dry-run`;
     `calibrate joints --from map.csv --angle phi --torque tau --gear 121`
     """
     _refuse_unfit(out, compensate)

@@ -25,7 +25,7 @@ def test_the_example_is_a_rig_file_of_all_defaults(
     assert stagectl(monkeypatch, "example-config") == 0
     file = tmp_path / "stage.toml"
     file.write_text(capsys.readouterr().out)
-    assert rig_file.load(file, StageConfig) == StageConfig()
+    assert rig_file.load(file, StageConfig, as_written=True) == StageConfig()
 
 
 def test_a_run_ends_with_a_table_figures_and_a_report_and_can_be_replayed(
