@@ -80,10 +80,9 @@ def joints_command(
         return (_advise if advise else _say_steps)(cells, wanted, json)
     if out is None:
         raise ValueError("--out is missing: recordings are kept beside the model file")
-    wish, own = Wish(again, recompute, accept or []), cells[0] if len(cells) == 1 else cell
-    writes = _output(out, own, wish, not missing_in(cells, wanted, out), [config, poses])
+    writes = _output(out, cell, cells, wanted, Wish(again, recompute, accept or []), [config, poses])
     cells = [writes.config] if len(cells) == 1 else in_poses(writes.config, pose or [], poses)
-    found = _measured(writes, cells, wanted, words(json), WAY_OF[compensate], wish.accept)
+    found = _measured(writes, cells, wanted, words(json), WAY_OF[compensate], accept or [])
     _finish(*found, str(config or "defaults"), _words(f"{writes.raw.name}/") | writes.provenance, out, png, json)
     writes.finish()
 
@@ -102,9 +101,15 @@ def _refuse_taken(out: Path | None, inputs: Sequence[Path | None], again: bool) 
 
 
 def _output(
-    out: Path, cell: CellConfig, wish: Wish, is_whole: bool, inputs: Sequence[Path | None]
+    out: Path,
+    cell: CellConfig,
+    cells: Sequence[CellConfig],
+    joints: tuple[int, ...],
+    wish: Wish,
+    inputs: Sequence[Path | None],
 ) -> Output[CellConfig]:
-    return output(out, KIND, cell, wish, [out.with_suffix(".html")], KEPT, is_whole, inputs)
+    own, is_whole = cells[0] if len(cells) == 1 else cell, not missing_in(cells, joints, out)
+    return output(out, KIND, own, wish, [out.with_suffix(".html")], KEPT, is_whole, inputs)
 
 
 def _words(source: str) -> dict[str, str]:
