@@ -22,6 +22,7 @@ def refuse_foreign(
     files : sequence of Path
         One an axis, as many as `models`.
     models : sequence of InnovationModel
+        One an axis; of a live stage, none as well.
     accept : collection of str
         Keys that may differ.
 
@@ -32,7 +33,7 @@ def refuse_foreign(
     """
     notes: list[str] = []
     axes = config.stage.axes
-    for axis, file, model in zip(axes, files, models, strict=True):
+    for axis, file, model in zip(axes, files, models, strict=bool(models)):
         for other in axes:
             if other != axis and model.output_names == (f"position_{other}",):
                 raise ValueError(

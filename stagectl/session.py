@@ -52,8 +52,7 @@ def create(
     OSError : there is no room on the disk for the recordings; nothing is written.
     """
     made = setup(config, models)
-    if made.models:
-        made = replace(made, said=tuple(refuse_foreign(config, models, made.models, accept)))
+    made = replace(made, said=tuple(refuse_foreign(config, models, made.models, accept)))
     return make_folder(path, made, models), made
 
 
