@@ -123,6 +123,17 @@ def test_a_step_is_a_slew_violation_with_its_rate_of_change() -> None:
     assert not output.any()
 
 
+def test_a_slew_violation_tells_the_change_from_the_sample_before_and_counts_drives_from_1() -> None:
+    request = np.zeros((1000, 2))
+    request[500:, 1] = 0.3 * np.minimum(np.arange(500), 1)
+    request[700:, 1] = 1.3
+    guard = opened()
+    run(guard, request)
+    broken = guard.violation
+    assert broken is not None
+    assert str(broken) == f"drive 2 asks for {1.0 * RATE:g} V/s at sample {RAMP + 701}, limits.slew is 20000 V/s"
+
+
 def test_a_lasting_drive_breaks_the_rms_limit_when_its_exponential_mean_does() -> None:
     ramp = np.minimum(1, np.arange(20_000) / 500)[:, None]
     guard = opened(width=1)

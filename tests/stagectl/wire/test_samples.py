@@ -69,3 +69,11 @@ def test_a_reference_is_a_number() -> None:
 def test_a_block_of_another_shape_is_refused(shape: tuple[int, ...]) -> None:
     with pytest.raises(WireError, match="must be of 30 samples"):
         samples.encode(messages.REFERENCE, 0, np.zeros(shape))
+
+
+@given(st.data(), ANY)
+def test_a_signal_is_rounded_to_what_its_frame_gives_back(data: st.DataObject, layout: Layout) -> None:
+    parts = data.draw(arrays(float, (count(layout), 3), elements=st.floats(-1.0, 1.0)))
+    block = parts * samples.largest(layout)
+    _, back = samples.decode(layout, samples.encode(layout, 0, block))
+    np.testing.assert_allclose(samples.rounded(layout, block), back, rtol=0, atol=1e-6 * samples.resolution(layout))
