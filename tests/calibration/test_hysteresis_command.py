@@ -70,7 +70,7 @@ def test_the_record_of_a_stack_is_read_as_it_was_published(
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (("--out", "stack.wav"), "--out stack.wav: the suffix is '.wav', must be '.h5'"),
+        (("--out", "stack.wav"), "stack.wav: the suffix is '.wav', must be '.h5'"),
         (("--out", "nowhere/stack.h5"), "there is no folder nowhere"),
         (("--unit", "inch"), "--output: the unit is 'inch', must be one of m, mm, um"),
         (("--skip", "9"), "--skip is 9 s, must be less than the 7 s that are fitted"),

@@ -226,7 +226,7 @@ def test_bad_input_is_one_line_and_changes_nothing(
         (("--warm", "nearest", "--reference", "sine:24:1"), "has no entry that fits: kept: of reference chirp:40:90:1"),
         (("--warm", "nearest", "--tag", "depth"), "is not key=value"),
         (("--tag", "depth=1"), "they go with --warm"),
-        (("--warm", "kept", "--resume", "run"), "goes on with the run's own settings"),
+        (("--warm", "kept", "--resume", "run"), "has the run's own settings"),
         (
             ("--warm", "kept", "--set", "learning.check_levels=[-6,-12,0]"),
             "must rise from above -80 dB and end at 0 dB",
