@@ -95,7 +95,7 @@ def stage(
 
         firmware-sim stage --pty --folder /tmp/bench --fault unplug@5 --fault replug@8 &
 
-        stagectl run --set link.channel=/tmp/bench/can --set laser.device=/tmp/bench/laser ...
+        stagectl run --live --set link.channel=/tmp/bench/can ...
     """
     if not pty:
         raise ValueError("no wire is chosen, must be --pty")

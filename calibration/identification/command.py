@@ -16,13 +16,17 @@ from calibration.identification.report import (
     mode_rows,
     verdicts,
 )
-from calibration.identification.workflow import Identification, Method, identify_recording
+from calibration.identification.workflow import STEPS, Identification, Method, identify_recording
 from calibration.names import raw_folder, refuse_inputs, refuse_taken
 from calibration.output import AgainOption
 from ctlblocks.recording import Recording
 from rigkit.command import JsonOption, print_table, words, write_json
 from rigkit.foreign_record import read_channels
+from rigkit.progress import progress
 from stagectl.model_file import write_model
+
+LARGE = 100_000
+"""Numbers in a measurement from which on it is said how long it may take."""
 
 
 def identify_command(
@@ -51,14 +55,19 @@ def identify_command(
         raw_folder(out)  # refuses what is no name of a model
         refuse_inputs([out, out.with_suffix(".html")], [data])
     measured = _read(data, drives, responses, rate)
-    found = identify_recording(
-        measured,
-        len(drives),
-        order=states,
-        method=cast(Method, method),
-        horizon=horizon,
-        hold_back=hold_back,
-    )
+    with progress("identifying", STEPS) as meter:
+        if measured.data.size > LARGE:
+            meter.say(f"identifying: {_size(measured)}; 250 000 samples of four take half a minute, with pem longer")
+        found = identify_recording(
+            measured,
+            len(drives),
+            order=states,
+            method=cast(Method, method),
+            horizon=horizon,
+            hold_back=hold_back,
+            show=meter.show,
+        )
+        meter.show(STEPS)
     if out is not None:
         refuse_taken([out, out.with_suffix(".html")], again)
         write_model(out, found.model)
@@ -69,6 +78,11 @@ def identify_command(
         if png is not None:
             report.png(png)
     _print(found, data, out, json)
+
+
+def _size(measured: Recording) -> str:
+    samples, channels = measured.data.shape
+    return f"{samples} samples of {channels} channels"
 
 
 def _channels(option: str, text: str) -> list[str]:

@@ -1,5 +1,6 @@
 """Identify a model on the first part of a measurement, and judge it on the rest."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -16,6 +17,7 @@ from stagectl.models import InnovationModel
 Method = Literal["n4sid", "moesp", "pem"]
 METHODS = ("n4sid", "moesp", "pem")
 
+STEPS = 3
 LEAST_HELD_BACK, MOST_HELD_BACK = 0.05, 0.8
 """Share of the samples that may be held back."""
 
@@ -52,6 +54,10 @@ class Identification:
     free_run: np.ndarray
 
 
+def unseen(done: int, name: str) -> None:
+    """Show nothing of it."""
+
+
 @on_one_thread
 def identify_recording(
     measured: Recording,
@@ -61,6 +67,7 @@ def identify_recording(
     method: Method = "moesp",
     horizon: int | None = None,
     hold_back: float = 0.3,
+    show: Callable[[int, str], object] = unseen,
 ) -> Identification:
     """Identify a model between the first `inputs` channels and the others.
 
@@ -74,6 +81,8 @@ def identify_recording(
         "pem" refines the result of "moesp" by the prediction error method.
     horizon : int, samples, optional
     hold_back : float, share of the samples, at the end
+    show : callable(int, str)
+        Told of the steps done, of `STEPS`, and which is next.
     """
     if not LEAST_HELD_BACK <= hold_back <= MOST_HELD_BACK:
         raise ValueError(f"held back are {hold_back} of the samples, must be {LEAST_HELD_BACK} to {MOST_HELD_BACK}")
@@ -84,10 +93,13 @@ def identify_recording(
     cut = round(len(data) * (1 - hold_back))
     start: Literal["n4sid", "moesp"] = "n4sid" if method == "n4sid" else "moesp"
     drive, response = data[:, :inputs], data[:, inputs:]
+    show(0, "orders and the model")
     found = subspace.identify(drive[:cut], response[:cut], measured.rate, order, start, horizon)
     drive, response = drive - found.input_offset, response - found.output_offset
+    show(1, "errors of its modes" if method != "pem" else "the model refined")
     model, errors = _refined(found, drive[:cut], response[:cut]) if method == "pem" else _plain(found)
     model = _labelled(model, measured, inputs, method, cut)
+    show(2, "fits")
     late = model.initial_state(drive[cut:], response[cut:])
     return Identification(
         model,

@@ -15,6 +15,7 @@ from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.disk_space import require
+from rigkit.progress import progress
 from rigkit.provenance import now
 from stagectl.feed.free_run import WAYS, free_run
 from stagectl.feed.job import pocket_of
@@ -58,6 +59,7 @@ def velocity_command(
     made = [out] if record is not None else [out, out.with_suffix(".csv")]
     refuse_inputs(made, [config, record])
     if record is None:
+        require(out.parent, bytes_of(round(seconds * RATE), len(SIGNALS), "float64", "csv"), "the record")
         refuse_taken(made, again)
         measured = _measured(cell, axis, seconds, seed, out.with_suffix(".csv"))
     else:
@@ -71,11 +73,15 @@ def velocity_command(
 
 
 def _measured(cell: CellConfig, axis: str, seconds: float, seed: int, file: Path) -> Recording:
-    """Make the steps, and keep the record with all that it is of."""
+    """Make the steps and keep the record with all that it is of; say beforehand how long that takes."""
     pocket = pocket_of("pocket", cell.segments)
     assert pocket is not None
-    require(file.parent, bytes_of(round(seconds * RATE), len(SIGNALS), "float64", "csv"), "the record")
-    measured = free_run(feed_plan(cell, pocket, nominal_velocity(RATE)), axis, seconds, seed)
+    plan = feed_plan(cell, pocket, nominal_velocity(RATE))
+    with progress("steps", round(seconds * RATE)) as meter:
+        meter.say(
+            f"steps: {seconds:g} s of them, simulated some ten times as fast; the first time its loops are compiled"
+        )
+        measured = free_run(plan, axis, seconds, seed, meter.show)
     about = {**provenance(cell, now()), "axis": axis, "seed": str(seed)}
     measured = replace(measured, provenance={**measured.provenance, **about})
     recording.write(file, measured)

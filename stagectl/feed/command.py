@@ -76,11 +76,11 @@ def force(
     if png is not None and out is None:
         raise ValueError("--png goes with --out RUN/, which is not given")
     job = Job(task, pocket_of(task, cell.segments), planner_name, is_untrained, pockets, seed, compares)
-    way = Way(is_live, is_sure, is_paced)
-    way.refuse(cell, job, out)
     if dry:
         _say_steps(cell, job, model)
         return
+    way = Way(is_live, is_sure, is_paced)
+    way.refuse(cell, job, out)
     if job.pocket is None:
         _process(cell, job, model, out, png, json)
     else:

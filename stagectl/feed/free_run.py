@@ -1,5 +1,7 @@
 """Steps of the feed with the tool in the air: what the robot's velocity model is identified from."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ctlblocks import Graph, Port
@@ -13,11 +15,14 @@ from stagectl.feed.plan import RATE, FeedPlan
 from stagectl.feed.recorded import SLOW
 from stagectl.feed.run import LEAD
 from stagectl.machining.recorded import ROBOT
+from stagectl.machining.run import quietly
 from stagectl.robot.tool_place import ToolPlace
 from stagectl.robot.wired_port import WiredPort
 
 MEAN, STEP, HELD, TURN = 0.02, 0.01, 0.04, 2.0
 """m/s, m/s, s and s: the feed steps up and down about its mean, at random, and turns round now and then."""
+CHUNK = 125
+"""Samples between two looks at how far it is."""
 WAYS = {"x": (1.0, 0.0), "y": (0.0, 1.0)}
 """Axes of the base along which it goes."""
 
@@ -30,7 +35,9 @@ def steps(seconds: float, seed: int, rate: float) -> np.ndarray:
     return np.asarray((MEAN + STEP * drawn) * np.where((sample + turn // 2) % (2 * turn) < turn, 1.0, -1.0))
 
 
-def free_run(plan: FeedPlan, axis: str, seconds: float, seed: int = 1) -> Recording:
+def free_run(
+    plan: FeedPlan, axis: str, seconds: float, seed: int = 1, show: Callable[[int], object] = quietly
+) -> Recording:
     """Let the simulated robot feed in the air; return `velocity_reference` and `velocity`, m/s, at 250 samples/s.
 
     Parameters
@@ -39,6 +46,8 @@ def free_run(plan: FeedPlan, axis: str, seconds: float, seed: int = 1) -> Record
     axis : str, of `WAYS`
     seconds : float, s
     seed : int
+    show : callable(int)
+        Told of the samples done, now and then.
 
     Raises
     ------
@@ -71,7 +80,10 @@ def free_run(plan: FeedPlan, axis: str, seconds: float, seed: int = 1) -> Record
     graph.prepare()
     run_offline(graph, (lead - 1) * SLOW)
     port.start()
-    run_offline(graph, (len(feed) - lead + 1) * SLOW)
+    samples = len(feed) - lead + 1
+    for done in range(0, samples, CHUNK):
+        run_offline(graph, min(CHUNK, samples - done) * SLOW)
+        show(min(done + CHUNK, samples))
     if port.reason:
         raise ValueError(f"the robot was held: {port.reason}")
     return Recording(("velocity_reference", "velocity"), ("m/s", "m/s"), rate, record.recording().data[lead:])

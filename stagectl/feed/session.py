@@ -127,7 +127,9 @@ def mill_pockets(
         yield Kept(plan, mills(plan, again, _after(conduct, pockets * area)))
 
 
-def simulated_pockets(cell: CellConfig, pocket: Pocket, planner: Planner, pockets: int) -> list[list[Milled]]:
+def simulated_pockets(
+    cell: CellConfig, pocket: Pocket, planner: Planner, pockets: int, conduct: Conduct
+) -> list[list[Milled]]:
     """Mill pockets by force control in the simulated cell; return the segments of each, as measured.
 
     Parameters
@@ -136,13 +138,15 @@ def simulated_pockets(cell: CellConfig, pocket: Pocket, planner: Planner, pocket
     pocket : Pocket
     planner : Planner
     pockets : int
+    conduct : Conduct
+        Is shown the cells that are milled.
 
     Raises
     ------
     ValueError : as of `mill_pockets`, or the cell was held, by its reason.
     """
     model, found = velocity_model(None), []
-    for each in mill_pockets(cell, pocket, planner, model, Conduct(), pockets):
+    for each in mill_pockets(cell, pocket, planner, model, conduct, pockets):
         if each.done.reason:
             raise ValueError(f"pocket {each.plan.piece} was held: {each.done.reason}")
         found.append(as_milled(each.done))

@@ -1,12 +1,16 @@
-"""The command lines of a page: those in its fenced blocks, and those that begin the rows of its tables."""
+"""The command lines of a page: those in its fenced or indented blocks, and those that begin the rows of its tables."""
 
 import re
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 PROGRAMS = ("vibractl", "stagectl", "calibrate", "firmware-sim")
+TOOLS = ("awk", "cp")
+"""Programs of others that make a file for them."""
+_BEGINNINGS = tuple(f"{program} " for program in (*PROGRAMS, *TOOLS))
+_INDENTED = "    "
 _ROW = re.compile(r"\| `([^`]+)` ?\|")
 
 
@@ -33,26 +37,39 @@ class Command:
 
 
 def commands(page: Path) -> list[Command]:
-    """Return the commands of a page in order; what other programs are told to do is left out."""
-    return [_command(line) for line in _lines(page.read_text()) if line.split(" ", 1)[0] in PROGRAMS]
+    """Return the commands of a page in order, those of its tables as well; those of other programs are left out."""
+    return _commands(line for _, line in _lines(page.read_text()))
 
 
-def _lines(text: str) -> Iterator[str]:
+def block_commands(page: Path) -> list[Command]:
+    """Return the commands of a page's blocks in order; a table's rows may be about commands, and none to be given."""
+    return _commands(line for is_row, line in _lines(page.read_text()) if not is_row)
+
+
+def _commands(lines: Iterable[str]) -> list[Command]:
+    return [command_of(line) for line in lines if line.startswith(_BEGINNINGS)]
+
+
+def _lines(text: str) -> Iterator[tuple[bool, str]]:
+    """Go through the lines that may be commands, and whether each begins a table's row."""
     is_fenced, begun = False, ""
     for line in text.splitlines():
         if line.startswith("```"):
             is_fenced = not is_fenced
         elif not is_fenced:
             if row := _ROW.match(line):
-                yield row.group(1)
+                yield True, row.group(1)
+            elif line.startswith(_INDENTED):
+                yield False, line.strip()
         elif line.endswith("\\"):
             begun += line.removesuffix("\\").strip() + " "
         else:
-            yield begun + line.strip()
+            yield False, begun + line.strip()
             begun = ""
 
 
-def _command(line: str) -> Command:
+def command_of(line: str) -> Command:
+    """Read a command line as a shell does."""
     words = shlex.split(line, comments=True)
     text = shlex.join(words).replace("'>'", ">").replace("'&'", "&")
     in_background = words[-1] == "&"

@@ -4,24 +4,18 @@
 """
 
 import shlex
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import pytest
 
-from calibration.__main__ import main as calibrate
-from firmware_sim.__main__ import main as firmware_sim
-from stagectl.__main__ import main as stagectl
-from tests.commands.page_commands import Command, commands
+from tests.commands.page_commands import commands
+from tests.commands.running import HOUR, MAINS, run
 from tests.contract.source_tree import ROOT
-from vibractl.__main__ import main as vibractl
 
-PROGRAMS = {"vibractl": vibractl, "stagectl": stagectl, "calibrate": calibrate, "firmware-sim": firmware_sim}
 STATED = tomllib.loads((Path(__file__).parent / "readme.toml").read_text())
 COMMANDS = commands(ROOT / "README.md")
-HOUR = 3_600.0
 
 
 def test_what_is_stated_of_commands_is_of_commands_that_are_there_and_for_a_reason() -> None:
@@ -44,7 +38,7 @@ def test_they_work_in_order_when_they_are_shortened(
             continue
         words = [*command.words, *shlex.split(STATED["appended"].get(command.text, ""))]
         monkeypatch.setattr(sys, "argv", words)
-        status = PROGRAMS[words[0]]()
+        status = MAINS[words[0]]()
         printed = capsys.readouterr()
         assert status == 0, f"{shlex.join(words)}: {printed.err[-2_000:]}"
         if command.into:
@@ -59,14 +53,5 @@ def test_they_work_in_order_as_they_are_printed(tmp_path: Path, monkeypatch: pyt
     folder.mkdir()
     for command in COMMANDS:
         if command.text not in STATED["not_run"]:
-            done = _run(command, folder)
+            done = run(command, folder)
             assert done.returncode == 0, f"{command.text}: {done.stderr[-2_000:]}"
-
-
-def _run(command: Command, folder: Path) -> subprocess.CompletedProcess[str]:
-    program = Path(sys.executable).parent / command.words[0]
-    words = [str(program), *command.words[1:]]
-    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=HOUR, check=False)
-    if command.into:
-        (folder / command.into).write_text(done.stdout)
-    return done

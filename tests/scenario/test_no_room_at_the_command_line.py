@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from stagectl.model_file import write_model
 from stagectl.robot.milling.milling_models import write_milling
+from stagectl.robot.milling.nominal_velocity import nominal_velocity
 from tests.rigkit.test_disk_space import leave
 from tests.stagectl.daemon.cell.bench import QUICK as TRIALS
 from tests.stagectl.feed.small_pocket import QUICK as POCKET
@@ -31,6 +33,8 @@ COMMANDS: dict[str, tuple[str, tuple[str, ...]]] = {
     "stagectl midrange --scenario toroid --out new/run": ("stagectl", ()),
     "calibrate milling --out found.h5": ("calibration", (*TRIALS, *LONG)),
     "calibrate joints --joints 1 --out found.h5": ("calibration", ()),
+    "calibrate velocity --out found.h5": ("calibration", ()),
+    "calibrate velocity --again --out velocity.h5": ("calibration", ()),
 }
 
 
@@ -41,6 +45,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     linear_model(made)
     write_models(made)
     write_milling(made / "milling.h5", models(), {})
+    write_model(made / "velocity.h5", nominal_velocity(250.0))
     return made
 
 

@@ -8,8 +8,10 @@ import numpy as np
 from rigkit.text_file import TextFault, read_text
 from stagectl.robot.arm import Arm
 
-COLUMNS = 13
-"""Time (s), six angles, six torques (N m)."""
+JOINTS = range(1, 7)
+NAMES = ("time", *(f"angle_{joint}" for joint in JOINTS), *(f"torque_{joint}" for joint in JOINTS))
+"""Time (s), six angles, six torques (N m): the columns of a log, by these names or in this order."""
+COLUMNS = len(NAMES)
 LONGEST_GAP = 10.0
 """s; what is further apart does not belong together."""
 OFF_GRID = 0.3
@@ -49,7 +51,8 @@ class TorqueLog:
 def read_torque_log(path: Path, arm: Arm, unit: str | None = None) -> TorqueLog:
     """Read a log: a line a sample of time (s), six angles and six torques (N m), with or without a row of names.
 
-    An empty cell, `nan` and lines that are missing are gaps.
+    Where the row of names has all of `NAMES`, columns go by them, others are left aside, and angles are in the unit
+    that stands in brackets behind their names.  An empty cell, `nan` and lines that are missing are gaps.
 
     Parameters
     ----------
@@ -57,8 +60,8 @@ def read_torque_log(path: Path, arm: Arm, unit: str | None = None) -> TorqueLog:
     arm : Arm
         Whose limits the angles must be in.
     unit : "deg" or "rad", optional
-        Of the angles; without one they are degrees, as a signal logger writes them, and a log that could be in radians
-        is refused.
+        Of the angles; without one it is that of the log's names, or degrees, as a signal logger writes them, and a log
+        that could be in radians is refused.
 
     Raises
     ------
@@ -67,7 +70,8 @@ def read_torque_log(path: Path, arm: Arm, unit: str | None = None) -> TorqueLog:
     """
     if unit not in (None, "deg", "rad"):
         raise TorqueLogError(f"the angles' unit is {unit!r}, must be deg or rad")
-    rows, numbers = _rows(path)
+    rows, numbers, named = _rows(path)
+    unit = unit or named
     time = rows[:, 0]
     if len(rows) < 3:
         raise TorqueLogError(f"{path}: has {len(rows)} samples, must have 3 at least")
@@ -93,8 +97,8 @@ def read_torque_log(path: Path, arm: Arm, unit: str | None = None) -> TorqueLog:
     return TorqueLog(grid, angle, found[:, 6:].copy(), 1.0 / step, starts, int(lost.sum()))
 
 
-def _rows(path: Path) -> tuple[np.ndarray, list[int]]:
-    """Return the numbers, NaN for cells that have none, and the row of the file that each is in, from 1."""
+def _rows(path: Path) -> tuple[np.ndarray, list[int], str | None]:
+    """Return the numbers, NaN for cells that have none, the row of the file that each is in, from 1, and their unit."""
     try:
         text = read_text(path)
     except OSError as fault:
@@ -103,17 +107,22 @@ def _rows(path: Path) -> tuple[np.ndarray, list[int]]:
         raise TorqueLogError(str(fault)) from None
     found: list[list[float]] = []
     numbers: list[int] = []
+    places, unit, width = list(range(COLUMNS)), None, COLUMNS
     for number, line in enumerate(text.splitlines(), start=1):
         cells = [cell.strip() for cell in line.split(",")]
         if not line.strip() or line.startswith("#"):
             continue
-        if len(cells) != COLUMNS:
+        if not found and (named := _by_name(path, cells)) is not None:
+            (places, unit), width = named, len(cells)
+            continue
+        if len(cells) != width:
             raise TorqueLogError(
-                f"{path}: row {number} has {len(cells)} columns, must have {COLUMNS}: time (s), six angles, six "
-                "torques (N m)"
+                f"{path}: row {number} has {len(cells)} columns, must have {width}: time (s), six angles, six "
+                f"torques (N m), or these among others under the names {NAMES[0]}, {NAMES[1]} to {NAMES[-1]}"
             )
-        if not found and not numbers and not _is_number(cells[0]):
-            continue  # names
+        cells = [cells[place] for place in places]
+        if not found and not _is_number(cells[0]):
+            continue  # names of others
         wrong = [cell for cell in cells if cell and not _is_number(cell)]
         if wrong or not cells[0]:
             raise TorqueLogError(f"{path}: row {number}: {(wrong or ['time'])[0]!r} is no number")
@@ -122,7 +131,21 @@ def _rows(path: Path) -> tuple[np.ndarray, list[int]]:
     rows = np.array(found).reshape(-1, COLUMNS)
     if not np.isfinite(rows[:, 0]).all():
         raise TorqueLogError(f"{path}: row {numbers[int(np.isfinite(rows[:, 0]).argmin())]}: time must be finite")
-    return rows, numbers
+    return rows, numbers, unit
+
+
+def _by_name(path: Path, cells: list[str]) -> tuple[list[int], str | None] | None:
+    """Return where each of `NAMES` is, and the unit of the angles where it is said; None where one is missing."""
+    heads = [cell.removesuffix("]").partition("[") for cell in cells]
+    names = [name.strip() for name, _, _ in heads]
+    if not set(NAMES) <= set(names):
+        return None
+    places = [names.index(name) for name in NAMES]
+    angles, torques = ({heads[place][2] for place in part} for part in (places[1:7], places[7:]))
+    if angles not in ({""}, {"deg"}, {"rad"}) or not torques <= {"", "N m"}:
+        units = ", ".join(repr(unit) for unit in sorted(angles | torques))
+        raise TorqueLogError(f"{path}: units are {units}, must be deg or rad for all angles and N m for all torques")
+    return places, angles.pop() or None
 
 
 def _is_number(cell: str) -> bool:

@@ -44,9 +44,18 @@ def test_it_writes_model_report_figures_and_json(
     assert "Singular values" in out.with_suffix(".html").read_text()
     names = {path.name for path in (tmp_path / "png").iterdir()}
     assert names == {"singular-values.png", "free-run-on-held-back-data.png", "residuals.png"}
-    printed = capsys.readouterr().out
+    printed, told = capsys.readouterr()
     assert "natural frequency" in printed
     assert "residuals one step ahead are" in printed
+    assert "identifying 100 %" in told
+
+
+def test_how_long_much_data_takes_is_said_beforehand(
+    table: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("calibration.identification.command.LARGE", 7_999)
+    assert call(monkeypatch, table, "--inputs", "u", "--outputs", "y", "--rate", "1000", "--order", "3") == 0
+    assert capsys.readouterr().err.startswith("identifying: 4000 samples of 2 channels; 250 000 samples of four take")
 
 
 def test_columns_go_by_number_and_figures_to_the_standard_output(

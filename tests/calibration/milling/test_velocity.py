@@ -45,10 +45,13 @@ def test_the_steps_go_back_and_forth_about_where_they_begin() -> None:
 
 
 def test_the_command_writes_record_and_model_of_the_simulated_robot(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out, figures = tmp_path / "velocity.h5", tmp_path / "figures.json"
     assert calibrate(monkeypatch, "velocity", "--out", str(out), "--seconds", "8", "--json", str(figures)) == 0
+    first, *_, last = capsys.readouterr().err.splitlines()
+    assert first.startswith("steps: 8 s of them")
+    assert last.startswith("steps 100 %")
     assert json.loads(figures.read_text())["fresh_fit"] > 88.0
     assert read_model(out, rate=250.0).order == 3
     again = tmp_path / "again.h5"

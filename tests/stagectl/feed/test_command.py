@@ -55,12 +55,24 @@ def test_the_figure_of_the_thesis_is_made_kept_replayed_and_reported(
     assert stagectl(monkeypatch, "report", str(run)) == 0
 
 
+def test_what_a_live_run_would_do_is_said_without_a_folder_to_keep_it_in(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], pocket: str
+) -> None:
+    assert stagectl(monkeypatch, "force", "--task", pocket, "--live", "--dry-run", *WORDS) == 0
+    assert capsys.readouterr().out.lstrip().startswith("1  ")
+    assert stagectl(monkeypatch, "force", "--task", pocket, "--live", *WORDS) == 2
+    assert "--live keeps what it records in --out RUN/" in capsys.readouterr().err
+
+
 def test_a_planned_pocket_is_milled_with_the_force_controlled(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, pocket: str
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, pocket: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     figures, record = tmp_path / "figures.json", tmp_path / "segments.csv"
     words = ("plan", pocket, "--simulate", "--record", str(record), "--json", str(figures), *WORDS)
     assert stagectl(monkeypatch, *words) == 0
+    first, *_, last = capsys.readouterr().err.splitlines()
+    assert first.startswith("cells milled: in the simulated cell")
+    assert last.startswith("cells milled 100 %")
     found = json.loads(figures.read_text())
     assert 0.5 < found["pockets"][0]["total"] < 4.0
     assert found["pockets"][0]["total"] != found["optimum"]

@@ -11,7 +11,7 @@ from rigkit.model_file import ModelFile, write_model_file
 from stagectl.__main__ import main
 from stagectl.robot.kinematics import jacobian
 from stagectl.robot.milling.torque_file import FORMAT, UNITS, torque_arrays
-from stagectl.robot.milling.torque_log import TorqueLogError, read_torque_log
+from stagectl.robot.milling.torque_log import NAMES, TorqueLogError, read_torque_log
 from tests.stagectl.robot.milling.torque_models import ARM, INERTIA, some_gravity, wide_friction
 
 RATE, SAMPLES = 250.0, 500
@@ -139,6 +139,34 @@ def test_a_log_that_cannot_be_is_refused_in_one_line(  # type: ignore[no-untyped
 def test_radians_are_read_where_they_are_said(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def] # noqa: ANN001
     assert call(wrong(radians), "--angles", "rad") == 0
     assert read_force(tmp_path / "force.csv")[:, 1] == pytest.approx(np.full(SAMPLES, 30.0), abs=1e-3)
+
+
+def test_columns_of_a_log_go_by_their_names_among_others_with_the_unit_of_the_angles(  # type: ignore[no-untyped-def]
+    call, tmp_path: Path  # noqa: ANN001
+) -> None:  # fmt: skip
+    """The robot's log of a trial, as `stagectl ilc` keeps it, has references behind the torques, and radians."""
+    rows = wrong(radians)
+    mixed = np.column_stack([rows[:, 7:], rows[:, 0], 9 * rows[:, 1:7], rows[:, 1:7]])
+    others = [f"reference_{joint} [rad]" for joint in range(1, 7)]
+    units = dict.fromkeys(NAMES[1:7], " [rad]") | dict.fromkeys(NAMES[7:], " [N m]")
+    names = [f"{name}{units.get(name, '')}" for name in NAMES]
+    head = ",".join([*names[7:], names[0], *others, *names[1:7]])
+    assert call(mixed, head=f"{head}\n") == 0
+    assert read_force(tmp_path / "force.csv")[:, 1] == pytest.approx(np.full(SAMPLES, 30.0), abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("units", "said"),
+    [
+        (["", *["rad"] * 5, "deg", *["N m"] * 6], "units are 'N m', 'deg', 'rad', must be deg or rad for all angles"),
+        (["", *["deg"] * 6, *["A"] * 6], "units are 'A', 'deg', must be deg or rad for all angles and N m for all"),
+    ],
+)
+def test_names_with_other_units_are_refused(units: list[str], said: str, tmp_path: Path) -> None:
+    head = ",".join(f"{name} [{unit}]" for name, unit in zip(NAMES, units, strict=True))
+    write_log(tmp_path / "log.csv", a_log(), head=f"{head}\n")
+    with pytest.raises(TorqueLogError, match=said):
+        read_torque_log(tmp_path / "log.csv", ARM)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,81 @@
+"""A command line read as its program reads it, without doing what it says."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from typer.main import get_command
+
+import stagectl.commands  # noqa: F401 (it adds its commands to the application)
+import vibractl.commands  # noqa: F401 (it adds its commands to the application)
+from calibration.commands import app as calibrate
+from firmware_sim.__main__ import app as firmware_sim
+from stagectl.application import app as stagectl_app
+from vibractl.application import app as vibractl_app
+
+APPLICATIONS = {
+    "vibractl": vibractl_app,
+    "stagectl": stagectl_app,
+    "calibrate": calibrate,
+    "firmware-sim": firmware_sim,
+}
+
+
+@dataclass(frozen=True)
+class Parsed:
+    """What a command was given.
+
+    Parameters
+    ----------
+    name : str
+        Of the command, such as "library add"; empty for the program itself.
+    options : mapping of str to tuple
+        Texts and numbers by the option's longest spelling, or by the argument's name.
+    """
+
+    name: str
+    options: Mapping[str, tuple[Any, ...]]
+
+
+def parse(words: tuple[str, ...]) -> Parsed:
+    """Read a command line: program, command, options.
+
+    Raises
+    ------
+    TyperException : no such command or option, one that is missing, or a value that cannot be one.
+    """
+    found = _program(words[0]).main([*words[1:]], prog_name=words[0], standalone_mode=False)
+    return found if isinstance(found, Parsed) else Parsed("", {})
+
+
+def helps() -> list[str]:
+    """Return what every command says of itself."""
+    return [command.help or "" for name in APPLICATIONS for _, command in _leaves(_program(name))]
+
+
+@cache
+def _program(name: str) -> Any:
+    """Return a program whose commands return what they are given."""
+    program = get_command(APPLICATIONS[name])
+    for words, command in _leaves(program):
+        spelling = {each.name: max(each.opts, key=len) for each in command.params}
+        command.callback = _returner(" ".join(words), spelling)
+    return program
+
+
+def _leaves(command: Any, words: tuple[str, ...] = ()) -> list[tuple[tuple[str, ...], Any]]:
+    below = getattr(command, "commands", {})
+    found = [leaf for name, each in below.items() for leaf in _leaves(each, (*words, name))]
+    return found or [(words, command)]
+
+
+def _returner(name: str, spelling: Mapping[str, str]) -> Callable[..., Parsed]:
+    def given(**values: Any) -> Parsed:
+        return Parsed(name, {spelling[key]: _several(value) for key, value in values.items() if value is not None})
+
+    return given
+
+
+def _several(value: Any) -> tuple[Any, ...]:
+    return tuple(value) if isinstance(value, list | tuple) else (value,)

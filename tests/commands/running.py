@@ -1,0 +1,26 @@
+"""A page's command, run in this process or as a stranger's shell does."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+from calibration.__main__ import main as calibrate
+from firmware_sim.__main__ import main as firmware_sim
+from stagectl.__main__ import main as stagectl
+from tests.commands.page_commands import TOOLS, Command
+from vibractl.__main__ import main as vibractl
+
+MAINS = {"vibractl": vibractl, "stagectl": stagectl, "calibrate": calibrate, "firmware-sim": firmware_sim}
+"""What each program's name calls, with its command line in `sys.argv`."""
+HOUR = 3_600.0
+
+
+def run(command: Command, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run a command in a folder to its end, as printed; its output goes where it says."""
+    name = command.words[0]
+    program = name if name in TOOLS else str(Path(sys.executable).parent / name)
+    words = [program, *command.words[1:]]
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=HOUR, check=False)
+    if command.into:
+        (folder / command.into).write_text(done.stdout)
+    return done
