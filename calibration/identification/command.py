@@ -1,5 +1,7 @@
 """The command `calibrate identify`."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, cast
 
@@ -55,19 +57,11 @@ def identify_command(
         raw_folder(out)  # refuses what is no name of a model
         refuse_inputs([out, out.with_suffix(".html")], [data])
     measured = _read(data, drives, responses, rate)
-    with progress("identifying", STEPS) as meter:
-        if measured.data.size > LARGE:
-            meter.say(f"identifying: {_size(measured)}; 250 000 samples of four take half a minute, with pem longer")
+    with _watched(measured) as show:
+        way = cast(Method, method)
         found = identify_recording(
-            measured,
-            len(drives),
-            order=states,
-            method=cast(Method, method),
-            horizon=horizon,
-            hold_back=hold_back,
-            show=meter.show,
+            measured, len(drives), order=states, method=way, horizon=horizon, hold_back=hold_back, show=show
         )
-        meter.show(STEPS)
     if out is not None:
         refuse_taken([out, out.with_suffix(".html")], again)
         write_model(out, found.model)
@@ -80,9 +74,18 @@ def identify_command(
     _print(found, data, out, json)
 
 
-def _size(measured: Recording) -> str:
+@contextmanager
+def _watched(measured: Recording) -> Iterator[Callable[[int, str], None]]:
+    """Show how far it is; before much data, how long it may take."""
     samples, channels = measured.data.shape
-    return f"{samples} samples of {channels} channels"
+    with progress("identifying", STEPS) as meter:
+        if measured.data.size > LARGE:
+            meter.say(
+                f"identifying: {samples} samples of {channels} channels; 250 000 samples of four take half a minute, "
+                "with pem longer"
+            )
+        yield meter.show
+        meter.show(STEPS)
 
 
 def _channels(option: str, text: str) -> list[str]:
