@@ -111,7 +111,10 @@ def run_command(
 
 
 def _run(folder: RunFolder, made: Setup) -> dict[str, Any]:
-    with stoppable() as stop, progress("running", made.timeline.total) as meter:
+    with (
+        stoppable() as stop,
+        progress(f"running for {made.timeline.total / made.timeline.rate:.0f} s", made.timeline.total) as meter,
+    ):
         if made.config.session.live:
             figures = run_live(folder, made, lambda: stop.made)
         else:
@@ -148,7 +151,7 @@ def replay_command(
 
     Example: `stagectl replay RUN/`
     """
-    done = list(_replayed(path))
+    done = _collected(_replayed(path))
     rows = [
         [each.recording, each.channel, "yes" if each.identical else "no", f"{each.difference:.3g} {each.unit}"]
         for each in done
@@ -163,6 +166,17 @@ def replay_command(
     write_json(json, {"channels": len(done), "differing": differ})
     if differ:
         raise typer.Exit(1)
+
+
+def _collected(replayed: Iterator[Replayed]) -> list[Replayed]:
+    """Return what was made again; say beforehand how long that takes, and then each recording that is done."""
+    sys.stderr.write("making every recording again takes about as long as a simulation of the run\n")
+    done: list[Replayed] = []
+    for each in replayed:
+        if not done or done[-1].recording != each.recording:
+            sys.stderr.write(f"made again: {each.recording}\n")
+        done.append(each)
+    return done
 
 
 def _reported(path: Path, png: Path | None) -> Any:

@@ -7,7 +7,16 @@ import typer
 
 from calibration.milling.live import live_steps, refuse_unfit
 from calibration.milling.report import FIT_HEAD, figures, fit_rows, milling_report
-from calibration.milling.session import SWEEP, Calibrated, calibrate, dry_run, output_of, raw_trials, require_room
+from calibration.milling.session import (
+    SWEEP,
+    Calibrated,
+    calibrate,
+    dry_run,
+    motion_seconds,
+    output_of,
+    raw_trials,
+    require_room,
+)
 from calibration.milling.sweep_session import sweep, sweep_steps
 from calibration.output import AgainOption, Output, RecomputeOption, Wish
 from rigkit import config as rig_file
@@ -21,7 +30,7 @@ from stagectl.robot.live.person import Person
 from stagectl.robot.milling.milling_models import write_milling
 from stagectl.robot.milling.torque_file import UNITS
 from stagectl.trials.live import performing
-from stagectl.trials.session import Runner, Tell
+from stagectl.trials.session import PACES, Runner, Tell
 from stagectl.trials.trial import TASKS, cell_for_task
 
 
@@ -90,6 +99,8 @@ def _report(found: Calibrated, out: Path, png: Path | None, json: str | None) ->
 def _measured(writes: Output[CellConfig], task: str, is_live: bool, is_sure: bool, tell: Tell) -> Calibrated:
     """Make all motions, or go on with them, and fit all models."""
     cell, about = writes.config, writes.provenance
+    if not writes.is_recomputed:
+        tell(f"{motion_seconds(cell, task) / 60:.0f} min of motions, {PACES[is_live]}; not again what is recorded")
     with raw_trials(writes) as folder, stoppable() as stop:
         conduct = Conduct(folder.event, lambda: stop.made)
         person = Person(tell, conduct.stopped, not is_sure) if is_live else None

@@ -237,6 +237,18 @@ def refuse_unfit_path(cell: CellConfig, first: Trial) -> None:
     refuse_unknown_speeds(first, known, smoothing, "a sweep by [friction]")
 
 
+def motion_seconds(cell: CellConfig, task: str) -> float:
+    """Return how long all motions take together, s, beside ways to a trial and people.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    task : str
+    """
+    trials = (cell.learning.free + 2) * first_trial(cell, task).path.samples
+    return (len(sweep_path(cell)) + chirp_path(cell).path(cell.pocket).samples + trials) / RATE
+
+
 def dry_run(cell: CellConfig, task: str) -> list[str]:
     """Return in words all that moves, in order, but the sweep.
 

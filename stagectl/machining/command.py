@@ -50,7 +50,9 @@ def cell(
     require(out, sum(map(session.room, plans)), f"{len(plans)} of the setups")
     with session.create(out, files) as folder, stoppable() as stop:
         for made in plans:
-            with progress(f"setup {made.setup}", round(made.path.seconds * RATE)) as meter:
+            with progress(
+                f"setup {made.setup}, {made.path.seconds:.0f} s of motion", round(made.path.seconds * RATE)
+            ) as meter:
                 session.run(folder, made, Conduct(folder.event, lambda: stop.made, meter.show, pace))
             if stop.made:
                 raise Stopped(f"stopped; what is recorded is in {folder.path}")

@@ -16,8 +16,9 @@ from stagectl.trials.done import DoneTrial
 from stagectl.trials.live import performing
 from stagectl.trials.log_folder import write_logs
 from stagectl.trials.report import HEAD, TABLE_HEAD, figures, method_rows, trial_report, trial_rows
-from stagectl.trials.session import Runner, create, grouped, is_recorded, read_back, room
+from stagectl.trials.session import PACES, Runner, create, grouped, is_recorded, read_back, room
 from stagectl.trials.trial import Trial
+from stagectl.wire.egm import RATE
 
 PAGE, LOGS = "report.html", "logs"
 
@@ -73,6 +74,8 @@ def run_trials(out: Path, job: Job, learner: Learner, png: Path | None, stream: 
     with create(out, learner.cell, job.task) as folder, stoppable() as stop:
         conduct = Conduct(folder.event, lambda: stop.made)
         person = Person(tell, conduct.stopped, not job.is_sure) if job.is_live else None
+        seconds = job.first.path.samples / RATE
+        tell(f"{trials} trials of {seconds:.0f} s each, {PACES[job.is_live]}")
         try:
             with performing(learner.cell, person, conduct) as perform:
                 learned = _learn(job, learner, _kept(folder, Runner(folder, conduct, perform, tell)))

@@ -18,6 +18,8 @@ from stagectl.trials.run import run
 from stagectl.trials.surroundings import simulated
 from stagectl.trials.trial import Trial, first_trial
 
+PACES = {True: "in real time", False: "simulated some five times as fast"}
+"""How long motions take, live and simulated."""
 LEARNING = "task.txt"
 """File of a run's folder that has the name of its task."""
 Tell = Callable[[str], None]

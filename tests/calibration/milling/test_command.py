@@ -1,6 +1,7 @@
 """`calibrate milling` and `stagectl ilc` as whole commands, on a small pocket and a short sweep."""
 
 import json
+import re
 import shutil
 import sys
 from pathlib import Path
@@ -9,7 +10,8 @@ import numpy as np
 import pytest
 
 from calibration.__main__ import main as calibrate
-from calibration.milling.session import raw_trials
+from calibration.milling.session import dry_run, motion_seconds, raw_trials
+from calibration.milling.sweep_session import sweep_path
 from stagectl.__main__ import main as stagectl
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.milling_models import read_milling
@@ -49,6 +51,14 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "milling.h5"
 
 
+def test_all_motions_take_as_long_as_their_parts() -> None:
+    cell = CellConfig()
+    parts = [float(each) for line in dry_run(cell, "pocket28") for each in re.findall(r": ([\d.]+) s", line)]
+    chirps, in_the_air, in_material = parts
+    trials = (cell.learning.free + 1) * in_the_air + in_material
+    assert motion_seconds(cell, "pocket28") == pytest.approx(len(sweep_path(cell)) / 250.0 + chirps + trials, abs=1.0)
+
+
 def test_models_fit_what_was_held_back(model: Path) -> None:
     found = json.loads((model.parent / "found.json").read_text())
     assert min(found["robot"]["motors"]["fresh"]) > 85.0
@@ -63,10 +73,13 @@ def test_a_pocket_is_learned_replayed_reported_and_learned_from_its_logs(
     run = tmp_path / "run"
     ilc = ("stagectl", "ilc", "--model", str(model), *WORDS, "--method", "3")
     assert shell(monkeypatch, *ilc, "--iterations", "1", "--out", str(run)) == 0
-    assert "as Table 5.1" in " ".join(capsys.readouterr().out.split())
+    said = capsys.readouterr().out
+    assert re.match(r"\d+ trials of \d+ s each, simulated some five times as fast\n", said)
+    assert "as Table 5.1" in " ".join(said.split())
     first, last = json.loads((run / "summary.json").read_text())["methods"]["3"]
     assert last["true_norm"] < 0.5 * first["true_norm"]
     assert shell(monkeypatch, "stagectl", "replay", str(run)) == 0
+    assert "made again: milled-0-trial\n" in capsys.readouterr().err
     assert shell(monkeypatch, "stagectl", "report", str(run)) == 0
 
     logs = run / "logs/milled-0"
