@@ -111,11 +111,10 @@ def run_command(
 
 
 def _run(folder: RunFolder, made: Setup) -> dict[str, Any]:
-    with (
-        stoppable() as stop,
-        progress(f"running for {made.timeline.total / made.timeline.rate:.0f} s", made.timeline.total) as meter,
-    ):
+    seconds = made.timeline.total / made.timeline.rate
+    with stoppable() as stop, progress(f"running for {seconds:g} s", made.timeline.total) as meter:
         if made.config.session.live:
+            meter.say(f"{seconds:g} s in real time")  # and no more: nothing is printed while the stage is led
             figures = run_live(folder, made, lambda: stop.made)
         else:
             figures = session.run(folder, made, lambda name, done: meter.show(done, name), lambda: stop.made)

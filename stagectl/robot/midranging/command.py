@@ -1,13 +1,18 @@
 """The command `stagectl midrange`: the macro and the micro manipulator under one of the controllers."""
 
 import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from ctlblocks import Graph
+from ctlblocks.clock import run_offline
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, application, print_table, run, words, write_json
+from rigkit.progress import progress
 from rigkit.run_folder import RunFolder
 from rigkit.stop import stoppable
 from stagectl.robot.config import CellConfig
@@ -15,7 +20,8 @@ from stagectl.robot.midranging import session
 from stagectl.robot.midranging.axes import all_figures, run_axes
 from stagectl.robot.midranging.controllers import CONTROLLERS, controller
 from stagectl.robot.midranging.report import PAGE
-from stagectl.robot.midranging.scenario import scenarios
+from stagectl.robot.midranging.scenario import Scenario, scenarios
+from stagectl.robot.midranging.simulation import Advance
 from stagectl.robot.midranging.table import table
 
 TABLE = "table-3.1"
@@ -55,19 +61,39 @@ def midrange(
         _tell_table(table(cell.midranging), json)
         return
     chosen = scenarios(scenario_name, cell.midranging.pair.rate)
-    with stoppable() as stop:
+    with stoppable() as stop, _watched(cell, chosen) as advance:
         if out is None:
-            runs = run_axes(controller_name, cell, chosen, lambda: stop.made)
+            runs = run_axes(controller_name, cell, chosen, lambda: stop.made, advance)
             _tell(all_figures(runs, chosen, cell.midranging), json)
             return
         kept = session.about(controller_name, scenario_name)
         session.require_room(out, controller(controller_name, cell.midranging, len(chosen)), chosen)
         with RunFolder.create(out, rig_file.dump(cell)) as folder:
             runs = session.recorded(
-                folder, lambda: run_axes(controller_name, cell, chosen, lambda: stop.made), chosen, kept
+                folder, lambda: run_axes(controller_name, cell, chosen, lambda: stop.made, advance), chosen, kept
             )
             _tell(session.keep(folder, runs, chosen, cell, kept, png), json)
     print(f"report: {out / PAGE}", file=words(json))  # noqa: T201
+
+
+@contextmanager
+def _watched(cell: CellConfig, chosen: Mapping[str, Scenario]) -> Iterator[Advance]:
+    """Say how long it takes, and show how far what is simulated is; while a robot is led nothing is printed."""
+    lead, rate = cell.midranging.session.lead, cell.midranging.pair.rate
+    lengths, done = [round(lead * rate) + len(each.reference) for each in chosen.values()], 0
+    if cell.midranging.session.live:
+        sys.stderr.write(f"mid-ranging: {max(lengths) / rate:g} s in real time\n")
+        yield run_offline
+        return
+    with progress("mid-ranging", sum(lengths)) as meter:
+
+        def advance(graph: Graph, ticks: int) -> None:
+            nonlocal done
+            run_offline(graph, ticks)
+            done += ticks
+            meter.show(done)
+
+        yield advance
 
 
 def _tell(found: dict[str, Any], json: str | None) -> None:

@@ -49,8 +49,11 @@ def test_a_reference_from_a_file_under_every_other_controller(tmp_path: Path, na
     assert "share" not in read(tmp_path / "run/recording.csv", rate=250.0).names
 
 
-def test_the_toroid_is_followed_by_an_axis_each_and_judged_by_its_circle(tmp_path: Path) -> None:
+def test_the_toroid_is_followed_by_an_axis_each_and_judged_by_its_circle(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     _run("--scenario", "toroid", "--out", str(tmp_path / "run"), "--json", str(tmp_path / "found.json"))
+    assert "mid-ranging 100 %" in capsys.readouterr().err
     found = json.loads((tmp_path / "found.json").read_text())
     assert set(found["axes"]) == {"y", "z"}
     assert found["seconds"] == pytest.approx(2 * np.pi * 35e-3 / 5e-3 + 1, abs=0.01)
