@@ -36,7 +36,9 @@ TESTS = {
     "vibractl/line_filter.py": "tests/vibractl/test_line_filter.py",
     "vibractl/watch.py": "tests/vibractl/test_watch.py",
     "vibractl/rollback.py": "tests/vibractl/test_rollback.py",
-    "vibractl/session.py": "tests/vibractl/test_session.py tests/vibractl/test_command_line.py",
+    "vibractl/session.py": " ".join(
+        f"tests/vibractl/test_{name}.py" for name in ("session", "command_line", "run_origin", "faults_on_purpose")
+    ),
     "rigkit/service/control.py": f"{SERVICE}/test_control.py",
     "rigkit/service/lease.py": f"{SERVICE}/test_lease.py",
     "rigkit/service/access.py": f"{SERVICE}/test_access.py",

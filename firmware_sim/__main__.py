@@ -1,12 +1,10 @@
 """The `firmware-sim` command: simulated machines behind real wires."""
 
-import signal
 import sys
 import time
 from pathlib import Path
 from tempfile import mkdtemp
 from threading import Event
-from types import FrameType
 from typing import Annotated
 
 import typer
@@ -32,6 +30,7 @@ from firmware_sim.stage_processor import Settings
 from rigkit.command import ConfigOption, SetOption, application, run
 from rigkit.config import load
 from rigkit.relay.frame import IDENTIFIER
+from rigkit.stop import SIGNALS, on_signals
 from stagectl.config import StageConfig
 from stagectl.robot.config import CellConfig
 from vibractl.config import RigConfig
@@ -65,13 +64,10 @@ def vibrator(
     wiring = Wiring.of(rig.audio)
     laboratory = Laboratory(plant_block(rig.simulator.plant, rig.simulator.options), wiring)
     client = JackClient(laboratory, rig.audio.rate, name)
-
-    def end(number: int, frame: FrameType | None) -> None:  # noqa: ARG001 (signal's own argument list)
-        client.end()
-
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, end)
-    client.run(lambda: _say(f"{name} is ready: {wiring.outputs} in, {wiring.inputs} out, {rig.audio.rate} samples/s"))
+    with on_signals(dict.fromkeys(SIGNALS, client.end)):
+        client.run(
+            lambda: _say(f"{name} is ready: {wiring.outputs} in, {wiring.inputs} out, {rig.audio.rate} samples/s")
+        )
 
 
 @app.command()
@@ -117,9 +113,8 @@ def stage(
         mishaps,
     )
     stop = Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: stop.set())
-    bench.run(lambda: _say(f"CAN adapter: {bench.can}\nlaser sensor: {bench.laser}"), stop)
+    with on_signals(dict.fromkeys(SIGNALS, stop.set)):
+        bench.run(lambda: _say(f"CAN adapter: {bench.can}\nlaser sensor: {bench.laser}"), stop)
 
 
 @app.command()
@@ -161,8 +156,6 @@ def robot(
     controller, force = cell_controller(cell, block), cell_force_box(cell)
     bench = RobotBench(controller, addresses, cell.tracker.rate, mishaps=mishaps, log=log, force=force)
     stop = Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: stop.set())
     lines = {
         "reports to": (addresses.host, addresses.motion),
         "program": bench.program.address,
@@ -170,7 +163,8 @@ def robot(
         "tracker": bench.tracker.address,
         "force sensor": force.address,
     }
-    bench.run(lambda: _say("\n".join(f"{name}: {host}:{port}" for name, (host, port) in lines.items())), stop)
+    with on_signals(dict.fromkeys(SIGNALS, stop.set)):
+        bench.run(lambda: _say("\n".join(f"{name}: {host}:{port}" for name, (host, port) in lines.items())), stop)
 
 
 @app.command()
@@ -192,15 +186,14 @@ def relay(
     if not pty:
         raise ValueError("no wire is chosen, must be --pty")
     adapter, stop = adapter_in(folder or Path(mkdtemp(prefix="relay-"))), Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: stop.set())
-    _say(f"CAN adapter: {adapter.path}")
     start = time.monotonic()
 
     def tell(closed: bool) -> None:
         _say(f"{time.monotonic() - start:8.3f} s: {'closed' if closed else 'open'}")
 
-    listen(adapter, Relay(identifier, patience), time.monotonic, tell, stop)
+    with on_signals(dict.fromkeys(SIGNALS, stop.set)):
+        _say(f"CAN adapter: {adapter.path}")
+        listen(adapter, Relay(identifier, patience), time.monotonic, tell, stop)
 
 
 def main() -> int:

@@ -2,8 +2,9 @@
 
 import os
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from threading import Thread
 from types import FrameType
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -41,6 +42,30 @@ def stoppable() -> Iterator[StopRequest]:
     before = {number: signal.signal(number, handle) for number in SIGNALS}
     try:
         yield request
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
+def on_signals(calls: Mapping[int, Callable[[], object]]) -> Iterator[None]:
+    """Have signals call something while the block lasts, each in a thread of its own.
+
+    A handler interrupts the main thread wherever it is, such as in an event's `wait` while it holds the event's lock:
+    a handler that set that event itself would wait for ever.  Only the main thread can enter.
+
+    Parameters
+    ----------
+    calls : mapping of int to callable()
+        By the signal's number.
+    """
+
+    def handle(number: int, frame: FrameType | None) -> None:  # noqa: ARG001 (signal's own argument list)
+        Thread(target=calls[number], daemon=True).start()
+
+    before = {number: signal.signal(number, handle) for number in calls}
+    try:
+        yield
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

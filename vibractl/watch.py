@@ -114,7 +114,7 @@ class Watch:
         late = self._grown >= PATIENCE + (loudest < TIME * self._limit)
         if not late.any():
             return None
-        worst = int(np.argmax(np.where(late, now / self._best, 0.0)))
+        worst = int(np.argmax(np.where(late, now, 0.0) / np.maximum(self._best, np.finfo(float).tiny)))
         line = int(np.argmax(np.where(self._block == worst, size, 0.0)))
         values = {"grown_db": _db(now[worst] / self._best[worst]), "over_bound_db": _db(now[worst] / most[worst])}
         return Trouble(float(self._frequency[line]), "growth", values)

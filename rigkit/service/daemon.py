@@ -7,7 +7,6 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
-from types import FrameType
 from typing import Self
 
 from rigkit.lock import Lock
@@ -26,6 +25,7 @@ from rigkit.service.snapshot import RATE, as_bytes, snapshot
 from rigkit.service.sockets import listening, notify, watchdog_seconds
 from rigkit.service.stopping import LOCK, address_lock
 from rigkit.service.web_process import WebProcess, Wires
+from rigkit.stop import on_signals
 
 EVENTS = "events.jsonl"
 LONGEST_END = 15.0
@@ -163,24 +163,15 @@ def run(rig: Rig, settings: Daemon, say: Callable[[str], None]) -> None:
     """
     logging.getLogger("uvicorn").setLevel(logging.WARNING)
     with Service(rig, settings) as service:
-
-        def end(number: int, frame: FrameType | None) -> None:  # noqa: ARG001 (signal's own argument list)
-            service.ended.set()
-
-        def stop(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
-            threading.Thread(target=service.control.stop, args=("signal", "SIGUSR1"), daemon=True).start()
-
-        def reload(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
-            threading.Thread(target=service.reload, daemon=True).start()
-
-        handlers = {signal.SIGINT: end, signal.SIGTERM: end, signal.SIGUSR1: stop, signal.SIGHUP: reload}
-        before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
-        try:
+        calls: dict[int, Callable[[], object]] = {
+            signal.SIGINT: service.ended.set,
+            signal.SIGTERM: service.ended.set,
+            signal.SIGUSR1: lambda: service.control.stop("signal", "SIGUSR1"),
+            signal.SIGHUP: service.reload,
+        }
+        with on_signals(calls):
             say(
                 f"{rig.program} daemon for {rig.name} at {settings.address}, DISARMED; tokens are in "
                 f"{settings.data}/{TOKENS}; Ctrl-C stops it and ends"
             )
             service.run()
-        finally:
-            for number, handler in before.items():
-                signal.signal(number, handler)

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from rigkit.stop import SIGNALS, stoppable
+from rigkit.stop import SIGNALS, on_signals, stoppable
 from tests.until import EVER
 
 THREE_TIMES = """
@@ -51,3 +51,27 @@ def test_afterwards_signals_do_what_they_did_before() -> None:
     with stoppable():
         assert [signal.getsignal(number) for number in SIGNALS] != before
     assert [signal.getsignal(number) for number in SIGNALS] == before
+
+
+HELD = """
+import os, signal, threading
+from rigkit.stop import on_signals
+event = threading.Event()
+with on_signals({signal.SIGTERM: event.set}):
+    with event._cond:  # as in its `wait`, for some instructions
+        os.kill(os.getpid(), signal.SIGTERM)
+    print(event.wait(10))
+"""
+
+
+def test_a_signal_may_set_the_event_that_is_being_waited_for() -> None:
+    """Interrupted with the event's lock in its hands, a handler that sets it would wait for itself."""
+    done = subprocess.run([sys.executable, "-c", HELD], capture_output=True, text=True, timeout=EVER, check=False)
+    assert done.stdout == "True\n"
+
+
+def test_after_the_block_signals_do_what_they_did_before() -> None:
+    before = signal.getsignal(signal.SIGUSR1)
+    with on_signals({signal.SIGUSR1: lambda: None}):
+        assert signal.getsignal(signal.SIGUSR1) != before
+    assert signal.getsignal(signal.SIGUSR1) == before

@@ -1,6 +1,7 @@
 """The guard lets nothing out that breaks a limit, and changes nothing that does not."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -132,6 +133,8 @@ def test_a_slew_violation_tells_the_change_from_the_sample_before_and_counts_dri
     broken = guard.violation
     assert broken is not None
     assert str(broken) == f"drive 2 asks for {1.0 * RATE:g} V/s at sample {RAMP + 701}, limits.slew is 20000 V/s"
+    assert str(replace(broken, channel=2)).startswith("drive 3 ")
+    assert str(replace(broken, channel=0)).startswith("drive 1 ")
 
 
 def test_a_lasting_drive_breaks_the_rms_limit_when_its_exponential_mean_does() -> None:

@@ -70,6 +70,7 @@ def test_one_side_is_one_row_and_one_column() -> None:
     np.testing.assert_allclose(law.matrix.response[:, 0, 0], MODEL.response[lines, 1, 1], rtol=1e-9)
     np.testing.assert_array_equal(law.spread, [[0.0], [1.0]])
     assert law.outputs == (1,)
+    np.testing.assert_array_equal(law_of(matrix_of(modal(3, 3)), side=3).spread, [[0.0], [0.0], [1.0]])
 
 
 def test_a_drive_for_both_sides_is_one_input_that_drives_every_coil() -> None:
@@ -84,11 +85,20 @@ def test_of_a_sine_the_root_and_its_overtones_are_learned_and_nothing_else() -> 
     learned = law.matrix.frequency[law.active > 0]
     np.testing.assert_allclose(learned, [24.0, 48.0, 72.0, 96.0])
     assert np.all(law.start[law.active == 0] == 0)
+    longer = law_of(MODEL, "sine:24:2", overtones=3)  # lines half as far apart
+    np.testing.assert_allclose(longer.matrix.frequency[longer.active > 0], [24.0, 48.0, 72.0, 96.0])
+
+
+def test_a_sine_is_wanted_as_large_as_its_steady_state_for_the_whole_shot() -> None:
+    law = law_of(MODEL, "sine:24:1")
+    wanted = np.abs(law.reference[np.searchsorted(law.matrix.frequency, 24.0)])
+    np.testing.assert_allclose(wanted, 10.0 / 2, rtol=1e-3)
 
 
 def test_the_level_of_a_reference_is_that_of_its_strong_lines() -> None:
     lines = np.array([[4.0, 0.1], [3.0, 2.0], [0.5, 2.0]]) + 0j
     np.testing.assert_allclose(reference_level(lines), [np.sqrt(12.5), 2.0])
+    np.testing.assert_allclose(reference_level(0.01 * lines), [0.01 * np.sqrt(12.5), 0.02])
 
 
 def test_weights_make_the_weighted_error_small() -> None:
@@ -136,4 +146,5 @@ def test_the_window_of_a_sine_s_steady_state_has_a_mean_of_1_and_nothing_at_the_
     assert window.mean() == pytest.approx(1.0)
     assert not window[:160].any()
     assert not window[-160:].any()
+    assert window.nonzero()[0][[0, -1]].tolist() == [561, 3_439]  # the taper, and 0.1 more
     assert settled_window(reference_from("chirp:40:90:1", 44_100.0, 10.0, 0.04, 2, 4), 4_000) == 1.0

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from vibractl.line_filter import SURE, LineFilter
+from vibractl.variation import Variation
 
 LINES = 400
 SHAPES = [(1, 1), (2, 2), (4, 4), (2, 1), (1, 2), (3, 4)]
@@ -140,3 +141,52 @@ def test_the_model_it_starts_from_stays_as_it_is() -> None:
     found.observe(spectra(rng, LINES, 2), spectra(rng, LINES, 2), np.full((LINES, 2), 1e-2))
     np.testing.assert_array_equal(believed, kept)
     np.testing.assert_array_equal(variance, 0.1)
+
+
+ENDS_AND_SWINGS = [0.25, 0.25, 0.01, 0.01]
+"""Squares of what is believed of the ends of a shot and of each swing, re G's own square."""
+
+
+def varying(response: np.ndarray, swings: int = 1) -> LineFilter:
+    frequency = 15.0 + np.arange(len(response))
+    return LineFilter(response, np.zeros(response.shape), STEADY, 0.0, 0, Variation(frequency, swings))
+
+
+def test_what_varies_while_a_shot_lasts_is_half_of_g_at_its_ends_a_tenth_in_swings_and_walks() -> None:
+    found = varying(np.full((LINES, 1, 2), 2.0 + 0j))
+    prior = 4.0 * np.repeat(ENDS_AND_SWINGS, 2)
+    spread = np.einsum("...ii->...i", found.covariance).real[:, 0]
+    np.testing.assert_allclose(spread[:, 2:], np.broadcast_to(prior, (LINES, 8)), rtol=1e-9)
+    found.observe(np.zeros((LINES, 2), complex), np.zeros((LINES, 1), complex), np.ones((LINES, 1)))
+    spread = np.einsum("...ii->...i", found.covariance).real[:, 0]
+    np.testing.assert_allclose(spread[:, 2:], np.broadcast_to(1.01 * prior, (LINES, 8)), rtol=1e-9)
+    assert found.varies is True
+    assert LineFilter(found.response, np.zeros((LINES, 1, 2)), STEADY, 0.0, 0).varies is False
+
+
+@pytest.mark.parametrize("varies", [False, True])
+def test_a_step_is_found_that_is_believed_to_make_what_is_wanted(varies: bool) -> None:
+    rng = np.random.default_rng(11)
+    response = np.eye(2) + 0.2 * spectra(rng, LINES, 2, 2)
+    found = varying(response) if varies else LineFilter(response, np.zeros(response.shape), STEADY, 0.0, 0)
+    drive = spectra(rng, LINES, 2)
+    found.observe(drive, 1.1 * shown(response, drive), np.full((LINES, 2), 1e-4))
+    wanted = spectra(rng, LINES, 2)
+    step = found.step_for(wanted, np.linalg.inv(found.response), np.ones((LINES, 2)))
+    assert np.linalg.norm(wanted - found.explained(step)) < 0.05 * np.linalg.norm(wanted)
+
+
+def test_how_far_a_step_may_be_off_follows_from_the_covariance() -> None:
+    rng = np.random.default_rng(12)
+    variance = rng.uniform(0.1, 1.0, (LINES, 2, 3))
+    found = LineFilter(np.zeros((LINES, 2, 3), complex), variance, STEADY, 0.0, 0)
+    step = spectra(rng, LINES, 3)
+    np.testing.assert_allclose(found.spread(step), (variance @ (np.abs(step) ** 2)[..., None])[..., 0], rtol=1e-9)
+
+
+def test_around_a_line_g_is_as_large_as_beside_it() -> None:
+    """A notch of one line is not taken for a plant that hardly moves."""
+    response = np.full((LINES, 1, 1), 2.0 + 0j)
+    response[200] = 0.0
+    around = LineFilter(response, np.zeros(response.shape), STEADY, 0.0, 0).around(np.full((LINES, 1), 3.0 + 0j))
+    np.testing.assert_allclose(around[[50, 200]], 4.0 * 9.0, rtol=0.05)

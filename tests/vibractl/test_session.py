@@ -68,6 +68,24 @@ def test_the_folder_holds_what_other_programs_read(tmp_path: Path) -> None:
     assert [event["event"] for event in read_events(tmp_path / "run")] == ["started", "finished"]
 
 
+def test_what_the_model_does_not_explain_of_the_change_since_the_last_shot_is_told(tmp_path: Path) -> None:
+    """Where the plant is known exactly that is what rings on after the end of so short a shot."""
+    run(tmp_path / "run", linear_model(tmp_path), 2)
+    first, second = (row["repeatability_db"] for row in read_quality(tmp_path / "run"))
+    assert first == ""
+    assert -35 < float(second) < -25
+
+
+def test_room_is_wanted_for_the_shots_that_are_left_and_no_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wanted: list[int] = []
+    monkeypatch.setattr("vibractl.session.require_room", lambda *about: wanted.append(about[2]))
+    run(tmp_path / "run", linear_model(tmp_path), 1)
+    go_on(tmp_path / "run", 3)
+    assert wanted == [1, 2]
+
+
 def test_one_side_is_driven_and_controlled_alone(tmp_path: Path) -> None:
     run(tmp_path / "run", linear_model(tmp_path), 2, "learning.side=2")
     drive, response = split(recording.read(shot_files(tmp_path / "run")[1]), linear_config())

@@ -63,6 +63,7 @@ def test_a_line_that_comes_back_above_the_limit_is_found_at_once(law: Law) -> No
     assert found[2] is not None
     assert found[2].test == "level"
     assert abs(found[2].centre - 300) <= 10
+    assert found[2].values == {"level_db": pytest.approx(20 * np.log10(2.0), abs=0.02), "drive_db": 0.0}
 
 
 def test_a_drive_that_grows_is_found_when_it_has_weight(law: Law) -> None:
@@ -104,3 +105,50 @@ def test_a_band_has_grown_when_it_is_twice_as_large_as_it_was_at_its_least(
     assert bool(found) is is_found
     assert {trouble.test for trouble in found} <= {"growth"}
     assert all(trouble.values["grown_db"] == pytest.approx(20 * np.log10(times), abs=0.1) for trouble in found)
+
+
+def test_a_line_is_compared_with_its_least_error_not_with_its_last(law: Law) -> None:
+    history = [errors(law, 0.1), errors(law, 0.5), errors(law, 0.5, 300, 4)]
+    found = judged(law, Settings(), history, bound=1e9)[-1]
+    assert found is not None
+    assert found.test == "level"
+
+
+def test_a_drive_that_is_no_larger_than_its_weight_allows_is_no_trouble(law: Law) -> None:
+    """What counts is by how much it is larger, not how large it is."""
+    watch = Watch(law, Settings(eta_2=1.0, delta=1.0), LIMIT)
+    drive, bound = np.ones((len(law.reference), 2), complex), np.full(len(law.reference), LIMIT)
+    assert watch.judged(drive, errors(law, 0.1), bound) is None
+    assert watch.judged(1.5 * drive, errors(law, 0.101), bound) is None
+
+
+def test_far_below_the_limit_growth_is_of_no_concern(law: Law) -> None:
+    assert judged(law, Settings(), [errors(law, level) for level in (0.001, 0.01, 0.02, 0.03)], 0.002) == [None] * 4
+
+
+def test_of_two_bands_that_grow_the_one_that_grew_more_is_told(law: Law) -> None:
+    def both(first: float, second: float) -> np.ndarray:
+        lines = errors(law, 0.05)
+        for centre, level in ((245, first), (545, second)):
+            lines[np.abs(law.matrix.frequency - centre) <= 30] *= level
+        return lines
+
+    history = [both(4, 1), both(4, 1), *[both(20, 3)] * 4]
+    found = next(trouble for trouble in judged(law, Settings(), history) if trouble is not None)
+    assert found.test == "growth"
+    assert abs(found.centre - 245) <= 30
+
+
+def test_lines_that_were_dismissed_are_looked_at_no_more_and_all_others_are(law: Law) -> None:
+    watch = Watch(law, Settings(), LIMIT)
+    drive, bound = np.ones((len(law.reference), 2), complex), np.full(len(law.reference), 0.2 * LIMIT)
+    frequency = law.matrix.frequency
+    watch.dismiss(np.abs(frequency - 545) <= 40)
+    history = [errors(law, 0.1), errors(law, 0.1), errors(law, 0.1, 545, 6), errors(law, 0.1, 545, 6)]
+    assert [watch.judged(drive, error, bound) for error in history] == [None] * 4
+    first = float(frequency[frequency >= Settings().band[0]][0]) + 8
+    grown = errors(law, 0.1, 545, 6)
+    grown[np.abs(frequency - first) <= 10] *= 5
+    found = [watch.judged(drive, grown, bound) for _ in range(3)][-1]
+    assert found is not None
+    assert abs(found.centre - first) <= 12

@@ -174,6 +174,13 @@ def test_a_body_that_is_longer_than_it_says_is_cut_off() -> None:
     assert [told["status"] for told in door.told] == [413]
 
 
+def test_a_body_of_just_the_largest_size_goes_through() -> None:
+    door = Door()
+    text = b'"' + b"x" * (LARGEST_BODY - 2) + b'"'
+    assert door.ask("/api/arm", OPERATE, parts=(text,)) == 200
+    assert door.behind.body == text
+
+
 def test_too_many_requests_are_refused_and_a_stop_never_is() -> None:
     door = Door(rate=1.0)
     answers = [door.ask("/api/snapshot", VIEW, "GET") for _ in range(10)]
@@ -188,6 +195,7 @@ def test_a_flood_of_refusals_does_not_flood_the_log() -> None:
     for _ in range(200):
         door.ask("/api/arm", OURS)
     assert 20 <= len(door.told) <= 30
+    assert {told["address"] for told in door.told} == {"127.0.0.1"}
 
 
 def test_who_has_no_token_takes_no_requests_from_those_of_its_address_who_have_one() -> None:

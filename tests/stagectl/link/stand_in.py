@@ -14,6 +14,7 @@ import numpy as np
 from firmware_sim.can_node import CanNode, Mishap
 from firmware_sim.slcan_adapter import SlcanAdapter
 from firmware_sim.stage_processor import Loops, Settings, StageProcessor
+from rigkit.stop import on_signals
 from stagectl.link.config import Link
 from stagectl.wire.messages import Drive, Fault
 
@@ -94,9 +95,9 @@ def link_to(path: Path, **others: Any) -> Link:
 
 if __name__ == "__main__":
     over = threading.Event()
-    signal.signal(signal.SIGTERM, lambda *_: over.set())
     alone, _ = node(Path(sys.argv[1]), Settings(silence=PATIENT))
-    sys.stdout.write("ready\n")
-    sys.stdout.flush()
-    alone.run(over)
+    with on_signals({signal.SIGTERM: over.set}):
+        sys.stdout.write("ready\n")
+        sys.stdout.flush()
+        alone.run(over)
     sys.stdout.write(f"{alone.adapter.dropped} {alone.adapter.refused}\n")
