@@ -98,7 +98,7 @@ def test_a_sine_is_wanted_as_large_as_its_steady_state_for_the_whole_shot() -> N
 def test_the_level_of_a_reference_is_that_of_its_strong_lines() -> None:
     lines = np.array([[4.0, 0.1], [3.0, 2.0], [0.5, 2.0]]) + 0j
     np.testing.assert_allclose(reference_level(lines), [np.sqrt(12.5), 2.0])
-    np.testing.assert_allclose(reference_level(0.01 * lines), [0.01 * np.sqrt(12.5), 0.02])
+    np.testing.assert_allclose(reference_level(10 * lines), [10 * np.sqrt(12.5), 20.0])
 
 
 def test_weights_make_the_weighted_error_small() -> None:

@@ -133,7 +133,7 @@ def test_of_two_bands_that_grow_the_one_that_grew_more_is_told(law: Law) -> None
             lines[np.abs(law.matrix.frequency - centre) <= 30] *= level
         return lines
 
-    history = [both(4, 1), both(4, 1), *[both(20, 3)] * 4]
+    history = [both(8, 3), both(8, 3), *[both(48, 12)] * 4]
     found = next(trouble for trouble in judged(law, Settings(), history) if trouble is not None)
     assert found.test == "growth"
     assert abs(found.centre - 245) <= 30

@@ -70,3 +70,8 @@ def test_fields_that_do_not_fit_are_refused() -> None:
 
 def test_no_two_frames_share_an_identifier_or_a_name() -> None:
     assert len(messages.BY_IDENTIFIER) == len(LAYOUTS) == len({layout.name for layout in LAYOUTS})
+
+
+def test_a_counter_takes_what_a_frame_has_room_for() -> None:
+    assert (messages.STAGE_HEARTBEAT.size, messages.STAGE_HEARTBEAT.modulus) == (SHORT, 256)
+    assert (messages.POSITION.size, messages.POSITION.modulus) == (LONG, 65_536)
