@@ -1,5 +1,6 @@
 """What a run began with, in its folder, and whether it may go on with what is there now."""
 
+import sys
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -76,6 +77,21 @@ def going_on(folder: RunFolder, config: BaseModel, accept: Collection[str], use:
     if keys:
         take_over(folder, config, keys)
     return notes
+
+
+def say_changed(path: Path, config: BaseModel, use: Use = GOING_ON) -> None:
+    """Say, on the standard error, what of a run has changed since it was made.
+
+    Parameters
+    ----------
+    path : Path
+        Of its folder.
+    config : Section
+        As its config.toml has it now.
+    use : Use
+    """
+    for each in changed(path, config, use) or []:
+        sys.stderr.write(f"{path}/ has changed since the run was made: {each.text}\n")
 
 
 def take_over(folder: RunFolder, config: BaseModel, keys: Sequence[str]) -> None:

@@ -12,7 +12,8 @@ from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.progress import progress
 from rigkit.retention_command import prune_command
-from rigkit.run_folder import RunFolder, make_whole
+from rigkit.run_folder import CONFIG, RunFolder, make_whole
+from rigkit.run_origin import say_changed
 from rigkit.stop import Stopped, stoppable
 from stagectl import session
 from stagectl.application import app
@@ -150,6 +151,7 @@ def replay_command(
 
     Example: `stagectl replay RUN/`
     """
+    _say_changed(path)
     done = _collected(_replayed(path))
     rows = [
         [each.recording, each.channel, "yes" if each.identical else "no", f"{each.difference:.3g} {each.unit}"]
@@ -165,6 +167,14 @@ def replay_command(
     write_json(json, {"channels": len(done), "differing": differ})
     if differ:
         raise typer.Exit(1)
+
+
+def _say_changed(path: Path) -> None:
+    """Say what of a run has changed since it was made; where that cannot be told, its own reader will say so."""
+    if (path / CONFIG).is_file():
+        is_of_stage = not (is_of_cell(path) or is_of_trials(path) or is_of_feed(path))
+        model: type[StageConfig] | type[CellConfig] = StageConfig if is_of_stage else CellConfig
+        say_changed(path, rig_file.load(path / CONFIG, model, as_written=True))
 
 
 def _collected(replayed: Iterator[Replayed]) -> list[Replayed]:
@@ -205,6 +215,7 @@ def report_command(
     Example: `stagectl report RUN/ --png figures/`
     """
     make_whole(path)
+    _say_changed(path)
     figures = _reported(path, png)
     print(f"report: {path / 'report.html'}", file=words(json))
     write_json(json, figures)

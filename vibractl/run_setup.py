@@ -1,12 +1,12 @@
 """What a run is made of, in its folder: made new, or put together again to go on, to be replayed or reported."""
 
-import sys
 from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 
 from ctlblocks.room import bytes_of, megabytes
 from rigkit import config as rig_file
+from rigkit import run_origin
 from rigkit.agreement import GOING_ON, MEASURED_ELSEWHERE, agreed, differences
 from rigkit.disk_space import require
 from rigkit.run_folder import CONFIG, RunFolder
@@ -147,9 +147,7 @@ def refuse_changed(path: Path, accept: Collection[str] = ()) -> list[str]:
 
 def say_changed(path: Path) -> None:
     """Say, on the standard error, what of a run has changed since it was made."""
-    found = changed(path, rig_file.load(path / CONFIG, RigConfig, as_written=True), UNCHANGED)
-    for each in found or []:
-        sys.stderr.write(f"{path}/ has changed since the run was made: {each.text}\n")
+    run_origin.say_changed(path, rig_file.load(path / CONFIG, RigConfig, as_written=True), UNCHANGED)
 
 
 def refuse_other_wiring(path: Path, config: RigConfig, accept: Collection[str]) -> None:

@@ -13,6 +13,7 @@ from rigkit.disk_space import require
 from rigkit.json_file import read_json
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder, read_events
+from rigkit.run_origin import keep_origin
 from stagectl.feed.job import Job, Repeated, once, read_job
 from stagectl.feed.measures import Strip, as_milled, figures, retold, safe_feeds, strips
 from stagectl.feed.plan import RATE as FRAMES
@@ -77,6 +78,7 @@ def create(path: Path, cell: CellConfig, job: Job, model: Path | None) -> RunFol
         folder.write(JOB, job.text())
         if model is not None:
             folder.take_in(model, MODEL)
+        keep_origin(folder, "force run", cell, [JOB] if model is None else [JOB, MODEL], [])
     return folder
 
 

@@ -13,6 +13,7 @@ from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder, read_events
+from rigkit.run_origin import keep_origin
 from stagectl.config import StageConfig
 from stagectl.machining.measures import Contour, accuracy, contour
 from stagectl.machining.plan import AXES, RATE, SETUPS, Plan, designs_of, plan
@@ -53,6 +54,8 @@ def create(path: Path, files: Files) -> RunFolder:
         folder.write(STAGE, rig_file.dump(files.stage))
         for axis, model in zip(AXES, files.models, strict=bool(files.models)):
             folder.take_in(model, model_name(axis))
+        parts = [STAGE, *(model_name(axis) for axis, _ in zip(AXES, files.models, strict=False))]
+        keep_origin(folder, "cell runs", files.cell, parts, [])
     return folder
 
 

@@ -63,7 +63,8 @@ def ilc(
     if dry:
         _say_steps(cell, first, 1 + iterations * len(methods))
         return
-    learner = learner_of(cell, model or Path(cell.learning.model), first, methods)
+    known = model or Path(cell.learning.model)
+    learner = learner_of(cell, known, first, methods)
     if logs is not None:
         if len(methods) != 1:
             raise ValueError(f"--method is {method!r}, must be one with --from")
@@ -71,7 +72,7 @@ def ilc(
         return
     if out is None:
         raise ValueError("--out is missing: trials are kept there")
-    job = Job(task, first, methods, iterations, is_live, is_sure)
+    job = Job(task, known, first, methods, iterations, is_live, is_sure)
     _refuse(job, learner)
     write_json(json, run_trials(out, job, learner, png, words(json)))
 

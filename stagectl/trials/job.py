@@ -30,6 +30,8 @@ class Job:
     Parameters
     ----------
     task : str
+    model : Path
+        File of the models that it learns by.
     first : Trial
     methods : tuple of int
     iterations : int
@@ -39,6 +41,7 @@ class Job:
     """
 
     task: str
+    model: Path
     first: Trial
     methods: tuple[int, ...]
     iterations: int
@@ -71,7 +74,7 @@ def run_trials(out: Path, job: Job, learner: Learner, png: Path | None, stream: 
 
     trials = learner.cell.learning.free + 1 + job.iterations * len(job.methods)
     require(out, room(job.first, trials), f"{trials} trials")
-    with create(out, learner.cell, job.task) as folder, stoppable() as stop:
+    with create(out, learner.cell, job.task, job.model) as folder, stoppable() as stop:
         conduct = Conduct(folder.event, lambda: stop.made)
         person = Person(tell, conduct.stopped, not job.is_sure) if job.is_live else None
         seconds = job.first.path.samples / RATE

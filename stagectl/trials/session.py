@@ -9,6 +9,7 @@ from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder
+from rigkit.run_origin import keep_origin
 from stagectl.machining.run import Conduct, Milled
 from stagectl.robot.config import CellConfig
 from stagectl.trials.campaign import FIRST, FREE
@@ -22,6 +23,8 @@ PACES = {True: "in real time", False: "simulated some five times as fast"}
 """How long motions take, live and simulated."""
 LEARNING = "task.txt"
 """File of a run's folder that has the name of its task."""
+MODEL = "milling.h5"
+"""And its copy of the models."""
 Tell = Callable[[str], None]
 Perform = Callable[[Trial, Conduct], Milled]
 """Runs a trial: `run_simulated`, or `live.LiveTrials`."""
@@ -33,10 +36,12 @@ def run_simulated(trial: Trial, conduct: Conduct) -> Milled:
     return run(trial, conduct, simulated, RECORDED, about)
 
 
-def create(path: Path, cell: CellConfig, task: str) -> RunFolder:
-    """Make the folder of new trials; ValueError where something is in it already."""
+def create(path: Path, cell: CellConfig, task: str, model: Path) -> RunFolder:
+    """Make the folder of new trials, with a copy of the models; ValueError where something is in it already."""
     with RunFolder.filled(path, rig_file.dump(cell)) as folder:
         folder.write(LEARNING, f"{task}\n")
+        folder.take_in(model, MODEL)
+        keep_origin(folder, "milling trials", cell, [LEARNING, MODEL], [])
     return folder
 
 

@@ -1,7 +1,7 @@
 """A week in the lab at random: each step is one that a technician might take, and the truth is kept beside it.
 
-What was recorded under which rig file is written down here, sample by sample, and not asked of the program: so that what
-a model or a run says of its origin can be false.
+What was recorded under which rig file is written down here, and not asked of the program: so that what a model or a run
+says of its origin can be found false.
 """
 
 import hashlib
@@ -142,7 +142,17 @@ class Week:
 
     def _fresh(self) -> tuple[str, ...]:
         model, run = self.chance.choice(MODELS), self.chance.choice(RUNS)
-        return ("run", "--config", "rig.toml", "--model", model, "--out", run, "--shots", str(self.chance.randint(1, 2)))
+        return (
+            "run",
+            "--config",
+            "rig.toml",
+            "--model",
+            model,
+            "--out",
+            run,
+            "--shots",
+            str(self.chance.randint(1, 2)),
+        )
 
     def _resume(self) -> str:
         runs = self._runs()
@@ -236,7 +246,7 @@ class Week:
             self._look_at_run(run, after.keys() - before.keys())
 
     def _look_at_model(self, path: Path) -> None:
-        """What a new model says it was measured with is what its recordings were made with."""
+        """See that a new model says that it was measured with what its recordings were made with."""
         total = checksum(path)
         told = flat(tomllib.loads(read_model(path).provenance["config"]))
         said = {key: told[key] for key in (*WIRED, MACHINE)}
@@ -247,7 +257,7 @@ class Week:
         assert all(truth == said for truth in self.measured[total]), f"{path} says {said}: {self.measured[total]}"
 
     def _look_at_run(self, run: Path, new: set[str]) -> None:
-        """What a run says it began with is what its shots were made with; and nobody else's model has driven it."""
+        """See that a run says that it began with what its shots were made with, and that its own model drove it."""
         shots = [checksum(path) for path in sorted((run / "shots").glob("*.wav"))]
         origin = read_origin(run / RUN)
         assert origin is not None

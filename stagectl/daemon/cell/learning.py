@@ -5,6 +5,7 @@ from typing import Any
 from rigkit import config as rig_file
 from rigkit.disk_space import require
 from rigkit.run_folder import CONFIG, RunFolder
+from rigkit.run_origin import going_on
 from rigkit.service.paths import data_file, run_path
 from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
@@ -20,12 +21,9 @@ from stagectl.trials.command import learner_of, wanted_methods
 from stagectl.trials.done import DoneTrial
 from stagectl.trials.job import LOGS, report_again
 from stagectl.trials.log_folder import write_logs
-from stagectl.trials.session import LEARNING, create, is_of_trials, room
+from stagectl.trials.session import LEARNING, MODEL, create, is_of_trials, room
 from stagectl.trials.surroundings import refuse_wrong_plants
 from stagectl.trials.trial import cell_for_task, first_trial
-
-MODEL = "milling.h5"
-"""The models that a run learns with, in its folder."""
 
 
 class Learning:
@@ -66,10 +64,21 @@ class Learning:
         self._panels = LearningPanels(desk, model, self._learner)
         if options.resume:
             self._folder = RunFolder.open(path)
+            self._go_on()
         else:
-            self._folder = create(path, cell, task)
-            self._folder.take_in(model, MODEL)
+            self._folder = create(path, cell, task, model)
         self._trials = TrialRunner(self._conductor, self._folder, self._first.cell, 0, self._whole, self._keep)
+
+    def _go_on(self) -> None:
+        """Refuse trials of which settings or models have changed since they began."""
+        path = self._folder.path
+        try:
+            said = going_on(self._folder, rig_file.load(path / CONFIG, CellConfig, as_written=True), ())
+        except BaseException:
+            self._folder.close()
+            raise
+        for text in said:
+            self._desk.event("changed", {"what": text})
 
     def stop(self) -> None:
         """Lift the tool out of the material, and hold."""

@@ -5,8 +5,6 @@ from collections.abc import Iterable
 import numpy as np
 
 from ctlblocks import Graph
-from rigkit import config as rig_file
-from rigkit.run_folder import RunFolder
 from rigkit.service.paths import data_file, run_path
 from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
@@ -60,7 +58,7 @@ class Midranging:
         desk.progress(0.0, self._total, "getting ready")
         path = run_path(config.daemon.data, options.run)
         session.require_room(path, made, self._chosen)
-        self._folder = RunFolder.create(path, rig_file.dump(config))
+        self._folder = session.create(path, config)
 
     def stop(self) -> None:
         """End it; live, the robot is held and the stage goes to mid-travel."""

@@ -13,7 +13,6 @@ from ctlblocks.clock import run_offline
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, application, print_table, run, words, write_json
 from rigkit.progress import progress
-from rigkit.run_folder import RunFolder
 from rigkit.stop import stoppable
 from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging import session
@@ -68,7 +67,7 @@ def midrange(
             return
         kept = session.about(controller_name, scenario_name)
         session.require_room(out, controller(controller_name, cell.midranging, len(chosen)), chosen)
-        with RunFolder.create(out, rig_file.dump(cell)) as folder:
+        with session.create(out, cell) as folder:
             runs = session.recorded(
                 folder, lambda: run_axes(controller_name, cell, chosen, lambda: stop.made, advance), chosen, kept
             )

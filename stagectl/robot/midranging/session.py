@@ -7,15 +7,24 @@ from typing import Any
 from ctlblocks import Block, recording
 from ctlblocks.recording import Recording
 from ctlblocks.room import bytes_of
+from rigkit import config as rig_file
 from rigkit.disk_space import require
 from rigkit.provenance import now, software
 from rigkit.run_folder import RunFolder
+from rigkit.run_origin import keep_origin
 from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging.axes import Runs, all_figures
 from stagectl.robot.midranging.live import LiveFault
 from stagectl.robot.midranging.report import write_report
 from stagectl.robot.midranging.scenario import Scenario
 from stagectl.robot.midranging.wiring import MEASURED
+
+
+def create(path: Path, cell: CellConfig) -> RunFolder:
+    """Make the folder of a new run; ValueError where something is in it already."""
+    with RunFolder.filled(path, rig_file.dump(cell)) as folder:
+        keep_origin(folder, "mid-ranging run", cell, [], [])
+    return folder
 
 
 def recording_name(axis: str) -> str:

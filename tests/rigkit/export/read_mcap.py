@@ -24,7 +24,7 @@ def read_mcap(path: Path, dtype: str) -> dict[str, Recording]:
             made, rows = _message_class(schema.name, schema.data), []
             names = [field.name for field in made.DESCRIPTOR.fields]
             times[channel.topic] = []
-            for _, _, message in reader.iter_messages([channel.topic]):
+            for _, _, message in reader.iter_messages([channel.topic], log_time_order=False):
                 values = made.FromString(message.data)
                 rows.append([getattr(values, name) for name in names])
                 times[channel.topic].append((message.log_time, message.publish_time, message.sequence))

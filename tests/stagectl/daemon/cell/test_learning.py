@@ -7,9 +7,13 @@ import numpy as np
 import pytest
 
 from ctlblocks import recording
+from rigkit import config as rig_file
+from rigkit.run_folder import CONFIG, RunFolder
 from rigkit.service.state import State
+from stagectl.robot.config import CellConfig
 from stagectl.trials.replay import replay_trials
-from stagectl.trials.session import grouped, read_back
+from stagectl.trials.session import create, grouped, read_back
+from stagectl.trials.trial import cell_for_task
 from tests.stagectl.daemon.bench import Lab
 from tests.stagectl.daemon.cell.bench import cell_in
 from tests.until import until
@@ -113,3 +117,17 @@ def test_what_cannot_be_begun_leaves_no_folder(lab: Lab, options: dict[str, obje
     assert lab.state is State.ARMED
     assert lab.why.startswith(f"Learn to mill has not begun: {words}")
     assert not lab.run_folder().exists()
+
+
+def test_trials_of_which_the_settings_were_edited_since_do_not_go_on(lab: Lab) -> None:
+    path = lab.run_folder()
+    cell = rig_file.load(lab.file, CellConfig)
+    create(path, cell_for_task(cell, "pocket"), "pocket", Path(cell.daemon.data) / "milling.h5").close()
+    edited = rig_file.load(path / CONFIG, CellConfig, ("learning.free=2",), as_written=True)
+    (path / CONFIG).write_text(rig_file.dump(edited))
+    lab.begin("ilc", resume=True, iterations=1)
+    lab.ended()
+    assert lab.state is State.ARMED
+    assert f"{path}/ has changed since the run began: learning.free was 1, is 2" in lab.why
+    assert not list(path.glob("free-*"))
+    RunFolder.open(path).close()  # which nobody holds
