@@ -1,14 +1,15 @@
-"""Whether the models of a stage's axes belong to the stage as its rig file has it now."""
+"""Whether models of a stage's axes, or of a robot that mills, belong to the rig as its file has it now."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 from rigkit.agreement import MEASURED_ELSEWHERE, agreed, differences
+from rigkit.config import Section
 from rigkit.origin import Origin
 from stagectl.config import StageConfig
 from stagectl.models import InnovationModel
 
-_WAY_OUT = "calibrate the stage as it is now, or go back to that"
+_WAY_OUT = "calibrate it as it is now, or go back to that"
 
 
 def refuse_foreign(
@@ -39,8 +40,34 @@ def refuse_foreign(
                 raise ValueError(
                     f"{file} is of axis {other}, must be of {axis}: models come in the order of stage.axes"
                 )
-        origin = Origin.told("stage model", model.provenance, str(file))
-        if origin is not None:
-            found = differences(origin.settings, config, MEASURED_ELSEWHERE)
-            notes += agreed(found, accept, f"{file} was measured on a stage that was wired otherwise", _WAY_OUT)
+        notes += refuse_other_wiring(config, file, model.provenance, accept, "stage")
     return list(dict.fromkeys(notes))
+
+
+def refuse_other_wiring(
+    config: Section, file: Path, provenance: Mapping[str, str], accept: Collection[str], what: str
+) -> list[str]:
+    """Refuse a model of a rig that was wired otherwise; return what is to be said.
+
+    Parameters
+    ----------
+    config : Section
+        Of the rig now.
+    file : Path
+    provenance : mapping of str to str
+        The model's; nothing is compared where it holds no configuration.
+    accept : collection of str
+        Keys that may differ.
+    what : str
+        Such as "stage".
+
+    Raises
+    ------
+    OriginError : its configuration cannot be read.
+    DisagreementError : it says which keys of the rig file differ.
+    """
+    origin = Origin.told(f"{what} model", provenance, str(file))
+    if origin is None:
+        return []
+    found = differences(origin.settings, config, MEASURED_ELSEWHERE)
+    return agreed(found, accept, f"{file} was measured on a {what} that was wired otherwise", _WAY_OUT)

@@ -1,5 +1,7 @@
 """The command `stagectl ilc`: a path learned in free space, then in material."""
 
+import sys
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -7,7 +9,9 @@ from typing import Annotated
 import typer
 
 from rigkit import config as rig_file
+from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
+from stagectl.model_origin import refuse_other_wiring
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_needless_yes, refuse_unattended
 from stagectl.robot.milling.milling_models import MillingModels, read_milling
@@ -40,6 +44,7 @@ def ilc(
     config: ConfigOption = None,
     model: Annotated[Path | None, typer.Option(metavar="FILE", help="Models; else learning.model.")] = None,
     png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
+    accept: AcceptOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -64,7 +69,7 @@ def ilc(
         _say_steps(cell, first, 1 + iterations * len(methods))
         return
     known = model or Path(cell.learning.model)
-    learner = learner_of(cell, known, first, methods)
+    learner = learner_of(cell, known, first, methods, accept or [], lambda text: sys.stderr.write(f"{text}\n"))
     if logs is not None:
         if len(methods) != 1:
             raise ValueError(f"--method is {method!r}, must be one with --from")
@@ -115,7 +120,14 @@ def wanted_methods(text: str) -> tuple[int, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def learner_of(cell: CellConfig, file: Path, first: Trial, methods: tuple[int, ...]) -> Learner:
+def learner_of(
+    cell: CellConfig,
+    file: Path,
+    first: Trial,
+    methods: tuple[int, ...],
+    accept: Collection[str] = (),
+    say: Callable[[str], object] = lambda _: None,
+) -> Learner:
     """Read the models that methods need.
 
     Parameters
@@ -124,12 +136,19 @@ def learner_of(cell: CellConfig, file: Path, first: Trial, methods: tuple[int, .
     file : Path
     first : Trial
     methods : tuple of int
+    accept : collection of str
+        Keys in which the cell that they were measured on may differ.
+    say : callable(str)
+        Told what differs without harm.
 
     Raises
     ------
     ValueError : no such file, or one without what they need: for method 3, friction at the speeds of the path.
+    DisagreementError : measured on a cell that was wired otherwise.
     """
     models: MillingModels = read_milling(file)
+    for text in refuse_other_wiring(cell, file, models.provenance, accept, "cell"):
+        say(text)
     if 3 not in methods:
         return Learner(cell, models)
     known = read_force_model(file, first.arm, cell.force_estimate)

@@ -1,6 +1,7 @@
 """What runs of the stage and of the cell were made with stands in their folders, and a change since is said."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,8 @@ from rigkit.origin import RUN, checksum, read_origin
 from rigkit.run_folder import CONFIG
 from stagectl.__main__ import main
 from stagectl.robot.config import CellConfig
+from stagectl.robot.milling.milling_models import write_milling
+from tests.stagectl.robot.milling.test_milling_models import models
 
 SHORT = {
     "cell runs": "cell --setup A --set toroid.lead=1.0 --set toroid.turn=0.005 --set toroid.ramp=0.1",
@@ -46,3 +49,21 @@ def test_a_replay_says_what_was_edited_since(
     stagectl(monkeypatch, "replay", str(run))
     said = f"{run}/ has changed since the run was made: robot.tool was {before.robot.tool}, is 0.2"
     assert said in capsys.readouterr().err
+
+
+def test_models_of_a_cell_that_was_wired_otherwise_are_refused_until_the_key_is_accepted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    measured = rig_file.load(None, CellConfig, ("robot.tool=0.25",))
+    known = replace(models(), provenance={"config": rig_file.dump(measured)})
+    write_milling(tmp_path / "milling.h5", known, {})
+    (tmp_path / "logs").mkdir()
+    words = ("ilc", "--model", str(tmp_path / "milling.h5"), "--from", str(tmp_path / "logs"))
+    assert stagectl(monkeypatch, *words) == 2
+    told = capsys.readouterr().err
+    assert "was measured on a cell that was wired otherwise: robot.tool was 0.25, is 0.1" in told
+    assert "--accept robot.tool" in told
+    stagectl(monkeypatch, *words, "--accept", "robot.tool")
+    told = capsys.readouterr().err
+    assert "robot.tool was 0.25, is 0.1" in told
+    assert "--accept" not in told

@@ -55,7 +55,9 @@ class Learning:
             model = data_file(config.daemon.data, "model", options.model)
         cell = cell_for_task(config, task)
         self._first = first_trial(cell, task)
-        self._learner = learner_of(cell, model, self._first, self._methods)
+        self._learner = learner_of(
+            cell, model, self._first, self._methods, say=lambda text: desk.event("changed", {"what": text})
+        )
         for each in (None, *self._methods):
             self._learner.contraction(each).refuse_divergence()
         refuse_wrong_plants(self._first)
