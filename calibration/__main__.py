@@ -5,11 +5,14 @@ import sys
 
 def main() -> int:
     """Run the command line and return its exit status."""
-    # Here and not above: each process that the program starts imports this file anew, as the audio's does.
-    from calibration.commands import app
-    from rigkit.command import run
+    try:
+        # Here and not above: each process that the program starts imports this file anew, as the audio's does.
+        from calibration.commands import app
+        from rigkit.command import run
 
-    return run(app, "calibration", "vibractl", "stagectl", "firmware_sim")
+        return run(app, "calibration", "vibractl", "stagectl", "firmware_sim")
+    except KeyboardInterrupt:  # while it imports; later on a command sees to it
+        return 130
 
 
 if __name__ == "__main__":

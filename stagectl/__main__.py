@@ -5,11 +5,14 @@ import sys
 
 def main() -> int:
     """Run the command line and return its exit status."""
-    # Here and not above: each process that the program starts imports this file anew, as the web's does.
-    from rigkit.service.command import run_application
-    from stagectl.application import app
+    try:
+        # Here and not above: each process that the program starts imports this file anew, as the web's does.
+        from rigkit.service.command import run_application
+        from stagectl.application import app
 
-    return run_application(app, "stagectl.commands", "stagectl", "firmware_sim")
+        return run_application(app, "stagectl.commands", "stagectl", "firmware_sim")
+    except KeyboardInterrupt:  # while it imports; later on a command sees to it
+        return 130
 
 
 if __name__ == "__main__":

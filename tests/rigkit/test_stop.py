@@ -75,3 +75,19 @@ def test_after_the_block_signals_do_what_they_did_before() -> None:
     with on_signals({signal.SIGUSR1: lambda: None}):
         assert signal.getsignal(signal.SIGUSR1) != before
     assert signal.getsignal(signal.SIGUSR1) == before
+
+
+@pytest.mark.parametrize("program", ["vibractl", "stagectl", "calibration"])
+def test_a_program_that_is_interrupted_while_it_imports_ends_without_a_traceback(program: str) -> None:
+    code = (
+        "import sys\n"
+        "class Interrupted:\n"
+        "    def find_spec(self, name, *_):\n"
+        "        if name.startswith('rigkit'):\n"
+        "            raise KeyboardInterrupt\n"
+        f"from {program}.__main__ import main\n"
+        "sys.meta_path.insert(0, Interrupted())\n"
+        "sys.exit(main())\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=EVER, check=False)
+    assert (done.returncode, done.stderr) == (130, "")
