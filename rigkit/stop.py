@@ -2,7 +2,7 @@
 
 import os
 import signal
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from threading import Thread
 from types import FrameType
@@ -19,6 +19,29 @@ class StopRequest:
     """Whether the person or the system has asked the job to stop; a long loop looks at `made`."""
 
     made: bool = False
+
+
+Handler = Callable[[int, FrameType | None], object]
+
+
+@contextmanager
+def handled(numbers: Iterable[int], handler: Handler) -> Iterator[None]:
+    """Have a handler take signals while the block lasts; afterwards they do what they did before.
+
+    Only the main thread can enter.
+
+    Parameters
+    ----------
+    numbers : iterable of int
+        Of the signals.
+    handler : callable(number, frame)
+    """
+    before = {number: signal.signal(number, handler) for number in numbers}
+    try:
+        yield
+    finally:
+        for number, kept in before.items():
+            signal.signal(number, kept)
 
 
 @contextmanager
@@ -39,12 +62,8 @@ def stoppable() -> Iterator[StopRequest]:
         with suppress(OSError):
             os.write(STDERR, b"\nstopping safely; Ctrl-C again ends at once\n")  # as a handler may: unbuffered
 
-    before = {number: signal.signal(number, handle) for number in SIGNALS}
-    try:
+    with handled(SIGNALS, handle):
         yield request
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 @contextmanager
@@ -63,9 +82,5 @@ def on_signals(calls: Mapping[int, Callable[[], object]]) -> Iterator[None]:
     def handle(number: int, frame: FrameType | None) -> None:  # noqa: ARG001 (signal's own argument list)
         Thread(target=calls[number], daemon=True).start()
 
-    before = {number: signal.signal(number, handle) for number in calls}
-    try:
+    with handled(calls, handle):
         yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

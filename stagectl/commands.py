@@ -172,9 +172,8 @@ def replay_command(
 def _say_changed(path: Path) -> None:
     """Say what of a run has changed since it was made; where that cannot be told, its own reader will say so."""
     if (path / CONFIG).is_file():
-        is_of_stage = not (is_of_cell(path) or is_of_trials(path) or is_of_feed(path))
-        model: type[StageConfig] | type[CellConfig] = StageConfig if is_of_stage else CellConfig
-        say_changed(path, rig_file.load(path / CONFIG, model, as_written=True))
+        has_robot = is_of_cell(path) or is_of_trials(path) or is_of_feed(path)
+        say_changed(path, rig_file.load(path / CONFIG, CellConfig if has_robot else StageConfig, as_written=True))
 
 
 def _collected(replayed: Iterator[Replayed]) -> list[Replayed]:

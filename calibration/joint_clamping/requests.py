@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from types import FrameType
 
-from rigkit.stop import StopRequest, stoppable
+from rigkit.stop import StopRequest, handled, stoppable
 
 
 @dataclass(eq=False)
@@ -40,9 +40,5 @@ def requests() -> Iterator[Requests]:
         def handle(number: int, frame: FrameType | None) -> None:  # noqa: ARG001 (signal's own argument list)
             made.pause = number == signal.SIGUSR1
 
-        before = {number: signal.signal(number, handle) for number in (signal.SIGUSR1, signal.SIGUSR2)}
-        try:
+        with handled((signal.SIGUSR1, signal.SIGUSR2), handle):
             yield made
-        finally:
-            for number, handler in before.items():
-                signal.signal(number, handler)

@@ -52,9 +52,10 @@ def create(path: Path, files: Files) -> RunFolder:
     """Make the folder of new runs, with copies of all files; ValueError where something is in it already."""
     with RunFolder.filled(path, rig_file.dump(files.cell)) as folder:
         folder.write(STAGE, rig_file.dump(files.stage))
+        parts = [STAGE]
         for axis, model in zip(AXES, files.models, strict=bool(files.models)):
             folder.take_in(model, model_name(axis))
-        parts = [STAGE, *(model_name(axis) for axis, _ in zip(AXES, files.models, strict=False))]
+            parts.append(model_name(axis))
         keep_origin(folder, "cell runs", files.cell, parts, [])
     return folder
 

@@ -4,7 +4,6 @@ What was recorded under which rig file is written down here, and not asked of th
 says of its origin can be found false.
 """
 
-import hashlib
 import multiprocessing
 import random
 import shutil
@@ -19,7 +18,7 @@ from typing import Any
 
 from calibration.__main__ import main as calibrate
 from rigkit import config as rig_file
-from rigkit.origin import RUN, flat, read_origin
+from rigkit.origin import RUN, checksum, flat, read_origin
 from rigkit.service.client import DaemonError
 from tests.rigkit.service.served import ROOT, Served, answering, free_port
 from tests.scenario.lab_week import RIG, Lab
@@ -45,14 +44,9 @@ Truth = dict[str, Any]
 
 
 def truth_of(config: Path) -> Truth:
-    """Return what a rig file says of wiring and machine, read by nothing of the program's."""
+    """Return what a rig file says of wiring and machine, read as plain TOML."""
     told = flat(tomllib.loads(config.read_text()))
     return {key: told[key] for key in (*WIRED, MACHINE)}
-
-
-def checksum(path: Path) -> str:
-    """Return a file's SHA-256."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 @dataclass
@@ -141,18 +135,8 @@ class Week:
         return self._call(vibractl, *self._fresh())
 
     def _fresh(self) -> tuple[str, ...]:
-        model, run = self.chance.choice(MODELS), self.chance.choice(RUNS)
-        return (
-            "run",
-            "--config",
-            "rig.toml",
-            "--model",
-            model,
-            "--out",
-            run,
-            "--shots",
-            str(self.chance.randint(1, 2)),
-        )
+        model, run, shots = self.chance.choice(MODELS), self.chance.choice(RUNS), self.chance.randint(1, 2)
+        return tuple(f"run --config rig.toml --model {model} --out {run} --shots {shots}".split())
 
     def _resume(self) -> str:
         runs = self._runs()
@@ -188,8 +172,7 @@ class Week:
 
     def _stop(self) -> str:
         """No daemon runs: that is said, from any folder, and nothing is made there."""
-        places = [self.lab.path, *(path for path in self.lab.path.rglob("*") if path.is_dir())]
-        place = self.chance.choice(places)
+        place = self._anywhere()
         before = sorted(place.iterdir())
         with_rig = Lab(place).call(vibractl, "stop", "--config", str(self.lab.path / "rig.toml"))
         assert with_rig[0] == 2
@@ -217,7 +200,7 @@ class Week:
             except DaemonError as fault:
                 return f"the daemon does not begin: {fault}"
         until(lambda: served.named("shot") or served.named("end"))
-        place = self.chance.choice([Path("/"), *(path for path in self.lab.path.rglob("*") if path.is_dir())])
+        place = self._anywhere()
         begin = time.monotonic()
         status, said = Lab(place).call(vibractl, "stop", "--config", str(self.lab.path / "rig.toml"))
         assert (status, said) == (0, "")
@@ -226,6 +209,11 @@ class Week:
         self.stops.append(time.monotonic() - begin)
         until(lambda: served.named("end"))
         return f"{run} was stopped from {place}"
+
+    def _anywhere(self) -> Path:
+        return self.chance.choice(
+            [Path("/"), self.lab.path, *(path for path in self.lab.path.rglob("*") if path.is_dir())]
+        )
 
     def _runs(self) -> list[Path]:
         return sorted(path.parent for path in self.lab.path.glob("**/runs/*/config.toml"))

@@ -55,9 +55,7 @@ class Learning:
             model = data_file(config.daemon.data, "model", options.model)
         cell = cell_for_task(config, task)
         self._first = first_trial(cell, task)
-        self._learner = learner_of(
-            cell, model, self._first, self._methods, say=lambda text: desk.event("changed", {"what": text})
-        )
+        self._learner = learner_of(cell, model, self._first, self._methods, say=self._note)
         for each in (None, *self._methods):
             self._learner.contraction(each).refuse_divergence()
         refuse_wrong_plants(self._first)
@@ -80,7 +78,10 @@ class Learning:
             self._folder.close()
             raise
         for text in said:
-            self._desk.event("changed", {"what": text})
+            self._note(text)
+
+    def _note(self, text: str) -> None:
+        self._desk.event("note", {"text": text})
 
     def stop(self) -> None:
         """Lift the tool out of the material, and hold."""
