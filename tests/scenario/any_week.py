@@ -5,6 +5,7 @@ says of its origin can be found false.
 """
 
 import multiprocessing
+import os
 import random
 import shutil
 import subprocess
@@ -13,6 +14,7 @@ import time
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
@@ -86,7 +88,8 @@ class Week:
         """Do something at random."""
         kinds: tuple[tuple[Callable[[], str], int], ...] = (
             (self._calibrate, 4), (self._edit, 3), (self._swap, 2), (self._copy, 1), (self._run, 4),
-            (self._resume, 4), (self._edit_run, 1), (self._kill, 2), (self._prune, 1), (self._stop, 1),
+            (self._resume, 4), (self._edit_run, 1), (self._kill, 1), (self._break_off, 3), (self._prune, 1),
+            (self._stop, 1),
         )  # fmt: skip
         self.do(self.chance.choices([kind for kind, _ in kinds], [weight for _, weight in kinds])[0])
 
@@ -160,12 +163,27 @@ class Week:
         program, words = self.chance.choice(
             ((calibrate, ("vibrator", "--config", "rig.toml", "--out", out)), (vibractl, self._fresh()))
         )
+        self._begun_and_killed(lambda process: process.join(self.chance.uniform(0.05, 1.5)), program, *words)
+        return f"killed: {' '.join(words)}"
+
+    def _break_off(self) -> str:
+        """Begin to measure, and kill it when a part is recorded: so that there is something that goes on."""
+        out = self.chance.choice(MODELS)
+        before = self._sounds()
+        words = ("vibrator", "--config", "rig.toml", "--out", out, *(["--again"] * (self.lab.path / out).is_file()))
+
+        def recorded(process: BaseProcess) -> None:
+            until(lambda: not process.is_alive() or self._sounds() > before)
+
+        self._begun_and_killed(recorded, calibrate, *words)
+        return f"broken off: {' '.join(words)}"
+
+    def _begun_and_killed(self, when: Callable[[BaseProcess], None], program: Callable[[], int], *words: str) -> None:
         process = multiprocessing.get_context("fork").Process(target=self.lab.call, args=(program, *words))
         process.start()
-        process.join(self.chance.uniform(0.05, 1.5))
+        when(process)
         process.kill()
         process.join()
-        return f"killed: {' '.join(words)}"
 
     def _prune(self) -> str:
         return self._call(vibractl, "prune", "runs", "--newest", "2")
@@ -217,6 +235,10 @@ class Week:
 
     def _runs(self) -> list[Path]:
         return sorted(path.parent for path in self.lab.path.glob("**/runs/*/config.toml"))
+
+    def _sounds(self) -> int:
+        """Return how many there are; unlike a glob, a walk does not mind that another process moves them."""
+        return sum(name.endswith(".wav") for *_, names in os.walk(self.lab.path) for name in names)
 
     def _recordings(self) -> dict[str, Path]:
         return {checksum(path): path for path in sorted(self.lab.path.rglob("*.wav"))}
