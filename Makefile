@@ -28,7 +28,7 @@ run: setup       ## the main job: identify and learn on the simulated vibrator, 
 test soak: export OPENBLAS_NUM_THREADS := 1
 
 test: setup packages  ## the tests, without the slow ones and those that need a rig
-	$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder -m "not rig and not slow and not deadline"
+	$(BIN)/pytest -q -n 3 --dist loadfile --no-loadscope-reorder -m "not rig and not slow and not deadline"
 	$(BIN)/pytest -q -m "deadline and not rig and not slow"
 
 check: setup     ## ruff, mypy, import contracts

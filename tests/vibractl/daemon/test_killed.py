@@ -30,6 +30,7 @@ def test_a_daemon_killed_while_it_plays_falls_silent_and_goes_on_where_it_was(tm
         daemon.command("arm")
         daemon.command("begin", run="one", resume=True, shots=shots + 1)
         until(lambda: daemon.named("finished"))
+        daemon.kill()
     assert whole(tmp_path / "data" / "runs" / "one", shots + 1) == shots + 1
 
 
