@@ -93,14 +93,18 @@ class Control:
         procedure = self._procedure(name)
         chosen = _checked(procedure, options)
         event = Event.CALIBRATE if procedure.kind == "calibrate" else Event.RUN
-        with self._one_command, self.changing:
-            who = self._commander(key)
-            told = self._take(event, who, why or procedure.title, procedure=name, options=dict(options))
-            self.desk = self._newest = OpenDesk(procedure, who, self.board, self.journal)
-            self._begins += 1
-            self._worker = threading.Thread(target=self._work, args=(self.desk, chosen), name=name, daemon=True)
-            self._worker.start()
-            return told | {"number": self._begins}
+        with self._one_command:
+            edits = self.rig.edits()
+            with self.changing:
+                who = self._commander(key)
+                told = self._take(event, who, why or procedure.title, procedure=name, options=dict(options))
+                self.desk = self._newest = OpenDesk(procedure, who, self.board, self.journal)
+                self._begins += 1
+                self._worker = threading.Thread(target=self._work, args=(self.desk, chosen), name=name, daemon=True)
+                if edits:
+                    self.desk.event("note", {"text": edits})
+                self._worker.start()
+                return told | {"number": self._begins}
 
     def begun(self, number: int) -> Told:
         """Return what came of `begin`, by the `number` that it has returned: while it gets ready, nothing yet."""

@@ -7,8 +7,9 @@ from typing import Any, Protocol, TypeVar
 
 from pydantic import BaseModel
 
+from rigkit.origin import flat
 from rigkit.service.config import Daemon
-from rigkit.toml_text import key_text
+from rigkit.toml_text import key_text, value_text
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -84,6 +85,29 @@ def reloaded(old: Served, new: Served, reaches: Mapping[str, Reach], take: Calla
     return Change(found.keys, "; ".join(filter(None, parts)))
 
 
+def edits(read: Served, in_force: Served, load: Callable[[], Served]) -> str:
+    """Say how a rig file was edited since it was read, in a sentence; nothing where it was not.
+
+    Parameters
+    ----------
+    read : Section
+        What was read of it.
+    in_force : Section
+        What holds now, which a calibration may have changed: what the file says too is no difference.
+    load : callable() -> Section
+        Reads it.
+    """
+    way_out = "what was read before holds; a reload takes up the edit"
+    try:
+        now = load()
+    except (ValueError, OSError) as fault:
+        return f"the rig file was edited since it was read, and is wrong now: {fault}; {way_out}"
+    found = change(read, now, {}).keys.keys() & change(in_force, now, {}).keys.keys()
+    before, after = flat(in_force.model_dump()), flat(now.model_dump())
+    told = [f"{key} {_shown(before.get(key))} -> {_shown(after.get(key))}" for key in sorted(found)]
+    return f"the rig file was edited since it was read ({', '.join(told)}); {way_out}" if told else ""
+
+
 def change(old: Served, new: Served, reaches: Mapping[str, Reach]) -> Change:
     """Compare two rig files.
 
@@ -108,6 +132,10 @@ def taken(old: Model, new: Model, keys: Iterable[str]) -> Model:
             into, out_of = into[table], out_of[table]
         into[name] = out_of[name]
     return type(old).model_validate(values)
+
+
+def _shown(value: Any) -> str:
+    return "not there" if value is None else value_text(value)
 
 
 def _differing(old: Mapping[str, Any], new: Mapping[str, Any], path: tuple[str, ...]) -> list[str]:

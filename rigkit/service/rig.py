@@ -122,6 +122,9 @@ class Rig(Protocol):
     def settings(self) -> str:
         """Return the settings in force, as TOML."""
 
+    def edits(self) -> str:
+        """Say how the rig file was edited since it was read, in a sentence; nothing where it was not."""
+
     def reload(self) -> Change:
         """Read the rig file again and do the least that makes what has changed hold.
 

@@ -11,7 +11,7 @@ from rigkit.disk_space import RESERVE
 from rigkit.faults import FaultTable
 from rigkit.named_code import KnownCode
 from rigkit.service.not_begun import making
-from rigkit.service.reload import Change, Reach, reloaded, taken
+from rigkit.service.reload import Change, Reach, edits, reloaded, taken
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Gauge
 from stagectl.config import StageConfig
@@ -66,6 +66,7 @@ class PiezoStage:
 
     def __init__(self, load: Callable[[], StageConfig]) -> None:
         self._load, self.config = load, load()
+        self._read = self.config
         self._known = KnownCode(self.config)
         self.name = self.config.rig.name
         self._ready: Ready | None = None
@@ -128,6 +129,10 @@ class PiezoStage:
         """Return the rig file in force."""
         return rig_file.dump(self.config)
 
+    def edits(self) -> str:
+        """Say how the rig file was edited since it was read."""
+        return edits(self._read, self.config, self._load)
+
     def reload(self) -> Change:
         """Read the rig file again: what a run is told holds from the next one on, the rest from the next arming on."""
         new = self._load()
@@ -140,7 +145,7 @@ class PiezoStage:
         now = [key for key, reach in change.keys.items() if reach is Reach.PARAMETERS]
         if self._ready is not None:
             self._ready.config = taken(self._ready.config, new, now)
-        self.config = new
+        self.config = self._read = new
         later = len(now) < len(change.keys)
         return "; ".join(["from the next run on"] * bool(now) + ["the rest when it is armed again"] * later)
 

@@ -12,7 +12,7 @@ from rigkit.faults import FaultTable
 from rigkit.named_code import KnownCode
 from rigkit.service.not_begun import making
 from rigkit.service.paths import run_path
-from rigkit.service.reload import Change, Reach, reloaded
+from rigkit.service.reload import Change, Reach, edits, reloaded
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Gauge
 from vibractl.audio import Line
@@ -75,6 +75,7 @@ class Vibrator:
 
     def __init__(self, load: Callable[[], RigConfig]) -> None:
         self._load, self.config = load, load()
+        self._read = self.config
         self._known = KnownCode(self.config)
         self.name = self.config.rig.name
         self._under_way: _UnderWay | None = None
@@ -136,6 +137,10 @@ class Vibrator:
         """Return the rig file in force."""
         return rig_file.dump(self.config)
 
+    def edits(self) -> str:
+        """Say how the rig file was edited since it was read."""
+        return edits(self._read, self.config, self._load)
+
     def reload(self) -> Change:
         """Read the rig file again; a run that goes on takes what it can."""
         new = self._load()
@@ -144,7 +149,7 @@ class Vibrator:
 
     def _take(self, new: RigConfig, change: Change) -> str:
         under_way = self._under_way
-        self.config = new
+        self.config = self._read = new
         if self.faults is not None and self.faults.names != input_names(new.audio):
             self.faults = FaultTable(input_names(new.audio))
         if not change.keys:

@@ -13,7 +13,7 @@ from rigkit.named_code import KnownCode
 from rigkit.run_folder import CONFIG
 from rigkit.service.not_begun import making
 from rigkit.service.paths import data_file, run_path
-from rigkit.service.reload import Change, reloaded
+from rigkit.service.reload import Change, edits, reloaded
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Gauge
 from stagectl.daemon.cell.options import CellOptions, IlcOptions
@@ -54,6 +54,7 @@ class RobotCell:
 
     def __init__(self, load: Callable[[], CellConfig]) -> None:
         self._load, self.config = load, _usable(load())
+        self._read = self.config
         self._known = KnownCode(self.config, stage_of(None))
         self.name = self.config.rig.name
         self._under_way: UnderWay | None = None
@@ -86,6 +87,10 @@ class RobotCell:
         """Return the cell's file in force."""
         return rig_file.dump(self.config)
 
+    def edits(self) -> str:
+        """Say how the rig file was edited since it was read."""
+        return edits(self._read, self.config, self._load)
+
     def reload(self) -> Change:
         """Read the cell's file again; it holds from the next procedure on."""
         new = _usable(self._load())
@@ -93,7 +98,7 @@ class RobotCell:
         return reloaded(self.config, new, {}, lambda change: self._take(new, change))
 
     def _take(self, new: CellConfig, change: Change) -> str:
-        self.config = new
+        self.config = self._read = new
         return "from the next procedure on" if change.keys else ""
 
     def close(self) -> None:

@@ -39,6 +39,7 @@ class DemoRig:
         self.stops = 0
         self.refuses_to_arm = ""
         self.change = Change({})
+        self.edited = ""
         self._stop = threading.Event()
 
     @property
@@ -77,6 +78,9 @@ class DemoRig:
 
     def settings(self) -> str:
         return 'name = "bench"\n'
+
+    def edits(self) -> str:
+        return self.edited
 
     def reload(self) -> Change:
         return self.change

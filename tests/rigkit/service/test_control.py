@@ -43,6 +43,14 @@ def test_panels_stay_when_a_procedure_has_ended_and_go_when_another_begins(bench
     assert min(after.values()) > max(before.values())  # none is taken for one that was fetched before
 
 
+def test_a_rig_file_edited_since_it_was_read_is_said_before_anything_is_done(bench: Bench) -> None:
+    bench.arm()
+    bench.rig.edited = "the rig file was edited"
+    bench.begin(steps=1, seconds=0.0)
+    bench.ended()
+    assert bench.events() == ["control", "arm", "run", "note", "step", "end"]
+
+
 def test_a_calibration_is_a_state_of_its_own_and_cannot_be_held(bench: Bench) -> None:
     bench.arm()
     bench.begin("measure", **LONG)

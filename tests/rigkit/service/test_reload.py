@@ -3,7 +3,9 @@
 from pydantic import Field
 
 from rigkit.config import Section, setting
-from rigkit.service.reload import Reach, change
+from rigkit.config_fault import ConfigError
+from rigkit.service.config import Daemon
+from rigkit.service.reload import Reach, change, edits
 
 
 class Audio(Section):
@@ -17,6 +19,7 @@ class Rig(Section):
     """A rig file."""
 
     audio: Audio = Field(default_factory=Audio)
+    daemon: Daemon = Field(default_factory=Daemon)
     shots: int = setting(30, "shots", "shots")
     options: dict[str, float] = setting({}, "", "options")
 
@@ -42,3 +45,22 @@ def test_what_nobody_has_named_is_built_anew() -> None:
 def test_the_deepest_counts() -> None:
     new = Rig(audio=Audio(rate=48_000), shots=10, options={"a": 1.0})
     assert change(Rig(), new, REACHES).reach is Reach.DEVICES
+
+
+def test_an_edit_since_it_was_read_is_told_with_both_values_and_the_way_out() -> None:
+    told = edits(Rig(), Rig(), lambda: Rig(shots=10, options={"gain": 1.0}))
+    assert "(options.gain not there -> 1.0, shots 30 -> 10)" in told
+    assert told.endswith("what was read before holds; a reload takes up the edit")
+
+
+def test_no_edit_and_one_that_holds_already_are_not_told() -> None:
+    assert not edits(Rig(shots=10), Rig(shots=10), lambda: Rig(shots=10))
+    assert not edits(Rig(), Rig(shots=10), lambda: Rig(shots=10))  # as a calibration has written it
+    assert not edits(Rig(), Rig(shots=10), Rig)  # what a calibration has changed is no edit
+
+
+def test_an_edit_that_is_wrong_is_told_and_refuses_nothing() -> None:
+    def load() -> Rig:
+        raise ConfigError("rig.toml: shots is -1, must be > 0")
+
+    assert "is wrong now: rig.toml: shots is -1, must be > 0; what was read before holds" in edits(Rig(), Rig(), load)

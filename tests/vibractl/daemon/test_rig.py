@@ -140,8 +140,11 @@ def test_a_bad_rig_file_is_refused_by_its_key_and_the_old_one_stays(lab: Lab) ->
 def test_more_shots_and_tighter_limits_reach_a_run_that_goes_on_and_what_it_learns_with_does_not(lab: Lab) -> None:
     lab.begin(run="one", shots=1000)
     lab.until_shot(1)
+    assert not lab.rig.edits()
     lab.edit("session.shots=6", "limits.peak=8.0", "learning.gains=[0.25]")
+    assert "limits.peak 9.0 -> 8.0" in lab.rig.edits()
     told = lab.control.reload(lab.key)
+    assert not lab.rig.edits()
     assert told["reach"] == "devices"
     assert told["keys"] == ["learning.gains", "limits.peak", "session.shots"]
     lab.ended()
