@@ -33,11 +33,13 @@ WIRED = ("audio.input_full_scale", "audio.output_full_scale", "audio.drive_chann
 """What a model must share with the rig that it is used on."""
 MACHINE = "simulator.options.seed"
 EDITS = (
-    "audio.input_full_scale=200.0", "audio.input_full_scale=400.0", "audio.output_full_scale=20.0",
-    "audio.output_full_scale=10.0", "audio.drive_channels=[1, 2]", "audio.drive_channels=[2, 1]",
-    "rig.name=other", "rig.name=simulated-vibrator", "audio.attempts=2", "audio.attempts=3",
-    "simulator.options.seed=1", "simulator.options.seed=2", "limits.peak=8.0", "limits.peak=9.0",
+    ("audio.input_full_scale=300.0",), ("audio.input_full_scale=400.0",), ("audio.output_full_scale=15.0",),
+    ("audio.output_full_scale=10.0",), ("audio.drive_channels=[1, 2]",), ("audio.drive_channels=[2, 1]",),
+    ("rig.name=other", "simulator.options.seed=3"), ("rig.name=other", "simulator.options.seed=3"),
+    ("rig.name=simulated-vibrator", "simulator.options.seed=1"), ("audio.attempts=2",), ("audio.attempts=3",),
+    ("rig.name=simulated-vibrator", "simulator.options.seed=2"), ("limits.peak=8.0",), ("limits.peak=9.0",),
 )  # fmt: skip
+"""No two rig files of which recordings would be the same bits: no scale is twice another, each machine has its seed."""
 MODELS, RUNS = ("a.h5", "b.h5"), ("runs/one", "runs/two", "runs/three")
 SHORT = (*RIG, "audio.attempts=3", "simulator.options.seed=1")
 
@@ -115,8 +117,8 @@ class Week:
 
     def _edit(self) -> str:
         edit = self.chance.choice(EDITS)
-        self.lab.edit("rig.toml", RigConfig, edit)
-        return edit
+        self.lab.edit("rig.toml", RigConfig, *edit)
+        return ", ".join(edit)
 
     def _swap(self) -> str:
         places = [*MODELS, *(f"{run.relative_to(self.lab.path)}/model.h5" for run in self._runs())]
@@ -154,8 +156,8 @@ class Week:
         if not runs:
             return "nothing to edit"
         run, edit = self.chance.choice(runs), self.chance.choice(EDITS)
-        self.lab.edit(f"{run.relative_to(self.lab.path)}/config.toml", RigConfig, edit)
-        return f"{run.name}: {edit}"
+        self.lab.edit(f"{run.relative_to(self.lab.path)}/config.toml", RigConfig, *edit)
+        return f"{run.name}: {', '.join(edit)}"
 
     def _kill(self) -> str:
         """Begin to measure or to learn, and kill it at any moment."""
