@@ -17,6 +17,7 @@ from stagectl.cell import RECORDED, Cell, simulated
 from stagectl.config import StageConfig
 from stagectl.daemon.gauges import driven, motion, paced, tracked
 from stagectl.daemon.monitor import Monitor
+from stagectl.daemon.options import FollowOptions, HoldOptions
 from stagectl.daemon.pace import Pace
 from stagectl.daemon.panels import PERIOD, Panels
 from stagectl.daemon.ready import Ready
@@ -38,8 +39,7 @@ class Following:
     ready : Ready
     config : StageConfig
         Settings of this run.
-    name : str
-        Of its folder; empty for date and time.
+    options : FollowOptions or HoldOptions
     desk : Desk
     faults : FaultTable or None
 
@@ -48,11 +48,20 @@ class Following:
     ValueError, OSError : there is no such loop, the reference is none, or there is no room; no folder is made.
     """
 
-    def __init__(self, ready: Ready, config: StageConfig, name: str, desk: Desk, faults: FaultTable | None) -> None:
+    def __init__(
+        self,
+        ready: Ready,
+        config: StageConfig,
+        options: FollowOptions | HoldOptions,
+        desk: Desk,
+        faults: FaultTable | None,
+    ) -> None:
         self._ready, self._desk, self._faults = ready, desk, faults
         desk.progress(0.0, config.session.seconds, "designing the loops")
-        self._made = ready.setup(config)
-        path = run_path(config.daemon.data, name)
+        self._made = ready.setup(config, options.accept)
+        for text in self._made.said:
+            desk.event("note", {"text": text})
+        path = run_path(config.daemon.data, options.run)
         self._folder = session.make_folder(path, self._made, ready.models)
         self._folder.listener = self._heard
         self.monitor = Monitor(self._made)

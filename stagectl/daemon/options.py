@@ -22,6 +22,7 @@ class _RunOptions(Section):
 
     run: str = setting("", "", "name of its folder; empty for date and time", pattern=_NAME_OR_NONE)
     seconds: float = setting(0.0, "s", "length of the run; 0 for session.seconds", ge=0, le=600)
+    accept: tuple[str, ...] = setting((), "", "keys that may differ from those that the models were measured with")
 
 
 class FollowOptions(_RunOptions):

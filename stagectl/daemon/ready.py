@@ -1,6 +1,6 @@
 """What arming makes ready: the link to a live stage; and the models and loops, once they are wanted."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -53,24 +53,26 @@ class Ready:
         """Whether the link has latched, or the stage reports a fault."""
         return self.link is not None and bool(self.link.reason or self.link.stage_fault is not Fault.NONE)
 
-    def setup(self, config: StageConfig) -> Setup:
+    def setup(self, config: StageConfig, accept: Collection[str] = ()) -> Setup:
         """Return the setup of a run with these settings; the loops are designed at the first one, which takes a while.
 
         Parameters
         ----------
         config : StageConfig
             Unlike `self.config` in session, reference and deflection at most.
+        accept : collection of str
+            Keys in which the stage that models were measured on may differ.
 
         Raises
         ------
         ValueError : models are missing, or were measured with other inner loops.
+        DisagreementError : models were measured on a stage that was wired otherwise.
         """
         if self._made is None:
             self.models = _models(self.config)
-            made = setup(self.config, self.models)
-            refuse_foreign(self.config, self.models, made.models, ())
-            self._made = made
-        return replace(self._made, config=config)
+            self._made = setup(self.config, self.models)
+        said = refuse_foreign(self.config, self.models, self._made.models, accept)
+        return replace(self._made, config=config, said=tuple(said))
 
     def take(self, config: StageConfig) -> None:
         """Take over the settings that a calibration has chosen: models and loops are made anew."""

@@ -159,7 +159,7 @@ class PiezoStage:
         assert self._ready is not None, "a procedure begins armed"
         ready = self._ready
         with making(desk):
-            following = Following(ready, asked(ready.config, options), options.run, desk, self.faults)
+            following = Following(ready, asked(ready.config, options), options, desk, self.faults)
         self._under_way = following
         try:
             following.run()

@@ -1,5 +1,6 @@
 """The procedure that learns to mill: trials in the air, then in material, with a pause between any two."""
 
+from collections.abc import Collection
 from typing import Any
 
 from rigkit import config as rig_file
@@ -55,7 +56,7 @@ class Learning:
             model = data_file(config.daemon.data, "model", options.model)
         cell = cell_for_task(config, task)
         self._first = first_trial(cell, task)
-        self._learner = learner_of(cell, model, self._first, self._methods, say=self._note)
+        self._learner = learner_of(cell, model, self._first, self._methods, options.accept, self._note)
         for each in (None, *self._methods):
             self._learner.contraction(each).refuse_divergence()
         refuse_wrong_plants(self._first)
@@ -64,16 +65,16 @@ class Learning:
         self._panels = LearningPanels(desk, model, self._learner)
         if options.resume:
             self._folder = RunFolder.open(path)
-            self._go_on()
+            self._go_on(options.accept)
         else:
             self._folder = create(path, cell, task, model)
         self._trials = TrialRunner(self._conductor, self._folder, self._first.cell, 0, self._whole, self._keep)
 
-    def _go_on(self) -> None:
+    def _go_on(self, accept: Collection[str]) -> None:
         """Refuse trials of which settings or models have changed since they began."""
         path = self._folder.path
         try:
-            said = going_on(self._folder, rig_file.load(path / CONFIG, CellConfig, as_written=True), ())
+            said = going_on(self._folder, rig_file.load(path / CONFIG, CellConfig, as_written=True), accept)
         except BaseException:
             self._folder.close()
             raise

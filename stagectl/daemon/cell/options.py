@@ -39,6 +39,7 @@ class IlcOptions(Run):
     iterations: int = setting(4, "trials", "in material after the first one, of each method", ge=1, le=50)
     task: Literal["pocket28", "pocket28-deep", "pocket"] = setting("pocket28", "", "pocket is that of [pocket]")
     model: str = setting("milling.h5", "", "model file in the data folder", pattern=NAME)
+    accept: tuple[str, ...] = setting((), "", "keys that may differ from what the models or the run were made with")
 
     @model_validator(mode="after")
     def _names_what_it_goes_on_with(self) -> Self:

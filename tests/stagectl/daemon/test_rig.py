@@ -1,6 +1,7 @@
 """The stage's procedures under the daemon: followed, stopped, faulty and acknowledged, in process."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,11 +9,14 @@ import pytest
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording
+from rigkit import config as rig_file
 from rigkit.growing_wav import GROWING
 from rigkit.run_folder import read_events
 from rigkit.service.reload import Reach
 from rigkit.service.state import State
 from stagectl import session
+from stagectl.config import StageConfig
+from stagectl.model_file import read_model, write_model
 from stagectl.replay import replay
 from tests.contract import monitoring
 from tests.contract.monitoring import missing_of
@@ -144,6 +148,21 @@ def test_nothing_is_followed_without_models_or_with_other_inner_loops_than_their
     assert "[inner] is not what the models were measured with: axis y has Pid(" in lab.why
     assert "start the daemon with that file as --config" in lab.why
     assert not lab.run_folder().exists()
+
+
+def test_models_of_a_stage_that_was_wired_otherwise_are_followed_once_the_key_is_accepted(lab: Lab) -> None:
+    text = rig_file.dump(StageConfig.model_validate({"rig": {"name": "another"}}))
+    for file in lab.data.glob("stage-?.h5"):
+        write_model(file, replace(read_model(file), provenance={"config": text}))
+    lab.begin("hold", seconds=0.1)
+    lab.ended()
+    assert lab.state is State.ARMED
+    assert "stage-x.h5 was measured on a stage that was wired otherwise: rig.name was " in lab.why
+    assert not lab.run_folder().exists()
+    lab.begin("hold", seconds=0.1, accept=["rig.name"])
+    lab.ended()
+    assert (lab.state, len(lab.events("finished"))) == (State.ARMED, 1), lab.why
+    assert [entry["text"].rsplit("; ")[-1] for entry in lab.events("note")] == ["accepted"] * 3
 
 
 def test_a_place_outside_the_travel_is_refused(lab: Lab) -> None:

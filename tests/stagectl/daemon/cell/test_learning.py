@@ -119,7 +119,7 @@ def test_what_cannot_be_begun_leaves_no_folder(lab: Lab, options: dict[str, obje
     assert not lab.run_folder().exists()
 
 
-def test_trials_of_which_the_settings_were_edited_since_do_not_go_on(lab: Lab) -> None:
+def test_trials_of_which_the_settings_were_edited_since_go_on_once_the_key_is_accepted(lab: Lab) -> None:
     path = lab.run_folder()
     cell = rig_file.load(lab.file, CellConfig)
     create(path, cell_for_task(cell, "pocket"), "pocket", Path(cell.daemon.data) / "milling.h5").close()
@@ -131,3 +131,8 @@ def test_trials_of_which_the_settings_were_edited_since_do_not_go_on(lab: Lab) -
     assert f"{path}/ has changed since the run began: learning.free was 1, is 2" in lab.why
     assert not list(path.glob("free-*"))
     RunFolder.open(path).close()  # which nobody holds
+    lab.begin("ilc", resume=True, iterations=1, accept=["learning.free"], paced=True)
+    until(lambda: lab.events("note") and done(lab) > 0.0)
+    lab.control.stop("Ada", "enough")
+    lab.ended()
+    assert lab.events("note")[0]["text"].endswith("learning.free was 1, is 2; accepted")
