@@ -34,8 +34,10 @@ from rigkit.stop import SIGNALS, on_signals
 from stagectl.config import StageConfig
 from stagectl.robot.config import CellConfig
 from vibractl.config import RigConfig
+from vibractl.foreign.play_command import play_command
 
-app = application("Simulated machines behind real wires.")
+app = application("Simulated machines behind real wires, and from WAV to WAV.")
+app.command("play")(play_command)
 
 
 @app.command()
@@ -198,7 +200,7 @@ def relay(
 
 def main() -> int:
     """Run the command line and return its exit status."""
-    return run(app, "firmware_sim", "stagectl")
+    return run(app, "firmware_sim", "stagectl", "vibractl")
 
 
 def _say(text: str) -> None:

@@ -21,6 +21,7 @@ UNEVEN = 0.5
 """Part of a sample period by which a step of time may be too long or too short: rounded, but no sample lost."""
 
 HDF5 = (".h5", ".hdf5", ".he5")
+SOUNDS = (".wav", ".flac")
 
 
 def read_channels(path: Path, channels: Sequence[str], rate: float | None) -> Recording:
@@ -79,6 +80,11 @@ def read_signals(path: Path, rate: float | None = None) -> Recording:
 def is_of_integers(path: Path) -> bool:
     """Whether a file is a WAV of integers, whose numbers are parts of a full scale that it does not say."""
     return path.suffix.lower() == ".wav" and wav_file.subtype(path).startswith("PCM")
+
+
+def is_sound(path: Path) -> bool:
+    """Whether a file is a sound, whose numbers are parts of a full scale unless it says their unit."""
+    return path.suffix.lower() in SOUNDS
 
 
 def _named(path: Path, found: Recording, channel: str) -> str:

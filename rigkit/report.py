@@ -13,7 +13,6 @@ import jinja2
 import numpy as np
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
-from matplotlib.image import AxesImage
 
 from rigkit import atomic
 from rigkit.figure_style import styled
@@ -131,7 +130,7 @@ def _paragraphs(text: str) -> list[str]:
 
 def _image(figure: Figure) -> str:
     points = sum(np.size(line.get_xdata()) for axes in figure.axes for line in axes.lines)
-    images = figure.findobj(AxesImage) + figure.findobj(QuadMesh)
+    images = any(axes.images or any(isinstance(each, QuadMesh) for each in axes.collections) for axes in figure.axes)
     kind, mime = ("png", "png") if images or points > MOST_POINTS else ("svg", "svg+xml")
     return f"data:image/{mime};base64,{base64.b64encode(_rendered(figure, kind)).decode()}"
 

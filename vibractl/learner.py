@@ -110,13 +110,22 @@ class Learner(Trial):
 
         In the far field, that is what was put into `far_field` (samples, hydrophones), Pa.
         """
+        self.follow(self.analysed())
+
+    def analysed(self) -> Shot:
+        """Return what was just recorded in lines, with the drive that it was made with."""
         law, analysis, place = self.algorithm.law, self._analysis, self._place
         recorded = self.far_field if place.is_far else self.response[: self.shot.total]
         measured = self._decimator.apply(recorded[:, list(place.sensors)])
         first = self.shot.lead // self._decimator.factor
-        self.heard = analysis.lines(law.window * place.frame(measured, first))
+        heard = analysis.lines(law.window * place.frame(measured, first))
         noise = noise_power(measured[:first], analysis.rate, analysis.frequency, analysis.frames)
-        self.algorithm.step(Shot(self.lines, self.heard, noise))
+        return Shot(self.lines, heard, noise)
+
+    def follow(self, shot: Shot) -> None:
+        """Learn from a shot in lines, as from what was just recorded."""
+        self.heard = shot.response
+        self.algorithm.step(shot)
         self._play()
 
     def rendered(self, lines: np.ndarray) -> np.ndarray:

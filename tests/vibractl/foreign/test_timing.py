@@ -1,0 +1,53 @@
+"""A signal is found in a recording to a part of a sample, with what noise makes of that."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import make_interp_spline
+from scipy.signal import chirp
+from scipy.signal.windows import tukey
+
+from vibractl.foreign.timing import Timing, places, timing
+
+RATE = 44_100
+TIME = np.arange(2 * RATE) / RATE
+SWEEP = (chirp(TIME, 40, 2, 90) * tukey(len(TIME), 0.08))[:, None]
+
+
+def moved(delay: float, drift: float, samples: int) -> np.ndarray:
+    """Return the sweep as a recorder hears it, without noise."""
+    index = (np.arange(samples) - delay) / (1 + 1e-6 * drift)
+    inside = (index >= 0) & (index <= len(SWEEP) - 1)
+    heard = make_interp_spline(np.arange(len(SWEEP)), SWEEP[:, 0], k=5)(np.clip(index, 0, len(SWEEP) - 1))
+    return np.where(inside, heard, 0.0)[:, None]
+
+
+def found(recorded: np.ndarray) -> Timing:
+    return timing(SWEEP, recorded, RATE, float(places(SWEEP, recorded).argmax()))
+
+
+@pytest.mark.parametrize(("delay", "drift"), [(0.0, 0.0), (1234.375, 20.0), (777.5, -80.0)])
+def test_without_noise_it_is_exact(delay: float, drift: float) -> None:
+    shot = found(-3.0 * moved(delay, drift, 3 * RATE))
+    assert shot.delay == pytest.approx(delay, abs=1e-4)
+    assert shot.drift == pytest.approx(drift, abs=1e-2)
+    assert shot.gain[0] == pytest.approx(-3.0, rel=1e-6)
+    assert shot.likeness[0] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_its_errors_are_what_it_says_they_are() -> None:
+    rng, off = np.random.default_rng(5), []
+    clean = moved(500.25, 10.0, 3 * RATE)
+    noise = 0.1 * np.sqrt(np.mean(SWEEP**2))
+    for _ in range(30):
+        shot = found(clean + noise * rng.standard_normal(clean.shape))
+        off.append(((shot.delay - 500.25) / shot.delay_error, (shot.drift - 10.0) / shot.drift_error))
+    spread = np.sqrt(np.mean(np.square(off), axis=0))
+    assert np.all((spread > 0.6) & (spread < 1.6))
+
+
+def test_a_recording_of_something_else_is_not_like_it() -> None:
+    assert places(SWEEP, np.random.default_rng(2).standard_normal((3 * RATE, 1))).max() < 0.1
+
+
+def test_silence_is_like_nothing() -> None:
+    assert places(SWEEP, np.zeros((3 * RATE, 1))).max() == 0.0

@@ -1,0 +1,110 @@
+"""Drives and responses from a file of anybody's, in V and m/s^2."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ctlblocks.recording import Recording, RecordingError
+from rigkit.foreign_record import is_sound, read_signals
+from vibractl.config import Audio
+
+UNITS = {
+    "V": {"V": 1.0, "mV": 1e-3, "kV": 1e3},
+    "m/s^2": {"m/s^2": 1.0, "m/s2": 1.0, "m/s²": 1.0, "m/s/s": 1.0, "mm/s^2": 1e-3, "g": 9.80665, "mg": 9.80665e-3},
+    "Pa": {"Pa": 1.0, "kPa": 1e3, "uPa": 1e-6},
+}
+"""What one of a file's units is in ours."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What some channels of a file hold.
+
+    Parameters
+    ----------
+    name : str
+        Their name in a recording of this program, before the number.
+    width : int
+        How many there must be.
+    unit : str
+    full_scale : float, the unit's
+        What the number 1 of a sound file stands for.
+    """
+
+    name: str
+    width: int
+    unit: str
+    full_scale: float
+
+
+def drives_of(audio: Audio) -> Kind:
+    """Return what a rig's drives are."""
+    return Kind("drive", len(audio.drive_channels), "V", audio.output_full_scale)
+
+
+def responses_of(audio: Audio) -> Kind:
+    """Return what a rig's responses are."""
+    return Kind("response", len(audio.response_channels), "m/s^2", audio.input_full_scale)
+
+
+def read_kind(path: Path, kind: Kind, rate: float) -> np.ndarray:
+    """Read all signals of one kind from a file that holds them, by name or because it holds nothing else.
+
+    Parameters
+    ----------
+    path : Path
+        WAV, FLAC, CSV or another table.
+    kind : Kind
+    rate : float, samples/s
+        Which the file must have.
+
+    Returns
+    -------
+    array, shape (samples, width), the kind's unit
+
+    Raises
+    ------
+    RecordingError : it names the file, what is in it and what must be.
+    """
+    found = read_signals(path, rate)
+    named = [f"{kind.name}_{number + 1}" for number in range(kind.width)]
+    if set(named) <= set(found.names):
+        found = found.select(named)
+    elif len(found.names) != kind.width:
+        raise RecordingError(
+            f"{path}: {len(found.names)} channels ({', '.join(found.names)}), must be {kind.width}, one for each "
+            f"{kind.name}, or have channels named {', '.join(named)}"
+        )
+    return in_units(found, kind, path)
+
+
+def in_units(found: Recording, kind: Kind, path: Path) -> np.ndarray:
+    """Return signals in a kind's unit; numbers without a unit are parts of full scale in a sound, else in that unit.
+
+    Parameters
+    ----------
+    found : Recording
+        Channels of that kind.
+    kind : Kind
+    path : Path
+        Where they come from, for errors.
+
+    Returns
+    -------
+    array, shape (samples, width), the kind's unit
+
+    Raises
+    ------
+    RecordingError : a channel has a unit that cannot be.
+    """
+    known = UNITS[kind.unit]
+    bare = kind.full_scale if is_sound(path) else 1.0
+    for name, unit in zip(found.names, found.units, strict=True):
+        if unit not in known and unit != "1":
+            raise RecordingError(
+                f"{path}: channel {name!r} is in {unit}, must be in {', '.join(known)}, or a part of full scale"
+            )
+    scales = np.array([bare if unit == "1" else known[unit] for unit in found.units])
+    scaled: np.ndarray = found.data.astype(float) * scales
+    return scaled

@@ -1,0 +1,123 @@
+"""The command `vibractl step`."""
+
+import hashlib
+import sys
+from collections.abc import Collection
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from rigkit import config as rig_file
+from rigkit.agreement import AcceptOption, agreed, changed_parts, differences
+from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
+from rigkit.origin import Origin
+from vibractl.config import Audio, RigConfig
+from vibractl.foreign.sound_file import BITS, refuse_bits, refuse_overwriting, write_sound
+from vibractl.foreign.step_state import StepState
+from vibractl.foreign.stepping import Stepped, Stepper
+from vibractl.reference import is_file
+from vibractl.run_setup import MODEL, UNCHANGED, create, settings_of, setup_of
+
+WAY_OUT = "go back to what it began with, or begin anew with another --state"
+
+
+def step_command(
+    state: Annotated[Path, typer.Option(metavar="S.h5", help="Where the learning stands; made by the first call.")],
+    out: Annotated[Path, typer.Option(metavar="NEXT.wav", help="The drive to play next: parts of full scale.")],
+    drive: Annotated[Path | None, typer.Option(metavar="D.wav", help="The drive that was played.")] = None,
+    response: Annotated[Path | None, typer.Option(metavar="R.wav", help="The response that was recorded.")] = None,
+    model: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file from `calibrate vibrator`.")] = None,
+    config: ConfigOption = None,
+    reference: Annotated[
+        str | None, typer.Option(help="chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file.")
+    ] = None,
+    bits: Annotated[int, typer.Option(help=f"Of a sample: {', '.join(map(str, BITS))}; 32 and 64 are floats.")] = 64,
+    accept: AcceptOption = None,
+    settings: SetOption = None,
+    json: JsonOption = None,
+) -> None:
+    """Take one step of the learning for whoever plays drives with other software: the first drive, or the next one.
+
+    The first call takes the model and the reference and writes the first drive.  Each further call takes what was
+    played and what came back, and writes the next drive; the same recording twice is refused.  Without a recording it
+    writes the present drive again.
+
+    Example: `vibractl step --model model.h5 --reference chirp:40:90:5 --state S.h5 --out 0.wav`, then
+    `vibractl step --drive 0.wav --response heard.wav --state S.h5 --out 1.wav`
+    """
+    if (drive is None) != (response is None):
+        raise ValueError("--drive and --response go together: what was played, and what came back")
+    refuse_bits(bits)
+    refuse_overwriting(out, {"--drive": drive, "--response": response, "--model": model, "--state": state})
+    laid_over = [*(settings or []), *([f"reference.signal={reference}"] if reference else [])]
+    is_new = not state.exists()
+    if is_new:
+        if model is None or drive is not None:
+            raise ValueError(
+                f"{state}: there is no such state yet; begin with --model FILE and --reference, without --drive"
+            )
+        begun = _begun(rig_file.load(config, RigConfig, laid_over), model, accept or [])
+    else:
+        begun = StepState.read(state)
+        whole = rig_file.load(config, RigConfig, laid_over) if config is not None or settings else None
+        _refuse_changed(begun, state, whole, reference, model, accept or [])
+    with begun.folder() as place:
+        made = setup_of(place)
+        stepper = Stepper(begun, made)
+        taken = None if drive is None or response is None else stepper.take(drive, response)
+        wanted, audio = stepper.drive, made.config.audio
+    write_sound(out, wanted / audio.output_full_scale, audio.rate, bits)
+    if taken is not None or is_new:
+        stepper.state.write(state)
+    _tell(out, taken, len(stepper.state.steps), wanted, audio, json)
+
+
+def _tell(out: Path, taken: Stepped | None, shot: int, wanted: np.ndarray, audio: Audio, json: str | None) -> None:
+    """Say what came of the shot that was taken, and which drive is written."""
+    stream, figures = words(json), {"shot": shot, "drive": str(out), "samples": len(wanted), "rate": audio.rate}
+    if taken is not None:
+        stream.write(f"shot {taken.shot}: objective {taken.marks.reason}\n")
+        figures |= {"taken": dict(taken.state.steps[-1].marks)}
+    seconds, volts = len(wanted) / audio.rate, audio.output_full_scale
+    stream.write(f"{out}: the drive of shot {shot}, {seconds:.3g} s; 1 is {volts:g} V\n")
+    write_json(json, figures)
+
+
+def _begun(config: RigConfig, model: Path, accept: Collection[str]) -> StepState:
+    """Check everything that a learning needs, and put it together."""
+    with TemporaryDirectory(prefix="vibractl-step-") as place:
+        folder, made = create(Path(place) / "run", config, model, shots=1, accept=accept)
+        with folder:
+            sys.stderr.write("".join(f"{note}\n" for note in (*made.said, made.note) if note))
+            return StepState.of_folder(folder.path)
+
+
+def _refuse_changed(
+    begun: StepState,
+    state: Path,
+    whole: RigConfig | None,
+    reference: str | None,
+    model: Path | None,
+    accept: Collection[str],
+) -> None:
+    """Refuse settings, a reference or a model that are given and are others than it began with."""
+    with begun.folder() as place:
+        kept = settings_of(place)
+    found = []
+    if whole is not None:
+        found += differences(kept.model_dump(mode="json"), whole, UNCHANGED)
+    elif reference is not None and not is_file(reference):
+        told = kept.model_dump(mode="json")
+        given = kept.model_copy(update={"reference": kept.reference.model_copy(update={"signal": reference})})
+        found += differences(told, given, UNCHANGED)
+    parts = {MODEL: model} if model is not None else {}
+    if reference is not None and is_file(reference):
+        parts[Path(kept.reference.signal).name] = Path(reference)
+    then = {name: hashlib.sha256(begun.parts.get(name, b"")).hexdigest() for name in parts}
+    now = {name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in parts.items()}
+    found += changed_parts(Origin("vibrator run", {}, then), now)
+    for note in agreed(found, accept, f"{state} began otherwise", WAY_OUT):
+        sys.stderr.write(f"{note}\n")
