@@ -8,9 +8,9 @@ from scipy.signal import hilbert, upfirdn
 from scipy.signal.windows import blackmanharris
 
 from vibractl.config import Limits, Quality
+from vibractl.judging import Judged
 from vibractl.law import SIGNIFICANT, reference_level, settled_window
 from vibractl.place import Place
-from vibractl.setup import Setup
 from vibractl.spectrum import Decimator, LineSpectrum
 
 BAND_WIDTH = 50.0
@@ -93,12 +93,13 @@ class Judge:
 
     Parameters
     ----------
-    setup : Setup
+    setup : Judged
+        A run's set-up, or what is judged without one.
     place : Place, optional
         One of the set-up's; the accelerometers without it.
     """
 
-    def __init__(self, setup: Setup, place: Place | None = None) -> None:
+    def __init__(self, setup: Judged, place: Place | None = None) -> None:
         self.place = place or setup.places[0]
         self._quality: Quality = setup.config.quality
         self._limits: Limits = setup.config.limits

@@ -112,7 +112,7 @@ def timing(signal: np.ndarray, recorded: np.ndarray, rate: float, begin: float, 
         gain = np.einsum("nc,nc->c", moved, measured) / np.maximum((moved**2).sum(axis=0), np.finfo(float).tiny)
         left = measured - gain * moved
         rows = _rows(gain * moved, -gain * rising, lever, with_drift)
-        step, error = _solved(rows, left, lever, rate)
+        step, error = _solved(rows, left, rate)
         middle += step[0]
         slope += step[1] if with_drift else 0.0
         if abs(step[0]) + abs(step[1]) * centre < SETTLED:
@@ -132,7 +132,7 @@ def _rows(fitted: np.ndarray, moving: np.ndarray, lever: np.ndarray, with_drift:
     return free
 
 
-def _solved(rows: np.ndarray, left: np.ndarray, lever: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
+def _solved(rows: np.ndarray, left: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
     """Solve for delay and slope; return both, and their errors with what is left going together within blocks."""
     square = np.einsum("ncj,nck->jk", rows, rows)
     pull = np.einsum("nck,nc->nk", rows, left)
