@@ -69,6 +69,7 @@ class Settings:
     ramp : float, s from anywhere to mid-travel
     ahead : int, blocks of references that wait before they are followed
     others_every : int, blocks from one extension and voltage to the next; 0 for none
+    behind : float, s of its own time that the processor catches up with; more is an overrun
     """
 
     form: Literal["fd", "classic"] = "fd"
@@ -78,6 +79,7 @@ class Settings:
     ramp: float = 0.1
     ahead: int = 2
     others_every: int = 10
+    behind: float = 0.5
 
 
 _CHUNKS = (messages.WRITE_CHUNK, messages.SLOW_WRITE_CHUNK)
@@ -89,8 +91,6 @@ _REMEMBERED = 1.0
 """s for which a command that comes again is the same one, asked again."""
 _LONGEST_TOLD = 0xFFFF
 """Of the silence in the status, 0.1 ms."""
-_PATIENCE = 0.5
-"""s of its own time the processor catches up with; more is an overrun."""
 
 
 class StageProcessor:
@@ -156,7 +156,7 @@ class StageProcessor:
                 self._run_block()
             self._due = now + PERIOD
         else:
-            if now - self._due > _PATIENCE:
+            if now - self._due > self._settings.behind:
                 self._due = now
                 if self.state in _LED and self._settings.pace == "own":
                     self._fail(Fault.OVERRUN)

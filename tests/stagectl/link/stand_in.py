@@ -5,6 +5,7 @@ import sys
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -68,7 +69,8 @@ class FirstOrderStage:
 
 
 def node(path: Path, settings: Settings, mishaps: tuple[Mishap, ...] = ()) -> tuple[CanNode, FirstOrderStage]:
-    stage = FirstOrderStage()
+    """Return a stand-in that bears standing still itself for as long as it bears the host's silence."""
+    stage, settings = FirstOrderStage(), replace(settings, behind=max(settings.behind, settings.silence))
     processor = StageProcessor(
         Loops(stage.tick, stage.commit, stage.clear, stage.excite, stage.release), settings, monotonic()
     )
