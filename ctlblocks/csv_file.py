@@ -27,7 +27,7 @@ def write(path: Path, data: np.ndarray, rate: float, about: dict[str, Any]) -> N
 def read(path: Path) -> tuple[np.ndarray, float, dict[str, Any]]:
     """Read samples, rate and `about`; ValueError names the row, and the column and the cell where it is one."""
     with path.open(encoding="utf-8-sig") as file:
-        first = _first(file.readline())
+        said = preamble(file.readline())
         heads = [head.strip().removesuffix("]").partition(" [") for head in next(csv.reader([file.readline()]), [])]
         values = array("d")
         for number, line in enumerate(file, 3):
@@ -37,18 +37,19 @@ def read(path: Path) -> tuple[np.ndarray, float, dict[str, Any]]:
             except ValueError:
                 column = len(values) - done
                 raise ValueError(f"row {number}, column {column + 1}: {cells[column]!r}, must be a number") from None
-            if len(cells) != len(heads) or not line.isascii() or "_" in line or (line[-1] != "\n" and first["frames"]):
+            if len(cells) != len(heads) or not line.isascii() or "_" in line or (line[-1] != "\n" and said["frames"]):
                 raise ValueError(f"row {number}: {line[:40]!r}, must be {len(heads)} numbers and the end of a line")
     data = np.frombuffer(values).reshape(-1, max(len(heads), 1))
-    if first["frames"] not in (None, len(data)):
-        raise ValueError(f"row 1 says {first['frames']} samples, there are {len(data)}")
+    if said["frames"] not in (None, len(data)):
+        raise ValueError(f"row 1 says {said['frames']} samples, there are {len(data)}")
     with np.errstate(over="ignore"):
-        data = data.astype(first["dtype"])
+        data = data.astype(said["dtype"])
     names, units = [name for name, _, _ in heads], [unit or "1" for _, _, unit in heads]
-    return data, first["rate"], {"names": names, "units": units, "provenance": first["provenance"]}
+    return data, said["rate"], {"names": names, "units": units, "provenance": said["provenance"]}
 
 
-def _first(line: str) -> dict[str, Any]:
+def preamble(line: str) -> dict[str, Any]:
+    """Return what a first line of JSON says: rate, frames, dtype, provenance; ValueError where it is none."""
     default: dict[str, Any] = {"rate": None, "frames": None, "dtype": "float64", "provenance": {}}
     try:
         first = dict(json.loads(line.removeprefix("#")))

@@ -4,7 +4,7 @@ import json
 import struct
 from io import FileIO
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import soundfile
@@ -38,8 +38,29 @@ def write(path: Path, data: np.ndarray, rate: float, about: dict[str, Any]) -> N
             raise target.fault
 
 
+class Header(NamedTuple):
+    """What a WAV says of its samples: how many, how wide, how fast, how written; `about` is empty in one of others."""
+
+    frames: int
+    channels: int
+    rate: int
+    subtype: str
+    about: dict[str, Any]
+
+
 def read(path: Path) -> tuple[np.ndarray, float, dict[str, Any]]:
     """Read samples, rate and `about` (empty in a WAV of others); ValueError where header, samples and size disagree."""
+    said = header(path)
+    with soundfile.SoundFile(path) as file:
+        data = file.read(dtype=_PLAIN[said.subtype], always_2d=True)
+    if data.shape != said[:2]:
+        found = *data.shape, said.rate
+        raise ValueError(f"samples, channels, samples/s are {found}, the header says {said[:3]}")
+    return data, float(said.rate), said.about
+
+
+def header(path: Path) -> Header:
+    """Read what a WAV says of its samples; ValueError where that and the size of the file disagree."""
     chunks, size = _chunks(path)
     if len(chunks.get(b"fmt ", b"")) < 16 or size == 0:
         raise ValueError("the WAV has no samples, or no header that says what they are")
@@ -50,20 +71,13 @@ def read(path: Path) -> tuple[np.ndarray, float, dict[str, Any]]:
             f"{bytes_a_second} bytes/s, {size} bytes of samples"
         )
     with soundfile.SoundFile(path) as file:
-        if file.subtype not in _PLAIN:
-            raise ValueError(f"samples are {file.subtype}, must be one of {', '.join(_PLAIN)}")
-        data = file.read(dtype=_PLAIN[file.subtype], always_2d=True)
-        found, said = (*data.shape, file.samplerate), (size // align, channels, rate)
+        kind, found, said = file.subtype, (file.frames, file.channels, file.samplerate), (size // align, channels, rate)
+    if kind not in _PLAIN:
+        raise ValueError(f"samples are {kind}, must be one of {', '.join(_PLAIN)}")
     if found != said:
         raise ValueError(f"samples, channels, samples/s are {found}, the header says {said}")
     comment = chunks.get(b"LIST", b"").partition(MARK)[2].partition(b"\0")[0]
-    return data, float(rate), json.loads(b"{" + comment) if comment else {}
-
-
-def subtype(path: Path) -> str:
-    """Return how the samples of a readable WAV are written, such as PCM_16 or FLOAT."""
-    with soundfile.SoundFile(path) as file:
-        return str(file.subtype)
+    return Header(*said, kind, json.loads(b"{" + comment) if comment else {})
 
 
 class _Target:

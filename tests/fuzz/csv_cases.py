@@ -13,7 +13,9 @@ import numpy as np
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording, RecordingError
-from rigkit.foreign_record import TIME, read_channels
+from rigkit.even_time import is_time
+from rigkit.foreign_record import read_channels
+from rigkit.table_rows import COMMENT
 from tests.fuzz.judge import is_accepted
 from tests.fuzz.mutation import mutated, of_text
 
@@ -52,7 +54,7 @@ def foreign_cases(folder: Path) -> Callable[[int], bool]:
 def _rows(text: str, separator: str | None, width: int) -> list[list[float]]:
     """Read rows of numbers by their letters."""
     found = []
-    for line in text.splitlines():
+    for line in text.removesuffix("\n").split("\n"):
         cells = next(csv.reader([line], delimiter=separator)) if separator else line.split()
         assert len(cells) == width, f"a row of {len(cells)} cells"
         assert all(NUMBER.fullmatch(cell) for cell in cells), f"{line!r} is no row of numbers"
@@ -73,10 +75,10 @@ def _check_ours(content: bytes, read: Recording) -> None:
 
 def _check_theirs(content: bytes, rate: float | None, read: Recording) -> None:
     assert np.isfinite(read.data).all(), "NaN"
-    lines = content.decode("utf-8-sig").splitlines()
-    if content[:1] == b"#":
-        return  # one of ours, where it is a .csv
-    rows = [line for line in lines if line.strip() and not line.startswith("#")]
+    lines = content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    if lines[0].startswith(("# {", "#{")):
+        return  # one of ours
+    rows = [line for line in lines if line.strip() and not line.startswith(COMMENT)]
     separator = next((mark for mark in (";", "\t", ",") if mark in rows[0]), None)
     cells = next(csv.reader([rows[0]], delimiter=separator)) if separator else rows[0].split()
     named = not all(NUMBER.fullmatch(cell) for cell in cells)
@@ -88,7 +90,7 @@ def _check_theirs(content: bytes, rate: float | None, read: Recording) -> None:
     plain = [cell.partition("[")[0].strip() if named else "" for cell in cells]
     columns = [plain.index(channel) if channel in plain else int(channel) - 1 for channel in ("1", "2")]
     assert (read.data == table[:, columns]).all(), "other samples"
-    timed = [n for n, cell in enumerate(cells) if named and cell.partition("[")[0].strip().lower() in TIME]
+    timed = [n for n, cell in enumerate(cells) if named and is_time(cell.partition("[")[0].strip())]
     period = np.diff(table[:, timed[0]]).mean() if timed else 1 / (rate or np.nan)
     assert abs(read.rate * period - 1) < 2e-3, f"{read.rate} samples/s"
 

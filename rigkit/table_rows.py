@@ -1,0 +1,192 @@
+"""Rows of numbers in a text file, block by block: by numpy's parser in C where a block is clean, else cell by cell."""
+
+import csv
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ctlblocks.recording import RecordingError
+from rigkit.text_file import TextFault, decoded
+
+BLOCK = 2**21
+"""Bytes that are read at once."""
+LONGEST_LINE = 2**20
+"""Bytes of a line: of 40,000 columns."""
+MARK = "\ufeff".encode()
+"""What some programs begin a file with that is UTF-8."""
+COMMENT = ("#", "%")
+"""What a line begins with that is none."""
+_PLAIN = b"0123456789+-.eE \n"
+
+
+@dataclass(frozen=True)
+class Cells:
+    """How the rows of a table are written.
+
+    Parameters
+    ----------
+    between : str or None
+        What stands between two cells; None for spaces.
+    width : int
+        Cells of a row.
+    decimal : str
+        "." or, where `between` is no comma, ",".
+    """
+
+    between: str | None
+    width: int
+    decimal: str = "."
+
+    def split(self, line: str) -> list[str]:
+        """Return the cells of a line."""
+        return cells_of(line, self.between)
+
+    def number(self, cell: str) -> float | None:
+        """Return the number in a cell, None where there is none."""
+        if self.decimal == ",":
+            cell = "?" if "." in cell else cell.replace(",", ".")
+        return float(cell) if is_number(cell) else None
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell holds a number with a decimal point, or is nan or inf."""
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return cell.isascii() and "_" not in cell  # float() takes 1_0, and the digits of every script
+
+
+def cells_of(line: str, between: str | None) -> list[str]:
+    """Return the cells of a line, without the spaces around them."""
+    if between is None:
+        return line.split()
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=between))]
+    except csv.Error:  # a cell of more than 128 KiB
+        return [line]
+
+
+def text_blocks(path: Path) -> Iterator[tuple[int, bytes]]:
+    r"""Read a file in blocks of whole lines that end in \n: the number of its first line, from 1, and the block.
+
+    Raises
+    ------
+    RecordingError : a line is longer than `LONGEST_LINE`.
+    """
+    number, rest = 1, b""
+    with path.open("rb") as file:
+        file.seek(len(MARK) if file.read(len(MARK)) == MARK else 0)
+        while fresh := file.read(BLOCK):
+            if fresh.endswith(b"\r"):
+                fresh += file.read(1)
+            whole, end, rest = (rest + fresh.replace(b"\r\n", b"\n").replace(b"\r", b"\n")).rpartition(b"\n")
+            if len(rest) > LONGEST_LINE:
+                row = number + whole.count(b"\n") + len(end)
+                raise RecordingError(f"{path}: row {row} is no row of a table: more than {LONGEST_LINE} bytes")
+            if end:
+                yield number, whole + end
+                number += whole.count(b"\n") + 1
+    if rest:
+        yield number, rest + b"\n"
+
+
+def lines_of(path: Path) -> Iterator[tuple[int, str]]:
+    """Read the lines of a file that are not empty and no comment, with their numbers.
+
+    Raises
+    ------
+    RecordingError : bytes that are not UTF-8, or a line without an end.
+    """
+    for first, block in text_blocks(path):
+        yield from _kept(path, first, block)
+
+
+def parsed(path: Path, first: int, block: bytes, cells: Cells) -> tuple[np.ndarray, np.ndarray]:
+    """Return the rows of a block: their numbers in the file, shape (rows,), and their values, shape (rows, width).
+
+    Parameters
+    ----------
+    path : Path
+        For errors.
+    first : int
+        Number of the block's first line.
+    block : bytes
+    cells : Cells
+
+    Raises
+    ------
+    RecordingError : it names the row, the column and the cell.
+    """
+    data = _at_once(block, cells)
+    if data is not None:
+        return np.arange(first, first + len(data)), data
+    rows, numbers = [], []
+    for row, line in _kept(path, first, block):
+        rows.append(row)
+        numbers.append(_numbers(path, row, line, cells))
+    return np.array(rows, dtype=int), np.array(numbers).reshape(-1, cells.width)
+
+
+def _kept(path: Path, first: int, block: bytes) -> Iterator[tuple[int, str]]:
+    try:
+        text = decoded(block, path, first)
+    except TextFault as fault:
+        raise RecordingError(str(fault)) from None
+    for number, line in enumerate(text.removesuffix("\n").split("\n"), start=first):
+        if line.strip() and not line.startswith(COMMENT):
+            yield number, line
+
+
+def _at_once(block: bytes, cells: Cells) -> np.ndarray | None:
+    """Return the numbers of a block of nothing but full rows of finite numbers, (rows, width); None of another."""
+    block = block.rstrip(b"\n") + b"\n"
+    between = (cells.between or " ").encode()
+    if cells.decimal == ",":
+        if b"." in block:
+            return None
+        block = block.replace(b",", b".")
+    if block.translate(None, _PLAIN + between):
+        return None
+    data: np.ndarray | None
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # so numpy < 2.3 says that it stopped
+            if cells.between is None:
+                data = _between_spaces(block, cells.width)
+            else:
+                data = _between_marks(block, between, cells.width)
+    except (ValueError, Warning):
+        return None
+    return data if data is not None and np.isfinite(data).all() else None
+
+
+def _between_spaces(block: bytes, width: int) -> np.ndarray | None:
+    data = np.loadtxt(block.decode().split("\n"), comments=None, ndmin=2)
+    return data if data.shape == (block.count(b"\n"), width) else None
+
+
+def _between_marks(block: bytes, between: bytes, width: int) -> np.ndarray | None:
+    codes = np.frombuffer(block, np.uint8)
+    ends = codes[(codes == between[0]) | (codes == ord("\n"))]
+    row = np.frombuffer(between * (width - 1) + b"\n", np.uint8)
+    if len(ends) % width or not (ends.reshape(-1, width) == row).all():
+        return None
+    data: np.ndarray = np.fromstring(block[:-1].replace(between, b",").replace(b"\n", b",").decode(), sep=",")
+    return data.reshape(-1, width) if len(data) == len(ends) else None
+
+
+def _numbers(path: Path, row: int, line: str, cells: Cells) -> list[float]:
+    found = cells.split(line)
+    if len(found) != cells.width:
+        raise RecordingError(f"{path}: row {row} has {len(found)} cells, must have {cells.width}")
+    numbers = []
+    for column, cell in enumerate(found, start=1):
+        number = cells.number(cell)
+        if number is None or not np.isfinite(number):
+            raise RecordingError(f"{path}: row {row}, column {column}: {cell[:60]!r}, must be a finite number")
+        numbers.append(number)
+    return numbers
