@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from firmware_sim.can_node import MISHAPS, mishap
+from firmware_sim.draw_command import draw_command
 from firmware_sim.jack_client import JackClient
 from firmware_sim.laboratory import Laboratory, Wiring, plant_block
 from firmware_sim.plants.milling_disturbance import DEFLECTIONS
@@ -33,11 +34,15 @@ from rigkit.relay.frame import IDENTIFIER
 from rigkit.stop import SIGNALS, on_signals
 from stagectl.config import StageConfig
 from stagectl.robot.config import CellConfig
+from stagectl.robot.midranging.config import MidrangeConfig
 from vibractl.config import RigConfig
 from vibractl.foreign.play_command import play_command
 
 app = application("Simulated machines behind real wires, and from WAV to WAV.")
 app.command("play")(play_command)
+app.command("draw")(
+    draw_command({"vibrator": RigConfig, "stage": StageConfig, "pair": MidrangeConfig, "cell": CellConfig})
+)
 
 
 @app.command()

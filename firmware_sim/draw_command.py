@@ -1,0 +1,77 @@
+"""The command `firmware-sim draw`: a machine of a population, and the rig file that fits it."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from firmware_sim.population.draw import Draw, Quantity
+from firmware_sim.population.kinds import KINDS, population
+from rigkit.command import JsonOption, SetOption, print_table, words, write_json
+from rigkit.config import Section, load
+from rigkit.toml_text import value_text
+
+
+def draw_command(models: Mapping[str, type[Section]]) -> Callable[..., None]:
+    """Make the command.
+
+    Parameters
+    ----------
+    models : mapping of str to subclass of Section
+        What a rig file of each kind holds.  They belong to the programs that drive the machines, of which a plant
+        knows nothing.
+    """
+
+    def draw(
+        kind: Annotated[str, typer.Argument(metavar="KIND", help=f"One of {', '.join(KINDS)}.")],
+        seed: Annotated[int, typer.Option(help="Which machine, >= 0.")],
+        family: Annotated[str, typer.Option(help="One of the kind's families; the seed's own without.")] = "",
+        out: Annotated[
+            Path | None, typer.Option(metavar="FILE.toml", help="Write a complete rig file of that machine.")
+        ] = None,
+        settings: SetOption = None,
+        json: JsonOption = None,
+    ) -> None:
+        """Draw a machine by its seed: what it is, and the keys of a rig file that fit it.
+
+        A seed is the same machine everywhere.  --set changes keys of the rig file, not the machine.
+
+        Example: `firmware-sim draw vibrator --seed 7 --out seven.toml`
+        """
+        kinds = population(kind)
+        drawn = kinds.draw(seed, family)
+        config = load(None, models[kind], [*_laid_over(drawn), *(settings or [])])
+        if out is not None:
+            kinds.write(drawn, config, out)
+        write_json(json, figures(drawn))
+        _show(drawn, words(json))
+
+    return draw
+
+
+def figures(drawn: Draw) -> dict[str, Any]:
+    """Return a draw as plain values for JSON."""
+    return {
+        "kind": drawn.kind,
+        "family": drawn.family,
+        "seed": drawn.seed,
+        "drawn": {each.name: {"value": each.value, "unit": each.unit} for each in drawn.quantities},
+        "rig": dict(drawn.keys),
+    }
+
+
+def _laid_over(drawn: Draw) -> list[str]:
+    return [f"{key}={value_text(value)}" for key, value in drawn.keys.items()]
+
+
+def _show(drawn: Draw, stream: Any) -> None:
+    title = f"{drawn.kind} {drawn.seed}, family {drawn.family}"
+    print_table(title, ["drawn", "value", "unit"], [_row(each) for each in drawn.quantities], stream)
+    print_table("rig file", ["key", "value"], [[key, value_text(value)] for key, value in drawn.keys.items()], stream)
+
+
+def _row(each: Quantity) -> list[str]:
+    values = each.value if isinstance(each.value, tuple) else (each.value,)
+    text = ", ".join(f"{value:.4g}" if isinstance(value, float) else str(value) for value in values)
+    return [each.name, text, each.unit]

@@ -1,0 +1,23 @@
+"""Machines drawn by seed, in families that differ in structure: as Blocks for a rig file's `[simulator]`.
+
+`firmware_sim.population:Vibrator` and its likes are loaded when they are asked for: what draws one kind imports
+nothing of the others.
+"""
+
+from importlib import import_module
+from typing import Any
+
+_BLOCKS: dict[str, str] = {}
+"""Block -> its module."""
+
+
+def __getattr__(name: str) -> Any:
+    """Return a Block of the population by name, importing its module."""
+    if name not in _BLOCKS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_BLOCKS[name]), name)
+
+
+def __dir__() -> list[str]:
+    """Return the Blocks that there are."""
+    return sorted(_BLOCKS)

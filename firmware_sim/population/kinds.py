@@ -1,0 +1,20 @@
+"""The kinds of machine that can be drawn, by name."""
+
+from firmware_sim.population.draw import Population
+from rigkit.config import resolve
+
+KINDS: dict[str, str] = {}
+"""Kind -> "module:NAME" of its `Population`, imported when it is asked for."""
+
+
+def population(kind: str) -> Population:
+    """Return a kind of machine.
+
+    Raises
+    ------
+    ValueError : there is none of that name.
+    """
+    if kind not in KINDS:
+        raise ValueError(f"KIND is {kind!r}, must be {', '.join(KINDS)}")
+    found: Population = resolve(KINDS[kind])
+    return found
