@@ -33,16 +33,21 @@ def replacing(path: str | Path, wanted: int | None = None) -> Iterator[Path]:
     path = Path(path)
     if not path.parent.is_dir():
         raise FileNotFoundError(errno.ENOENT, "there is no such folder", str(path.parent))
-    temporary = path.with_name(f".{path.stem}.{secrets.token_hex(4)}.tmp{path.suffix}")
+    beside = temporary(path)
     try:
-        with writing(path, wanted, temporary):
-            yield temporary
-            to_disk(temporary)
-            os.replace(temporary, path)
+        with writing(path, wanted, beside):
+            yield beside
+            to_disk(beside)
+            os.replace(beside, path)
             to_disk(path.parent)
     finally:
         with suppress(OSError):  # of a disk that takes no change at all
-            temporary.unlink(missing_ok=True)
+            beside.unlink(missing_ok=True)
+
+
+def temporary(path: Path) -> Path:
+    """Return a new name beside `path`, with the same suffix, that `is_leftover` knows."""
+    return path.with_name(f".{path.stem}.{secrets.token_hex(4)}.tmp{path.suffix}")
 
 
 def write(path: str | Path, content: str | bytes) -> None:

@@ -13,7 +13,7 @@ from rigkit import atomic, line_file
 from rigkit.growing_wav import finish, unfinished
 from rigkit.json_file import json_value
 from rigkit.json_text import json_text
-from rigkit.lock import FolderInUseError, Lock
+from rigkit.lock import FolderInUseError, Lock, holder
 
 CONFIG = "config.toml"
 EVENTS = "events.jsonl"
@@ -88,6 +88,50 @@ class RunFolder:
             folder.withdraw()
             raise
         folder.note_given()
+
+    @classmethod
+    @contextmanager
+    def built(cls, path: str | Path, config: str) -> Iterator[Self]:
+        """Make the folder of a run that is whole as soon as it is there: it has another name until the block ends.
+
+        Where the block fails nothing is left; what a kill left is swept away when the same folder is made again.
+
+        Parameters
+        ----------
+        path : str or Path
+            Absent, or an empty folder.
+        config : str
+            The text of `config.toml`.
+
+        Raises
+        ------
+        FolderInUseError : something is there already; nothing is written.
+        """
+        path = Path(path)
+        _refuse_used(path)
+        with atomic.folder(path.absolute().parent) as above:
+            for left in above.iterdir():
+                is_its = left.name.startswith(f".{path.stem}.") and atomic.is_leftover(left)
+                if is_its and left.is_dir() and holder(left / LOCK) is None:
+                    shutil.rmtree(left)
+            with cls.create(atomic.temporary(path), config) as folder:
+                try:
+                    yield folder
+                    folder.move(path)
+                except BaseException:
+                    folder.withdraw()
+                    raise
+
+    def move(self, path: Path) -> None:
+        """Take the place of an absent or empty folder, in one step."""
+        if path.exists():
+            _refuse_used(path)
+            shutil.rmtree(path)
+        for each in (self.path / SHOTS, self.path):
+            atomic.to_disk(each)
+        self.path.rename(path)
+        self.path, self._made = path, [path]
+        atomic.to_disk(path.absolute().parent)
 
     def note_given(self) -> None:
         """Take all that is in the folder now for what the run is given: nothing has come of it yet."""

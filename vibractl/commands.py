@@ -35,7 +35,7 @@ from vibractl.quality import Marks
 from vibractl.quality_table import prefix_of
 from vibractl.replay import replay
 from vibractl.report import run_report
-from vibractl.run_setup import create, resumed_setup, say_changed, settings_of, setup_of
+from vibractl.run_setup import create, is_imported, resumed_setup, say_changed, settings_of, setup_of
 from vibractl.session import Session
 
 app.command("export")(export_command)
@@ -177,6 +177,8 @@ def replay_command(
 ) -> None:
     """Rebuild every drive of a run from its recorded responses; status 1 if one differs from the recorded one.
 
+    Of an imported run: what the law would have played next, each time after what was played; it needs a model.
+
     Example: `vibractl replay RUN/`; what would have been: `vibractl replay RUN/ --set learning.gains=[0.5]`
     """
     rows = []
@@ -197,7 +199,7 @@ def replay_command(
     head = ["shot", "bit for bit", "largest difference, V", "rms difference, dB re drive"]
     print_table(f"{path}: drives rebuilt from the recorded responses", head, rows, words(json))
     write_json(json, {"shots": len(rows), "differing": differ})
-    asked_for_other = model is not None or settings
+    asked_for_other = model is not None or settings or is_imported(path)
     if differ and not asked_for_other:
         raise typer.Exit(1)
 

@@ -56,6 +56,17 @@ class Judging:
     places: tuple[Place, ...]
     plans: Plans = field(default_factory=Plans)
 
+    @property
+    def judged(self) -> Place:
+        """Where the objective must hold."""
+        return self.places[0]
+
+    @property
+    def coils(self) -> tuple[int, ...]:
+        """Coils that are driven, counted from 0."""
+        side, drives = self.config.learning.side, len(self.config.audio.drive_channels)
+        return (side - 1,) if side else tuple(range(drives))
+
     @classmethod
     def of(cls, config: RigConfig) -> "Judging":
         """Return what shots of a rig are judged by, with the reference that its settings ask for.

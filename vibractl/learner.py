@@ -13,6 +13,9 @@ from vibractl.shot import Shot
 from vibractl.spectrum import Decimator, LineSpectrum
 from vibractl.trial import Trial
 
+ALIKE = 1e-3
+"""Of a drive's rms, by which one rebuilt may differ from the recorded one and still be taken for it."""
+
 
 @dataclass(frozen=True)
 class Timeline:
@@ -121,6 +124,12 @@ class Learner(Trial):
         heard = analysis.lines(law.window * place.frame(measured, first))
         noise = noise_power(measured[:first], analysis.rate, analysis.frequency, analysis.frames)
         return Shot(self.lines, heard, noise)
+
+    def played(self, drive: np.ndarray) -> None:
+        """Take it that this drive (samples, coils), V, was played, which other software may have made."""
+        off = float(np.linalg.norm(drive - self.drive))
+        if not off <= ALIKE * float(np.linalg.norm(drive)):
+            self.algorithm.lines = self.lines_of(drive[self.shot.window])
 
     def follow(self, shot: Shot) -> None:
         """Learn from a shot in lines, as from what was just recorded."""

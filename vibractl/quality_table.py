@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from vibractl.judging import Judging
 from vibractl.place import PREFIXES, Place
 from vibractl.quality import Marks, holds_from
 from vibractl.setup import Setup
@@ -17,14 +18,14 @@ CHECK = "check"
 """Verdict on a shot at reduced level."""
 
 
-def summary(rows: list[dict[str, str]], made: Setup | None = None) -> dict[str, Any]:
+def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> dict[str, Any]:
     """Return the figures that other programs read from `summary.json`.
 
     Parameters
     ----------
     rows : list of dicts
         Of `qc.csv`.
-    made : Setup, optional
+    made : Setup, or Judging where there is no model, optional
         The run's, for how long it was identified.
 
     Returns
@@ -69,9 +70,10 @@ def _worst(row: dict[str, str], prefix: str) -> float:
     return max(float(row[key]) for key in row if key.startswith(f"{prefix}worst_line_db_"))
 
 
-def _identification_seconds(made: Setup | None, probes: int) -> float | None:
-    seconds = made and made.law.matrix.provenance.get("seconds")
-    return float(seconds) + probes * made.shot.total / made.shot.rate if made and seconds else None
+def _identification_seconds(made: Setup | Judging | None, probes: int) -> float | None:
+    if not isinstance(made, Setup) or not (seconds := made.law.matrix.provenance.get("seconds")):
+        return None
+    return float(seconds) + probes * made.shot.total / made.shot.rate
 
 
 def is_reduced(row: Mapping[str, str]) -> bool:
@@ -107,6 +109,7 @@ def row_of(
     shot : int
     purpose : str
     gain : float, 1
+        NaN where no law of this program made the drive.
     marks : Marks
         Those that count.
     told : mapping of Place to Marks
@@ -118,7 +121,7 @@ def row_of(
     """
     row: dict[str, Any] = {"shot": shot, "purpose": purpose}
     row |= {"verdict": "pass" if marks.met else "fail", "reason": marks.reason}
-    row["gain"] = f"{gain:g}"
+    row["gain"] = f"{gain:g}" if np.isfinite(gain) else ""
     if len(told) > 1:
         row["judged"] = next(place.name for place, each in told.items() if each is marks)
     for place, each in told.items():

@@ -12,7 +12,7 @@ from ctlblocks.replay import Replay
 from vibractl.guard import Guard
 from vibractl.learner import Learner
 from vibractl.quality import FAINT, decibels
-from vibractl.run_setup import shot_files
+from vibractl.run_setup import is_imported, shot_files
 from vibractl.setup import Setup
 from vibractl.shot_file import channel_names, far_field_of, split
 from vibractl.trial import shot_graph
@@ -53,6 +53,8 @@ class Replayed:
 def replay(path: Path, made: Setup) -> Iterator[Replayed]:
     """Rebuild the drives of a run from its recorded responses, in order.
 
+    Of a run that other software has played each drive is the one that the law makes of what was played before.
+
     Parameters
     ----------
     path : Path
@@ -67,13 +69,15 @@ def replay(path: Path, made: Setup) -> Iterator[Replayed]:
     files = shot_files(path)
     if not files:
         raise ValueError(f"{path}: no shot is recorded")
-    learner = made.learner()
+    learner, is_foreign = made.learner(), is_imported(path)
     for shot, file in enumerate(files):
         record = recording.read(file, rate=made.shot.rate)
         if len(record.data) != made.shot.total:
             raise ValueError(f"{file}: {len(record.data)} samples, must be {made.shot.total}")
         recorded, _ = split(record, made.config)
         yield Replayed(shot, _through_graph(learner, record, made), np.asarray(recorded, dtype=np.float32))
+        if is_foreign:
+            learner.played(recorded)
         if learner.far_field.shape[1]:
             learner.far_field[:] = far_field_of(record, made.config)
         learner.advance()

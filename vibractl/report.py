@@ -17,6 +17,8 @@ from vibractl.figures.spectrum import error_plot, response_plot
 from vibractl.figures.tracking import error_time_plot, tracking_plot
 from vibractl.quality_table import summary
 from vibractl.reference import is_file
+from vibractl.setup import Setup
+from vibractl.transfer_matrix import TransferMatrix
 
 PAGE = "report.html"
 SHOTS_TEXT = (
@@ -90,20 +92,28 @@ def _facts(result: Result, figures: Mapping[str, Any], events: list[dict[str, An
         yield Fact(f"Tracking error of {result.sensor} {side}", f"{error:.1f} dB re reference")
     if result.elsewhere is not None:
         yield _elsewhere(result.elsewhere, figures["places"])
-    room = min(float(last[f"headroom_db_{coil}"]) for coil in result.coils)
-    yield Fact("Head-room of the last drive", f"{room:.1f} dB under {result.made.config.limits.peak:g} V", room >= 0)
+    rooms = [float(last[f"headroom_db_{coil}"]) for coil in result.coils if last[f"headroom_db_{coil}"]]
+    if rooms:
+        limit = result.made.config.limits.peak
+        yield Fact("Head-room of the last drive", f"{min(rooms):.1f} dB under {limit:g} V", min(rooms) >= 0)
     discarded = sum(event["event"] == "discarded" for event in events)
     yield Fact("Shots", f"{len(result.rows)}" + (f", {discarded} discarded" if discarded else ""))
-    to = f"{result.made.learned.sensor}s" if result.made.learned.is_far else "sides"
-    drives = f"{len(result.coils)} to {len(result.made.learned.sensors)}, {result.made.config.learning.structure}"
-    yield Fact(f"Drives to {to}", drives)
-    yield Fact("Reference", result.made.reference.text if not is_file(result.made.reference.text) else "recording")
-    date = result.model.provenance.get("date")
-    yield Fact("Model measured", f"{date[:16].replace('T', ' ')} UTC" if date else "not dated")
+    made = result.made
+    if isinstance(made, Setup):
+        to = f"{made.learned.sensor}s" if made.learned.is_far else "sides"
+        drives = f"{len(result.coils)} to {len(made.learned.sensors)}, {made.config.learning.structure}"
+        yield Fact(f"Drives to {to}", drives)
+    yield Fact("Reference", made.reference.text if not is_file(made.reference.text) else "recording")
+    date = result.model.provenance.get("date") if result.model else None
+    yield Fact(
+        "Model measured", f"{date[:16].replace('T', ' ')} UTC" if date else "not dated" if result.model else "none"
+    )
 
 
 def _sections(result: Result, events: list[dict[str, Any]]) -> Iterator[Section]:
-    yield Section("Spectrograms", result.made.note, plots=(spectrogram_plot(result),))
+    made = result.made
+    note = made.note if isinstance(made, Setup) else ""
+    yield Section("Spectrograms", note, plots=(spectrogram_plot(result),))
     yield Section("Spectra", plots=(response_plot(result), error_plot(result)))
     yield Section("Learning", plots=(learning_plot(result),))
     other = result.elsewhere
@@ -113,7 +123,9 @@ def _sections(result: Result, events: list[dict[str, Any]]) -> Iterator[Section]
     yield Section("Tracking", plots=(tracking_plot(result), error_time_plot(result)))
     yield Section("Overtones and phase", plots=(overtone_plot(result), phase_plot(result)))
     yield Section("Drives", plots=(drive_plot(result), drive_spectrum_plot(result)), tables=(headroom_table(result),))
-    yield Section("Model", _model_text(result), plots=(magnitude_plot(result.model), trust_plot(result)))
+    if isinstance(made, Setup) and result.model is not None:
+        plots = magnitude_plot(result.model), trust_plot(result.model, made)
+        yield Section("Model", _model_text(result.model), plots=plots)
     yield Section("Shots", SHOTS_TEXT, tables=(shot_table(result),))
     if events:
         yield Section("Events", tables=(event_table(events),))
@@ -129,8 +141,8 @@ def _elsewhere(other: Result, places: Mapping[str, Any]) -> Fact:
     return Fact(f"{_PLACES[name]}, beside that", f"{said}; last shot {abs(worst):.1f} dB {way} the limit")
 
 
-def _model_text(result: Result) -> str:
-    told = result.model.provenance
+def _model_text(model: TransferMatrix) -> str:
+    told = model.provenance
     return "; ".join(f"{name}: {told[name]}" for name in ("rig", "date", "recording", "software") if name in told) + "."
 
 

@@ -9,10 +9,12 @@ from rigkit import config as rig_file
 from rigkit import run_origin
 from rigkit.agreement import GOING_ON, MEASURED_ELSEWHERE, agreed, differences
 from rigkit.disk_space import require
+from rigkit.origin import RUN, read_origin
 from rigkit.run_folder import CONFIG, RunFolder
 from rigkit.run_origin import changed, going_on, keep_origin
 from vibractl.config import RigConfig
 from vibractl.fft_plans import Plans
+from vibractl.judging import Judging
 from vibractl.library.entry import Entry, read_entry, write_entry
 from vibractl.model_file import read_far_field, read_model
 from vibractl.model_origin import model_for
@@ -22,6 +24,8 @@ from vibractl.setup import Setup, setup, warm_setup
 MODEL, WISDOM, REFERENCE, START = "model.h5", "fftw.wisdom", "reference", "start.h5"
 UNCHANGED = GOING_ON.without("characterisation")
 """What a run that goes on must have kept."""
+IMPORTED = "imported vibrator run"
+"""Kind of a run that other software has played and recorded."""
 
 
 def create(
@@ -100,12 +104,32 @@ def setup_of(path: Path, overrides: tuple[str, ...] = (), model: Path | None = N
     ------
     ValueError : the folder lacks a part, or the parts do not fit.
     """
+    if model is None and not (path / MODEL).is_file() and is_imported(path):
+        raise ValueError(f"{path}/ was imported without a model, and this needs one: import it with --model FILE")
     config = settings_of(path, overrides)
     plans = Plans.of_run(path / WISDOM)
     matrix = read_model(model or path / MODEL)
     far = read_far_field(model or path / MODEL, len(config.audio.far_field_channels))
     entry = read_entry(path / START) if config.learning.start == "library" else None
     return setup(config, matrix, far, entry, plans)
+
+
+def judging_of(path: Path) -> Setup | Judging:
+    """Return what the shots of a run folder are judged by: its set-up or, where it was imported without a model, less.
+
+    Raises
+    ------
+    ValueError : as of `setup_of`.
+    """
+    if (path / MODEL).is_file() or not is_imported(path):
+        return setup_of(path)
+    return Judging.of(settings_of(path))
+
+
+def is_imported(path: Path) -> bool:
+    """Whether the run in a folder was played and recorded by other software."""
+    origin = read_origin(path / RUN)
+    return origin is not None and origin.kind == IMPORTED
 
 
 def resumed_setup(folder: RunFolder, accept: Collection[str] = ()) -> Setup:
@@ -122,6 +146,11 @@ def resumed_setup(folder: RunFolder, accept: Collection[str] = ()) -> Setup:
     ValueError : the folder lacks a part, or the parts do not fit.
     DisagreementError : settings or parts have changed.
     """
+    if is_imported(folder.path):
+        raise ValueError(
+            f"{folder.path}/ was played by other software and imported, so it does not go on here: go on with "
+            "`vibractl step`, or keep what it knows with `vibractl library add` and begin with `vibractl run --warm`"
+        )
     kept = rig_file.load(folder.path / CONFIG, RigConfig, as_written=True)
     notes = going_on(folder, kept, accept, UNCHANGED)
     return replace(setup_of(folder.path), said=tuple(notes))

@@ -15,7 +15,7 @@ from rigkit.run_origin import WAY_OUT
 from rigkit.sealed_file import sealed
 from vibractl.audio import Line
 from vibractl.capture import Discarded
-from vibractl.learner import Learner
+from vibractl.learner import ALIKE, Learner
 from vibractl.place import Place
 from vibractl.quality import FAINT, Judge, Marks, decibels
 from vibractl.quality_table import reduced, row_of, summary
@@ -23,9 +23,6 @@ from vibractl.run_setup import require_room, shot_files
 from vibractl.setup import Setup
 from vibractl.shot_file import DISCARDED, far_field_of, keep_discarded, recording_of, split
 from vibractl.supervision import ALONE, Supervision
-
-ALIKE = 1e-3
-"""Of a drive's rms, by which one rebuilt may differ from the recorded one and still be taken for it."""
 
 
 class Session:

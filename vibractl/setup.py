@@ -54,6 +54,11 @@ class Setup:
     said: tuple[str, ...] = ()
 
     @property
+    def coils(self) -> tuple[int, ...]:
+        """Coils that are driven, counted from 0."""
+        return tuple(np.flatnonzero(np.any(self.law.spread != 0, axis=1)).tolist())
+
+    @property
     def judged(self) -> Place:
         """Where the objective must hold."""
         return self._place(self.config.quality.where)

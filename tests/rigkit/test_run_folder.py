@@ -207,3 +207,40 @@ def test_a_run_killed_at_any_moment_is_taken_up_and_ends_the_same(kind: str, few
     done = subprocess.run(command, capture_output=True, text=True, timeout=EVER, check=False)
     assert done.returncode == 0, done.stderr
     assert int(done.stdout) >= fewest_kills
+
+
+BUILDING = """
+import os, signal, sys
+from rigkit.run_folder import RunFolder
+with RunFolder.built(sys.argv[1], "[rig]") as folder:
+    folder.event("imported", {})
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_a_folder_that_is_built_is_there_whole_or_not_at_all(path: Path) -> None:
+    with RunFolder.built(path, "[rig]\n") as folder:
+        folder.event("imported", {"shot": 0})
+        assert not path.exists()
+    assert (path / "config.toml").read_text() == "[rig]\n"
+    assert read_events(path)[0]["event"] == "imported"
+    assert [each.name for each in path.parent.iterdir()] == ["first"]
+    with pytest.raises(FolderInUseError, match="is in use: it holds"), RunFolder.built(path, ""):
+        pass
+
+
+def test_one_that_fails_leaves_nothing(path: Path) -> None:
+    with pytest.raises(ValueError, match="a field is called time"), RunFolder.built(path, "") as folder:
+        folder.event("imported", {"time": 0})
+    assert not path.parent.exists()
+
+
+def test_what_a_kill_has_left_goes_when_it_is_built_again(path: Path) -> None:
+    done = subprocess.run([sys.executable, "-c", BUILDING, str(path)], check=False, timeout=EVER)
+    assert done.returncode < 0
+    assert not path.exists()
+    assert len(list(path.parent.iterdir())) == 1
+    path.mkdir()
+    with RunFolder.built(path, "[rig]\n"):
+        pass
+    assert [each.name for each in path.parent.iterdir()] == ["first"]

@@ -12,7 +12,8 @@ from rigkit.provenance import software
 from vibractl.config import RigConfig
 from vibractl.far_field import FarField
 from vibractl.model_file import read_far_field, read_model
-from vibractl.run_setup import MODEL, setup_of, shot_files
+from vibractl.run_setup import MODEL, judging_of, shot_files
+from vibractl.setup import Setup
 from vibractl.transfer_matrix import TransferMatrix
 
 TIMING = "loopback"
@@ -36,7 +37,8 @@ class Content:
         Accelerometers controlled, counted from 1.
     lead, frames : int, samples
         Silence before the reference, and its length.
-    matrix : TransferMatrix
+    matrix : TransferMatrix or None
+        Where there is a model.
     files : mapping from shot, counted from 0, to its recording
     far : FarField or None
         Where there are hydrophones.
@@ -49,7 +51,7 @@ class Content:
     sides: tuple[int, ...]
     lead: int
     frames: int
-    matrix: TransferMatrix
+    matrix: TransferMatrix | None
     files: Mapping[int, Path]
     far: FarField | None = None
 
@@ -109,11 +111,11 @@ def read_content(path: Path, shots: str | None = None) -> Content:
     """
     if not (path / "config.toml").is_file():
         raise ValueError(f"{path}/ is not the folder of a run: it has no config.toml")
-    made = setup_of(path)
+    made = judging_of(path)
     recorded = shot_files(path)
     if not recorded:
         raise ValueError(f"{path}: 0 shots are recorded, must be at least 1")
-    wanted = selected(shots, len(recorded))
+    wanted, has_model = selected(shots, len(recorded)), isinstance(made, Setup)
     reference = np.zeros((made.shot.total, made.reference.signal.shape[1]))
     reference[made.shot.window] = made.reference.signal
     return Content(
@@ -121,12 +123,12 @@ def read_content(path: Path, shots: str | None = None) -> Content:
         made.config,
         Path(made.reference.text).name,
         reference,
-        tuple(output + 1 for output in made.law.outputs),
+        tuple(output + 1 for output in made.places[0].sensors),
         made.shot.lead,
         made.shot.frames,
-        read_model(path / MODEL),
+        read_model(path / MODEL) if has_model else None,
         {number: recorded[number] for number in wanted},
-        read_far_field(path / MODEL, len(made.config.audio.far_field_channels)),
+        read_far_field(path / MODEL, len(made.config.audio.far_field_channels)) if has_model else None,
     )
 
 

@@ -42,7 +42,7 @@ FAR_FIELD = Kind(
 
 
 def write_csv(folder: Path, content: Content) -> list[Path]:
-    """Write `responses.csv`, `reference.csv`, `far-field.csv` if it is known, `shot-0000.csv` ..., each in one step.
+    """Write `responses.csv` and `far-field.csv` if known, `reference.csv`, `shot-0000.csv` ..., each in one step.
 
     Parameters
     ----------
@@ -54,8 +54,10 @@ def write_csv(folder: Path, content: Content) -> list[Path]:
     -------
     list of Path
     """
-    written = [folder / "responses.csv"]
-    atomic.write(written[0], responses_text(content.matrix, content.about))
+    written = []
+    if content.matrix is not None:
+        written.append(folder / "responses.csv")
+        atomic.write(written[-1], responses_text(content.matrix, content.about))
     if content.far is not None:
         written.append(folder / "far-field.csv")
         atomic.write(written[-1], responses_text(content.far.late, content.about, FAR_FIELD))

@@ -14,6 +14,7 @@ from vibractl import far_field
 from vibractl.export.content import Content
 from vibractl.far_field import FarField
 from vibractl.model_file import UNITS
+from vibractl.transfer_matrix import TransferMatrix
 
 LARGEST = 2**31 - 1
 """Bytes of one variable in a file of this version."""
@@ -35,14 +36,11 @@ def write_mat(path: Path, content: Content) -> None:
     _refuse_too_large(content)
     read = lru_cache(maxsize=1)(content.shot)
     shots = [_shot(read, number) for number in content.files]
-    matrix = content.matrix
-    model: dict[str, Any] = {name: getattr(matrix, name) for name in UNITS}
-    model |= {"units": UNITS, "provenance": _text_fields(dict(matrix.provenance))}
     run = {
         "about": _text_fields(content.about),
         "rate": content.rate,
         "rate_unit": "samples/s",
-        "model": model,
+        **({} if content.matrix is None else {"model": _model(content.matrix)}),
         "reference": {
             "names": _cells(content.reference_names),
             "unit": "m/s^2",
@@ -58,6 +56,11 @@ def write_mat(path: Path, content: Content) -> None:
         raise ValueError(
             f"the run takes {path.stat().st_size} bytes, must be <= {LARGEST} in a MATLAB file; name fewer"
         )
+
+
+def _model(matrix: TransferMatrix) -> dict[str, Any]:
+    parts: dict[str, Any] = {name: getattr(matrix, name) for name in UNITS}
+    return parts | {"units": UNITS, "provenance": _text_fields(dict(matrix.provenance))}
 
 
 class _OnDemand:

@@ -9,7 +9,7 @@ from vibractl.export.csv import FAR_FIELD, RESPONSES, response_columns, response
 
 
 def write_parquet(folder: Path, content: Content) -> list[Path]:
-    """Write `responses.parquet`, `far-field.parquet` if known, `reference.parquet`, `shot-0000.parquet` and so on.
+    """Write `responses.parquet` and `far-field.parquet` if known, `reference.parquet`, `shot-0000.parquet` and so on.
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ def write_parquet(folder: Path, content: Content) -> list[Path]:
     list of Path
     """
     written = []
-    matrices = {"responses": (content.matrix, RESPONSES)}
+    matrices = {} if content.matrix is None else {"responses": (content.matrix, RESPONSES)}
     if content.far is not None:
         matrices["far-field"] = (content.far.late, FAR_FIELD)
     for name, (matrix, kind) in matrices.items():

@@ -12,6 +12,7 @@ import numpy as np
 from rigkit.export.optional import optional
 from vibractl.export.content import Content
 from vibractl.far_field import FarField
+from vibractl.transfer_matrix import TransferMatrix
 
 TIME, AUTO_SPECTRUM, RESPONSE, COHERENCE = 1, 2, 4, 6
 """Function types of record 6."""
@@ -61,7 +62,20 @@ def _as_written(pyuff: Any, function: dict[str, Any], scratch: Path) -> bytes:
 def _functions(content: Content) -> Iterator[dict[str, Any]]:
     matrix = content.matrix
     about = f"rig {content.config.rig.name}, run {content.path.resolve().name}"
-    created = _uff_date(matrix.provenance.get("date"))
+    created = _uff_date(None if matrix is None else matrix.provenance.get("date"))
+    if matrix is not None:
+        yield from _near_field(matrix, about, created)
+    if content.far is not None:
+        yield from _far_field(content.far, about, created)
+    units = ["m/s^2"] * len(content.sides)
+    yield from _signals(content, "reference", content.reference_names, content.reference, units, about)
+    for number in content.files:
+        record = content.shot(number)
+        yield from _signals(content, f"shot {number}", record.names, record.data, record.units, about)
+
+
+def _near_field(matrix: TransferMatrix, about: str, created: str) -> Iterator[dict[str, Any]]:
+    """Return what accelerometers hear of coils."""
     for output in range(matrix.outputs):
         for coil in range(matrix.inputs):
             ends = _end("response", output + 1, ALONG_AXIS, "rsp") | _end("drive", coil + 1, SCALAR, "ref")
@@ -80,13 +94,6 @@ def _functions(content: Content) -> Iterator[dict[str, Any]]:
                 "1",
                 {**element, "id4": "part of the response's power at the line that the drive explains"},
             )
-    if content.far is not None:
-        yield from _far_field(content.far, about, created)
-    units = ["m/s^2"] * len(content.sides)
-    yield from _signals(content, "reference", content.reference_names, content.reference, units, about)
-    for number in content.files:
-        record = content.shot(number)
-        yield from _signals(content, f"shot {number}", record.names, record.data, record.units, about)
 
 
 def _far_field(far: FarField, about: str, created: str) -> Iterator[dict[str, Any]]:

@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 from rigkit.figure_style import COLOURS
 from rigkit.report import Plot
 from vibractl.figures.lines import BOUND, legend_above
-from vibractl.figures.result import Result
 from vibractl.quality import decibels
+from vibractl.setup import Setup
 from vibractl.transfer_matrix import TransferMatrix
 
 DEVIATIONS = 2.0
@@ -36,9 +36,8 @@ def magnitude_plot(model: TransferMatrix) -> Plot:
     return Plot(figure, "The measured transfer matrix, with two standard deviations of its magnitude.")
 
 
-def trust_plot(result: Result) -> Plot:
+def trust_plot(model: TransferMatrix, made: Setup) -> Plot:
     """Draw the coherence of every element, and the certificate of the first stage of gains line by line."""
-    model = result.model
     figure = Figure(figsize=(8.0, 5.2))
     above, below = figure.subplots(2, 1, sharex=True)
     for output in range(model.outputs):
@@ -50,9 +49,9 @@ def trust_plot(result: Result) -> Plot:
     above.set_ylabel("coherence")
     above.set_title("Coherence")
     legend_above(above)
-    law = result.made.law
+    law = made.law
     learned = law.active > 0
-    frequency, bound = law.matrix.frequency[learned], result.made.learner().algorithm.certificate[learned]
+    frequency, bound = law.matrix.frequency[learned], made.learner().algorithm.certificate[learned]
     below.plot(frequency, bound, "o" if learned.sum() < 100 else "-", linewidth=1.0, markersize=5)
     below.axhline(1.0, **BOUND, label="certified below 1")
     below.set_ylim(0.0, max(1.1, 1.05 * bound.max()))

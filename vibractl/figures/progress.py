@@ -33,7 +33,8 @@ def learning_plot(result: Result) -> Plot:
         _mark_gains(axes, result.column("gain"), named=axes is error)
         legend_above(axes)
     _shots(worst, len(result.rows))
-    return Plot(figure, "Error of every shot. Dotted: where the learning gain K of the following updates changes.")
+    dotted = " Dotted: where the learning gain K of the following updates changes."
+    return Plot(figure, "Error of every shot." + ("" if np.isnan(result.column("gain")).all() else dotted))
 
 
 def overtone_plot(result: Result) -> Plot:
@@ -88,6 +89,8 @@ def _draw(axes: Axes, values: np.ndarray, number: int, label: str) -> None:
 
 def _mark_gains(axes: Axes, gains: np.ndarray, named: bool) -> None:
     """Mark where a stage of gains begins; the update after shot k makes shot k + 1."""
+    if np.isnan(gains).all():  # no law of this program
+        return
     for shot in (0, *(np.flatnonzero(np.diff(gains)) + 1)):
         if shot:
             axes.axvline(shot, color="#666666", linestyle=":", linewidth=1.0)

@@ -8,10 +8,11 @@ import numpy as np
 
 from ctlblocks import recording
 from rigkit.run_folder import read_quality
+from vibractl.judging import Judging
 from vibractl.model_file import read_model
 from vibractl.quality import Judge
 from vibractl.quality_table import is_reduced
-from vibractl.run_setup import MODEL, setup_of, shot_files
+from vibractl.run_setup import MODEL, judging_of, shot_files
 from vibractl.setup import Setup
 from vibractl.shot_file import far_field_of, split
 from vibractl.transfer_matrix import TransferMatrix
@@ -45,9 +46,9 @@ class Result:
 
     Parameters
     ----------
-    made : Setup
+    made : Setup, or Judging where there is no model
     judge : Judge
-    model : TransferMatrix, as measured, of the whole rig
+    model : TransferMatrix, as measured, of the whole rig, or None
     rows : tuple of rows of `qc.csv`, one a shot
     ends : tuple of Shot
         The first shot of the whole reference and the last shot; one alone where that is the same.
@@ -55,9 +56,9 @@ class Result:
         The same run as the sensors hear it that do not count, where there are hydrophones.
     """
 
-    made: Setup
+    made: Setup | Judging
     judge: Judge
-    model: TransferMatrix
+    model: TransferMatrix | None
     rows: tuple[Row, ...]
     ends: tuple[Shot, ...]
     elsewhere: "Result | None" = None
@@ -85,7 +86,7 @@ class Result:
     @property
     def coils(self) -> tuple[int, ...]:
         """Coils driven, counted from 1 as on the rig."""
-        return tuple(int(coil) + 1 for coil in driven(self.made))
+        return tuple(coil + 1 for coil in self.made.coils)
 
     @property
     def rate(self) -> float:
@@ -119,12 +120,12 @@ def read_result(path: Path) -> Result:
     ------
     ValueError : no shot is recorded and judged, or the folder lacks a part.
     """
-    made = setup_of(path)
+    made = judging_of(path)
     files, rows = shot_files(path), read_quality(path)
     shots = min(len(files), len(rows))
     if not shots:
         raise ValueError(f"{path}: {len(files)} shots are recorded and {len(rows)} judged, must be at least 1 of each")
-    model, found = read_model(path / MODEL), None
+    model, found = read_model(path / MODEL) if isinstance(made, Setup) else None, None
     first = next((number for number, row in enumerate(rows[:shots]) if not is_reduced(row)), 0)
     for place in sorted(made.places, key=lambda place: place is made.judged):  # the one that counts comes last
         judge = Judge(made, place)
@@ -134,15 +135,10 @@ def read_result(path: Path) -> Result:
     return found
 
 
-def driven(made: Setup) -> np.ndarray:
-    """Return the coils that the run drives, counted from 0, shape (driven,)."""
-    return np.flatnonzero(np.any(made.law.spread != 0, axis=1))
-
-
-def _shot(number: int, path: Path, made: Setup, judge: Judge) -> Shot:
+def _shot(number: int, path: Path, made: Setup | Judging, judge: Judge) -> Shot:
     record = recording.read(path, rate=made.shot.rate)
     if len(record.data) != made.shot.total:
         raise ValueError(f"{path}: {len(record.data)} samples, must be {made.shot.total}")
     drive, response = split(record, made.config)
     heard = far_field_of(record, made.config) if judge.place.is_far else response
-    return Shot(number, drive[:, driven(made)], heard[:, list(judge.place.sensors)], judge.error(heard))
+    return Shot(number, drive[:, list(made.coils)], heard[:, list(judge.place.sensors)], judge.error(heard))

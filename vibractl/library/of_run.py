@@ -3,8 +3,6 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-import numpy as np
-
 from ctlblocks import recording
 from rigkit import config as rig_file
 from rigkit.provenance import now, software
@@ -13,7 +11,6 @@ from vibractl.library.entry import Entry
 from vibractl.library.fit import reference_hash, wiring
 from vibractl.quality_table import is_reduced, prefix_of
 from vibractl.run_setup import setup_of, shot_files
-from vibractl.session import ALIKE
 from vibractl.setup import Setup
 from vibractl.shot_file import far_field_of, split
 
@@ -51,9 +48,7 @@ def entry_of(path: Path, shot: int | None, tags: Mapping[str, str]) -> Entry:
         drive, response = split(record, made.config)
         if made.learned.is_far:
             learner.far_field[:] = far_field_of(record, made.config)
-        off = float(np.linalg.norm(drive - learner.drive))
-        if not off <= ALIKE * float(np.linalg.norm(drive)):  # of other software: what was played counts
-            learner.algorithm.lines = learner.lines_of(drive[made.shot.window])
+        learner.played(drive)
         if place == number:
             lines = learner.lines.copy()
         learner.response[: len(response)] = response
