@@ -20,7 +20,7 @@ VOLTS = {"V": 1.0, "mV": 1e-3, "kV": 1e3, "1": 1.0}
 
 
 def hysteresis_command(
-    data: Annotated[Path, typer.Argument(metavar="DATA", help="CSV, WAV or HDF5 file.")],
+    data: Annotated[Path, typer.Argument(metavar="DATA", help="CSV, WAV, FLAC, HDF5 or MAT file.")],
     input_channel: Annotated[str, typer.Option("--input", metavar="u", help="Channel of the voltage.")],
     output_channel: Annotated[str, typer.Option("--output", metavar="y", help="Channel of what it moved.")],
     out: Annotated[Path, typer.Option(metavar="FILE", help="Model file; the report goes beside it.")],

@@ -1,140 +1,79 @@
-"""The process that reads an HDF5 file of anybody's: `python -m rigkit.array_reader FILE CHANNELS`, to standard output.
+"""The process that reads a file of arrays: `python -m rigkit.array_reader FILE CHANNELS`, to standard output.
 
 A line of JSON (names, units, rate and frames of the channels, or why they are refused), then their samples as float64,
 frame by frame.
 """
 
 import json
-import resource
 import sys
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
 
-from rigkit.foreign_stream import BLOCK
+from ctlblocks.recording import RecordingError
+from rigkit.array_hdf5 import LARGEST_CHUNK, hdf5_contents
+from rigkit.array_room import ROOM, let_have
+from rigkit.array_variables import Column, Contents, RefusedError, chosen, rate_of
+from rigkit.foreign_stream import frames_at_once
 from rigkit.sealed_file import UNREADABLE
 
-PATIENCE = 60
-"""s of the processor's time for a block to be read."""
-COMPRESSED = 1100
-"""How many times as large as its file a dataset may be: deflate makes of a byte no more than 1032."""
-LARGEST_CHUNK = 2**28
-"""Bytes of a chunk, which the library reads whole."""
-WIDEST = 1024
-"""Columns of a dataset."""
 
+def main(path: Path, channels: Sequence[str] | None, write: Callable[[bytes], object]) -> None:
+    """Write what the channels are and hold.
 
-class RefusedError(ValueError):
-    """What is wrong with a file, in words."""
-
-
-@dataclass(frozen=True)
-class Column:
-    """One channel: a dataset, and which of its columns."""
-
-    name: str
-    dataset: h5py.Dataset
-    number: int
-
-    def samples(self, start: int, stop: int) -> np.ndarray:
-        """Return samples, shape (stop - start,), any unit."""
-        where = slice(start, stop) if self.dataset.ndim == 1 else (slice(start, stop), self.number)
-        found: np.ndarray = self.dataset[where].astype(float)
-        return found
-
-
-def main(path: Path, channels: Sequence[str] | None) -> None:
-    """Write what the channels are and hold."""
+    Parameters
+    ----------
+    path : Path
+    channels : sequence of str or None
+        As of `rigkit.foreign_record.open_signals`.
+    write : callable(bytes)
+    """
     try:
-        with h5py.File(path, "r") as file:
-            columns = [_column(file, channel) for channel in channels] if channels is not None else _all(file)
-            about = _about(file, columns)
-            sys.stdout.buffer.write(json.dumps(about).encode() + b"\n")
-            _write(columns, about["frames"])
-    except RefusedError as fault:
-        _refuse(str(fault))
+        let_have(ROOM)
+        if path.suffix.lower() == ".mat" and not h5py.is_hdf5(path):
+            from rigkit.array_mat import mat_contents  # scipy takes as long to load as all the rest
+
+            _send(mat_contents(path), channels, write)
+        else:
+            with h5py.File(path, "r") as file:
+                _send(hdf5_contents(file), channels, write)
+    except (RefusedError, RecordingError) as fault:
+        _refuse(str(fault), write)
     except UNREADABLE as fault:
-        _refuse(f"is no HDF5 file, or a damaged one ({' '.join(str(fault).split())})")
+        kind = "MAT" if path.suffix.lower() == ".mat" else "HDF5"
+        _refuse(f"is no {kind} file, or a damaged one ({' '.join(str(fault).split())})", write)
 
 
-def _refuse(reason: str) -> None:
+def _refuse(reason: str, write: Callable[[bytes], object]) -> None:
     """Say why; behind samples it is none, and they end too early."""
-    sys.stdout.buffer.write(json.dumps({"refused": reason}).encode() + b"\n")
+    write(json.dumps({"refused": reason}).encode() + b"\n")
 
 
-def _about(file: h5py.File, columns: Sequence[Column]) -> dict[str, Any]:
-    lengths = {column.name: len(column.dataset) for column in columns}
-    if len(set(lengths.values())) > 1:
-        differing = ", ".join(f"{name} {length}" for name, length in lengths.items())
-        raise RefusedError(f"the datasets have different lengths, {differing}")
-    own = (column.dataset.attrs.get("rate") for column in columns)
-    said = file.attrs.get("rate", next((rate for rate in own if rate is not None), None))
-    try:
-        rate = None if said is None else float(np.asarray(said).item())
-    except (ValueError, TypeError):
-        raise RefusedError(f"its rate is {said!r}, must be a number of samples/s") from None
-    units = [str(attrs.get("unit", attrs.get("units", "1"))) for attrs in (column.dataset.attrs for column in columns)]
-    return {"names": list(lengths), "units": units, "rate": rate, "frames": lengths[columns[0].name]}
+def _send(found: Contents, channels: Sequence[str] | None, write: Callable[[bytes], object]) -> None:
+    columns = chosen(found, channels)
+    frames = columns[0][1].frames
+    about = {
+        "names": [name for name, _, _ in columns],
+        "units": [variable.unit for _, variable, _ in columns],
+        "rate": rate_of(found, columns),
+        "frames": frames,
+    }
+    write(json.dumps(about).encode() + b"\n")
+    size, grain = frames_at_once(len(columns)), max(variable.grain for _, variable, _ in columns)
+    if grain * len(columns) <= LARGEST_CHUNK // 8:
+        size = -(-size // grain) * grain  # no chunk is decompressed twice
+    for start in range(0, frames, size):
+        let_have(ROOM + LARGEST_CHUNK)
+        write(_block(columns, start, min(start + size, frames)).tobytes())
 
 
-def _write(columns: Sequence[Column], frames: int) -> None:
-    hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
-    for start in range(0, frames, BLOCK):
-        used = resource.getrusage(resource.RUSAGE_SELF)
-        resource.setrlimit(resource.RLIMIT_CPU, (int(used.ru_utime + used.ru_stime) + PATIENCE, hard))
-        block = np.stack([column.samples(start, min(start + BLOCK, frames)) for column in columns], axis=1)
-        sys.stdout.buffer.write(block.tobytes())
-
-
-def _all(file: h5py.File) -> list[Column]:
-    """Return every column of every dataset of numbers."""
-    found: list[h5py.Dataset] = []
-    file.visititems(lambda _, item: found.append(item) if _holds_signals(item) else None)
-    if not found:
-        raise RefusedError("holds no dataset of numbers in one or two dimensions")
-    columns = []
-    for dataset in found:
-        _refuse_too_large(dataset)
-        name, width = str(dataset.name).removeprefix("/"), 1 if dataset.ndim == 1 else dataset.shape[1]
-        columns += [Column(f"{name}_{n + 1}" if width > 1 else name, dataset, n) for n in range(width)]
-    return columns
-
-
-def _column(file: h5py.File, channel: str) -> Column:
-    """Return the column of a channel that is asked for."""
-    place, _, number = channel.partition(":")
-    dataset = file.get(place)
-    if not _holds_signals(dataset):
-        there: list[str] = []
-        file.visititems(lambda name, item: there.append(name) if isinstance(item, h5py.Dataset) else None)
-        raise RefusedError(f"no dataset {place!r} of numbers in one or two dimensions; there are {', '.join(there)}")
-    _refuse_too_large(dataset)
-    width = 1 if dataset.ndim == 1 else dataset.shape[1]
-    number = number or ("1" if width == 1 else "")
-    if not (number.isdecimal() and 1 <= int(number) <= width):
-        raise RefusedError(f"{channel!r} must name one of {width} columns, as {place}:1")
-    return Column(channel, dataset, int(number) - 1)
-
-
-def _holds_signals(item: object) -> bool:
-    return isinstance(item, h5py.Dataset) and item.ndim in (1, 2) and item.dtype.kind in "fiu"
-
-
-def _refuse_too_large(dataset: h5py.Dataset) -> None:
-    """Refuse what cannot be in the file, or is not read in blocks."""
-    size, width = dataset.file.id.get_filesize(), 1 if dataset.ndim == 1 else dataset.shape[1]
-    largest = size if dataset.chunks is None else COMPRESSED * size
-    if dataset.nbytes > largest:
-        raise RefusedError(f"{dataset.name} has {dataset.nbytes} bytes, in a file of {size}")
-    if width > WIDEST:
-        raise RefusedError(f"{dataset.name} has {width} columns, must be <= {WIDEST}: time goes along its first axis")
-    if dataset.chunks is not None and np.prod(dataset.chunks, dtype=float) * dataset.dtype.itemsize > LARGEST_CHUNK:
-        raise RefusedError(f"{dataset.name} has chunks of {dataset.chunks}, must be <= {LARGEST_CHUNK} bytes")
+def _block(columns: Sequence[Column], start: int, stop: int) -> np.ndarray:
+    """Return samples of all channels, shape (stop - start, channels), any unit; each variable is read once."""
+    read = {variable.name: variable.read(start, stop) for _, variable, _ in columns}
+    return np.stack([read[variable.name][:, number] for _, variable, number in columns], axis=1, dtype=float)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), json.loads(sys.argv[2]))
+    main(Path(sys.argv[1]), json.loads(sys.argv[2]), sys.stdout.buffer.write)

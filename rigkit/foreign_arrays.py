@@ -1,4 +1,4 @@
-"""Another program's HDF5 file as signals, read in a process of its own: the library crashes on damaged ones."""
+"""Another program's HDF5 or MAT file as signals, read in a process of its own: libraries crash on damaged ones."""
 
 import json
 import subprocess
@@ -11,27 +11,26 @@ from typing import IO, Any
 import numpy as np
 
 from ctlblocks.recording import RecordingError
-from rigkit.foreign_stream import BLOCK, Signals
+from rigkit.foreign_stream import Signals, frames_at_once
 
-SUFFIXES = (".h5", ".hdf5", ".he5")
+SUFFIXES = (".h5", ".hdf5", ".he5", ".mat")
 READER = "rigkit.array_reader"
 
 
 def array_signals(path: Path, channels: Sequence[str] | None, rate: float | None) -> Signals:
-    """Open an HDF5 file.
+    """Open an HDF5 or MAT file.
 
     Parameters
     ----------
     path : Path
     channels : sequence of str or None
-        The paths of datasets, with ":" and a column's number where one has several; None: all of numbers in one or two
-        dimensions, time along the first.
+        The names of arrays of numbers, with ":" and a column's number where one has several; None: all but time.
     rate : float or None, samples/s
-        Where the file has no attribute "rate", of its own or of a dataset.
+        Where the file says none.
 
     Raises
     ------
-    RecordingError : no such dataset, a damaged one, no rate, or several lengths.
+    RecordingError : no such array, a damaged file, no rate or two, or several lengths.
     """
     with _asked(path, channels) as (about, pipe):
         names, frames = tuple(about["names"]), int(about["frames"])
@@ -70,7 +69,7 @@ def _asked(path: Path, channels: Sequence[str] | None) -> Iterator[tuple[dict[st
 
 def _parts(path: Path, pipe: IO[bytes], width: int) -> Iterator[np.ndarray]:
     """Read blocks of samples; what is missing in the end is found by who counts them."""
-    while content := pipe.read(8 * width * BLOCK):
+    while content := pipe.read(8 * width * frames_at_once(width)):
         if len(content) % (8 * width):
             raise RecordingError(f"{path}: its library fails on it, it is damaged or too large")
         yield np.frombuffer(content).reshape(-1, width)

@@ -5,11 +5,8 @@ from pathlib import Path
 
 from ctlblocks.recording import Recording, RecordingError
 from rigkit import foreign_arrays, foreign_sound, foreign_table
-from rigkit.even_time import is_time
+from rigkit.even_time import STEADY, seconds_of
 from rigkit.foreign_stream import Signals
-
-STEADY = 1e-3
-"""Part by which a rate that is given may differ from the file's."""
 
 
 def open_signals(
@@ -21,7 +18,7 @@ def open_signals(
     ----------
     path : Path
         A sound (.wav, also RF64; .flac), a table (.csv, .tsv, .txt, .dat: names first, or none; comma, semicolon, tab
-        or spaces between), or HDF5 (.h5, .hdf5, .he5).
+        or spaces between; .lvm), arrays (.h5, .hdf5, .he5, .mat).
     rate : float or None, samples/s
         None: what the file says: a sound's, a column of time, a first line of this program, an attribute "rate".
     channels : sequence of str or None
@@ -60,8 +57,8 @@ def open_signals(
     if rate is not None and not abs(found.rate - rate) <= STEADY * rate:
         raise RecordingError(f"{path}: {found.rate:.9g} samples/s, {asked} {rate:.9g}")
     if channels is not None:
-        return found.select(channels)
-    signals = [name for name in found.names if not is_time(name)]
+        return found if kind in foreign_arrays.SUFFIXES else found.select(channels)
+    signals = [name for name in found.names if seconds_of(name, "1") is None]
     if not signals:
         raise RecordingError(f"{path}: holds nothing but {', '.join(found.names)}")
     return found.select(signals)

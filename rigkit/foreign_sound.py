@@ -1,6 +1,8 @@
 """Sounds of anybody's as signals: WAV, RF64 and FLAC, header and samples checked against each other."""
 
-from collections.abc import Iterator
+import hashlib
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +11,8 @@ import soundfile
 
 from ctlblocks import wav_file
 from ctlblocks.recording import RecordingError
-from rigkit.foreign_stream import BLOCK, Signals
+from rigkit.flac_header import FlacHeader, flac_header
+from rigkit.foreign_stream import Signals, frames_at_once
 
 SUFFIXES = (".wav", ".flac")
 
@@ -26,37 +29,53 @@ def sound_signals(path: Path) -> Signals:
     RecordingError : no sound, or one whose header contradicts the file.
     """
     try:
-        said = wav_file.header(path) if path.suffix.lower() == ".wav" else _flac(path)
-        unnamed: dict[str, Any] = {
-            "names": [f"channel_{number + 1}" for number in range(said.channels)], "units": ["1"] * said.channels,
-            "provenance": {},
-        }  # fmt: skip
-        about = unnamed | said.about
-        names, units = tuple(about["names"]), tuple(about["units"])
+        if path.suffix.lower() == ".flac":
+            flac = flac_header(path)
+            return _unnamed(path, flac.channels, flac.rate, flac.frames, lambda: _flac_parts(path, flac))
+        said = wav_file.header(path)
+        found = _unnamed(path, said.channels, said.rate, said.frames, lambda: _wav_parts(path))
+        return replace(found, **_described(said.about)) if said.about else found
     except (OSError, ValueError, TypeError, KeyError, RecursionError, soundfile.SoundFileError) as fault:
-        raise RecordingError(f"{path}: {fault}") from None
-    columns = tuple(range(said.channels))
-    return Signals(
-        path, names, units, float(said.rate), said.frames, lambda: _parts(path), columns, about["provenance"]
-    )
+        raise fault if isinstance(fault, RecordingError) else RecordingError(f"{path}: {fault}") from None
 
 
-def _parts(path: Path) -> Iterator[np.ndarray]:
+def _unnamed(
+    path: Path, channels: int, rate: float, frames: int, source: Callable[[], Iterator[np.ndarray]]
+) -> Signals:
+    names, columns = tuple(f"channel_{number + 1}" for number in range(channels)), tuple(range(channels))
+    return Signals(path, names, ("1",) * channels, float(rate), frames, source, columns)
+
+
+def _described(about: Mapping[str, Any]) -> dict[str, Any]:
+    return {"names": tuple(about["names"]), "units": tuple(about["units"]), "provenance": about["provenance"]}
+
+
+def _wav_parts(path: Path) -> Iterator[np.ndarray]:
+    return _parts(path, "float64")
+
+
+def _flac_parts(path: Path, said: FlacHeader) -> Iterator[np.ndarray]:
+    """Read samples, and compare their checksum with that of what was written: the library skips what is damaged."""
+    checksum = hashlib.md5(usedforsecurity=False)
+    for part in _parts(path, "int32"):
+        checksum.update(said.packed(part))
+        yield part * 2.0**-31
+    if said.checksum not in (None, checksum.digest()):
+        raise RecordingError(f"{path}: its samples are not those that were written: their checksum is another")
+
+
+def _parts(path: Path, dtype: str) -> Iterator[np.ndarray]:
+    done = 0
     try:
         with soundfile.SoundFile(path) as file:
-            while len(part := file.read(BLOCK, dtype="float64", always_2d=True)):
+            size = frames_at_once(file.channels)
+            while len(part := file.read(size, dtype=dtype, always_2d=True)):
+                done += len(part)
                 yield part
     except (OSError, soundfile.SoundFileError) as fault:
-        raise RecordingError(f"{path}: {fault}") from None
+        raise RecordingError(f"{path}: is damaged behind sample {done} ({fault})") from None
 
 
 def is_of_integers(path: Path) -> bool:
     """Whether a readable sound is of integers, whose numbers are parts of a full scale that it does not say."""
     return path.suffix.lower() == ".flac" or wav_file.header(path).subtype.startswith("PCM")
-
-
-def _flac(path: Path) -> wav_file.Header:
-    with soundfile.SoundFile(path) as file:
-        if file.format != "FLAC":
-            raise ValueError(f"is {file.format}, must be FLAC")
-        return wav_file.Header(file.frames, file.channels, file.samplerate, file.subtype, {})

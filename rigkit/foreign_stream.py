@@ -8,8 +8,13 @@ import numpy as np
 
 from ctlblocks.recording import Recording, RecordingError
 
-BLOCK = 2**16
-"""Frames that are read at once where nobody says how many."""
+VALUES = 2**19
+"""Numbers that are read at once where nobody says how many."""
+
+
+def frames_at_once(width: int) -> int:
+    """Return how many frames of `width` channels are read at once."""
+    return max(1, VALUES // width)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,12 +76,13 @@ class Signals:
             columns=tuple(self.columns[place] for place in places),
         )
 
-    def blocks(self, size: int = BLOCK) -> Iterator[np.ndarray]:
+    def blocks(self, size: int | None = None) -> Iterator[np.ndarray]:
         """Read from the first sample to the last, in memory for two blocks whatever the length of the file.
 
         Parameters
         ----------
-        size : int, frames, >= 1
+        size : int or None, frames, >= 1
+            None: what is handy.
 
         Yields
         ------
@@ -87,6 +93,7 @@ class Signals:
         ------
         RecordingError : while it is read: a sample that is not finite, a row that is none, a file that ends too early.
         """
+        size = size or frames_at_once(len(self.names))
         block, filled, done = np.empty((size, len(self.names))), 0, 0
         for part in self.source():
             chosen = part[:, self.columns]
@@ -111,7 +118,7 @@ class Signals:
         ------
         RecordingError : as of `blocks`.
         """
-        data, done = np.empty((BLOCK, len(self.names))), 0
+        data, done = np.empty((frames_at_once(len(self.names)), len(self.names))), 0
         for block in self.blocks():
             if done + len(block) > len(data):
                 data.resize((len(data) * 3 // 2 + len(block), len(self.names)), refcheck=False)

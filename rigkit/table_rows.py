@@ -1,6 +1,7 @@
 """Rows of numbers in a text file, block by block: by numpy's parser in C where a block is clean, else cell by cell."""
 
 import csv
+import re
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -34,15 +35,21 @@ class Cells:
         Cells of a row.
     decimal : str
         "." or, where `between` is no comma, ",".
+    open_ended : bool
+        Whether a row may begin and end with empty cells, and end with words.
     """
 
     between: str | None
     width: int
     decimal: str = "."
+    open_ended: bool = False
 
     def split(self, line: str) -> list[str]:
         """Return the cells of a line."""
-        return cells_of(line, self.between)
+        found = cells_of(line, self.between)
+        if self.open_ended and len(found) == self.width + 1 and self.number(found[-1]) is None:
+            return found[:-1]
+        return found
 
     def number(self, cell: str) -> float | None:
         """Return the number in a cell, None where there is none."""
@@ -121,6 +128,8 @@ def parsed(path: Path, first: int, block: bytes, cells: Cells) -> tuple[np.ndarr
     ------
     RecordingError : it names the row, the column and the cell.
     """
+    if cells.open_ended and cells.between:
+        block = re.sub(rb"^%b|%b+$" % (cells.between.encode(), cells.between.encode()), b"", block, flags=re.MULTILINE)
     data = _at_once(block, cells)
     if data is not None:
         return np.arange(first, first + len(data)), data

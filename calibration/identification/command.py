@@ -32,7 +32,7 @@ LARGE = 100_000
 
 
 def identify_command(
-    data: Annotated[Path, typer.Argument(metavar="DATA", help="CSV, WAV or HDF5 file.")],
+    data: Annotated[Path, typer.Argument(metavar="DATA", help="CSV, WAV, FLAC, HDF5 or MAT file.")],
     inputs: Annotated[str, typer.Option(metavar="u1,u2", help="Channels of the drive: names, numbers, datasets.")],
     outputs: Annotated[str, typer.Option(metavar="y1,y2", help="Channels of the response.")],
     order: Annotated[str, typer.Option(metavar="auto|N", help="States of the model.")] = "auto",

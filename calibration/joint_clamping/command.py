@@ -39,7 +39,7 @@ PoseOption = Annotated[
 
 def joints_command(
     config: ConfigOption = None,
-    record: Annotated[Path | None, typer.Option("--from", metavar="MAP", help="Recorded: CSV, WAV or HDF5.")] = None,
+    record: Annotated[Path | None, typer.Option("--from", metavar="MAP", help="Recorded: CSV, WAV, HDF5, MAT.")] = None,
     joints: Annotated[str, typer.Option(metavar="1-6", help="Which joints: numbers and ranges.")] = "1-6",
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file; the report goes beside it.")] = None,
     live: Annotated[bool, typer.Option("--live", help="The robot behind its wires, as [robot] says.")] = False,

@@ -13,7 +13,7 @@ import numpy as np
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording, RecordingError
-from rigkit.even_time import is_time
+from rigkit.even_time import seconds_of
 from rigkit.foreign_record import read_channels
 from rigkit.table_rows import COMMENT
 from tests.fuzz.judge import is_accepted
@@ -90,7 +90,7 @@ def _check_theirs(content: bytes, rate: float | None, read: Recording) -> None:
     plain = [cell.partition("[")[0].strip() if named else "" for cell in cells]
     columns = [plain.index(channel) if channel in plain else int(channel) - 1 for channel in ("1", "2")]
     assert (read.data == table[:, columns]).all(), "other samples"
-    timed = [n for n, cell in enumerate(cells) if named and is_time(cell.partition("[")[0].strip())]
+    timed = [n for n, cell in enumerate(cells) if named and seconds_of(cell.partition("[")[0].strip(), "1")]
     period = np.diff(table[:, timed[0]]).mean() if timed else 1 / (rate or np.nan)
     assert abs(read.rate * period - 1) < 2e-3, f"{read.rate} samples/s"
 
