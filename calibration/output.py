@@ -1,7 +1,7 @@
 """What a calibration writes, and whether it may: a new name, an unfinished one's, or one to be made again."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,7 +14,9 @@ from rigkit import atomic
 from rigkit import config as rig_file
 from rigkit.agreement import GOING_ON, Use, agreed, differences
 from rigkit.config import Section
-from rigkit.origin import RUN, Origin, read_origin
+from rigkit.config_files import sums_of
+from rigkit.json_text import json_text
+from rigkit.origin import PARTS, RUN, Origin, read_origin
 from rigkit.provenance import now, software
 
 _WAY_OUT = "go back to that, choose another name, or measure anew with --again"
@@ -110,9 +112,9 @@ class Output(Generic[Config]):
         origin = read_origin(folder / RUN)
         if origin is None:
             folder.mkdir(exist_ok=True)
-            Origin.of(self.origin.kind, config).write(folder / RUN)
+            _begun(self.origin.kind, config).write(folder / RUN)
         else:
-            found = differences(origin.settings, config, use)
+            found = differences(origin.settings, config, use, origin.parts)
             agreed(found, accept, f"{folder}/ is unfinished, and began otherwise", _WAY_OUT)
         return folder
 
@@ -130,10 +132,10 @@ class Output(Generic[Config]):
     @property
     def provenance(self) -> dict[str, str]:
         """The words of a model that comes of it: dates are those of the measurement."""
-        return provenance(self.config, self.origin.measured)
+        return provenance(self.config, self.origin.measured, self.origin.parts)
 
 
-def provenance(config: Section, measured: str) -> dict[str, str]:
+def provenance(config: Section, measured: str, parts: Mapping[str, str]) -> dict[str, str]:
     """Return the words of a model: rig, configuration, software, when it was measured, and when computed.
 
     Parameters
@@ -142,9 +144,12 @@ def provenance(config: Section, measured: str) -> dict[str, str]:
         A whole rig file, with a table `rig`.
     measured : str
         UTC, ISO 8601.
+    parts : mapping of str to str
+        Checksums of the files that the rig file names, by key.
     """
     name = str(config.rig.name)  # type: ignore[attr-defined]  # every rig file has this table
     words = {"rig": name, "config": rig_file.dump(config), "software": software()}
+    words |= {PARTS: json_text(parts)} if parts else {}
     return {**words, "date": measured, "computed": now()}
 
 
@@ -192,7 +197,7 @@ def output(
         raise OutputError("--again measures anew and --recompute does not: one of them")
     if wish.again:
         aside = (*there, *([raw] if raw.exists() else []))
-        return Output(out, raw, config, Origin.of(kind, config), aside=aside)
+        return Output(out, raw, config, _begun(kind, config), aside=aside)
     if wish.recompute:
         return _recomputed(out, raw, config, kind, origin, recorded)
     if there and not recorded:
@@ -207,9 +212,14 @@ def output(
             "date, --recompute computes it from its recordings, or choose another name"
         )
     if origin is None:
-        told = Origin.of(kind, config)
+        told = _begun(kind, config)
         return Output(out, raw, config, replace(told, measured=oldest(raw)) if recorded else told)
     return _unfinished(out, raw, config, kind, origin, wish, use)
+
+
+def _begun(kind: str, config: Section) -> Origin:
+    """Return the origin of a calibration that begins now, with what the files hold that its rig file names."""
+    return replace(Origin.of(kind, config), parts=sums_of(config))
 
 
 def _unfinished(
@@ -217,10 +227,11 @@ def _unfinished(
 ) -> Output[Config]:
     if origin.kind != kind:
         raise OutputError(f"{raw}/ is of a {origin.kind}, this is a {kind}; choose another name, or --again")
-    found = differences(origin.settings, config, use)
+    found = differences(origin.settings, config, use, origin.parts)
     notes = agreed(found, wish.accept, f"{raw}/ is unfinished, and began otherwise", _WAY_OUT)
     keys = [each.key for each in found if each.is_harmful]
-    today = replace(origin, settings=Origin.of(kind, config).settings, finished="").accepting(keys)
+    begun = _begun(kind, config)
+    today = replace(origin, settings=begun.settings, parts=begun.parts, finished="").accepting(keys)
     return Output(out, raw, config, today, tuple(notes))
 
 
@@ -231,7 +242,7 @@ def _recomputed(
         raise OutputError(f"--recompute: {raw}/ holds no recordings")
     if origin is None:
         note = f"{raw}/ does not say what it was recorded with: the settings of now are taken"
-        return Output(out, raw, config, replace(Origin.of(kind, config), measured=oldest(raw)), (note,), True)
+        return Output(out, raw, config, replace(_begun(kind, config), measured=oldest(raw)), (note,), True)
     if origin.kind != kind:
         raise OutputError(f"--recompute: {raw}/ is of a {origin.kind}, this is a {kind}")
     if not origin.finished:

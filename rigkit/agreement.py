@@ -12,6 +12,8 @@ from typing import Annotated, Any
 import typer
 from pydantic import BaseModel
 
+from rigkit.config_files import sums_of
+from rigkit.config_options import file_options
 from rigkit.config_paths import is_path
 from rigkit.config_role import Role, is_free, role_at
 from rigkit.origin import Origin, flat
@@ -19,6 +21,7 @@ from rigkit.toml_text import value_text
 
 DRIVE = "drive"
 """Key of a drive that is not the one that was played."""
+CONTENT = ", its content,"
 MOST_SAID = 4
 
 AcceptOption = Annotated[
@@ -75,20 +78,25 @@ class Difference:
     before, now : any
         None where it is not there.
     is_harmful : bool
+    what : str
+        Of the key, where that is not its value.
     """
 
     key: str
     before: Any
     now: Any
     is_harmful: bool
+    what: str = ""
 
     @property
     def text(self) -> str:
         """It in words."""
-        return f"{self.key} was {_shown(self.before)}, is {_shown(self.now)}"
+        return f"{self.key}{self.what} was {_shown(self.before)}, is {_shown(self.now)}"
 
 
-def differences(before: Mapping[str, Any], config: BaseModel, use: Use) -> list[Difference]:
+def differences(
+    before: Mapping[str, Any], config: BaseModel, use: Use, parts: Mapping[str, str] | None = None
+) -> list[Difference]:
     """Compare settings that were in force with those of now.
 
     Parameters
@@ -98,8 +106,11 @@ def differences(before: Mapping[str, Any], config: BaseModel, use: Use) -> list[
     config : Section
         A whole rig file.
     use : Use
+    parts : mapping of str to str, optional
+        Checksums of the files that they named, by key.
     """
     then, today = flat(before), flat(config.model_dump(mode="json"))
+    options = {".".join(key) for key in file_options(config)}
     found = []
     for key in dict.fromkeys([*today, *then]):
         path = key.split(".")
@@ -107,10 +118,20 @@ def differences(before: Mapping[str, Any], config: BaseModel, use: Use) -> list[
         is_told = key in then or (is_free(type(config), path) and path[0] in before)
         if role is None or not is_told or not use.concerns(key, role):
             continue
-        if _same(then.get(key), today.get(key), is_path(type(config), path)):
+        if _same(then.get(key), today.get(key), key in options or is_path(type(config), path)):
             continue
         found.append(Difference(key, then.get(key), today.get(key), role in use.harmful))
-    return found
+    keys = {each.key for each in found}
+    return found + [each for each in _other_files(parts or {}, config, use) if each.key not in keys]
+
+
+def _other_files(parts: Mapping[str, str], config: BaseModel, use: Use) -> Iterator[Difference]:
+    """Yield the keys whose files hold something else."""
+    today = sums_of(config) if parts else {}
+    for key, total in parts.items():
+        role = role_at(type(config), key.split("."))
+        if role is not None and use.concerns(key, role) and today.get(key) != total:
+            yield Difference(key, _short(total), _short(today.get(key)), role in use.harmful, CONTENT)
 
 
 def _same(before: Any, now: Any, is_path: bool) -> bool:

@@ -1,22 +1,20 @@
 """Rig files: TOML read into strict models whose every key has a unit, a range and a default."""
 
-import importlib
-import importlib.util
 import json
-from collections.abc import Sequence
-from difflib import get_close_matches
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from rigkit.config_fault import ConfigError, explained
+from rigkit.config_options import OPTIONS, SHORT, anchor_options
 from rigkit.config_paths import FILES, anchored
 from rigkit.config_role import ROLE, Role
 from rigkit.config_source import Override, file_values
 from rigkit.config_text import dump, example
 
-__all__ = ["ConfigError", "Section", "code", "dump", "example", "load", "refuse_absent", "resolve", "setting"]
+__all__ = ["ConfigError", "Section", "code", "dump", "example", "keywords", "load", "setting"]
 
 CODE = "code"
 """Marks, in the schema of a key, that it names code."""
@@ -49,17 +47,36 @@ def setting(
     return Field(default=default, description=text, json_schema_extra=declared, **limits)
 
 
-def code(default: str, text: str, pattern: str | None = CLASS, role: Role | None = None) -> Any:
+def code(
+    default: str, text: str, pattern: str | None = CLASS, role: Role | None = None, short: str | None = None
+) -> Any:
     """Declare one key of a `Section` that names code as "package.module:Class": its default and what it is for.
 
-    `pattern` is of what else it may be, None if that is anything; `role` as for `setting`.
+    `pattern` is of what else it may be, None if that is anything; `role` as for `setting`; `short` names, as code, a
+    table from short names to such as this.
     """
     made = setting(default, "", text, role, pattern=pattern)
-    made.json_schema_extra[CODE] = True
+    made.json_schema_extra |= {CODE: True} | ({} if short is None else {SHORT: short})
     return made
 
 
-def load(path: str | Path | None, model: type[Model], overrides: Sequence[str] = (), as_written: bool = False) -> Model:
+def keywords(text: str, *of: str) -> Any:
+    """Declare one key of a `Section` that holds keywords of code: what they are for, and the keys that name the code.
+
+    A key of the same table by its name, another by its whole key, such as plants.robot.
+    """
+    made = setting({}, "", text)
+    made.json_schema_extra[OPTIONS] = of
+    return made
+
+
+def load(
+    path: str | Path | None,
+    model: type[Model],
+    overrides: Sequence[str] = (),
+    as_written: bool = False,
+    trusts: Callable[[Model], bool] = lambda _: True,
+) -> Model:
     """Read a rig file, lay the overrides over it and check the whole.
 
     Relative paths in the file are relative to it; those in overrides are relative to where the program works.
@@ -74,6 +91,8 @@ def load(path: str | Path | None, model: type[Model], overrides: Sequence[str] =
         The value is TOML; a bare word is text.  They go one level deep or many ("simulator.options.noise=-80").
     as_written : bool
         Leave relative paths as they are.
+    trusts : callable(Section) -> bool
+        Whether code that the file names may be imported, to see which of its options are paths.
 
     Raises
     ------
@@ -85,59 +104,20 @@ def load(path: str | Path | None, model: type[Model], overrides: Sequence[str] =
     parsed = [Override(text, model) for text in overrides]
     for override in parsed:
         override.lay_over(data)
+    made = _checked(data, model, path, parsed)
+    if path is None or as_written or not trusts(made):
+        return made
+    is_other = anchor_options(data, made, Path(path).parent, [override.path for override in parsed])
+    return _checked(data, model, path, parsed) if is_other else made
+
+
+def _checked(data: dict[str, Any], model: type[Model], path: str | Path | None, overrides: Sequence[Override]) -> Model:
     try:
         # Through JSON, since there strict means strict about values and not about list or tuple, 3 or 3.0.
         return model.model_validate_json(json.dumps(data))
     except ValidationError as fault:
         where, text = explained(fault, model, data)
-        raise ConfigError(f"{_origin(where, path, parsed)}{text}") from None
-
-
-def resolve(name: str) -> Any:
-    """Return the object that "package.module:Name" names, importing its module.
-
-    Raises
-    ------
-    ConfigError : the text has another form, the module is absent or cannot be imported, or it has no such name.
-    """
-    module_name, attribute = _parts(name)
-    try:
-        module = importlib.import_module(module_name)
-    except ImportError as fault:
-        if isinstance(fault, ModuleNotFoundError) and f"{module_name}.".startswith(f"{fault.name}."):
-            raise ConfigError(f"{name}: there is no module {fault.name} on the Python path") from None
-        raise ConfigError(f"{name}: module {module_name} cannot be imported: {fault}") from fault
-    except OSError as fault:  # a module that loads a shared library of the system
-        raise ConfigError(f"{name}: module {module_name} cannot be imported: {fault}") from fault
-    if not hasattr(module, attribute):
-        near = get_close_matches(attribute, dir(module), n=1)
-        hint = f"; did you mean {near[0]}?" if near else ""
-        raise ConfigError(f"{name}: module {module_name} has no {attribute}{hint}")
-    return getattr(module, attribute)
-
-
-def refuse_absent(name: str) -> None:
-    """See that there is the module that "package.module:Name" names, without importing it.
-
-    Raises
-    ------
-    ConfigError : the text has another form, or the module is absent.
-    """
-    module_name, _ = _parts(name)
-    try:
-        there = importlib.util.find_spec(module_name) is not None
-    except ImportError:  # of a package above it
-        there = False
-    if not there:
-        raise ConfigError(f"{name}: there is no module {module_name} on the Python path")
-
-
-def _parts(name: str) -> tuple[str, str]:
-    """Return the module and what is in it."""
-    module_name, colon, attribute = name.partition(":")
-    if not (colon and attribute.isidentifier() and all(part.isidentifier() for part in module_name.split("."))):
-        raise ConfigError(f"{name!r} names nothing, must be package.module:Name")
-    return module_name, attribute
+        raise ConfigError(f"{_origin(where, path, overrides)}{text}") from None
 
 
 def _origin(where: tuple[str, ...], path: str | Path | None, overrides: Sequence[Override]) -> str:

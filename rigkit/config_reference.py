@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from pydantic import BaseModel
 
 from rigkit.allowed import declared_unit, without_unit
-from rigkit.config import resolve
+from rigkit.code_name import resolve
 from rigkit.toml_text import key_text, value_text
 
 _HEAD = ("key", "meaning", "unit", "allowed", "default")

@@ -11,7 +11,8 @@ from typing import Any
 from pydantic import BaseModel
 
 from ctlblocks import Block
-from rigkit.config import CODE, ConfigError, resolve
+from rigkit.code_name import resolve
+from rigkit.config import CODE, ConfigError
 
 
 def named_class(name: str, what: str, fits: Callable[[type], bool], *makers: object) -> Any:
@@ -84,6 +85,10 @@ class KnownCode:
     def __init__(self, *configs: BaseModel) -> None:
         each = [whole for config in configs for whole in (config, type(config)())]
         self.names = frozenset(name for whole in each for name in names_in(whole).values())
+
+    def has_all_of(self, config: BaseModel) -> bool:
+        """Whether settings name no other code."""
+        return self.names.issuperset(names_in(config).values())
 
     def refuse_other(self, config: BaseModel) -> None:
         """Refuse settings that name other code, before any of it is imported.

@@ -10,10 +10,12 @@ from typing import Any, Self
 from pydantic import BaseModel
 
 from rigkit import atomic
-from rigkit.json_file import JsonError, read_json
+from rigkit.json_file import JsonError, json_value, read_json
 from rigkit.json_text import json_text
 from rigkit.provenance import now, software
 
+PARTS = "parts"
+"""Among the words of a model: checksums of the files that its rig file named, by key."""
 RUN = "run.json"
 """In the folder of a run."""
 SCHEMA = 1
@@ -85,7 +87,7 @@ class Origin:
 
         Raises
         ------
-        OriginError : its configuration cannot be read.
+        OriginError : its configuration, or what its files held, cannot be read.
         """
         text = provenance.get("config", "")
         if not text.strip():
@@ -94,8 +96,12 @@ class Origin:
             settings = tomllib.loads(text)
         except (ValueError, RecursionError) as fault:
             raise OriginError(f"{where}: the configuration it was made with is not TOML: {fault}") from None
+        try:
+            parts = json_value(provenance.get(PARTS, "{}"), f"{where}: {PARTS}", dict)
+        except JsonError as fault:
+            raise OriginError(str(fault)) from None
         measured = provenance.get("measured") or provenance.get("date") or provenance.get("made", "")
-        return cls(kind, settings, {}, provenance.get("software", ""), measured)
+        return cls(kind, settings, parts, provenance.get("software", ""), measured)
 
     @property
     def flat(self) -> dict[str, Any]:

@@ -138,7 +138,8 @@ class RunFolder:
         self._given = set(self._files())
 
     def take_in(self, source: Path, name: str) -> None:
-        """Copy a file that the run is given into the folder, whole or not at all."""
+        """Copy a file that the run is given into the folder, or into one below it, whole or not at all."""
+        (self.path / name).parent.mkdir(parents=True, exist_ok=True)
         with self.replacing(name) as copy:
             shutil.copyfile(source, copy)
         if self._given is not None:

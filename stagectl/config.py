@@ -5,7 +5,7 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from rigkit.config import Section, code, setting
+from rigkit.config import Section, code, keywords, setting
 from rigkit.service.config import Daemon
 from stagectl.characterisation import Characterisation
 from stagectl.link.config import Laser, Link
@@ -198,9 +198,9 @@ class Simulator(Section):
     role = "plant"
 
     plant: str = code("firmware_sim.stage_blocks:PiezoStage", "module:Class of the stage's Block")
-    options: dict[str, Any] = setting({}, "", "keywords it is built with")
+    options: dict[str, Any] = keywords("keywords it is built with", "plant")
     surroundings: str = code("stagectl.still:Still", "module:Class of the Block that pushes and moves it")
-    surroundings_options: dict[str, Any] = setting({}, "", "keywords that is built with")
+    surroundings_options: dict[str, Any] = keywords("keywords that is built with", "surroundings")
 
 
 class StageConfig(Section):

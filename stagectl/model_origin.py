@@ -69,5 +69,5 @@ def refuse_other_wiring(
     origin = Origin.told(f"{what} model", provenance, str(file))
     if origin is None:
         return []
-    found = differences(origin.settings, config, MEASURED_ELSEWHERE)
+    found = differences(origin.settings, config, MEASURED_ELSEWHERE, origin.parts)
     return agreed(found, accept, f"{file} was measured on a {what} that was wired otherwise", _WAY_OUT)

@@ -12,6 +12,7 @@ from ctlblocks.recording import Recording
 from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
 from rigkit.disk_space import require
+from rigkit.kept_files import kept_files
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder, read_events
 from rigkit.run_origin import keep_origin
@@ -63,7 +64,9 @@ def make_folder(path: Path, made: Setup, models: Sequence[Path]) -> RunFolder:
     wanted_position(config, made.timeline)
     made.compensation()
     _require_space(path, made)
-    with RunFolder.filled(path, rig_file.dump(config)) as folder:
+    files = kept_files(config, ["inner.hysteresis", "reference.signal"])
+    with RunFolder.filled(path, rig_file.dump(files.config)) as folder:
+        copied = files.take_into(folder)
         for axis, model in zip(config.stage.axes, models, strict=bool(models)):
             folder.take_in(model, model_name(axis))
         for axis, file in zip(config.stage.axes, config.inner.hysteresis, strict=bool(config.inner.hysteresis)):
@@ -72,7 +75,7 @@ def make_folder(path: Path, made: Setup, models: Sequence[Path]) -> RunFolder:
             source = Path(config.reference.signal)
             folder.take_in(source, f"reference{source.suffix.lower()}")
         parts = [path.name for path in folder.path.iterdir() if path.suffix in (".h5", ".wav", ".csv")]
-        keep_origin(folder, "stage run", config, sorted(parts), [])
+        keep_origin(folder, "stage run", files.config, [*sorted(parts), *copied], [])
     return folder
 
 

@@ -5,7 +5,7 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from rigkit.config import Section, code, setting
+from rigkit.config import Section, code, keywords, setting
 from rigkit.relay.config import Relay
 from rigkit.service.config import Daemon
 from vibractl.channel_map import collision
@@ -221,9 +221,14 @@ class Simulator(Section):
 
     role = "plant"
 
-    plant: str = code("vibrator", "vibrator, impulse-response, or package.module:Class of a Block", pattern=None)
+    plant: str = code(
+        "vibrator",
+        "vibrator, impulse-response, or package.module:Class of a Block",
+        pattern=None,
+        short="firmware_sim.laboratory:PLANTS",
+    )
     speed: float = setting(0.0, "1", "multiple of real time; 0 as fast as it goes", ge=0, le=1_000, role="patience")
-    options: dict[str, Any] = setting({}, "", "keywords the plant is built with")
+    options: dict[str, Any] = keywords("keywords the plant is built with", "plant")
 
 
 class RigConfig(Section):

@@ -28,8 +28,9 @@ def wired_otherwise(provenance: Mapping[str, str], config: RigConfig, where: str
     OriginError : its configuration cannot be read.
     """
     origin = Origin.told("vibrator model", provenance, where)
-    told = {"rig": {"name": provenance.get("rig", "")}} if origin is None else origin.settings
-    return differences(told, config, MEASURED_ELSEWHERE)
+    if origin is None:
+        return differences({"rig": {"name": provenance.get("rig", "")}}, config, MEASURED_ELSEWHERE)
+    return differences(origin.settings, config, MEASURED_ELSEWHERE, origin.parts)
 
 
 def model_for(path: Path, config: RigConfig, accept: Collection[str] = ()) -> tuple[TransferMatrix, list[str]]:

@@ -9,6 +9,7 @@ from rigkit import config as rig_file
 from rigkit import run_origin
 from rigkit.agreement import GOING_ON, MEASURED_ELSEWHERE, agreed, differences
 from rigkit.disk_space import require
+from rigkit.kept_files import kept_files
 from rigkit.origin import RUN, read_origin
 from rigkit.run_folder import CONFIG, RunFolder
 from rigkit.run_origin import changed, going_on, keep_origin
@@ -70,9 +71,10 @@ def create(
     if source is not None:
         name = REFERENCE + source.suffix.lower()
         kept = config.model_copy(update={"reference": config.reference.model_copy(update={"signal": name})})
-    parts = [MODEL]
-    with RunFolder.filled(path, rig_file.dump(kept)) as folder:
+    files = kept_files(kept, ["reference.signal"])
+    with RunFolder.filled(path, rig_file.dump(files.config)) as folder:
         folder.take_in(model, MODEL)
+        parts = [MODEL, *files.take_into(folder)]
         if source is not None:
             folder.take_in(source, kept.reference.signal)
             parts.append(kept.reference.signal)
@@ -80,7 +82,7 @@ def create(
         if entry is not None:
             write_entry(folder.path / START, entry)
             parts.append(START)
-        keep_origin(folder, "vibrator run", kept, parts, sorted(accept))
+        keep_origin(folder, "vibrator run", files.config, parts, sorted(accept))
         if entry is not None:
             folder.event("library", {"entry": entry.name, "tags": dict(entry.tags), "run": entry.about["run"]})
             if broken is not None:

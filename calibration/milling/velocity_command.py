@@ -14,6 +14,7 @@ from ctlblocks.recording import Recording
 from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.config_files import sums_of
 from rigkit.disk_space import require
 from rigkit.progress import progress
 from rigkit.provenance import now
@@ -82,7 +83,7 @@ def _measured(cell: CellConfig, axis: str, seconds: float, seed: int, file: Path
             f"steps: {seconds:g} s of them, simulated some ten times as fast; the first time its loops are compiled"
         )
         measured = free_run(plan, axis, seconds, seed, meter.show)
-    about = {**provenance(cell, now()), "axis": axis, "seed": str(seed)}
+    about = {**provenance(cell, now(), sums_of(cell)), "axis": axis, "seed": str(seed)}
     measured = replace(measured, provenance={**measured.provenance, **about})
     recording.write(file, measured)
     return measured

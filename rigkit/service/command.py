@@ -14,6 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from rigkit import config as rig_file
+from rigkit.code_name import resolve
 from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
 from rigkit.command import run as run_commands
 from rigkit.config import Section
@@ -21,6 +22,7 @@ from rigkit.service.access import TOKENS, new_tokens
 from rigkit.service.client import Client
 from rigkit.service.config import Daemon
 from rigkit.service.daemon import run
+from rigkit.service.read_again import ReadAgain
 from rigkit.service.rig import Rig
 from rigkit.service.show import Output
 from rigkit.service.stopping import client_of, is_answered, stopped
@@ -114,15 +116,12 @@ def _add_daemon(app: typer.Typer, choose: Choose) -> None:
         Example: `daemon --config rig.toml`, then open its address in a browser
         """
         kind = choose(config, settings or ())
-
-        def load() -> Section:
-            return rig_file.load(config, kind.model, settings or ())
-
+        load = ReadAgain(config, kind.model, settings or ())
         table = _own(config, choose, settings)
         if renew:
             Path(table.data).mkdir(parents=True, exist_ok=True)
             new_tokens(Path(table.data) / TOKENS)
-        made: Rig = rig_file.resolve(kind.rig)(load)
+        made: Rig = resolve(kind.rig)(load)
         run(made, table, _say)
 
 

@@ -4,7 +4,7 @@ import multiprocessing
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 
-from rigkit.config import resolve
+from rigkit.code_name import resolve
 from rigkit.service.access import Tokens
 from rigkit.service.config import Daemon
 from rigkit.service.slot import Slot

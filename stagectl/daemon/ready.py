@@ -119,7 +119,7 @@ def _refuse_other_loops(config: StageConfig, chosen: Path) -> None:
     """Refuse inner loops other than those that the models were measured with, where a file says which those are."""
     if not chosen.is_file():
         return
-    inner = rig_file.load(chosen, StageConfig).inner
+    inner = rig_file.load(chosen, StageConfig, as_written=True).inner
     for number, axis in enumerate(config.stage.axes):
         if pid(inner, number) != pid(config.inner, number):
             raise ValueError(

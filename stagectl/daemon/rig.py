@@ -6,7 +6,7 @@ from typing import Protocol
 
 from ctlblocks.room import free
 from rigkit import config as rig_file
-from rigkit.config import resolve
+from rigkit.code_name import resolve
 from rigkit.disk_space import RESERVE
 from rigkit.faults import FaultTable
 from rigkit.named_code import KnownCode

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from rigkit.config import Section, code, setting
+from rigkit.config import Section, code, keywords, setting
 
 Six = tuple[float, float, float, float, float, float]
 
@@ -31,6 +31,6 @@ class FeedPlants(Section):
     """What is milled without the wood; robot and force sensor are those of `plants`."""
 
     cut: str = code("firmware_sim.oak_blocks:OakCut", "module:Class of the cut's Block")
-    cut_options: dict[str, Any] = setting({}, "", "keywords it is built with")
+    cut_options: dict[str, Any] = keywords("keywords it is built with", "cut")
     process: str = code("firmware_sim.feed_blocks:FedTool", "module:Class of the process of fig. 7.5")
-    process_options: dict[str, Any] = setting({}, "", "keywords it is built with")
+    process_options: dict[str, Any] = keywords("keywords it is built with", "process")

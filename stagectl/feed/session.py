@@ -11,6 +11,7 @@ from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
 from rigkit.disk_space import require
 from rigkit.json_file import read_json
+from rigkit.kept_files import kept_files
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder, read_events
 from rigkit.run_origin import keep_origin
@@ -74,11 +75,14 @@ def require_room(path: Path, plan: FeedPlan, job: Job) -> None:
 
 def create(path: Path, cell: CellConfig, job: Job, model: Path | None) -> RunFolder:
     """Make the folder of a new run, with copies of all files; ValueError where something is in it already."""
-    with RunFolder.filled(path, rig_file.dump(cell)) as folder:
+    files = kept_files(cell, ["learning.model"])
+    with RunFolder.filled(path, rig_file.dump(files.config)) as folder:
         folder.write(JOB, job.text())
+        parts = [JOB, *files.take_into(folder)]
         if model is not None:
             folder.take_in(model, MODEL)
-        keep_origin(folder, "force run", cell, [JOB] if model is None else [JOB, MODEL], [])
+            parts.append(MODEL)
+        keep_origin(folder, "force run", files.config, parts, [])
     return folder
 
 

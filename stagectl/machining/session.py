@@ -11,6 +11,7 @@ from ctlblocks import recording
 from ctlblocks.recording import Recording
 from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
+from rigkit.kept_files import kept_files
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder, read_events
 from rigkit.run_origin import keep_origin
@@ -50,13 +51,15 @@ class Files:
 
 def create(path: Path, files: Files) -> RunFolder:
     """Make the folder of new runs, with copies of all files; ValueError where something is in it already."""
-    with RunFolder.filled(path, rig_file.dump(files.cell)) as folder:
-        folder.write(STAGE, rig_file.dump(files.stage))
-        parts = [STAGE]
+    cell = kept_files(files.cell, ["learning.model"])
+    stage = kept_files(files.stage, ["reference.signal"], "stage-files")
+    with RunFolder.filled(path, rig_file.dump(cell.config)) as folder:
+        folder.write(STAGE, rig_file.dump(stage.config))
+        parts = [STAGE, *cell.take_into(folder), *stage.take_into(folder)]
         for axis, model in zip(AXES, files.models, strict=bool(files.models)):
             folder.take_in(model, model_name(axis))
             parts.append(model_name(axis))
-        keep_origin(folder, "cell runs", files.cell, parts, [])
+        keep_origin(folder, "cell runs", cell.config, parts, [])
     return folder
 
 

@@ -4,7 +4,7 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from rigkit.config import Section, code, setting
+from rigkit.config import Section, code, keywords, setting
 from rigkit.service.config import Daemon
 from stagectl.feed.config import FeedPlants, SegmentTask
 from stagectl.link.config import Link
@@ -114,7 +114,7 @@ class Simulator(Section):
 
     role = "plant"
 
-    options: dict[str, Any] = setting({}, "", "keywords the simulated robot is built with")
+    options: dict[str, Any] = keywords("keywords the simulated robot is built with", "clamped", "plants.robot")
     clamped: str = code("firmware_sim.clamped_robot:ClampedRobot", "module:Class of its Block for `calibrate joints`")
     clamp: float = setting(2e-8, "m/N", "compliance of what its clamp is fastened to, along each axis", ge=0, le=1e-4)
     clamp_turn: float = setting(2e-7, "rad/(N m)", "and about each axis", ge=0, le=1e-2)

@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from rigkit.config import Section, code, setting
+from rigkit.config import Section, code, keywords, setting
 
 Positive = Annotated[float, Field(gt=0, le=200)]
 Three = tuple[Positive, Positive, Positive]
@@ -14,7 +14,7 @@ Six = tuple[float, float, float, float, float, float]
 class Toroid(Section):
     """The toroid: the robot holds the workpiece and moves it around a tool along x, in a circle in y and z."""
 
-    arm: str = setting("kuka", "", "the arm that holds the workpiece, as robot.arm", min_length=1)
+    arm: str = setting("kuka", "", "the arm that holds the workpiece, as robot.arm", min_length=1, files=(".toml",))
     home: Six = setting((0.0, -0.17453, 0.17453, 0.0, 0.5236, 0.0), "rad", "its joints, the tool in the middle")
     radius: float = setting(35e-3, "m", "of the path, half the toroid's mid-diameter", ge=5e-3, le=0.2)
     feed: float = setting(5e-3, "m/s", "along the path", ge=1e-3, le=0.05)
@@ -47,12 +47,12 @@ class Plants(Section):
     """The cell without the cell; the stage and its options are those of the stage's own file."""
 
     robot: str = code("firmware_sim.guided_robot:GuidedRobot", "module:Class of the robot's Block")
-    robot_options: dict[str, Any] = setting({}, "", "keywords it is built with, beside simulator.options")
+    robot_options: dict[str, Any] = keywords("keywords it is built with, beside simulator.options", "robot")
     cut: str = code("firmware_sim.toroid_blocks:Toroid", "module:Class of the cut's Block")
-    cut_options: dict[str, Any] = setting({}, "", "keywords it is built with")
+    cut_options: dict[str, Any] = keywords("keywords it is built with", "cut")
     pocket: str = code("firmware_sim.milling_blocks:PocketCut", "module:Class of the pocket's Block")
-    pocket_options: dict[str, Any] = setting({}, "", "keywords it is built with")
+    pocket_options: dict[str, Any] = keywords("keywords it is built with", "pocket")
     tracker: str = code("firmware_sim.tracker_block:TrackerView", "module:Class of the tracker's Block")
-    tracker_options: dict[str, Any] = setting({}, "", "keywords it is built with")
+    tracker_options: dict[str, Any] = keywords("keywords it is built with", "tracker")
     force_sensor: str = code("firmware_sim.force_sensor_block:ForceSensor", "module:Class of the force sensor's Block")
-    force_sensor_options: dict[str, Any] = setting({}, "", "keywords it is built with")
+    force_sensor_options: dict[str, Any] = keywords("keywords it is built with", "force_sensor")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
+from rigkit.kept_files import kept_files
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder
 from rigkit.run_origin import keep_origin
@@ -38,10 +39,11 @@ def run_simulated(trial: Trial, conduct: Conduct) -> Milled:
 
 def create(path: Path, cell: CellConfig, task: str, model: Path) -> RunFolder:
     """Make the folder of new trials, with a copy of the models; ValueError where something is in it already."""
-    with RunFolder.filled(path, rig_file.dump(cell)) as folder:
+    files = kept_files(cell, ["learning.model"])
+    with RunFolder.filled(path, rig_file.dump(files.config)) as folder:
         folder.write(LEARNING, f"{task}\n")
         folder.take_in(model, MODEL)
-        keep_origin(folder, "milling trials", cell, [LEARNING, MODEL], [])
+        keep_origin(folder, "milling trials", files.config, [LEARNING, MODEL, *files.take_into(folder)], [])
     return folder
 
 

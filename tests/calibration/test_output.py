@@ -190,3 +190,20 @@ def test_a_recording_under_another_full_scale_is_not_mixed_in(
     assert calibrated(monkeypatch, out, "--set", "audio.output_full_scale=20.0") == 2
     assert "audio.output_full_scale was 10.0, is 20.0" in capsys.readouterr().err
     assert calibrated(monkeypatch, out) == 0
+
+
+def test_an_unfinished_one_does_not_go_on_with_another_content_of_a_plants_file(tmp_path: Path) -> None:
+    response = tmp_path / "one.wav"
+    response.write_bytes(b"one")
+    plant = ("simulator.plant=impulse-response", f'simulator.options.files=["{response}"]')
+    recorded(tmp_path / "m.h5", *plant, finished=False)
+    assert output(tmp_path / "m.h5", "a calibration", rig(*plant), Wish()).notes == ()
+    response.write_bytes(b"two")
+    with pytest.raises(DisagreementError, match=r"files, its content, was .*--accept simulator.options.files$"):
+        output(tmp_path / "m.h5", "a calibration", rig(*plant), Wish())
+    accepted = Wish(accept=["simulator.options.files"])
+    writes = output(tmp_path / "m.h5", "a calibration", rig(*plant), accepted)
+    assert writes.origin.accepted == ("simulator.options.files",)
+    with writes.begun():
+        pass
+    assert output(tmp_path / "m.h5", "a calibration", rig(*plant), Wish()).provenance["parts"] != "{}"

@@ -56,6 +56,25 @@ def test_a_run_that_nobody_has_touched_goes_on_without_a_word(run: Path) -> None
     assert gone_on(run).note == ""
 
 
+def test_a_run_has_its_own_copies_of_the_plants_files(tmp_path: Path, files: list[str]) -> None:
+    """So that it goes on where it was moved, and with what it began with."""
+    rig = (f"simulator.options={{files={files!r}}}", "simulator.plant=impulse-response", "session.shots=1")
+    folder, made = create(tmp_path / "run", linear_config(*rig), described_model(tmp_path / "model.h5"))
+    with folder:
+        Session(folder, made).run(1, lambda *_: None, lambda: False)
+    for file in files:
+        Path(file).unlink()
+    moved = (tmp_path / "run").rename(tmp_path / "moved")
+    with RunFolder.open(moved) as folder:
+        session = Session(folder, resumed_setup(folder))
+        assert session.note == ""
+        session.run(2, lambda *_: None, lambda: False)
+    assert len(shot_files(moved)) == 2
+    (moved / "files" / "1" / "one.wav").write_bytes(b"another")
+    with pytest.raises(DisagreementError, match=r"files/1/one.wav was "):
+        gone_on(moved)
+
+
 def test_with_another_machines_model_it_does_not_go_on(run: Path) -> None:
     other_machine(run)
     with pytest.raises(DisagreementError, match=r"has changed since the run began: model.h5 was .*--accept model.h5"):

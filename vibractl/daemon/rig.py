@@ -6,10 +6,11 @@ from typing import Protocol
 
 from ctlblocks.room import free
 from rigkit import config as rig_file
-from rigkit.config import refuse_absent, resolve
+from rigkit.code_name import refuse_absent, resolve
 from rigkit.disk_space import RESERVE, refuse_full
 from rigkit.faults import FaultTable
 from rigkit.named_code import KnownCode
+from rigkit.run_folder import CONFIG
 from rigkit.service.not_begun import making
 from rigkit.service.paths import run_path
 from rigkit.service.reload import Change, Reach, edits, reloaded
@@ -20,7 +21,6 @@ from vibractl.config import RigConfig
 from vibractl.daemon.options import CalibrationOptions, RunOptions
 from vibractl.daemon.running import Running
 from vibractl.proof import SLIP
-from vibractl.run_setup import settings_of
 from vibractl.supervision import Supervision, input_names
 
 CALIBRATION = "calibration.vibrator_procedure:CalibrationProcedure"
@@ -181,7 +181,8 @@ class Vibrator:
     def _run(self, desk: Desk, options: RunOptions) -> None:
         with making(desk):
             if options.resume:
-                self._known.refuse_other(settings_of(run_path(self.config.daemon.data, options.run)))
+                kept = run_path(self.config.daemon.data, options.run) / CONFIG
+                self._known.refuse_other(rig_file.load(kept, RigConfig, as_written=True))
             running = Running(self.config, options, desk, self._supervision())
         self._follow(running)
 

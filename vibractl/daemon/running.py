@@ -46,7 +46,7 @@ class Running:
         self.worst_db: float | None = None
         """The worst line of the last shot over the limit, dB."""
         self.discarded = 0
-        self._waiting: RigConfig | None = None
+        self._waiting: tuple[RigConfig, list[str]] | None = None
         desk.progress(0, options.shots or config.session.shots, "getting ready")
         path = run_path(config.daemon.data, options.run)
         if options.resume:
@@ -82,7 +82,8 @@ class Running:
             self.shots = new.session.shots
         devices = [key for key, reach in change.keys.items() if reach is Reach.DEVICES]
         if devices:
-            self._waiting = taken(self._session.config, new, devices)
+            earlier = [] if self._waiting is None else self._waiting[1]
+            self._waiting = new, [*earlier, *devices]
         parts = ["now" * bool(now), "the line is opened again after this shot" * bool(devices)]
         if change.keys.keys() - set(now) - set(devices):
             parts.append("the rest from the next run on, as this run's folder says what it was made with")
@@ -138,15 +139,14 @@ class Running:
 
     def _take_waiting(self) -> None:
         """Put the settings that need the line opened again in force, and keep them with the run."""
-        new, self._waiting = self._waiting, None
-        if new is None:
+        waiting, self._waiting = self._waiting, None
+        if waiting is None:
             return
-        kept = rig_file.load(self._folder.path / CONFIG, RigConfig, as_written=True)
-        changed = {name: getattr(new, name) for name in ("audio", "limits", "simulator")}
-        self._session.config = new
-        self._folder.write(CONFIG, rig_file.dump(kept.model_copy(update=changed)))
-        take_over(self._folder, rig_file.load(self._folder.path / CONFIG, RigConfig, as_written=True), tuple(changed))
-        self._folder.event("reloaded", {"settings": rig_file.dump(new.audio) + rig_file.dump(new.limits)})
+        self._session.config = now = taken(self._session.config, *waiting)
+        kept = taken(rig_file.load(self._folder.path / CONFIG, RigConfig, as_written=True), *waiting)
+        self._folder.write(CONFIG, rig_file.dump(kept))
+        take_over(self._folder, kept, waiting[1])
+        self._folder.event("reloaded", {"settings": rig_file.dump(now.audio) + rig_file.dump(now.limits)})
 
 
 def _asked(config: RigConfig, options: RunOptions, data: Path) -> RigConfig:

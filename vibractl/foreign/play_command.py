@@ -7,8 +7,8 @@ import numpy as np
 import typer
 
 from rigkit import config as rig_file
+from rigkit.code_name import refuse_absent
 from rigkit.command import ConfigOption, SetOption
-from rigkit.config import refuse_absent
 from vibractl.audio import Line
 from vibractl.config import RigConfig
 from vibractl.foreign.played_before import PlayedBefore

@@ -6,7 +6,8 @@ from typing import Any, Protocol
 
 from ctlblocks.room import free
 from rigkit import config as rig_file
-from rigkit.config import Section, resolve
+from rigkit.code_name import resolve
+from rigkit.config import Section
 from rigkit.disk_space import RESERVE, refuse_full
 from rigkit.faults import FaultTable
 from rigkit.named_code import KnownCode
@@ -16,6 +17,7 @@ from rigkit.service.paths import data_file, run_path
 from rigkit.service.reload import Change, edits, reloaded
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Gauge
+from stagectl.config import StageConfig
 from stagectl.daemon.cell.options import CellOptions, IlcOptions
 from stagectl.daemon.cell.procedures import PROCEDURES
 from stagectl.machining.plan import stage_of
@@ -121,9 +123,9 @@ class RobotCell:
 def _led_to(data: str, options: Any) -> Iterator[Section]:
     """Read the rig files that options lead to, beside the daemon's own."""
     if isinstance(options, CellOptions) and options.stage:
-        yield stage_of(data_file(data, "stage", options.stage))
+        yield rig_file.load(data_file(data, "stage", options.stage), StageConfig, as_written=True)
     if isinstance(options, IlcOptions) and options.resume and (file := run_path(data, options.run) / CONFIG).is_file():
-        yield rig_file.load(file, CellConfig)
+        yield rig_file.load(file, CellConfig, as_written=True)
 
 
 def _usable(config: CellConfig) -> CellConfig:

@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from rigkit.config import Section, code, setting
+from rigkit.config import Section, code, keywords, setting
 
 Terms = tuple[float, ...]
 
@@ -79,7 +79,7 @@ class Simulator(Section):
     """The pair without the robots."""
 
     plant: str = code("firmware_sim.macro_micro_blocks:MacroMicro", "module:Class of the pair's Block")
-    options: dict[str, Any] = setting({}, "", "keywords it is built with")
+    options: dict[str, Any] = keywords("keywords it is built with", "plant")
 
 
 class MidrangeConfig(Section):

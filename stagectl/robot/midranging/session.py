@@ -9,6 +9,7 @@ from ctlblocks.recording import Recording
 from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
 from rigkit.disk_space import require
+from rigkit.kept_files import kept_files
 from rigkit.provenance import now, software
 from rigkit.run_folder import RunFolder
 from rigkit.run_origin import keep_origin
@@ -22,8 +23,9 @@ from stagectl.robot.midranging.wiring import MEASURED
 
 def create(path: Path, cell: CellConfig) -> RunFolder:
     """Make the folder of a new run; ValueError where something is in it already."""
-    with RunFolder.filled(path, rig_file.dump(cell)) as folder:
-        keep_origin(folder, "mid-ranging run", cell, [], [])
+    files = kept_files(cell, ["learning.model"])
+    with RunFolder.filled(path, rig_file.dump(files.config)) as folder:
+        keep_origin(folder, "mid-ranging run", files.config, files.take_into(folder), [])
     return folder
 
 
