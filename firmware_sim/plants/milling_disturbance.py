@@ -45,6 +45,8 @@ class MillingOptions:
         Until the tool meets the workpiece, and for how long it cuts.
     line_amplitude : float, m
         Of the deflection at 95 Hz.
+    scale : float, 1
+        Of deflection and force, for a stage of another travel.
 
     Raises
     ------
@@ -56,6 +58,7 @@ class MillingOptions:
     start: float = option(1.0, "s", 0.0, 60.0)
     seconds: float = option(20.0, "s", 5.0, 120.0)
     line_amplitude: float = option(1.5e-6, "m", 0.0, 20e-6)
+    scale: float = option(1.0, "1", 0.01, 10.0)
 
     def __post_init__(self) -> None:
         """Refuse what is out of range."""
@@ -98,8 +101,8 @@ class MillingDisturbance(MillingOptions):
         rng = np.random.default_rng(self.seed)
         before, cutting = round(self.start * self.rate), round(self.seconds * self.rate)
         self._force, self._base = np.zeros((2, before + cutting, 3))
-        self._base[before:] = _deflection(self, rng, cutting)
-        self._force[before:] = _force(self, rng, cutting)
+        self._base[before:] = self.scale * _deflection(self, rng, cutting)
+        self._force[before:] = self.scale * _force(self, rng, cutting)
         self._done = 0
 
     @property

@@ -7,7 +7,9 @@ nothing of the others.
 from importlib import import_module
 from typing import Any
 
-_BLOCKS: dict[str, str] = {}
+_BLOCKS: dict[str, str] = {
+    "Stage": "firmware_sim.population.stage_block",
+}
 """Block -> its module."""
 
 

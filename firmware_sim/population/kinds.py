@@ -3,7 +3,9 @@
 from firmware_sim.population.draw import Population
 from rigkit.config import resolve
 
-KINDS: dict[str, str] = {}
+KINDS: dict[str, str] = {
+    "stage": "firmware_sim.population.stage_population:STAGES",
+}
 """Kind -> "module:NAME" of its `Population`, imported when it is asked for."""
 
 

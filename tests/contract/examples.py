@@ -73,6 +73,7 @@ from stagectl.wire.messages import Drive
 from tests.contract.conformance import Example
 from tests.contract.feed_examples import FEED_EXAMPLES
 from tests.contract.live_examples import LIVE_EXAMPLES
+from tests.contract.population_examples import POPULATION_EXAMPLES
 from tests.contract.stage_daemon_examples import STAGE_DAEMON_EXAMPLES
 from tests.stagectl.robot.milling.torque_models import wide_model
 from vibractl.algorithm import Algorithm
@@ -294,5 +295,6 @@ EXAMPLES: dict[type[Block], Example] = {
     Segments: Example(lambda: Segments(POCKET, lambda: planner("exact", POCKET)), rate=250.0),
     **FEED_EXAMPLES,
     **LIVE_EXAMPLES,
+    **POPULATION_EXAMPLES,
     **STAGE_DAEMON_EXAMPLES,
 }

@@ -1,0 +1,54 @@
+"""What tests of every kind of machine look at: numbers of many draws, and a checksum of them."""
+
+import hashlib
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from firmware_sim.population.draw import Draw, Population
+
+SEEDS = range(300)
+
+
+def all_draws(population: Population) -> list[Draw]:
+    """Draw the machines of `SEEDS`."""
+    return [population.draw(seed) for seed in SEEDS]
+
+
+def numbers(draws: Iterable[Draw], name: str) -> np.ndarray:
+    """Return all numbers that draws have of a quantity, shape (numbers,); words are left out."""
+    found: list[float] = []
+    for draw in draws:
+        values = [each.value for each in draw.quantities if each.name == name]
+        for value in values:
+            found += [float(each) for each in (value if isinstance(value, tuple) else (value,)) if not _is_word(each)]
+    return np.array(found)
+
+
+def words(draws: Iterable[Draw], name: str) -> set[str]:
+    """Return the words that draws have of a quantity."""
+    return {each.value for draw in draws for each in draw.quantities if each.name == name and _is_word(each.value)}
+
+
+def checksum(draws: Iterable[Draw]) -> str:
+    """Return a hash of all that was drawn and of the keys, numbers to six digits: the same wherever it is made."""
+    whole = hashlib.sha256()
+    for draw in draws:
+        for each in draw.quantities:
+            whole.update(f"{each.name} {_text(each.value)} {each.unit}\n".encode())
+        for key, value in draw.keys.items():
+            whole.update(f"{key} {_text(value)}\n".encode())
+    return whole.hexdigest()[:16]
+
+
+def _is_word(value: object) -> bool:
+    return isinstance(value, str)
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, dict):
+        return ",".join(f"{key}={_text(each)}" for key, each in sorted(value.items()))
+    if isinstance(value, tuple | list):
+        return ",".join(_text(each) for each in value)
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
