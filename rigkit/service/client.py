@@ -112,7 +112,7 @@ class Client:
         return dict(self.ask("GET", f"/api/panels/{name}"))
 
     def stop(self, who: str, why: str) -> dict[str, Any]:
-        """Bring the output to zero and disarm, with any token, with or without control, whatever a shell made of why."""
+        """Bring the output to zero and disarm: with any token, with or without control, with any reason."""
         text = why.encode("utf-8", "replace").decode("utf-8")
         return dict(self.ask("POST", "/api/stop", {"who": who, "why": text}, STOP_SECONDS))
 
