@@ -1,7 +1,7 @@
 """The kinds of machine that can be drawn, by name."""
 
 from firmware_sim.population.draw import Population
-from rigkit.config import resolve
+from rigkit.code_name import resolve
 
 KINDS: dict[str, str] = {
     "stage": "firmware_sim.population.stage_population:STAGES",
