@@ -10,8 +10,9 @@ import numpy as np
 from ctlblocks.block import Block, Port
 from rigkit.faults import FaultTable
 from rigkit.relay.config import Relay
+from vibractl.audio_device import HeldDevice
 from vibractl.audio_memory import Memory, Word
-from vibractl.audio_stream import device_held, open_stream
+from vibractl.audio_stream import open_stream
 from vibractl.config import RigConfig
 from vibractl.guard import Guard
 from vibractl.heartbeat import heartbeat
@@ -104,10 +105,12 @@ class Engine:
         ------
         AudioError, RelayError : it, or the bus to the relay, cannot be opened.
         """
-        with device_held(self._config.audio) as opened:
+        with ExitStack() as opened:
+            device = opened.enter_context(HeldDevice(self._config.audio))
             self._relay.start()
             opened.callback(self._relay.stop)
             self._stream = open_stream(self._config, self.callback)
+            device.take_opened(self._stream)
             self.stepped = hasattr(self._stream, "advance")
             self._stream.start()
             self._held = opened.pop_all()

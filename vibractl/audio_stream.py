@@ -2,10 +2,8 @@
 
 import sys
 from collections.abc import Callable
-from contextlib import ExitStack, suppress
 from typing import Any
 
-from rigkit.machine_lock import MachineLock
 from rigkit.named_code import named_class
 from vibractl.config import Audio, RigConfig
 
@@ -58,37 +56,6 @@ def open_stream(config: RigConfig, callback: Callable[..., None]) -> Any:
         ) from fault
 
 
-def device_held(audio: Audio) -> ExitStack:
-    """Take the audio interface, from whoever else would open it, by what it is and not by what it is called.
-
-    A stream that is all within this process, which says so by `in_process`, is nobody else's.
-
-    Returns
-    -------
-    ExitStack
-        Its `close` lets others have it.
-
-    Raises
-    ------
-    AudioError : another process has it, or there is no such stream.
-    """
-    found, held = _class_of(audio), ExitStack()
-    if getattr(found, "in_process", False):
-        return held
-    query = getattr(sys.modules[found.__module__], "query_devices", None)
-    names = {audio.device or "default"}
-    if query is not None:
-        with suppress(Exception):  # no such device: opening it says so better
-            names = {str(query(audio.device or None, kind)["name"]) for kind in ("input", "output")}
-    try:
-        for name in sorted(names):
-            held.callback(MachineLock(f"audio device {name} of {audio.stream.partition(':')[0]}").release)
-    except OSError as fault:
-        held.close()
-        raise AudioError(str(fault)) from None
-    return held
-
-
 def channels(audio: Audio) -> tuple[int, int]:
     """Return how many input and output channels the rig file needs, loopback and heartbeat included."""
     loopback = audio.alignment == "loopback"
@@ -99,14 +66,15 @@ def channels(audio: Audio) -> tuple[int, int]:
 
 def _constructor(config: RigConfig) -> tuple[Any, Any]:
     """Return the module and the constructor; a class that wants to see the whole rig file first has `from_config`."""
-    found = _class_of(config.audio)
+    found = class_of(config.audio)
     try:
         return sys.modules[found.__module__], found.from_config(config) if hasattr(found, "from_config") else found
     except ValueError as fault:
         raise AudioError(str(fault)) from fault
 
 
-def _class_of(audio: Audio) -> Any:
+def class_of(audio: Audio) -> Any:
+    """Return the class of stream that a rig file names; AudioError where there is none."""
     try:
         return named_class(audio.stream, "the class of an audio stream, as sounddevice:Stream is", _is_stream)
     except ValueError as fault:

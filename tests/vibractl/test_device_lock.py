@@ -6,7 +6,7 @@ from rigkit.machine_lock import MachineLock
 from tests.vibractl.manual_stream import SharedStream
 from vibractl.audio_engine import Engine
 from vibractl.audio_memory import Memory
-from vibractl.audio_stream import AudioError, device_held
+from vibractl.audio_stream import AudioError
 from vibractl.config import Audio, RigConfig
 
 AUDIO = Audio(stream="tests.vibractl.manual_stream:SharedStream", device="shaker")
@@ -37,8 +37,3 @@ def test_a_stream_that_does_not_open_leaves_the_device_free(monkeypatch: pytest.
     with pytest.raises(AudioError, match="no such card"):
         engine().start()
     MachineLock(NAME).release()
-
-
-def test_a_simulated_card_is_each_programs_own() -> None:
-    with device_held(Audio()), device_held(Audio()):
-        pass
