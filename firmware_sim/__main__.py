@@ -34,15 +34,12 @@ from rigkit.relay.frame import IDENTIFIER
 from rigkit.stop import SIGNALS, on_signals
 from stagectl.config import StageConfig
 from stagectl.robot.config import CellConfig
-from stagectl.robot.midranging.config import MidrangeConfig
 from vibractl.config import RigConfig
 from vibractl.foreign.play_command import play_command
 
 app = application("Simulated machines behind real wires, and from WAV to WAV.")
 app.command("play")(play_command)
-app.command("draw")(
-    draw_command({"vibrator": RigConfig, "stage": StageConfig, "pair": MidrangeConfig, "cell": CellConfig})
-)
+app.command("draw")(draw_command({"vibrator": RigConfig, "stage": StageConfig, "pair": CellConfig, "cell": CellConfig}))
 
 
 @app.command()

@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import Any
 
 _BLOCKS: dict[str, str] = {
+    "Pair": "firmware_sim.population.pair_block",
     "Stage": "firmware_sim.population.stage_block",
 }
 """Block -> its module."""

@@ -4,6 +4,7 @@ from firmware_sim.population.draw import Population
 from rigkit.code_name import resolve
 
 KINDS: dict[str, str] = {
+    "pair": "firmware_sim.population.pair_population:PAIRS",
     "stage": "firmware_sim.population.stage_population:STAGES",
 }
 """Kind -> "module:NAME" of its `Population`, imported when it is asked for."""

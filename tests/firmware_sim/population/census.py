@@ -31,6 +31,12 @@ def words(draws: Iterable[Draw], name: str) -> set[str]:
     return {each.value for draw in draws for each in draw.quantities if each.name == name and _is_word(each.value)}
 
 
+def fills(found: np.ndarray, low: float, high: float, reach: float = 0.1) -> bool:
+    """Whether numbers lie in a range, and come within `reach` of its width, in logarithms, of both its ends."""
+    part = np.log(found / low) / np.log(high / low)
+    return bool(part.min() >= -1e-9 and part.max() <= 1 + 1e-9 and part.min() < reach and part.max() > 1 - reach)
+
+
 def checksum(draws: Iterable[Draw]) -> str:
     """Return a hash of all that was drawn and of the keys, numbers to six digits: the same wherever it is made."""
     whole = hashlib.sha256()

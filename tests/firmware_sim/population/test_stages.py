@@ -12,15 +12,9 @@ from firmware_sim.population.streams import Streams
 from rigkit.config import load
 from rigkit.toml_text import value_text
 from stagectl.config import StageConfig
-from tests.firmware_sim.population.census import SEEDS, all_draws, checksum, numbers, words
+from tests.firmware_sim.population.census import SEEDS, all_draws, checksum, fills, numbers, words
 
 DRAWS = all_draws(STAGES)
-
-
-def within(found: np.ndarray, low: float, high: float, reach: float = 0.1) -> bool:
-    """Whether numbers lie in a range, and come within `reach` of its width (of its logarithm) of both ends."""
-    part = np.log(found / low) / np.log(high / low)
-    return bool(part.min() >= -1e-9 and part.max() <= 1 + 1e-9 and part.min() < reach and part.max() > 1 - reach)
 
 
 def test_every_family_and_every_kind_of_creep_and_structure_is_drawn() -> None:
@@ -42,7 +36,7 @@ def test_every_family_and_every_kind_of_creep_and_structure_is_drawn() -> None:
     ],
 )
 def test_what_is_drawn_fills_its_range(name: str, low: float, high: float) -> None:
-    assert within(numbers(DRAWS, name), low, high)
+    assert fills(numbers(DRAWS, name), low, high)
 
 
 def test_modes_are_two_to_eight_an_axis_from_40_to_400_hz_and_some_are_near_pairs() -> None:
