@@ -7,7 +7,7 @@ PYTHONS = $(or $(PYTHON),python3.11 python3 python3.13 python3.12)
 
 BIN := .venv/bin
 STAMP := .venv/installed
-PACKAGES := ctlblocks rigkit vibractl stagectl calibration firmware_sim
+PACKAGES := ctlblocks rigkit vibractl stagectl calibration firmware_sim vibrostage
 TABLES := identification learning_seeds watch_seeds prediction warm_start planning force_control
 KEY = $(shell cat pyproject.toml | sha256sum | cut -c1-16) $(CURDIR)
 

@@ -13,12 +13,14 @@ from calibration.commands import app as calibrate
 from firmware_sim.__main__ import app as firmware_sim
 from stagectl.application import app as stagectl_app
 from vibractl.application import app as vibractl_app
+from vibrostage.application import app as vibrostage_app
 
 APPLICATIONS = {
     "vibractl": vibractl_app,
     "stagectl": stagectl_app,
     "calibrate": calibrate,
     "firmware-sim": firmware_sim,
+    "vibrostage": vibrostage_app,
 }
 
 

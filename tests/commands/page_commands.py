@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-PROGRAMS = ("vibractl", "stagectl", "calibrate", "firmware-sim")
+PROGRAMS = ("vibractl", "stagectl", "calibrate", "firmware-sim", "vibrostage")
 TOOLS = ("awk", "cp")
 """Programs of others that make a file for them."""
 _BEGINNINGS = tuple(f"{program} " for program in (*PROGRAMS, *TOOLS))

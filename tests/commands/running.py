@@ -9,8 +9,15 @@ from firmware_sim.__main__ import main as firmware_sim
 from stagectl.__main__ import main as stagectl
 from tests.commands.page_commands import TOOLS, Command
 from vibractl.__main__ import main as vibractl
+from vibrostage.__main__ import main as vibrostage
 
-MAINS = {"vibractl": vibractl, "stagectl": stagectl, "calibrate": calibrate, "firmware-sim": firmware_sim}
+MAINS = {
+    "vibractl": vibractl,
+    "stagectl": stagectl,
+    "calibrate": calibrate,
+    "firmware-sim": firmware_sim,
+    "vibrostage": vibrostage,
+}
 """What each program's name calls, with its command line in `sys.argv`."""
 HOUR = 3_600.0
 

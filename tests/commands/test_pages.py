@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from rigkit import config as rig_file
+from rigkit.study.file import StudyFile
 from stagectl.config import StageConfig
 from stagectl.robot.config import CellConfig
 from tests.commands.brought import BROUGHT
@@ -26,7 +27,7 @@ from vibractl.config import RigConfig
 
 STATED = tomllib.loads((Path(__file__).parent / "docs.toml").read_text())
 ALL = {f"docs/{page.name}": found for page in sorted((ROOT / "docs").glob("*.md")) if (found := block_commands(page))}
-KINDS = {"vibractl": (RigConfig,), "stagectl": (StageConfig, CellConfig)}
+KINDS = {"vibractl": (RigConfig,), "stagectl": (StageConfig, CellConfig), "vibrostage": (StudyFile, RigConfig)}
 """What the rig files of a program can be; of the others any."""
 EXAMPLE = re.compile(rf"(?:`|^ {{4}})((?:{'|'.join(APPLICATIONS)}) [^`]+?)(?:`|$)", re.MULTILINE)
 LINE_BREAK = re.compile(r"(?<=\S)\n {4}(?=\S)")

@@ -14,7 +14,7 @@ import numpy as np
 from ctlblocks import Block
 from ctlblocks.block import refuse_other_arguments
 
-PACKAGES = ("ctlblocks", "rigkit", "vibractl", "stagectl", "calibration", "firmware_sim")
+PACKAGES = ("ctlblocks", "rigkit", "vibractl", "stagectl", "calibration", "firmware_sim", "vibrostage")
 FRAMES, PARTS = 512, 8
 SILENT = 64
 """Frames of zeros in which what an input left behind dies away."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("ctlblocks", "rigkit", "vibractl", "stagectl", "calibration", "firmware_sim")
+PACKAGES = ("ctlblocks", "rigkit", "vibractl", "stagectl", "calibration", "firmware_sim", "vibrostage")
 FOLDERS = (*PACKAGES, "tests", "benchmarks", "examples")
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef

@@ -1,0 +1,19 @@
+"""The command line `vibrostage`."""
+
+import sys
+
+
+def main() -> int:
+    """Run the command line and return its exit status."""
+    try:
+        # Here and not above: each process that the program starts imports this file anew, as the audio's does.
+        from rigkit.command import run
+        from vibrostage.application import app
+
+        return run(app, "vibrostage", "calibration", "vibractl", "stagectl")
+    except KeyboardInterrupt:  # while it imports; later on a command sees to it
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,83 @@
+"""The commands `vibrostage study`."""
+
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rigkit.agreement import AcceptOption
+from rigkit.command import JsonOption, SetOption, application, words, write_json
+from rigkit.progress import progress
+from rigkit.stop import Stopped, stoppable
+from rigkit.study import programs
+from rigkit.study.engine import Hands, Study, cores
+from rigkit.study.folder import StudyFolder
+from rigkit.study.local import local
+from rigkit.study.plan import Plan, read_plan
+from rigkit.study.results import study_hash
+
+study_app = application("Any command over machines, seeds and settings, on every core or a cluster.")
+
+OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder of the study, new or to go on with.")]
+SchedulerOption = Annotated[
+    str | None, typer.Option(metavar="ADDRESS", help="Of a Dask scheduler, such as tcp://lab-7:8786.")
+]
+WorkersOption = Annotated[
+    int | None, typer.Option(min=1, max=1024, help="Processes on this machine; as many as cores without.")
+]
+
+
+@study_app.command("run")
+def run_command(
+    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="What is run over what.")],
+    out: OutOption,
+    scheduler: SchedulerOption = None,
+    workers: WorkersOption = None,
+    accept: AcceptOption = None,
+    settings: SetOption = None,
+    json: JsonOption = None,
+) -> None:
+    """Run a study, or go on with it: the same command, after a stop, a kill, or with a larger budget.
+
+    Example: `vibrostage study run studies/quick.toml --out QUICK/`
+    """
+    perform_study(read_plan(study, programs.names(), settings or []), out, scheduler, workers, accept or [], json)
+
+
+def perform_study(
+    plan: Plan, out: Path, scheduler: str | None, workers: int | None, accept: list[str], json: str | None
+) -> None:
+    """Perform the tasks of a study and say what has come of them.
+
+    Raises
+    ------
+    Stopped : by Ctrl-C.
+    """
+    with StudyFolder(out, plan, accept) as folder:
+        made = Study(folder)
+        stream = words(json)
+        with stoppable() as stop, progress(plan.study.name, 1.0, start=made.tally.share(made.budget)) as meter:
+            for note in folder.notes:
+                meter.say(note)
+            with _hands(scheduler, workers, folder) as hands:
+                made.run(hands, meter, stop)
+        if stop.made:
+            raise Stopped(f"{out}/: {made.tally.text}; the same command goes on")
+        rows = folder.rows()
+        found = study_hash(rows, plan.figures)
+    print(f"{out}/: {made.tally.text}; hash {found}", file=stream)  # noqa: T201
+    write_json(json, {"tasks": len(rows), "refused": made.tally.refused, "failed": made.tally.failed, "hash": found})
+
+
+def _hands(scheduler: str | None, workers: int | None, folder: StudyFolder) -> AbstractContextManager[Hands]:
+    """Return what performs the tasks."""
+    if scheduler is None:
+        return local(workers or cores(), folder.files, folder.tasks)
+    if workers is not None:
+        raise ValueError("--workers is of this machine, and --scheduler has workers of its own; must be one of them")
+    try:
+        from rigkit.study.cluster import cluster
+    except ImportError as fault:
+        raise ValueError(f"--scheduler needs distributed ({fault}): pip install 'vibrostage[cluster]'") from None
+    return cluster(scheduler, folder.files, f"{folder.path.absolute()} {folder.plan.study.name}")
