@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from ctlblocks.block import Block, Port
 from rigkit.faults import FaultTable
 from rigkit.relay.config import Relay
 from vibractl.audio_device import HeldDevice
@@ -17,36 +16,13 @@ from vibractl.config import RigConfig
 from vibractl.guard import Guard
 from vibractl.heartbeat import heartbeat
 from vibractl.spoiled_input import SpoiledInput
-from vibractl.trial import Trial, shot_graph
+from vibractl.trial import FrameInput, Trial, shot_graph
 
 _IDLE, _OPENING, _PLAYING, _CLOSING = range(4)
 POLL = 0.005
 """s between two looks at a stream with a clock of its own."""
 _LONGEST_RUN = 100
 """Blocks a stream without a clock is run for, between two looks."""
-
-
-class DeviceInput(Block):
-    """The frame that the audio callback has filled, as a signal.
-
-    Ports: `response` (m/s^2) out.
-
-    Parameters
-    ----------
-    width : int, accelerometers, >= 1
-    """
-
-    def __init__(self, width: int) -> None:
-        self.outputs = (Port("response", "m/s^2", width),)
-        self.frame = np.zeros((0, width))
-
-    def prepare(self, rate: float, frames: int) -> None:
-        """Allocate the frame, silent."""
-        self.frame = np.zeros((frames, self.outputs[0].width))
-
-    def process(self, response: np.ndarray) -> None:
-        """Hand the frame on."""
-        np.copyto(response, self.frame)
 
 
 class Engine:
@@ -78,7 +54,7 @@ class Engine:
         self._relay = _relay(audio.relay, self._pulse)
         self._guard = Guard(config.limits, len(self._drives))
         self._trial = Trial(memory.drive[:0], len(self._responses))
-        self._input = DeviceInput(len(self._responses))
+        self._input = FrameInput(len(self._responses))
         self._graph = shot_graph(self._input, self._trial, self._guard, audio.rate, audio.blocksize)
         self._graph.prepare()
         self._graph.tick()  # compiles

@@ -1,6 +1,7 @@
 """The commands of `vibractl`."""
 
 import sys
+import time
 from pathlib import Path
 from typing import Annotated
 
@@ -33,10 +34,11 @@ from vibractl.predict.command import predict_command
 from vibractl.presets import PRESETS
 from vibractl.quality import Marks
 from vibractl.quality_table import prefix_of
-from vibractl.replay import replay
+from vibractl.replay import Replayed, replay
 from vibractl.report import run_report
-from vibractl.run_setup import create, is_imported, resumed_setup, say_changed, settings_of, setup_of
+from vibractl.run_setup import create, is_imported, resumed_setup, say_changed, settings_of, setup_of, shot_files
 from vibractl.session import Session
+from vibractl.setup import Setup
 
 app.command("export")(export_command)
 app.command("prune")(prune_command)
@@ -181,27 +183,43 @@ def replay_command(
 
     Example: `vibractl replay RUN/`; what would have been: `vibractl replay RUN/ --set learning.gains=[0.5]`
     """
-    rows = []
     settings_of(path)
     say_changed(path)
     made = setup_of(path, tuple(settings or ()), model)
     if made.plans.note:
         sys.stderr.write(f"{made.plans.note}\n")
-    for each in replay(path, made):
-        if shot in (None, each.shot):
-            same = "yes" if each.identical else "no"
-            rows.append([str(each.shot), same, f"{each.difference:.3g}", f"{each.difference_db:.1f}"])
-        if each.shot == shot:
-            break
+    done, speed = _replayed(path, made, shot)
+    rows = [
+        [str(each.shot), "yes" if each.identical else "no", f"{each.difference:.3g}", f"{each.difference_db:.1f}"]
+        for each in done
+        if shot in (None, each.shot)
+    ]
     if not rows:
         raise ValueError(f"{path}: no shot {shot} is recorded")
     differ = sum(row[1] == "no" for row in rows)
     head = ["shot", "bit for bit", "largest difference, V", "rms difference, dB re drive"]
     print_table(f"{path}: drives rebuilt from the recorded responses", head, rows, words(json))
-    write_json(json, {"shots": len(rows), "differing": differ})
+    write_json(json, {"shots": len(rows), "differing": differ, "times_real_time": speed})
     asked_for_other = model is not None or settings or is_imported(path)
     if differ and not asked_for_other:
         raise typer.Exit(1)
+
+
+def _replayed(path: Path, made: Setup, last: int | None) -> tuple[list[Replayed], float]:
+    """Replay a run up to its shot `last`, or all of it; return that and how many times as fast as it was played."""
+    total = len(shot_files(path)) if last is None else last + 1
+    done: list[Replayed] = []
+    begun, speed = time.monotonic(), 0.0
+    with stoppable() as stop, progress("replaying", total) as meter:
+        for each in replay(path, made):
+            done.append(each)
+            speed = sum(shot.seconds for shot in done) / max(time.monotonic() - begun, 1e-9)
+            meter.show(each.shot + 1, f"shot {each.shot}: {speed:.0f} times real time")
+            if stop.made or each.shot == last:
+                break
+    if stop.made and len(done) < total:
+        raise Stopped(f"{len(done)} of {total} shots are replayed; begin again with: vibractl replay {path}")
+    return done, speed
 
 
 @app.command("report")

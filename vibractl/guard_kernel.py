@@ -72,22 +72,55 @@ def _advance(state, ramp):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
+def _let_all_out(request, output, first, bounds, memory, state):  # type: ignore[no-untyped-def]
+    """Write samples of a guard that is fully open, as long as they keep the limits; return where that ends."""
+    peak, slew, square, rate, forget = bounds
+    for n in range(first, len(request)):
+        for channel in range(request.shape[1]):
+            value = request[n, channel]
+            mean = memory[_MEAN, channel]
+            step = abs(value - memory[_LAST, channel]) * rate
+            if not (abs(value) <= peak and step <= slew and mean + forget * (value * value - mean) <= square):
+                return n  # NaN keeps no limit either
+        for channel in range(request.shape[1]):
+            value = output[n, channel] = request[n, channel]
+            mean = memory[_MEAN, channel]
+            memory[_MEAN, channel] = flushed(mean + forget * (value * value - mean))
+            memory[_LAST, channel] = value
+        state[COUNT] += 1
+    return len(request)
+
+
+@njit(cache=True, nogil=True)
+def _run_sample(request, output, gains, bounds, memory, state, latch):  # type: ignore[no-untyped-def]
+    """Run one sample: shape (width,) in and out, V."""
+    ramp = gains.size - 1
+    _advance(state, ramp)
+    if state[PHASE] == WORKING and state[POSITION] > 0:
+        _let_out(request, output, gains[state[POSITION]], bounds, memory, state, latch)
+        if state[PHASE] == FADING:
+            _advance(state, ramp)
+    for channel in range(len(request)):
+        if state[PHASE] == FADING:
+            output[channel] = memory[_FADED, channel] * gains[ramp - state[POSITION]]
+        elif state[PHASE] == LATCHED or state[POSITION] == 0:
+            output[channel] = 0.0
+        value = output[channel]
+        mean = memory[_MEAN, channel]
+        memory[_MEAN, channel] = flushed(mean + bounds[4] * (value * value - mean))
+        memory[_LAST, channel] = value
+    state[COUNT] += 1
+
+
+@njit(cache=True, nogil=True)
 def run(request, output, gains, bounds, memory, state, latch):  # type: ignore[no-untyped-def]
     """Run one frame: shape (frames, width) in and out, V."""
     ramp = gains.size - 1
-    for n in range(len(request)):
-        _advance(state, ramp)
-        if state[PHASE] == WORKING and state[POSITION] > 0:
-            _let_out(request[n], output[n], gains[state[POSITION]], bounds, memory, state, latch)
-            if state[PHASE] == FADING:
-                _advance(state, ramp)
-        for channel in range(request.shape[1]):
-            if state[PHASE] == FADING:
-                output[n, channel] = memory[_FADED, channel] * gains[ramp - state[POSITION]]
-            elif state[PHASE] == LATCHED or state[POSITION] == 0:
-                output[n, channel] = 0.0
-            value = output[n, channel]
-            mean = memory[_MEAN, channel]
-            memory[_MEAN, channel] = flushed(mean + bounds[4] * (value * value - mean))
-            memory[_LAST, channel] = value
-        state[COUNT] += 1
+    n = 0
+    while n < len(request):
+        if state[PHASE] == WORKING and state[OPENING] and state[POSITION] == ramp:
+            n = _let_all_out(request, output, n, bounds, memory, state)
+            if n == len(request):
+                return
+        _run_sample(request[n], output[n], gains, bounds, memory, state, latch)
+        n += 1

@@ -6,48 +6,55 @@ from pathlib import Path
 
 import numpy as np
 
-from ctlblocks import recording
-from ctlblocks.recording import Recording
-from ctlblocks.replay import Replay
+from ctlblocks.graph import Graph
+from rigkit.foreign_record import open_signals
+from rigkit.foreign_stream import Signals
 from vibractl.guard import Guard
 from vibractl.learner import Learner
 from vibractl.quality import FAINT, decibels
 from vibractl.run_setup import is_imported, shot_files
 from vibractl.setup import Setup
-from vibractl.shot_file import channel_names, far_field_of, split
-from vibractl.trial import shot_graph
+from vibractl.shot_file import channel_names, hydrophone_names
+from vibractl.trial import FrameInput, shot_graph
+
+TICKS = 64
+"""Between two looks at a file."""
 
 
-@dataclass(frozen=True)
+@dataclass
 class Replayed:
-    """One shot's drive, recorded and rebuilt.
+    """One shot's drive, rebuilt and compared with the recorded one.
 
     Parameters
     ----------
     shot : int
-    drive : float32 array, shape (samples, drives), V, rebuilt
-    recorded : float32 array, shape (samples, drives), V
+    seconds : float, s
+        How long the shot is.
+    identical : bool
+        Whether every sample is the same, bit for bit.
+    difference : float, V
+        The largest.
     """
 
     shot: int
-    drive: np.ndarray
-    recorded: np.ndarray
-
-    @property
-    def identical(self) -> bool:
-        """Whether every sample is the same, bit for bit."""
-        return self.drive.tobytes() == self.recorded.tobytes()
-
-    @property
-    def difference(self) -> float:
-        """Largest difference, V."""
-        return float(np.abs(self.drive - self.recorded).max())
+    seconds: float
+    identical: bool = True
+    difference: float = 0.0
+    _size: float = 0.0
+    _off: float = 0.0
 
     @property
     def difference_db(self) -> float:
         """RMS difference re the recorded drive's RMS, dB."""
-        size = max(float(np.linalg.norm(self.recorded)), FAINT)
-        return float(decibels(float(np.linalg.norm(self.drive - self.recorded)) / size))
+        return float(decibels(float(np.sqrt(self._off)) / max(float(np.sqrt(self._size)), FAINT)))
+
+    def compare(self, drive: np.ndarray, recorded: np.ndarray) -> None:
+        """Take what comes next of both, rebuilt and recorded, float32 arrays of shape (samples, drives), V."""
+        self.identical &= drive.tobytes() == recorded.tobytes()
+        off = drive.astype(float) - recorded
+        self.difference = max(self.difference, float(np.abs(off).max()))
+        self._size += float(np.sum(recorded.astype(float) ** 2))
+        self._off += float(np.sum(off**2))
 
 
 def replay(path: Path, made: Setup) -> Iterator[Replayed]:
@@ -70,32 +77,52 @@ def replay(path: Path, made: Setup) -> Iterator[Replayed]:
     if not files:
         raise ValueError(f"{path}: no shot is recorded")
     learner, is_foreign = made.learner(), is_imported(path)
+    drives = len(made.config.audio.drive_channels)
     for shot, file in enumerate(files):
-        record = recording.read(file, rate=made.shot.rate)
-        if len(record.data) != made.shot.total:
-            raise ValueError(f"{file}: {len(record.data)} samples, must be {made.shot.total}")
-        recorded, _ = split(record, made.config)
-        yield Replayed(shot, _through_graph(learner, record, made), np.asarray(recorded, dtype=np.float32))
+        record = _opened(file, made)
+        yield _through_graph(Replayed(shot, made.shot.total / made.shot.rate), learner, record, made)
         if is_foreign:
-            learner.played(recorded)
-        if learner.far_field.shape[1]:
-            learner.far_field[:] = far_field_of(record, made.config)
+            learner.played(record.select(record.names[:drives]).whole().data)
         learner.advance()
 
 
-def _through_graph(learner: Learner, record: Recording, made: Setup) -> np.ndarray:
-    """Play one recording through the shot's graph and return what leaves the guard."""
-    config = made.config
-    source = Replay(record, {"response": channel_names(config)[1]})
-    guard = Guard(config.limits, len(config.audio.drive_channels))
-    frames = config.audio.blocksize
-    graph = shot_graph(source, learner, guard, config.audio.rate, frames)
+def _opened(file: Path, made: Setup) -> Signals:
+    """Open one recording: its drives, responses and hydrophones; ValueError where it is not of this run."""
+    record = open_signals(file)
+    if record.rate != made.shot.rate:
+        raise ValueError(f"{file}: {record.rate:.15g} samples/s, must be {made.shot.rate:.15g}")
+    if record.frames != made.shot.total:
+        raise ValueError(f"{file}: {record.frames} samples, must be {made.shot.total}")
+    drives, responses = channel_names(made.config)
+    return record.select([*drives, *responses, *hydrophone_names(made.config)])
+
+
+def _through_graph(replayed: Replayed, learner: Learner, record: Signals, made: Setup) -> Replayed:
+    """Play one recording through the shot's graph, block by block, and compare what leaves the guard with it."""
+    audio = made.config.audio
+    drives, responses = len(audio.drive_channels), len(audio.response_channels)
+    source, guard, frames = FrameInput(responses), Guard(made.config.limits, drives), audio.blocksize
+    graph = shot_graph(source, learner, guard, audio.rate, frames)
     graph.prepare()
     guard.open()
-    ticks = -(-made.shot.total // frames)
-    output = graph.signal("guard.output")
-    drive = np.zeros((ticks * frames, output.shape[1]), np.float32)
-    for tick in range(ticks):
+    done = 0
+    for block in record.blocks(TICKS * frames):
+        recorded, response, far_field = np.split(block, [drives, drives + responses], axis=1)
+        replayed.compare(_emitted(graph, source, response), recorded.astype(np.float32))
+        if learner.far_field.shape[1]:
+            learner.far_field[done : done + len(block)] = far_field
+        done += len(block)
+    return replayed
+
+
+def _emitted(graph: Graph, source: FrameInput, response: np.ndarray) -> np.ndarray:
+    """Tick the graph while this response comes in; return what leaves the guard, float32, (samples, drives), V."""
+    output, frames = graph.signal("guard.output"), len(source.frame)
+    drive = np.zeros((len(response), output.shape[1]), np.float32)
+    for first in range(0, len(response), frames):
+        part = response[first : first + frames]
+        source.frame[: len(part)] = part
+        source.frame[len(part) :] = 0.0
         graph.tick()
-        drive[tick * frames : (tick + 1) * frames] = output
-    return drive[: made.shot.total]
+        drive[first : first + frames] = output[: len(part)]
+    return drive

@@ -83,11 +83,34 @@ class Trial(Block):
         return self.position >= len(self.response)
 
 
+class FrameInput(Block):
+    """The frame that an audio callback, or a replay, has filled, as a signal.
+
+    Ports: `response` (m/s^2) out.
+
+    Parameters
+    ----------
+    width : int, accelerometers, >= 1
+    """
+
+    def __init__(self, width: int) -> None:
+        self.outputs = (Port("response", "m/s^2", width),)
+        self.frame = np.zeros((0, width))
+
+    def prepare(self, rate: float, frames: int) -> None:
+        """Allocate the frame, silent."""
+        self.frame = np.zeros((frames, self.outputs[0].width))
+
+    def process(self, response: np.ndarray) -> None:
+        """Hand the frame on."""
+        np.copyto(response, self.frame)
+
+
 def shot_graph(source: Block, trial: Trial, guard: Guard, rate: float, frames: int) -> Graph:
     """Wire a source's `response` to the trial and the trial's drive to the guard.
 
     It is the graph of a live shot, where the audio callback fills the source's frame and reads `guard.output`, and of
-    a replay, where the source plays a recording.
+    a replay, which fills it from a recording.
 
     Parameters
     ----------

@@ -77,7 +77,6 @@ from tests.contract.population_examples import POPULATION_EXAMPLES
 from tests.contract.stage_daemon_examples import STAGE_DAEMON_EXAMPLES
 from tests.stagectl.robot.milling.torque_models import wide_model
 from vibractl.algorithm import Algorithm
-from vibractl.audio_engine import DeviceInput
 from vibractl.config import Adaptation, Learning, Limits, Watch
 from vibractl.fft_plans import Plans
 from vibractl.guard import Guard
@@ -87,7 +86,7 @@ from vibractl.learning import Gains
 from vibractl.place import at_accelerometers
 from vibractl.spectrum import LineSpectrum
 from vibractl.transfer_matrix import TransferMatrix
-from vibractl.trial import Trial
+from vibractl.trial import FrameInput, Trial
 
 POCKET = Pocket(6, 6, 2, "EW", dict.fromkeys(milling_types(2, "EW"), 1.0))
 NOISE = np.random.default_rng(7).standard_normal((400, 3))
@@ -229,7 +228,7 @@ EXAMPLES: dict[type[Block], Example] = {
     Guard: Example(lambda: Guard(Limits(ramp=0.002, rms=0.05), 2), start=Guard.open),
     Trial: Example(lambda: Trial(NOISE, 2, margin=50)),
     Learner: Example(_learner),
-    DeviceInput: Example(lambda: DeviceInput(2), start=lambda block: block.frame.fill(0.1)),
+    FrameInput: Example(lambda: FrameInput(2), start=lambda block: block.frame.fill(0.1)),
     Still: Example(Still),
     DeflectionReference: Example(lambda: DeflectionReference(stage.Deflection(), 3), rate=10_000.0),
     StageController: Example(_stage_controller, _start_stage, 10_000.0),

@@ -1,11 +1,15 @@
 """Replay gives the recorded drives bit for bit, and says what other settings would have done."""
 
+import json
 from pathlib import Path
 
 import pytest
 
+from rigkit.foreign_stream import Signals
+from rigkit.progress import told_to
 from tests.vibractl.linear_rig import linear_model
 from tests.vibractl.test_session import run
+from vibractl.commands import replay_command
 from vibractl.replay import replay
 from vibractl.run_setup import setup_of, shot_files
 
@@ -38,3 +42,18 @@ def test_a_run_without_a_shot_is_refused(tmp_path: Path) -> None:
     shot_files(tmp_path / "run")[0].unlink()
     with pytest.raises(ValueError, match="no shot is recorded"):
         list(replay(tmp_path / "run", setup_of(tmp_path / "run")))
+
+
+def test_recordings_are_read_block_by_block_and_progress_says_how_fast(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run(tmp_path / "run", linear_model(tmp_path), 3)
+    monkeypatch.delattr(Signals, "whole")
+    told: list[tuple[float, float, str]] = []
+    with told_to(lambda *each: told.append(each)):
+        replay_command(tmp_path / "run", json="-")
+    assert [done for done, _, _ in told] == [0, 1, 2, 3]
+    assert told[-1][1] == 3
+    assert told[-1][2].startswith("shot 2: ")
+    assert told[-1][2].endswith(" times real time")
+    assert json.loads(capsys.readouterr().out)["times_real_time"] > 0
