@@ -76,6 +76,37 @@ class Signals:
             columns=tuple(self.columns[place] for place in places),
         )
 
+    def scaled(self, unit: str, factors: np.ndarray) -> "Signals":
+        """Return these signals in another unit.
+
+        Parameters
+        ----------
+        unit : str
+        factors : array, shape (channels,), `unit` per each signal's own
+        """
+
+        def source() -> Iterator[np.ndarray]:
+            return (part[:, self.columns] * factors for part in self.source())
+
+        width = len(self.names)
+        return replace(self, units=(unit,) * width, source=source, columns=tuple(range(width)))
+
+    def part(self, first: int, stop: int) -> np.ndarray:
+        """Read samples `first` to `stop`, shape (stop - first, channels), any unit; fewer where there are fewer.
+
+        Parameters
+        ----------
+        first, stop : int, frames, 0 <= first <= stop
+        """
+        kept, done = [np.empty((0, len(self.names)))], 0
+        for block in self.blocks():
+            if done + len(block) > first:
+                kept.append(block[max(first - done, 0) : stop - done])
+            done += len(block)
+            if done >= stop:
+                break
+        return np.concatenate(kept)
+
     def blocks(self, size: int | None = None) -> Iterator[np.ndarray]:
         """Read from the first sample to the last, in memory for two blocks whatever the length of the file.
 

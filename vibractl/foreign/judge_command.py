@@ -5,14 +5,13 @@ from typing import Annotated, Any
 
 import typer
 
-from ctlblocks.recording import RecordingError
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.figure_style import styled
 from vibractl.config import RigConfig
 from vibractl.foreign.judge_report import judge_report
 from vibractl.foreign.judged import Verdict, judged
-from vibractl.foreign.signals import read_kind, responses_of
+from vibractl.foreign.signals import open_kind, responses_of
 from vibractl.judging import Judging
 
 HEAD = ("side", "worst line, dB over", "at, Hz", "worst 50 Hz band, dB over", "IAE, m/s^2", "error, dB", "THD, dB")
@@ -41,10 +40,8 @@ def judge_command(
     if report is not None and not report.parent.is_dir():
         raise ValueError(f"--report {report}: its folder does not exist")
     made, kind = Judging.of(rig), responses_of(rig.audio)
-    quiet = None if silence is None else read_kind(silence, kind, rig.audio.rate)
-    if quiet is not None and len(quiet) < made.shot.total:
-        raise RecordingError(f"{silence}: {len(quiet)} samples, must be at least {made.shot.total}, a shot's")
-    found = judged(made, read_kind(recorded, kind, rig.audio.rate), quiet, str(recorded))
+    quiet = None if silence is None else open_kind(silence, kind, rig.audio.rate)
+    found = judged(made, open_kind(recorded, kind, rig.audio.rate), quiet)
     if report is not None or png is not None:
         with styled():
             page = judge_report(found, made, str(recorded))

@@ -1,12 +1,15 @@
 """One recorded response against a reference: found in its recording, cut out, and judged as a shot of a run is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from ctlblocks.recording import RecordingError
-from vibractl.foreign.timing import ORDER, Timing, places, timing
+from rigkit.foreign_stream import Signals
+from rigkit.progress import progress
+from vibractl.foreign.search import Found, find
+from vibractl.foreign.timing import ORDER, Timing, timing
 from vibractl.judging import Judging
 from vibractl.learner import Timeline
 from vibractl.quality import Judge, Marks, decibels
@@ -63,42 +66,47 @@ class Verdict:
         return bool(self.silence[line, side] > 10 ** (-3 / 20) * size)
 
 
-def judged(made: Judging, response: np.ndarray, silence: np.ndarray | None, name: str) -> Verdict:
-    """Judge a recording.
+def judged(made: Judging, response: Signals, silence: Signals | None) -> Verdict:
+    """Judge a recording of any length, in memory for a few shots.
 
     Parameters
     ----------
     made : Judging
-    response : array, shape (samples, sensors), m/s^2
+    response : Signals, a channel a sensor, m/s^2
         With the reference anywhere in it.
-    silence : array, shape (samples, sensors), m/s^2, optional
+    silence : Signals, a channel a sensor, m/s^2, optional
         Of the same sensors, without a drive; at least as long as a shot.
-    name : str
-        Of the recording, for errors.
 
     Raises
     ------
-    RecordingError : the reference is not in it, or it is too short.
+    RecordingError : the reference is not in it, it is too short, or what is found while it is read.
     """
-    sides, frames = list(made.places[0].sensors), made.shot.frames
-    reference, heard = made.reference.signal, response[:, sides]
-    if len(heard) < frames:
-        raise RecordingError(f"{name}: {len(heard)} samples, must be at least {frames}, the reference's")
-    if not np.any(heard):
+    judge = Judge(made)
+    quiet = None if silence is None else _quiet(judge, silence, made.shot)
+    sides, shot, name = list(made.places[0].sensors), made.shot, response.path
+    found = _found(made.reference.signal, response, sides)
+    if found.frames < shot.frames:
+        raise RecordingError(f"{name}: {found.frames} samples, must be at least {shot.frames}, the reference's")
+    if found.is_silent:
         raise RecordingError(f"{name}: silent, must hold a response")
-    likeness = places(reference, heard)
-    first = int(likeness.argmax())
-    if not likeness[first] >= LIKE:
+    if not found.likeness >= LIKE:
         raise RecordingError(
-            f"{name}: does not hold the reference: correlation {likeness[first]:.2f} where they are most alike, must "
+            f"{name}: does not hold the reference: correlation {found.likeness:.2f} where they are most alike, must "
             f"be >= {LIKE:g}"
         )
-    found = timing(reference, heard, made.shot.rate, float(first), with_drift=False)
-    judge = Judge(made)
-    placed = _placed(response, found, made.shot)
-    quiet = None if silence is None else _quiet(judge, silence, made.shot)
+    reach = shot.total + shot.frames // 100 + 1_000
+    start = max(found.first - reach, 0)
+    near = response.part(start, found.first + shot.frames + reach)
+    there = timing(made.reference.signal, near[:, sides], shot.rate, float(found.first - start), with_drift=False)
+    placed = _placed(near, there, shot)
     marks = judge.marks(placed, np.zeros((1, len(made.config.audio.drive_channels))))
-    return Verdict(marks, found, judge.error(placed), quiet, judge)
+    return Verdict(marks, replace(there, delay=there.delay + start), judge.error(placed), quiet, judge)
+
+
+def _found(reference: np.ndarray, response: Signals, sides: list[int]) -> Found:
+    """Search the whole recording, and show how far that is."""
+    with progress("searching", response.frames or 0) as meter:
+        return find(reference, (block[:, sides] for block in response.blocks()), meter.show)
 
 
 def _placed(response: np.ndarray, found: Timing, shot: Timeline) -> np.ndarray:
@@ -114,10 +122,17 @@ def _placed(response: np.ndarray, found: Timing, shot: Timeline) -> np.ndarray:
     return placed
 
 
-def _quiet(judge: Judge, silence: np.ndarray, shot: Timeline) -> np.ndarray:
+def _quiet(judge: Judge, silence: Signals, shot: Timeline) -> np.ndarray:
     """Return the RMS of the lines in silence, (lines, sides), over all stretches as long as the reference."""
-    empty = judge.error(np.zeros((shot.total, silence.shape[1])))
-    starts = range(0, len(silence) - shot.total + 1, shot.frames)
-    every = [np.abs(judge.lines(judge.error(silence[at : at + shot.total]) - empty)) ** 2 for at in starts]
-    size: np.ndarray = np.sqrt(np.mean(every, axis=0))
+    empty = judge.error(np.zeros((shot.total, len(silence.names))))
+    power, stretches = np.zeros(1), 0
+    held = np.empty((0, len(silence.names)))
+    for block in silence.blocks(shot.frames):
+        held = np.concatenate((held, block))
+        while len(held) >= shot.total:
+            power = power + np.abs(judge.lines(judge.error(held[: shot.total]) - empty)) ** 2
+            held, stretches = held[shot.frames :], stretches + 1
+    if not stretches:
+        raise RecordingError(f"{silence.path}: {len(held)} samples, must be at least {shot.total}, a shot's")
+    size: np.ndarray = np.sqrt(power / stretches)
     return size

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ctlblocks.recording import RecordingError
-from vibractl.foreign.timing import places, timing
+from vibractl.foreign.search import find
+from vibractl.foreign.timing import timing
 from vibractl.proof import SLIP
 
 ALIKE = 1e-3
@@ -50,14 +51,13 @@ def find_shot(wanted: np.ndarray, played: np.ndarray, rate: float, name: str) ->
     head = played[: len(wanted)]
     if float(np.linalg.norm(head - wanted)) <= ALIKE * size:
         return Cut(0, 0.0)
-    likeness = places(wanted, played)
-    first = int(likeness.argmax())
-    if not likeness[first] >= LIKE:
+    place = find(wanted, [played])
+    if not place.likeness >= LIKE:
         raise RecordingError(
-            f"{name}: is not the drive that was to be played: correlation {likeness[first]:.3f} where they are most "
+            f"{name}: is not the drive that was to be played: correlation {place.likeness:.3f} where they are most "
             f"alike, must be >= {LIKE:g}"
         )
-    found = timing(wanted, played, rate, float(first))
+    found = timing(wanted, played, rate, float(place.first))
     slip = 1e-6 * abs(found.drift) * len(wanted)
     if not slip <= SLIP + 2e-6 * found.drift_error * len(wanted):
         raise RecordingError(

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ctlblocks.recording import Recording, RecordingError
-from rigkit.foreign_record import is_sound, read_signals
+from ctlblocks.recording import RecordingError
+from rigkit.foreign_record import is_sound, open_signals
+from rigkit.foreign_stream import Signals
 from vibractl.config import Audio
 
 UNITS = {
@@ -48,26 +49,29 @@ def responses_of(audio: Audio) -> Kind:
     return Kind("response", len(audio.response_channels), "m/s^2", audio.input_full_scale)
 
 
-def read_kind(path: Path, kind: Kind, rate: float) -> np.ndarray:
-    """Read all signals of one kind from a file that holds them, by name or because it holds nothing else.
+def open_kind(path: Path, kind: Kind, rate: float) -> Signals:
+    """Open all signals of one kind in a file that holds them, by name or because it holds nothing else.
+
+    Numbers without a unit are parts of full scale in a sound, else in the kind's unit.
 
     Parameters
     ----------
     path : Path
-        WAV, FLAC, CSV or another table.
+        As of `rigkit.foreign_record.open_signals`.
     kind : Kind
     rate : float, samples/s
         Which the file must have.
 
     Returns
     -------
-    array, shape (samples, width), the kind's unit
+    Signals
+        In the kind's unit.
 
     Raises
     ------
     RecordingError : it names the file, what is in it and what must be.
     """
-    found = read_signals(path, rate)
+    found = open_signals(path, rate)
     named = [f"{kind.name}_{number + 1}" for number in range(kind.width)]
     if set(named) <= set(found.names):
         found = found.select(named)
@@ -76,28 +80,6 @@ def read_kind(path: Path, kind: Kind, rate: float) -> np.ndarray:
             f"{path}: {len(found.names)} channels ({', '.join(found.names)}), must be {kind.width}, one for each "
             f"{kind.name}, or have channels named {', '.join(named)}"
         )
-    return in_units(found, kind, path)
-
-
-def in_units(found: Recording, kind: Kind, path: Path) -> np.ndarray:
-    """Return signals in a kind's unit; numbers without a unit are parts of full scale in a sound, else in that unit.
-
-    Parameters
-    ----------
-    found : Recording
-        Channels of that kind.
-    kind : Kind
-    path : Path
-        Where they come from, for errors.
-
-    Returns
-    -------
-    array, shape (samples, width), the kind's unit
-
-    Raises
-    ------
-    RecordingError : a channel has a unit that cannot be.
-    """
     known = UNITS[kind.unit]
     bare = kind.full_scale if is_sound(path) else 1.0
     for name, unit in zip(found.names, found.units, strict=True):
@@ -105,6 +87,24 @@ def in_units(found: Recording, kind: Kind, path: Path) -> np.ndarray:
             raise RecordingError(
                 f"{path}: channel {name!r} is in {unit}, must be in {', '.join(known)}, or a part of full scale"
             )
-    scales = np.array([bare if unit == "1" else known[unit] for unit in found.units])
-    scaled: np.ndarray = found.data.astype(float) * scales
-    return scaled
+    return found.scaled(kind.unit, np.array([bare if unit == "1" else known[unit] for unit in found.units]))
+
+
+def read_kind(path: Path, kind: Kind, rate: float) -> np.ndarray:
+    """Read all signals of one kind, whole.
+
+    Parameters
+    ----------
+    path : Path
+    kind : Kind
+    rate : float, samples/s
+
+    Returns
+    -------
+    array, shape (samples, width), the kind's unit
+
+    Raises
+    ------
+    RecordingError : as of `open_kind`, and what is found while it is read.
+    """
+    return open_kind(path, kind, rate).whole().data

@@ -47,34 +47,6 @@ class Timing:
         return round(self.delay)
 
 
-def places(signal: np.ndarray, recorded: np.ndarray) -> np.ndarray:
-    """Say how like a signal a recording is, wherever in it that may begin.
-
-    Parameters
-    ----------
-    signal : array, shape (length, channels), any unit
-    recorded : array, shape (at least length, channels), any unit
-
-    Returns
-    -------
-    array, shape (places,), 0 to 1
-        Correlation over all channels, each with a gain of its own, for each sample that may be the first.
-    """
-    length, found = len(signal), len(recorded) - len(signal) + 1
-    points = 2 ** math.ceil(math.log2(len(recorded) + length))
-    explained, power = np.zeros(found), np.zeros(found)
-    for one, other in zip(signal.T, recorded.T, strict=True):
-        cross = np.fft.irfft(np.fft.rfft(other, points) * np.conj(np.fft.rfft(one, points)), points)[:found]
-        size = float(one @ one)
-        if size > 0:
-            explained += cross**2 / size
-        energy = np.concatenate(([0.0], np.cumsum(other**2)))
-        power += energy[length:] - energy[:found]
-    least = 1e-12 * max(float(power.max()), np.finfo(float).tiny)
-    likeness: np.ndarray = np.sqrt(np.clip(explained / np.maximum(power, least), 0.0, 1.0))
-    return likeness
-
-
 def timing(signal: np.ndarray, recorded: np.ndarray, rate: float, begin: float, with_drift: bool = True) -> Timing:
     """Refine where a signal lies in a recording, to a part of a sample, by least squares.
 

@@ -6,7 +6,9 @@ from scipy.interpolate import make_interp_spline
 from scipy.signal import chirp
 from scipy.signal.windows import tukey
 
-from vibractl.foreign.timing import Timing, places, timing
+from vibractl.foreign import search
+from vibractl.foreign.search import find
+from vibractl.foreign.timing import Timing, timing
 
 RATE = 44_100
 TIME = np.arange(2 * RATE) / RATE
@@ -22,7 +24,7 @@ def moved(delay: float, drift: float, samples: int) -> np.ndarray:
 
 
 def found(recorded: np.ndarray) -> Timing:
-    return timing(SWEEP, recorded, RATE, float(places(SWEEP, recorded).argmax()))
+    return timing(SWEEP, recorded, RATE, float(find(SWEEP, [recorded]).first))
 
 
 @pytest.mark.parametrize(("delay", "drift"), [(0.0, 0.0), (1234.375, 20.0), (777.5, -80.0)])
@@ -46,8 +48,32 @@ def test_its_errors_are_what_it_says_they_are() -> None:
 
 
 def test_a_recording_of_something_else_is_not_like_it() -> None:
-    assert places(SWEEP, np.random.default_rng(2).standard_normal((3 * RATE, 1))).max() < 0.1
+    assert find(SWEEP, [np.random.default_rng(2).standard_normal((3 * RATE, 1))]).likeness < 0.1
 
 
 def test_silence_is_like_nothing() -> None:
-    assert places(SWEEP, np.zeros((3 * RATE, 1))).max() == 0.0
+    silence = find(SWEEP, [np.zeros((3 * RATE, 1))])
+    assert (silence.likeness, silence.is_silent, silence.frames) == (0.0, True, 3 * RATE)
+
+
+@pytest.mark.parametrize("length", [2 * RATE + 5, 10 * RATE])
+@pytest.mark.parametrize("size", [7_001, 10**6])
+def test_it_is_found_in_every_stretch_of_a_long_recording(
+    length: int, size: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(search, "STRETCH", 4 * RATE)
+    rng = np.random.default_rng(3)
+    for first in rng.integers(0, length - 2 * RATE, 6).tolist():
+        recorded = 0.3 * rng.standard_normal((length, 1))
+        recorded[first : first + 2 * RATE] += SWEEP
+        told: list[int] = []
+        place = find(SWEEP, (recorded[at : at + size] for at in range(0, length, size)), told.append)
+        assert (place.first, place.frames, place.is_silent) == (first, length, False)
+        assert place.likeness == pytest.approx(
+            float(np.corrcoef(recorded[first : first + 2 * RATE].T, SWEEP.T)[0, 1]), abs=0.01
+        )
+        assert bool(told) == (length > 4 * RATE)
+
+
+def test_a_recording_shorter_than_it_is_not_searched() -> None:
+    assert find(SWEEP, [SWEEP[:-1]]).likeness == 0.0
