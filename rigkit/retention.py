@@ -15,6 +15,8 @@ DAY = 86_400.0
 """s."""
 AHEAD = 60.0
 """s by which the clock of a disk's own computer may be ahead."""
+FIRST = 1_704_067_200.0
+"""s since 1970, the beginning of 2024: this program and its runs are younger; a clock that begins anew shows less."""
 _DELETED = ".deleted"
 
 
@@ -30,7 +32,8 @@ class StoredRun:
         When its newest file was written.
     is_marked : bool
     is_misdated : bool
-        Whether all of its files are from the future: nobody knows how old it is, and it is kept.
+        Whether all of its files are from the future, or from before `FIRST`: the clock was wrong, nobody knows how old
+        it is, and it is kept.
     """
 
     path: Path
@@ -135,9 +138,9 @@ def prune(root: Path, policy: Policy) -> Iterator[tuple[StoredRun, bool]]:
 
 
 def _stored(path: Path, now: float) -> StoredRun:
-    """Describe a run; what is dated after `now` tells nothing of its age."""
+    """Describe a run; what is dated after `now`, or before `FIRST`, tells nothing of its age."""
     stats = [file.lstat() for file in path.rglob("*") if not file.is_dir() and file.name != LOCK]
     dates = [stat.st_mtime for stat in stats] or [path.stat().st_mtime]
-    past = [date for date in dates if date <= now]
+    past = [date for date in dates if FIRST <= date <= now]
     size = sum(stat.st_size for stat in stats)
     return StoredRun(path, size, max(past, default=0.0), (path / MARK).exists(), not past)

@@ -36,13 +36,18 @@ def prune_command(
         for run, is_gone in done
     ]
     print_table(f"{root}: {len(runs)} runs", ["run", "size", "days old", ""], rows, words(json))
+    misdated = [str(run.path) for run in runs if run.is_misdated]
+    if misdated:
+        print(f"kept, since their dates are not of this time: {', '.join(misdated)}", file=words(json))  # noqa: T201
     gone = [run for run, is_gone in done if is_gone]
     freed = sum(run.size for run in gone)
     print(
         f"{_verdict(True, dry_run)}: {len(gone)} runs, {megabytes(freed)}; free: {megabytes(free(root))}",
         file=words(json),
     )  # noqa: T201
-    write_json(json, {"deleted": [str(run.path) for run in gone], "bytes": freed, "dry_run": dry_run})
+    write_json(
+        json, {"deleted": [str(run.path) for run in gone], "misdated": misdated, "bytes": freed, "dry_run": dry_run}
+    )
 
 
 def _verdict(is_gone: bool, dry_run: bool) -> str:

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Collection
+from itertools import count
 from pathlib import Path
 
 RUNS = "runs"
@@ -11,6 +12,8 @@ RUNS = "runs"
 def run_path(data: str, name: str) -> Path:
     """Return where a run of that name belongs; one without a name has date and time for it.
 
+    A clock that is set back, or has its winter time, shows a time twice: then the name has a number as well.
+
     Parameters
     ----------
     data : str
@@ -18,7 +21,11 @@ def run_path(data: str, name: str) -> Path:
     name : str
         Empty for none.
     """
-    return Path(data) / RUNS / (name or time.strftime("%Y%m%d-%H%M%S"))
+    if name:
+        return Path(data) / RUNS / name
+    first = Path(data) / RUNS / time.strftime("%Y%m%d-%H%M%S")
+    names = (first if number == 1 else first.with_name(f"{first.name}-{number}") for number in count(1))
+    return next(path for path in names if not path.exists())
 
 
 def data_file(data: str, option: str, name: str, words: Collection[str] = ()) -> Path:

@@ -22,8 +22,8 @@ class SlcanBus(slcanBus):
 
     python-can's own reads a byte a system call, which fell behind at 900 frames/s of 64 bytes where this was measured
     (docs/stage-link.md); it never recovers from a byte that is not ASCII, and waits for ever for an adapter that has
-    stopped to read.  Constructor and methods are the same.  Lines that are no frame are counted in `garbled`; answers
-    of the adapter are read over.
+    stopped to read, and for an hour where the system's clock is set back by one.  Constructor and methods are the
+    same.  Lines that are no frame are counted in `garbled`; answers of the adapter are read over.
 
     Parameters
     ----------
@@ -45,6 +45,17 @@ class SlcanBus(slcanBus):
         """Close the channel; the bit rates are set while it is closed, so this comes first."""
         self.serialPortOrig.write_timeout = _PATIENCE
         super().close()
+
+    def recv(self, timeout: float | None = None) -> Message | None:
+        """Return the next frame; None where none comes within `timeout` s."""
+        until = None if timeout is None else time.monotonic() + timeout
+        left = timeout
+        while True:
+            frame, _ = self._recv_internal(left)
+            if frame is not None and self._matches_filters(frame):
+                return frame
+            if until is not None and (left := until - time.monotonic()) <= 0:
+                return None
 
     def _recv_internal(self, timeout: float | None) -> tuple[Message | None, bool]:
         if not self._frames:

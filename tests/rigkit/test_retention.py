@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from rigkit.retention import DAY, Policy, StoredRun, delete, stored_runs, superfluous
+from rigkit.retention import DAY, FIRST, Policy, StoredRun, delete, stored_runs, superfluous
 from rigkit.run_folder import RunFolder
 from vibractl.__main__ import main
 
 NOW = 1_000 * DAY
+NEWEST = FIRST + 100 * DAY
 
 
 def run(number: int, size: int = 100, marked: bool = False) -> StoredRun:
@@ -47,7 +48,7 @@ def root(tmp_path: Path) -> Path:
         with RunFolder.create(path, "[rig]\n") as folder:
             folder.write("shots/0000.wav", b"x" * 1_000)
         for file in path.rglob("*"):
-            os.utime(file, (0, 1e9 - number * DAY))
+            os.utime(file, (0, NEWEST - number * DAY))
     (tmp_path / "notes").mkdir()
     (tmp_path / "notes" / "config.toml").write_text("mine")
     (tmp_path / "thesis.txt").write_text("years of work")
@@ -67,7 +68,7 @@ def test_runs_are_found_by_what_is_in_them_the_newest_first(root: Path) -> None:
     found = stored_runs(root)
     assert [each.path.name for each in found] == [f"run-{number}" for number in range(5)]
     assert {each.size for each in found} == {1_006}
-    assert [each.changed for each in found] == [1e9 - number * DAY for number in range(5)]
+    assert [each.changed for each in found] == [NEWEST - number * DAY for number in range(5)]
 
 
 def test_a_file_from_the_future_makes_no_run_the_newest(root: Path) -> None:
@@ -76,12 +77,18 @@ def test_a_file_from_the_future_makes_no_run_the_newest(root: Path) -> None:
     assert [each.path.name for each in stored_runs(root)] == [f"run-{number}" for number in range(5)]
 
 
-def test_a_run_of_which_all_is_from_the_future_is_kept_and_takes_no_others_place(root: Path) -> None:
-    later = time.time() + 300 * DAY
+@pytest.mark.parametrize("wrong", [300 * DAY, -9_000 * DAY])
+def test_a_run_that_a_wrong_clock_has_dated_is_kept_and_takes_no_others_place(
+    wrong: float, root: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Days later or earlier: a clock without its battery begins in 1970 or 2000."""
     for file in (root / "run-3").rglob("*"):
-        os.utime(file, (later, later))
+        os.utime(file, (0, time.time() + wrong))
     gone = [each.path.name for each in superfluous(stored_runs(root), Policy(newest=2), time.time())]
     assert gone == ["run-2", "run-4"]
+    assert prune(monkeypatch, root, "--days", "1") == 0
+    assert f"kept, since their dates are not of this time: {root / 'run-3'}\n" in capsys.readouterr().out
+    assert names(root) == ["notes", "run-0", "run-3", "thesis.txt"]
 
 
 def test_a_dry_run_deletes_nothing(

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from rigkit.service.paths import confined
+from rigkit.service.paths import confined, run_path
 
 
 @pytest.mark.parametrize(
@@ -41,3 +41,14 @@ def test_a_link_that_leads_out_is_refused(tmp_path: Path) -> None:
 
 def test_what_is_within_is_there(tmp_path: Path) -> None:
     assert confined(tmp_path, "monday/shots/0000.wav") == tmp_path / "monday/shots/0000.wav"
+
+
+def test_a_run_without_a_name_has_one_of_its_own_at_a_time_that_comes_twice(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("time.strftime", lambda _: "20261025-023000")
+    for name in ("20261025-023000", "20261025-023000-2", "20261025-023000-3"):
+        path = run_path(str(tmp_path), "")
+        assert path == tmp_path / "runs" / name
+        path.mkdir(parents=True)
+    assert run_path(str(tmp_path), "monday") == tmp_path / "runs" / "monday"

@@ -2,8 +2,10 @@
 
 import os
 import select
+import time
 from collections.abc import Iterator
 from contextlib import suppress
+from itertools import count
 from pathlib import Path
 
 import can
@@ -46,6 +48,15 @@ def test_many_frames_that_came_at_once_are_given_one_by_one(ends: Ends) -> None:
         adapter.send(frame)
     assert heard(bus, 15) == FRAMES * 5
     assert (bus.recv(0.0), bus.garbled) == (None, 0)
+
+
+def test_a_clock_that_is_set_back_is_not_waited_for(ends: Ends, monkeypatch: pytest.MonkeyPatch) -> None:
+    hours = count(0, -3600.0)
+    monkeypatch.setattr("can.bus.time", lambda: next(hours))
+    begin = time.monotonic()
+    assert ends[1].recv(0.01) is None
+    assert ends[1].recv(0.0) is None
+    assert time.monotonic() - begin < 1.0
 
 
 def test_a_frame_that_comes_in_two_parts_is_put_together(ends: Ends) -> None:
