@@ -189,17 +189,21 @@ def replay_command(
     if made.plans.note:
         sys.stderr.write(f"{made.plans.note}\n")
     done, speed = _replayed(path, made, shot)
+    found = [each for each in done if shot in (None, each.shot)]
     rows = [
         [str(each.shot), "yes" if each.identical else "no", f"{each.difference:.3g}", f"{each.difference_db:.1f}"]
-        for each in done
-        if shot in (None, each.shot)
+        for each in found
     ]
     if not rows:
         raise ValueError(f"{path}: no shot {shot} is recorded")
     differ = sum(row[1] == "no" for row in rows)
     head = ["shot", "bit for bit", "largest difference, V", "rms difference, dB re drive"]
     print_table(f"{path}: drives rebuilt from the recorded responses", head, rows, words(json))
-    write_json(json, {"shots": len(rows), "differing": differ, "times_real_time": speed})
+    differences = {
+        "difference_v": [each.difference for each in found],
+        "difference_db": [each.difference_db for each in found],
+    }
+    write_json(json, {"shots": len(rows), "differing": differ, "times_real_time": speed, **differences})
     asked_for_other = model is not None or settings or is_imported(path)
     if differ and not asked_for_other:
         raise typer.Exit(1)

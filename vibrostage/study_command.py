@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from rigkit.agreement import AcceptOption
-from rigkit.command import JsonOption, SetOption, application, words, write_json
+from rigkit.command import JsonOption, SetOption, application, print_table, words, write_json
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
 from rigkit.study import programs
@@ -15,7 +15,9 @@ from rigkit.study.engine import Hands, Study, cores
 from rigkit.study.folder import StudyFolder
 from rigkit.study.local import local
 from rigkit.study.plan import Plan, read_plan
+from rigkit.study.report import PAGE, StudyReport
 from rigkit.study.results import study_hash
+from vibrostage.replay_study import replay_study
 
 study_app = application("Any command over machines, seeds and settings, on every core or a cluster.")
 
@@ -43,6 +45,54 @@ def run_command(
     Example: `vibrostage study run studies/quick.toml --out QUICK/`
     """
     perform_study(read_plan(study, programs.names(), settings or []), out, scheduler, workers, accept or [], json)
+
+
+@study_app.command("replay")
+def replay_command(
+    runs: Annotated[Path, typer.Argument(metavar="RUNS/", help="Folder in which folders of runs lie.")],
+    out: OutOption,
+    scheduler: SchedulerOption = None,
+    workers: WorkersOption = None,
+    accept: AcceptOption = None,
+    settings: SetOption = None,
+    json: JsonOption = None,
+) -> None:
+    """Replay and judge recorded runs of the vibrator with other settings: what would have been.
+
+    Example: `vibrostage study replay runs/ --set learning.law=thesis --out REPLAYED/`
+    """
+    plan = Plan(replay_study(runs, settings or []), programs.names(), runs)
+    perform_study(plan, out, scheduler, workers, accept or [], json)
+
+
+@study_app.command("report")
+def report_command(
+    path: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a study, or a file of its results.")],
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="The page; DIR/report.html, and none of a file, without.")
+    ] = None,
+    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
+    json: JsonOption = None,
+) -> None:
+    """Report a study: distributions, survival curves, and the worst cases with the commands that repeat them.
+
+    Example: `vibrostage study report QUICK/ --json quick.json`
+    """
+    found = StudyReport.of(path)
+    stream = words(json)
+    for text, table in found.tables():
+        print_table(text, table.head, table.rows, stream)
+    for line in found.lines():
+        print(line, file=stream)  # noqa: T201
+    target = path / PAGE if out is None and path.is_dir() else out
+    if target is not None or png is not None:
+        page = found.page()
+        if target is not None:
+            page.write(target)
+            print(f"report: {target}", file=stream)  # noqa: T201
+        if png is not None:
+            page.png(png)
+    write_json(json, found.told())
 
 
 def perform_study(

@@ -13,7 +13,7 @@ from rigkit.config_fault import explained, shown
 from rigkit.study.json_path import steps
 from rigkit.toml_text import key_text
 
-NAME = r"^[A-Za-z][\w.-]*$"
+NAME = r"^\w[\w.-]*$"
 _PASSES = r"^(<=|>=|<|>) -?\d+(\.\d+)?([eE][+-]?\d+)?$"
 
 Kind = Literal["number", "yes", "event", "text"]

@@ -134,10 +134,10 @@ def _machines(study: StudyFile, folder: Path) -> tuple[dict[str, dict[str, str]]
 
 
 def _checksum(path: Path) -> str:
-    """Return the hash of a file, or of all files of a folder with their names."""
+    """Return the hash of a file, or of all files of a folder but hidden ones, with their names."""
     if not path.is_dir():
         return checksum(path)
-    files = sorted(each for each in path.rglob("*") if each.is_file())
+    files = sorted(each for each in path.rglob("*") if each.is_file() and not each.name.startswith("."))
     return _hash({str(file.relative_to(path)): checksum(file) for file in files})
 
 
