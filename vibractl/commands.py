@@ -27,6 +27,7 @@ from vibractl.config import RigConfig
 from vibractl.doctor.command import doctor_command
 from vibractl.export.command import export_command
 from vibractl.fft_command import plan_command
+from vibractl.foreign.import_command import import_command
 from vibractl.foreign.judge_command import judge_command
 from vibractl.foreign.step_command import step_command
 from vibractl.library.command import LibraryOption, TagOption, chosen_entry, library_app
@@ -47,6 +48,7 @@ app.command("predict")(predict_command)
 app.command("plan-ffts")(plan_command)
 app.command("step")(step_command)
 app.command("judge")(judge_command)
+app.command("import")(import_command)
 app.add_typer(library_app, name="library")
 
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")]

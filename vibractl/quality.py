@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import hilbert, upfirdn
+from scipy.signal import hilbert
 from scipy.signal.windows import blackmanharris
 
 from vibractl.config import Limits, Quality
@@ -116,10 +116,11 @@ class Judge:
         self._root = setup.reference.root
         self._judged = self._judged_lines(setup.config.learning.overtones)
         analytic: np.ndarray = hilbert(self._reference, axis=0)
-        self._phase, self._hop = np.unwrap(np.angle(analytic), axis=0), max(1, round(FOLLOWED * rate))
+        self._turn, self._hop = np.exp(-1j * np.angle(analytic)), max(1, round(FOLLOWED * rate))
         self._window = self._averaging(rate)
         loud = np.abs(analytic) > SIGNIFICANT * np.abs(self._reference).max(axis=0)
         self._loud = loud.all(axis=1)[:: self._hop]
+        self._root_wanted = self._averaged(self._reference * self._turn)
 
     @property
     def reference_level(self) -> np.ndarray:
@@ -155,7 +156,17 @@ class Judge:
         response : array, shape (samples, responses), m/s^2, of the whole shot
         drive : array, shape (samples, drives), V
         """
-        error = self.error(response)
+        return self.marks_of(self.error(response), drive)
+
+    def marks_of(self, error: np.ndarray, drive: np.ndarray) -> Marks:
+        """Judge one shot by its error.
+
+        Parameters
+        ----------
+        error : array, shape (frames, outputs), m/s^2
+            As of `error`.
+        drive : array, shape (samples, drives), V
+        """
         lines = self.lines(error)
         over = decibels(lines / self.limit)[self._judged]
         worst = over.argmax(axis=0)
@@ -199,20 +210,26 @@ class Judge:
 
     def _followed(self, response: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Follow root and overtones along the reference's phase: levels (4, outputs) and the root's phase error."""
-        parts = [self._demodulated(response, order) for order in range(1, OVERTONES + 2)]
-        wanted = self._demodulated(self._reference, 1)
-        loud = self._loud
+        parts, turned, loud = [], response, self._loud
+        for _ in range(1, OVERTONES + 2):
+            turned = turned * self._turn
+            parts.append(self._averaged(turned))
         root = np.maximum(_rms(np.abs(parts[0][loud])), FAINT)
         levels = np.stack([decibels(_rms(np.abs(part[loud])) / root) for part in parts[1:]])
-        return levels, np.angle(parts[0] * wanted.conj())[loud]
+        return levels, np.angle(parts[0] * self._root_wanted.conj())[loud]
 
-    def _demodulated(self, signal: np.ndarray, order: int) -> np.ndarray:
-        """Return the complex amplitude of an order of the reference's phase, every `FOLLOWED` seconds."""
-        reach = len(self._window) // 2
-        turned = np.pad(signal * np.exp(-1j * order * self._phase), ((reach, reach), (0, 0)))
-        first = (len(self._window) - 1) // self._hop
-        amplitude: np.ndarray = upfirdn(self._window, turned, 1, self._hop, axis=0)
-        return amplitude[first : first + len(self._loud)]
+    def _averaged(self, signal: np.ndarray) -> np.ndarray:
+        """Return the mean of a complex signal (frames, outputs) under the window, every `FOLLOWED` seconds."""
+        reach, hop, spans = len(self._window) // 2, self._hop, len(self._loud)
+        parts = len(self._window) // hop + 1
+        weights = np.pad(self._window, (0, parts * hop - len(self._window))).reshape(parts, hop)
+        turned = np.zeros((signal.shape[1], (spans + parts - 1) * hop), complex)
+        turned[:, reach : reach + len(signal)] = signal.T
+        pieces = turned.view(float).reshape(signal.shape[1], -1, hop, 2)
+        sums = np.einsum("cshp,kh->pkcs", pieces, weights, optimize=True)  # by hop: BLAS does it
+        level = np.sum([sums[:, part, :, part : part + spans] for part in range(parts)], axis=0)
+        amplitude: np.ndarray = (level[0] + 1j * level[1]).T
+        return amplitude
 
     def _averaging(self, rate: float) -> np.ndarray:
         size = np.abs(self._wanted).max(axis=1)

@@ -66,11 +66,7 @@ def create(
         made, broken = warm_setup(config, matrix, far, entry, Plans.of_user())
     made, config = replace(made, said=tuple(notes)), made.config
     require_room(path, made, shots or config.session.shots)
-    source = Path(config.reference.signal) if is_file(config.reference.signal) else None
-    kept = config
-    if source is not None:
-        name = REFERENCE + source.suffix.lower()
-        kept = config.model_copy(update={"reference": config.reference.model_copy(update={"signal": name})})
+    kept, source = with_own_reference(config)
     files = kept_files(kept, ["reference.signal"])
     with RunFolder.filled(path, rig_file.dump(files.config)) as folder:
         folder.take_in(model, MODEL)
@@ -90,6 +86,15 @@ def create(
     return folder, made
 
 
+def with_own_reference(config: RigConfig) -> tuple[RigConfig, Path | None]:
+    """Return settings as a run's folder has them, and the file of the reference that goes into it, if it is one."""
+    if not is_file(config.reference.signal):
+        return config, None
+    source = Path(config.reference.signal)
+    own = config.reference.model_copy(update={"signal": REFERENCE + source.suffix.lower()})
+    return config.model_copy(update={"reference": own}), source
+
+
 def settings_of(path: Path, overrides: tuple[str, ...] = ()) -> RigConfig:
     """Return the settings of a run folder, with what is laid over them."""
     config = rig_file.load(path / "config.toml", RigConfig, overrides)
@@ -107,7 +112,10 @@ def setup_of(path: Path, overrides: tuple[str, ...] = (), model: Path | None = N
     ValueError : the folder lacks a part, or the parts do not fit.
     """
     if model is None and not (path / MODEL).is_file() and is_imported(path):
-        raise ValueError(f"{path}/ was imported without a model, and this needs one: import it with --model FILE")
+        raise ValueError(
+            f"{path}/ was imported without a model, and this needs one: import it again with --model FILE, which "
+            "`vibractl replay` takes as well"
+        )
     config = settings_of(path, overrides)
     plans = Plans.of_run(path / WISDOM)
     matrix = read_model(model or path / MODEL)
@@ -201,14 +209,14 @@ def refuse_other_wiring(path: Path, config: RigConfig, accept: Collection[str]) 
     agreed(found, accept, f"{path}/ is of a rig that was wired otherwise", "begin a new run")
 
 
-def require_room(path: Path, made: Setup, shots: int) -> None:
+def require_room(path: Path, made: Setup | Judging, shots: int) -> None:
     """Refuse, by a `DiskFault`, what the disk cannot hold: so many shots, and a tenth more for what is kept of lines.
 
     Parameters
     ----------
     path : Path
         Folder of the run; need not exist.
-    made : Setup
+    made : Setup, or Judging without a model
     shots : int
         That are still to be recorded.
     """

@@ -3,21 +3,19 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from ctlblocks.recording import RecordingError
 from rigkit.foreign_stream import Signals
 from rigkit.progress import progress
+from vibractl.foreign.near import STILL, moved
 from vibractl.foreign.search import Found, find
-from vibractl.foreign.timing import ORDER, Timing, timing
+from vibractl.foreign.timing import Timing, timing
 from vibractl.judging import Judging
 from vibractl.learner import Timeline
 from vibractl.quality import Judge, Marks, decibels
 
 LIKE = 0.5
 """Least correlation with the reference: a response of which three quarters of the power is something else is found."""
-STILL = 1e-3
-"""samples: a fraction below is left as it is."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +80,7 @@ def judged(made: Judging, response: Signals, silence: Signals | None) -> Verdict
     RecordingError : the reference is not in it, it is too short, or what is found while it is read.
     """
     judge = Judge(made)
-    quiet = None if silence is None else _quiet(judge, silence, made.shot)
+    quiet = None if silence is None else silent_lines(judge, silence, made.shot)
     sides, shot, name = list(made.places[0].sensors), made.shot, response.path
     found = _found(made.reference.signal, response, sides)
     if found.frames < shot.frames:
@@ -113,8 +111,7 @@ def _placed(response: np.ndarray, found: Timing, shot: Timeline) -> np.ndarray:
     """Return what lies around the reference as a whole shot; silence where the recording has begun later, or ended."""
     fraction = found.delay - found.whole
     if abs(fraction) > STILL:
-        index = np.arange(len(response))
-        response = make_interp_spline(index, response, k=ORDER)(np.clip(index + fraction, 0, len(response) - 1))
+        response = moved(response, np.arange(len(response)) + fraction)
     first = found.whole - shot.lead
     taken = slice(max(first, 0), min(first + shot.total, len(response)))
     placed = np.zeros((shot.total, response.shape[1]))
@@ -122,8 +119,19 @@ def _placed(response: np.ndarray, found: Timing, shot: Timeline) -> np.ndarray:
     return placed
 
 
-def _quiet(judge: Judge, silence: Signals, shot: Timeline) -> np.ndarray:
-    """Return the RMS of the lines in silence, (lines, sides), over all stretches as long as the reference."""
+def silent_lines(judge: Judge, silence: Signals, shot: Timeline) -> np.ndarray:
+    """Return the RMS of the lines in silence, (lines, sides), m/s^2 s, over all stretches as long as the reference.
+
+    Parameters
+    ----------
+    judge : Judge
+    silence : Signals
+    shot : Timeline
+
+    Raises
+    ------
+    RecordingError : it is shorter than a shot.
+    """
     empty = judge.error(np.zeros((shot.total, len(silence.names))))
     power, stretches = np.zeros(1), 0
     held = np.empty((0, len(silence.names)))

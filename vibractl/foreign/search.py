@@ -51,7 +51,7 @@ def find(signal: np.ndarray, blocks: Iterable[np.ndarray], tell: Callable[[int],
     """
     length, channels = signal.shape
     stretch = np.empty((max(STRETCH, next_fast_len(2 * length, real=True)), channels))
-    likeness = _Likeness(signal)
+    likeness = Likeness(signal)
     best, place, first, filled, frames, is_silent = 0.0, 0, 0, 0, 0, True
     for block in blocks:
         frames, is_silent = frames + len(block), is_silent and not block.any()
@@ -72,8 +72,13 @@ def find(signal: np.ndarray, blocks: Iterable[np.ndarray], tell: Callable[[int],
     return Found(place, best, frames, is_silent)
 
 
-class _Likeness:
-    """How like a signal a stretch is, at every place where the signal fits into it."""
+class Likeness:
+    """How like a signal a stretch is, at every place where the signal fits into it.
+
+    Parameters
+    ----------
+    signal : array, shape (length, channels), any unit
+    """
 
     def __init__(self, signal: np.ndarray) -> None:
         self._signal, self._spectra = signal, np.zeros((0, 0), complex)
@@ -82,6 +87,21 @@ class _Likeness:
 
     def most(self, stretch: np.ndarray) -> tuple[float, int]:
         """Return the largest correlation and the first sample of its place; stretch (frames, channels)."""
+        everywhere = self.everywhere(stretch)
+        at = int(everywhere.argmax())
+        return float(everywhere[at]), at
+
+    def everywhere(self, stretch: np.ndarray) -> np.ndarray:
+        """Return the correlation over all channels, each with a gain of its own, for each sample that may be the first.
+
+        Parameters
+        ----------
+        stretch : array, shape (at least length, channels), any unit
+
+        Returns
+        -------
+        array, shape (places,), 0 to 1
+        """
         points, length = next_fast_len(len(stretch), real=True), len(self._signal)
         if points != self._points:
             self._points, self._spectra = points, np.conj(rfft(self._signal, points, axis=0))
@@ -96,5 +116,28 @@ class _Likeness:
             power += energy[length:] - energy[:found]
         least = FAINT * max(float(power.max()), np.finfo(float).tiny)
         explained /= np.maximum(power, least, out=power)
-        at = int(explained.argmax())
-        return float(np.sqrt(min(explained[at], 1.0))), at
+        like: np.ndarray = np.sqrt(np.minimum(explained, 1.0, out=explained), out=explained)
+        return like
+
+
+def correlations(signal: np.ndarray, recorded: np.ndarray) -> np.ndarray:
+    """Return the correlation of a signal with each channel of a recording, wherever in it the signal may begin.
+
+    Parameters
+    ----------
+    signal : array, shape (length,), any unit
+    recorded : array, shape (at least length, channels), any unit
+
+    Returns
+    -------
+    array, shape (places, channels), -1 to 1
+    """
+    length, found = len(signal), len(recorded) - len(signal) + 1
+    points = next_fast_len(len(recorded), real=True)
+    turned = np.conj(rfft(signal, points))[:, None]
+    cross = irfft(rfft(recorded, points, axis=0) * turned, points, axis=0)[:found]
+    energy = np.concatenate((np.zeros((1, recorded.shape[1])), np.cumsum(recorded**2, axis=0)))
+    power = float(signal @ signal) * (energy[length:] - energy[:found])
+    least = FAINT * max(float(power.max()), np.finfo(float).tiny)
+    like: np.ndarray = np.clip(cross / np.sqrt(np.maximum(power, least)), -1.0, 1.0)
+    return like

@@ -80,14 +80,29 @@ def open_kind(path: Path, kind: Kind, rate: float) -> Signals:
             f"{path}: {len(found.names)} channels ({', '.join(found.names)}), must be {kind.width}, one for each "
             f"{kind.name}, or have channels named {', '.join(named)}"
         )
+    return found.scaled(kind.unit, scales_of(found, kind))
+
+
+def scales_of(found: Signals, kind: Kind) -> np.ndarray:
+    """Return what the number 1 stands for in signals of a kind, (channels,), the kind's unit.
+
+    Parameters
+    ----------
+    found : Signals
+    kind : Kind
+
+    Raises
+    ------
+    RecordingError : a channel has a unit that cannot be.
+    """
     known = UNITS[kind.unit]
-    bare = kind.full_scale if is_sound(path) else 1.0
+    bare = kind.full_scale if is_sound(found.path) else 1.0
     for name, unit in zip(found.names, found.units, strict=True):
         if unit not in known and unit != "1":
             raise RecordingError(
-                f"{path}: channel {name!r} is in {unit}, must be in {', '.join(known)}, or a part of full scale"
+                f"{found.path}: channel {name!r} is in {unit}, must be in {', '.join(known)}, or a part of full scale"
             )
-    return found.scaled(kind.unit, np.array([bare if unit == "1" else known[unit] for unit in found.units]))
+    return np.array([bare if unit == "1" else known[unit] for unit in found.units])
 
 
 def read_kind(path: Path, kind: Kind, rate: float) -> np.ndarray:

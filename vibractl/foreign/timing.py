@@ -8,10 +8,12 @@ from scipy.interpolate import make_interp_spline
 
 STEPS = 8
 """Of Gauss-Newton, at most; from within a tenth of a period three are enough."""
-SETTLED = 1e-5
-"""samples: a step that moves the signal by less is the last."""
+SETTLED = 3e-3
+"""samples: a step that moves the signal by less is the last; what is left then is its square, or a tenth of it."""
 BLOCK = 0.05
-"""s over which what is left of a fit goes together, for its errors."""
+"""s over which noise that is left of a fit goes together, for its errors."""
+PARTS = 8
+"""Of the signal: over one of them, what is left of a fit goes together if it is no noise but another signal."""
 ORDER = 5
 """Of the splines by which a signal is moved by parts of a sample."""
 
@@ -28,6 +30,10 @@ class Timing:
         By how much longer the recording is: the recorder's clock is so much faster than the player's.
     delay_error, drift_error : float, samples and ppm
         One standard deviation each, of what noise makes of them.
+    centre, centre_error : float, samples
+        By how much its middle comes later than it would at delay 0 without drift.
+    centre_misfit, drift_misfit : float, samples and ppm
+        How far both may be off since the recording is not that signal but one like it: as far as its parts differ.
     gain : array, shape (channels,), the recording's per the signal's unit
         Negative where a channel is inverted.
     likeness : array, shape (channels,), 0 to 1
@@ -38,6 +44,10 @@ class Timing:
     drift: float
     delay_error: float
     drift_error: float
+    centre: float
+    centre_error: float
+    centre_misfit: float
+    drift_misfit: float
     gain: np.ndarray
     likeness: np.ndarray
 
@@ -84,15 +94,21 @@ def timing(signal: np.ndarray, recorded: np.ndarray, rate: float, begin: float, 
         gain = np.einsum("nc,nc->c", moved, measured) / np.maximum((moved**2).sum(axis=0), np.finfo(float).tiny)
         left = measured - gain * moved
         rows = _rows(gain * moved, -gain * rising, lever, with_drift)
-        step, error = _solved(rows, left, rate)
+        inverse = _inverse(rows)
+        step = inverse @ np.einsum("nck,nc->k", rows, left)
         middle += step[0]
         slope += step[1] if with_drift else 0.0
         if abs(step[0]) + abs(step[1]) * centre < SETTLED:
             break
     power = np.maximum((measured**2).sum(axis=0), np.finfo(float).tiny)
     likeness = np.sqrt(np.clip((gain * moved * measured).sum(axis=0) / power, 0.0, 1.0))
-    delay_error = math.hypot(error[0], centre * error[1])
-    return Timing(middle - centre * (1 + slope), 1e6 * slope, delay_error, 1e6 * error[1], gain, likeness)
+    pull = np.einsum("nck,nc->nk", rows, left)
+    error = _errors(inverse, pull, max(1, round(BLOCK * rate)))
+    apart = PARTS * (_errors(inverse, pull, -(-len(pull) // PARTS)) ** 2 - error**2)
+    misfit = np.sqrt(np.maximum(apart, 0.0))
+    delay, delay_error = middle - centre * (1 + slope), math.hypot(error[0], centre * error[1])
+    centred = middle - centre, float(error[0]), float(misfit[0]), float(1e6 * misfit[1])
+    return Timing(delay, 1e6 * slope, delay_error, float(1e6 * error[1]), *centred, gain, likeness)
 
 
 def _rows(fitted: np.ndarray, moving: np.ndarray, lever: np.ndarray, with_drift: bool) -> np.ndarray:
@@ -104,12 +120,12 @@ def _rows(fitted: np.ndarray, moving: np.ndarray, lever: np.ndarray, with_drift:
     return free
 
 
-def _solved(rows: np.ndarray, left: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
-    """Solve for delay and slope; return both, and their errors with what is left going together within blocks."""
-    square = np.einsum("ncj,nck->jk", rows, rows)
-    pull = np.einsum("nck,nc->nk", rows, left)
-    inverse = np.linalg.pinv(square, rcond=1e-14, hermitian=True)
-    size = max(1, round(BLOCK * rate))
+def _inverse(rows: np.ndarray) -> np.ndarray:
+    return np.linalg.pinv(np.einsum("ncj,nck->jk", rows, rows), rcond=1e-14, hermitian=True)
+
+
+def _errors(inverse: np.ndarray, pull: np.ndarray, size: int) -> np.ndarray:
+    """Return the errors of both, where what is left, (samples, 2), goes together over blocks of so many samples."""
     blocks = np.add.reduceat(pull - pull.mean(axis=0), np.arange(0, len(pull), size), axis=0)
     covariance = inverse @ (blocks.T @ blocks) @ inverse
-    return inverse @ pull.sum(axis=0), np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    return np.sqrt(np.maximum(np.diag(covariance), 0.0))
