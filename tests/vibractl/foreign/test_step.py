@@ -36,10 +36,10 @@ def test_steps_and_plays_give_the_drives_of_a_run_bit_for_bit(lab: LabOfFiles, s
 def test_a_drive_that_was_lost_is_written_again(lab: LabOfFiles) -> None:
     lab.play(0)
     lab.step(0)
-    whole = (lab.path / "1.wav").read_bytes()
+    whole = lab.volts(1)
     (lab.path / "1.wav").unlink()
     assert "the drive of shot 1" in lab.done("vibractl", "step", "--state", "S.h5", "--out", "1.wav")
-    assert (lab.path / "1.wav").read_bytes() == whole
+    assert np.array_equal(lab.volts(1), whole)  # the files differ: their header has the second of writing
 
 
 def test_killed_before_the_state_is_written_the_same_step_gives_the_same_drive(
@@ -50,9 +50,9 @@ def test_killed_before_the_state_is_written_the_same_step_gives_the_same_drive(
     with monkeypatch.context() as patched:
         patched.setattr("vibractl.foreign.step_state.StepState.write", _killed)
         assert lab.call(*words)[0] == 130
-    half = (lab.path / "1.wav").read_bytes()
+    half = lab.volts(1)
     lab.step(0)
-    assert (lab.path / "1.wav").read_bytes() == half
+    assert np.array_equal(lab.volts(1), half)
 
 
 def _killed(*_: object) -> None:
