@@ -13,7 +13,6 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from rigkit import config as rig_file
 from rigkit.code_name import resolve
 from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
 from rigkit.command import run as run_commands
@@ -22,6 +21,7 @@ from rigkit.service.access import TOKENS, new_tokens
 from rigkit.service.client import Client
 from rigkit.service.config import Daemon
 from rigkit.service.daemon import run
+from rigkit.service.own_table import daemon_table
 from rigkit.service.read_again import ReadAgain
 from rigkit.service.rig import Rig
 from rigkit.service.show import Output
@@ -73,8 +73,8 @@ def add_daemon_commands(app: typer.Typer, choose: Choose) -> None:
     choose : callable(config, settings) -> Kind
     """
     _add_daemon(app, choose)
-    _add_status(app, choose)
-    _add_stop(app, choose)
+    _add_status(app)
+    _add_stop(app)
 
 
 def run_application(app: typer.Typer, commands: str, *packages: str) -> int:
@@ -94,14 +94,6 @@ def run_application(app: typer.Typer, commands: str, *packages: str) -> int:
     return run_commands(app, *packages)
 
 
-def _own(config: Path | None, choose: Choose, settings: Sequence[str] | None) -> Daemon:
-    """Return the daemon's table of a rig file."""
-    laid_over = settings or ()
-    made: Any = rig_file.load(config, choose(config, laid_over).model, laid_over)
-    table: Daemon = made.daemon
-    return table
-
-
 def _add_daemon(app: typer.Typer, choose: Choose) -> None:
     @app.command("daemon")
     def daemon_command(
@@ -117,15 +109,15 @@ def _add_daemon(app: typer.Typer, choose: Choose) -> None:
         """
         kind = choose(config, settings or ())
         load = ReadAgain(config, kind.model, settings or ())
-        table = _own(config, choose, settings)
+        table: Daemon = load().daemon  # type: ignore[attr-defined]  # as `Kind` says
         if renew:
             Path(table.data).mkdir(parents=True, exist_ok=True)
             new_tokens(Path(table.data) / TOKENS)
         made: Rig = resolve(kind.rig)(load)
-        run(made, table, _say)
+        run(made, table, _say, config)
 
 
-def _add_status(app: typer.Typer, choose: Choose) -> None:
+def _add_status(app: typer.Typer) -> None:
     @app.command("status")
     def status_command(
         config: ConfigOption = None,
@@ -138,7 +130,7 @@ def _add_status(app: typer.Typer, choose: Choose) -> None:
 
         Example: `status --config rig.toml --watch`
         """
-        table = _own(config, choose, settings)
+        table = daemon_table(config, settings or ())
         with _client(table, token) as client:
             if watch:
                 _watch(client)
@@ -149,7 +141,7 @@ def _add_status(app: typer.Typer, choose: Choose) -> None:
             raise typer.Exit(1)
 
 
-def _add_stop(app: typer.Typer, choose: Choose) -> None:
+def _add_stop(app: typer.Typer) -> None:
     @app.command("stop")
     def stop_command(
         config: ConfigOption = None,
@@ -159,11 +151,15 @@ def _add_stop(app: typer.Typer, choose: Choose) -> None:
     ) -> None:
         """Bring the output to zero and disarm, whoever has control.  No emergency stop: that one cuts the mains.
 
-        Any of the daemon's tokens will do, the one to view as well.
+        Any of the daemon's tokens will do, the one to view as well.  A rig file that was edited since may be wrong.
 
         Example: `stop --config rig.toml --why "smoke"`
         """
-        sys.stdout.write(f"{stopped(_own(config, choose, settings), token, why)}\n")
+        try:
+            table: Daemon | str = daemon_table(config, settings or ())
+        except (ValueError, OSError) as fault:
+            table = str(fault)
+        sys.stdout.write(f"{stopped(table, config, token, why)}\n")
 
 
 def _client(table: Daemon, token: Path | None) -> Client:

@@ -6,11 +6,12 @@ import signal
 import threading
 import time
 from collections.abc import Callable
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Self
 
 from rigkit.lock import Lock
-from rigkit.machine_lock import MachineLock
+from rigkit.machine_lock import DeviceInUseError, MachineLock
 from rigkit.service.access import TOKENS, address_of, refuse_open, tokens_at
 from rigkit.service.commands import Commands
 from rigkit.service.config import Daemon
@@ -23,7 +24,7 @@ from rigkit.service.rig import Rig
 from rigkit.service.slot import Slot
 from rigkit.service.snapshot import RATE, as_bytes, snapshot
 from rigkit.service.sockets import listening, notify, watchdog_seconds
-from rigkit.service.stopping import LOCK, address_lock
+from rigkit.service.stopping import LOCK, address_lock, file_lock
 from rigkit.service.web_process import WebProcess, Wires
 from rigkit.stop import on_signals
 
@@ -42,6 +43,8 @@ class Service:
     ----------
     rig : Rig
     settings : Daemon
+    file : Path, optional
+        The rig file, by which STOP finds this process whatever has become of what is in it.
 
     Raises
     ------
@@ -49,18 +52,21 @@ class Service:
     OSError : the data folder cannot be made, or nobody can listen at the address.
     """
 
-    def __init__(self, rig: Rig, settings: Daemon) -> None:
+    def __init__(self, rig: Rig, settings: Daemon, file: Path | None = None) -> None:
         refuse_open(settings)
         data = Path(settings.data)
         (data / RUNS).mkdir(parents=True, exist_ok=True)
-        self._lock = Lock(data / LOCK)
-        self._place: MachineLock | None = None
+        self._held = ExitStack()
+        self._held.callback(Lock(data / LOCK).release)
         try:
-            self._place = MachineLock(address_lock(settings.address))
+            self._held.callback(MachineLock(address_lock(settings.address)).release)
+            if file is not None:
+                with suppress(DeviceInUseError):  # another daemon has the same file, and an address of its own
+                    self._held.callback(MachineLock(file_lock(file)).release)
             self._tokens = tokens_at(data / TOKENS)
             self._listener = listening(address_of(settings.address))
         except BaseException:
-            self._release()
+            self._held.close()
             raise
         self._settings, self._slot = settings, Slot()
         self.journal = Journal(data / EVENTS)
@@ -90,12 +96,7 @@ class Service:
         if path:
             Path(path).unlink(missing_ok=True)
         self.journal.close()
-        self._release()
-
-    def _release(self) -> None:
-        self._lock.release()
-        if self._place is not None:
-            self._place.release()
+        self._held.close()
 
     def run(self) -> None:
         """Show the rig 25 times a second until `ended` is set."""
@@ -151,7 +152,7 @@ class Service:
             self._start_web()
 
 
-def run(rig: Rig, settings: Daemon, say: Callable[[str], None]) -> None:
+def run(rig: Rig, settings: Daemon, say: Callable[[str], None], file: Path | None = None) -> None:
     """Run a daemon until SIGTERM or Ctrl-C; SIGUSR1 is a STOP that needs no web process, SIGHUP a reload.
 
     Parameters
@@ -160,9 +161,11 @@ def run(rig: Rig, settings: Daemon, say: Callable[[str], None]) -> None:
     settings : Daemon
     say : callable(str)
         For a line to whoever started it.
+    file : Path, optional
+        The rig file.
     """
     logging.getLogger("uvicorn").setLevel(logging.WARNING)
-    with Service(rig, settings) as service:
+    with Service(rig, settings, file) as service:
         calls: dict[int, Callable[[], object]] = {
             signal.SIGINT: service.ended.set,
             signal.SIGTERM: service.ended.set,

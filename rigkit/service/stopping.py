@@ -23,12 +23,20 @@ def address_lock(address: str) -> str:
     return f"daemon at {at.path or f'port {at.port}'}"
 
 
-def stopped(table: Daemon, token: Path | None, why: str) -> str:
+def file_lock(file: Path) -> str:
+    """Return by which name a daemon holds its rig file on this machine."""
+    return f"daemon of {file.resolve()}"
+
+
+def stopped(table: Daemon | str, file: Path | None, token: Path | None, why: str) -> str:
     """Stop the rig of a daemon; return in a line how.
 
     Parameters
     ----------
-    table : Daemon
+    table : Daemon or str
+        Or what is wrong with it.
+    file : Path or None
+        The rig file.
     token : Path, optional
         File that holds one alone.
     why : str
@@ -38,14 +46,15 @@ def stopped(table: Daemon, token: Path | None, why: str) -> str:
     ------
     ValueError : no way has led to it; each is named with what was wrong.
     """
-    faults = []
-    try:
-        with client_of(table, token) as client:
-            told = client.stop(getpass.getuser(), why)
-        return f"stopped: {told['before']} -> {told['state']}"
-    except (DaemonError, OSError, ValueError) as fault:
-        faults.append(f"by its page: {_said(fault)}")
-    for where, process in _processes(table):
+    faults = [f"by its page: {table}"] if isinstance(table, str) else []
+    if not isinstance(table, str):
+        try:
+            with client_of(table, token) as client:
+                told = client.stop(getpass.getuser(), why)
+            return f"stopped: {told['before']} -> {told['state']}"
+        except (DaemonError, OSError, ValueError) as fault:
+            faults.append(f"by its page: {_said(fault)}")
+    for where, process in _processes(table, file):
         if process is None:
             faults.append(f"by a signal: no daemon {where}")
             continue
@@ -55,14 +64,23 @@ def stopped(table: Daemon, token: Path | None, why: str) -> str:
             faults.append(f"by a signal to process {process}, which {where}: {_said(fault)}")
             continue
         return f"process {process}, which {where}, was told to stop by a signal, since its page was no way: {faults[0]}"
-    there = " something answers there, though:" if is_answered(table) else ""
-    raise ValueError(f"nothing was stopped at {table.address};{there} {'; '.join(faults)}")
+    raise ValueError(f"nothing was stopped{_at(table)} {'; '.join(faults)}")
 
 
-def _processes(table: Daemon) -> Iterator[tuple[str, int | None]]:
+def _at(table: Daemon | str) -> str:
+    """Say where nothing was stopped, and whether something is there all the same."""
+    if isinstance(table, str):
+        return ":"
+    return f" at {table.address};{' something answers there, though:' if is_answered(table) else ''}"
+
+
+def _processes(table: Daemon | str, file: Path | None) -> Iterator[tuple[str, int | None]]:
     """Yield which processes may be the daemon, and where that is known from."""
-    yield f"works in {table.data}/", holder(Path(table.data) / LOCK)
-    yield f"has the address {table.address}", holder_of(address_lock(table.address))
+    if not isinstance(table, str):
+        yield f"works in {table.data}/", holder(Path(table.data) / LOCK)
+        yield f"has the address {table.address}", holder_of(address_lock(table.address))
+    if file is not None:
+        yield f"was started with {file}", holder_of(file_lock(file))
 
 
 def client_of(table: Daemon, token: Path | None) -> Client:

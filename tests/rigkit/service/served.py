@@ -94,10 +94,13 @@ def answering(made: Started, ready: float = 180, ending: float = 60) -> Iterator
 
 
 @contextmanager
-def served(folder: Path, environment: dict[str, str] | None = None, **settings: Any) -> Iterator[Served]:
-    """Start a daemon on a free port, or as `settings` say, and end it after the block."""
+def served(
+    folder: Path, environment: dict[str, str] | None = None, file: Path | None = None, **settings: Any
+) -> Iterator[Served]:
+    """Start a daemon on a free port, or as `settings` say, of a rig file, and end it after the block."""
     table = Daemon(data=str(folder), **{"address": f"127.0.0.1:{free_port()}", **settings})
     command = [sys.executable, "-m", "tests.rigkit.service.serve_demo", str(folder), table.model_dump_json()]
+    command += [] if file is None else [str(file)]
     process = subprocess.Popen(
         command, cwd=ROOT, stderr=subprocess.PIPE, text=True, env={**os.environ, **(environment or {})}
     )

@@ -14,7 +14,7 @@ import pytest
 from rigkit.service.daemon import Service
 from rigkit.service.stopping import LOCK
 from tests.rigkit.service.demo_rig import DemoRig
-from tests.rigkit.service.served import ROOT, Served, served
+from tests.rigkit.service.served import ROOT, Served, free_port, served
 from tests.until import EVER, until
 
 PROGRAM = """
@@ -132,8 +132,8 @@ def from_elsewhere(folder: Path, *arguments: str) -> tuple[int, str, str]:
 def lab(tmp_path: Path) -> Iterator[tuple[Served, Path]]:
     """Return a daemon whose rig file names its data folder relative to itself, and that file."""
     (tmp_path / "d1").mkdir()
-    with served(tmp_path / "d1" / "data") as made:
-        rig = tmp_path / "d1" / "rig.toml"
+    rig = tmp_path / "d1" / "rig.toml"
+    with served(tmp_path / "d1" / "data", file=rig) as made:
         rig.write_text(f'[daemon]\ndata = "data"\naddress = "{made.settings.address}"\n')
         yield made, rig
 
@@ -146,6 +146,43 @@ def test_a_stop_works_from_any_folder_with_the_rig_file(lab: tuple[Served, Path]
         until(lambda: not made.named("run") or made.named("end"))
     assert from_elsewhere(tmp_path, "status", "--config", "d1/rig.toml")[0] == 0
     assert sorted(each.name for each in tmp_path.iterdir()) == ["d1"]
+
+
+@pytest.mark.parametrize("edit", ["[audio]\nrate = 3\n", "[daemon]\nhosts = 3\n", "[daemon\n", None])
+def test_a_stop_gets_through_whatever_the_rig_file_was_edited_to(
+    edit: str | None, lab: tuple[Served, Path], tmp_path: Path
+) -> None:
+    made, rig = lab
+    made.begin(steps=100_000, seconds=0.02)
+    if edit is None:
+        rig.unlink()
+    else:
+        rig.write_text(edit if edit.startswith("[daemon") else rig.read_text() + edit)
+    status, out, _ = from_elsewhere(tmp_path, "stop", "--config", "d1/rig.toml")
+    assert status == 0
+    if edit is None or edit.startswith("[daemon"):
+        assert f"process {made.process.pid}, which was started with d1/rig.toml, was told to stop by a signal" in out
+    else:
+        assert out == "stopped: RUNNING -> DISARMED\n"
+        assert from_elsewhere(tmp_path, "status", "--config", "d1/rig.toml")[0] == 0
+    until(lambda: made.named("stop"))
+
+
+def test_where_the_rig_file_is_wrong_and_no_daemon_has_it_both_are_said(tmp_path: Path) -> None:
+    (tmp_path / "rig.toml").write_text("[daemon\n")
+    status, _, error = from_elsewhere(tmp_path, "stop", "--config", "rig.toml")
+    assert (status, error.count("\n")) == (2, 1)
+    assert "nothing was stopped: by its page: rig.toml: not TOML" in error
+    assert "by a signal: no daemon was started with rig.toml" in error
+
+
+def test_a_second_daemon_of_a_rig_file_with_an_address_of_its_own_may_run(
+    lab: tuple[Served, Path], tmp_path: Path
+) -> None:
+    made, rig = lab
+    table = made.settings.model_copy(update={"data": str(tmp_path / "other"), "address": f"127.0.0.1:{free_port()}"})
+    with Service(DemoRig(), table, rig):
+        pass
 
 
 def test_a_stop_without_the_rig_file_goes_by_the_address(lab: tuple[Served, Path], tmp_path: Path) -> None:
