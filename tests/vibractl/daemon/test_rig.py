@@ -159,6 +159,20 @@ def test_more_shots_and_tighter_limits_reach_a_run_that_goes_on_and_what_it_lear
     assert setup_of(lab.data / "runs" / "two").config.learning.gains == (0.25,)
 
 
+def test_two_edits_that_wait_for_one_shot_are_both_taken(lab: Lab) -> None:
+    lab.begin(run="one", shots=1000)
+    lab.until_shot(1)
+    lab.control.hold(lab.key, "")
+    until(lambda: lab.events("held"))
+    for edits in (("limits.peak=8.0",), ("limits.peak=8.0", "audio.attempts=7", "session.shots=6")):
+        lab.edit(*edits)
+        lab.control.reload(lab.key)
+    lab.control.resume(lab.key, "")
+    lab.ended()
+    kept = setup_of(lab.data / "runs" / "one").config
+    assert (kept.limits.peak, kept.audio.attempts) == (8.0, 7)
+
+
 def test_a_limit_that_the_drive_breaks_after_a_reload_is_a_fault(lab: Lab) -> None:
     lab.begin(run="one", shots=1000)
     lab.until_shot(1)
