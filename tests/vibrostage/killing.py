@@ -3,7 +3,7 @@
 import os
 import random
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import Event, Thread
@@ -35,12 +35,32 @@ def killed_after(tasks: int, place: Path, of: int) -> Iterator[list[int]]:
     of : int
         Process.
     """
-    chance, over, killed, seen = random.Random(4), Event(), list[int](), set[str]()
+    seen, killed = set[str](), list[int]()
+
+    def is_due() -> bool:
+        seen.update(_tasks(place))
+        return len(seen) > tasks * (len(killed) + 1)
+
+    with _killing(0.01, is_due, of, killed):
+        yield killed
+
+
+@contextmanager
+def killed_every(seconds: float, of: int) -> Iterator[list[int]]:
+    """Kill one worker of a process every so often; gives the list of those that were."""
+    killed = list[int]()
+    with _killing(seconds, lambda: True, of, killed):
+        yield killed
+
+
+@contextmanager
+def _killing(seconds: float, is_due: Callable[[], bool], of: int, killed: list[int]) -> Iterator[None]:
+    """Look every so often whether a kill is due, and kill one of the workers."""
+    chance, over = random.Random(4), Event()
 
     def kill() -> None:
-        while not over.wait(0.01):
-            seen.update(_tasks(place))
-            if len(seen) > tasks * (len(killed) + 1) and (there := workers(of)):
+        while not over.wait(seconds):
+            if is_due() and (there := workers(of)):
                 killed.append(chance.choice(there))
                 with suppress(ProcessLookupError):
                     os.kill(killed[-1], signal.SIGKILL)
@@ -48,7 +68,7 @@ def killed_after(tasks: int, place: Path, of: int) -> Iterator[list[int]]:
     thread = Thread(target=kill)
     thread.start()
     try:
-        yield killed
+        yield
     finally:
         over.set()
         thread.join()

@@ -33,8 +33,8 @@ def main() -> int:
         sys.exit("no more")
     if kind == "hang":
         Event().wait()
-    if kind == "slow":
-        Event().wait(0.05)
+    if kind in ("slow", "second"):
+        Event().wait(0.05 if kind == "slow" else 1.0)
     drawn = random.Random(int(seed))
     told = {"gap": drawn.random(), "shots": [{"iae": drawn.random()} for _ in range(3)], "met": drawn.choice([5, None])}
     Path(file).write_text(json.dumps(told))
