@@ -52,6 +52,9 @@ def _variable(name: str, dataset: h5py.Dataset, is_turned: bool) -> Variable:
     size = dataset.file.id.get_filesize()
     if dataset.nbytes > size * (COMPRESSED if chunk else 1):
         raise RefusedError(f"{name} has {dataset.nbytes} bytes, in a file of {size}")
+    missing = _missing(dataset)
+    if missing:
+        raise RefusedError(f"{name} is not whole: {missing}")
     if prod(chunk) * dataset.dtype.itemsize > LARGEST_CHUNK:
         raise RefusedError(f"{name} has chunks of {chunk}, must be <= {LARGEST_CHUNK} bytes")
     axis = 0
@@ -68,3 +71,15 @@ def _variable(name: str, dataset: h5py.Dataset, is_turned: bool) -> Variable:
     unit = str(dataset.attrs.get("unit", dataset.attrs.get("units", "1")))
     grain = chunk[axis] if chunk else 1
     return Variable(name, frames, width, read, unit, dataset.attrs.get("rate"), max(int(grain), 1))
+
+
+def _missing(dataset: h5py.Dataset) -> str:
+    """Say what of a dataset is not in the file, whose place the library fills by zeros; empty for nothing."""
+    if dataset.external or dataset.is_virtual:
+        return "its samples are in other files"
+    if dataset.chunks is None:
+        stored = dataset.id.get_storage_size()
+        return "" if stored == dataset.nbytes else f"{stored} bytes are stored, must be {dataset.nbytes}"
+    stored = dataset.id.get_num_chunks()
+    wanted = prod(-(-length // chunk) for length, chunk in zip(dataset.shape, dataset.chunks, strict=True))
+    return "" if stored == wanted else f"{stored} chunks are stored, must be {wanted}"

@@ -7,7 +7,7 @@ import numpy as np
 import scipy.io
 
 from rigkit.array_hdf5 import COMPRESSED
-from rigkit.array_room import ROOM, let_have
+from rigkit.array_room import let_have
 from rigkit.array_variables import Contents, RefusedError, Variable
 
 COPIES = 3
@@ -33,7 +33,7 @@ def mat_contents(path: Path) -> Contents:
             declared += 8 * prod(shape) if kind in _NUMBERS else 0
             if declared > COMPRESSED * size:
                 raise RefusedError(f"{name} has {8 * prod(shape)} bytes, in a file of {size}")
-        let_have(ROOM + COPIES * declared)
+        let_have(COPIES * declared)
         wanted = [name for name, shape, kind in listed if kind in _NUMBERS and len(shape) == 2 and prod(shape) > 0]
         held = scipy.io.loadmat(str(path), variable_names=wanted) if wanted else {}
     except RefusedError:

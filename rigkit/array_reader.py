@@ -31,7 +31,7 @@ def main(path: Path, channels: Sequence[str] | None, write: Callable[[bytes], ob
     write : callable(bytes)
     """
     try:
-        let_have(ROOM)
+        let_have(path.stat().st_size)
         if path.suffix.lower() == ".mat" and not h5py.is_hdf5(path):
             from rigkit.array_mat import mat_contents  # scipy takes as long to load as all the rest
 
@@ -65,7 +65,7 @@ def _send(found: Contents, channels: Sequence[str] | None, write: Callable[[byte
     if grain * len(columns) <= LARGEST_CHUNK // 8:
         size = -(-size // grain) * grain  # no chunk is decompressed twice
     for start in range(0, frames, size):
-        let_have(ROOM + LARGEST_CHUNK)
+        let_have(8 * max(size, grain) * len(columns), ROOM + LARGEST_CHUNK)
         write(_block(columns, start, min(start + size, frames)).tobytes())
 
 

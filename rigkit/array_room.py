@@ -1,21 +1,28 @@
 """How much memory and time the process may take that reads a file of arrays, which may be damaged."""
 
 import resource
+import signal
 from pathlib import Path
 
 ROOM = 2**29
 """Bytes that a library may take beside what it has read."""
-PATIENCE = 60
-"""s of the processor's time for what comes next to be read: on some damaged files the library goes round for ever."""
+PATIENCE = 0.8
+"""s of the processor's time for what a library does at once: on some damaged files it goes round for ever."""
+SLOWEST = 2e7
+"""Bytes per s beside that."""
 
 
-def let_have(room: int) -> None:
-    """Let this process have `room` bytes more than it has now, and `PATIENCE` more of the processor's time."""
+def let_have(size: int, room: int = ROOM) -> None:
+    """Let this process have so much more than it has now, before it reads what follows.
+
+    Parameters
+    ----------
+    size : int, bytes
+        What it reads.
+    room : int, bytes
+        What it may take beside.
+    """
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    for limit, wanted in (
-        (resource.RLIMIT_AS, pages * resource.getpagesize() + room),
-        (resource.RLIMIT_CPU, int(used.ru_utime + used.ru_stime) + PATIENCE),
-    ):
-        hard = resource.getrlimit(limit)[1]
-        resource.setrlimit(limit, (wanted if hard == resource.RLIM_INFINITY else min(wanted, hard), hard))
+    wanted, hard = pages * resource.getpagesize() + room + size, resource.getrlimit(resource.RLIMIT_AS)[1]
+    resource.setrlimit(resource.RLIMIT_AS, (wanted if hard == resource.RLIM_INFINITY else min(wanted, hard), hard))
+    signal.setitimer(signal.ITIMER_PROF, PATIENCE + size / SLOWEST)  # kills: a library would hear nothing else

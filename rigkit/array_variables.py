@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from rigkit.array_room import let_have
 from rigkit.even_time import STEADY, EvenTime, seconds_of
 from rigkit.foreign_stream import frames_at_once
 
@@ -177,6 +178,7 @@ def _by_time(variable: Variable) -> float:
     time, size = EvenTime(repr(variable.name), scale, "sample"), frames_at_once(1)
     for start in range(0, variable.frames, size):
         stop = min(start + size, variable.frames)
+        let_have(8 * max(size, variable.grain))
         time.follow(np.arange(start, stop), variable.read(start, stop)[:, 0].astype(float))
     return time.rate()
 

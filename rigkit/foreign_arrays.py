@@ -52,8 +52,8 @@ def array_signals(path: Path, channels: Sequence[str] | None, rate: float | None
 @contextmanager
 def _asked(path: Path, channels: Sequence[str] | None) -> Iterator[tuple[dict[str, Any], IO[bytes]]]:
     """Start the process; give what it says of the channels, and the pipe that their samples come from."""
-    command = [sys.executable, "-m", READER, str(path), json.dumps(channels)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as reader:
+    reader = started(path, channels)
+    with reader:
         assert reader.stdout is not None
         try:
             first = reader.stdout.readline()
@@ -65,6 +65,12 @@ def _asked(path: Path, channels: Sequence[str] | None) -> Iterator[tuple[dict[st
             yield about, reader.stdout
         finally:
             reader.kill()
+
+
+def started(path: Path, channels: Sequence[str] | None) -> subprocess.Popen[bytes]:
+    """Start the process that reads a file."""
+    command = [sys.executable, "-m", READER, str(path), json.dumps(channels)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
 
 
 def _parts(path: Path, pipe: IO[bytes], width: int) -> Iterator[np.ndarray]:

@@ -9,7 +9,7 @@ from typing import Literal
 
 from ctlblocks import csv_file
 from ctlblocks.recording import RecordingError
-from rigkit.table_rows import Cells, cells_of, is_number, lines_of, text_blocks
+from rigkit.table_rows import Cells, as_text, cells_of, is_number, lines_of, text_blocks
 
 LOOKED_AT = 1000
 """Rows by which it is found whether numbers have a decimal comma."""
@@ -107,17 +107,17 @@ def plain_head(path: Path) -> Head:
 
 
 def lines_above(path: Path) -> Iterator[tuple[int, str]]:
-    """Read the lines of a file, whatever they are, with their numbers."""
+    """Read the lines of a file, whatever they are, with their numbers; RecordingError where one is not UTF-8."""
     for first, block in text_blocks(path):
-        yield from enumerate(block.decode(errors="replace").split("\n")[:-1], start=first)
+        yield from enumerate(as_text(path, first, block).removesuffix("\n").split("\n"), start=first)
 
 
 def _writing(rows: Sequence[tuple[int, str]]) -> tuple[str | None, str]:
     """Return what stands between cells, None for spaces, and before the tenths, as the first row that tells has it."""
     head = rows[0][1]
     between = next((mark for mark in (";", "\t", ",") if mark in head), None)
-    if between == "," and all(_with_comma(cell) for _, line in rows for cell in line.split()):
-        if any(len(line.split()) > 1 for _, line in rows):
+    if between == "," and all(_with_comma(cell) for _, line in rows for cell in cells_of(line, None)):
+        if any(len(cells_of(line, None)) > 1 for _, line in rows):
             return None, ","  # "0,1 0,2"
     if between == ",":
         return ",", "."

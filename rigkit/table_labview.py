@@ -1,11 +1,12 @@
 """Heads of LabVIEW's measurement files (.lvm): one segment, with or without a column of time."""
 
+import itertools
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 
 from ctlblocks.recording import RecordingError
-from rigkit.table_head import Head, lines_above
-from rigkit.table_rows import Cells, cells_of
+from rigkit.table_head import Head
+from rigkit.table_rows import Cells, cells_of, text_blocks
 
 START = b"LabVIEW Measurement"
 END = "***End_of_Header***"
@@ -64,14 +65,21 @@ def labview_head(path: Path) -> Head:
 def _head(path: Path) -> tuple[int, list[str]]:
     """Return the lines above the rows, the last of them the names of columns, and how many they are."""
     lines, ends = [], 0
-    for number, line in lines_above(path):
-        lines.append(line)
-        if ends == 2:
-            return number, lines
-        ends += line.startswith(END)
-        if number == LONGEST:
-            break
+    for _, block in itertools.islice(text_blocks(path), 1):
+        for line in block.decode("latin-1").split("\n")[:LONGEST]:
+            lines.append(_text(line))
+            if ends == 2:
+                return len(lines), lines
+            ends += line.startswith(END)
     raise RecordingError(f"{path}: {END} comes {ends} times in {len(lines)} rows, must come twice, above the names")
+
+
+def _text(line: str) -> str:
+    """Return a line that was read as Latin-1, which LabVIEW writes on some computers, as UTF-8 where it is that."""
+    try:
+        return line.encode("latin-1").decode()
+    except UnicodeDecodeError:
+        return line
 
 
 def _rate(path: Path, said: dict[str, list[str]], decimal: str) -> tuple[float | None, float]:

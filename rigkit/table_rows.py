@@ -70,10 +70,10 @@ def is_number(cell: str) -> bool:
 def cells_of(line: str, between: str | None) -> list[str]:
     """Return the cells of a line, without the spaces around them."""
     if between is None:
-        return line.split()
+        return re.split("[ \t]+", line.strip(" \t"))  # and not all that str.split() takes for a space
     try:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=between))]
-    except csv.Error:  # a cell of more than 128 KiB
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=between, strict=True))]
+    except csv.Error:  # a cell of more than 128 KiB, or quotes within one
         return [line]
 
 
@@ -140,12 +140,16 @@ def parsed(path: Path, first: int, block: bytes, cells: Cells) -> tuple[np.ndarr
     return np.array(rows, dtype=int), np.array(numbers).reshape(-1, cells.width)
 
 
-def _kept(path: Path, first: int, block: bytes) -> Iterator[tuple[int, str]]:
+def as_text(path: Path, first: int, block: bytes) -> str:
+    """Return a block as text; RecordingError names the line where it is not UTF-8, the block's own first is `first`."""
     try:
-        text = decoded(block, path, first)
+        return decoded(block, path, first)
     except TextFault as fault:
         raise RecordingError(str(fault)) from None
-    for number, line in enumerate(text.removesuffix("\n").split("\n"), start=first):
+
+
+def _kept(path: Path, first: int, block: bytes) -> Iterator[tuple[int, str]]:
+    for number, line in enumerate(as_text(path, first, block).removesuffix("\n").split("\n"), start=first):
         if line.strip() and not line.startswith(COMMENT):
             yield number, line
 

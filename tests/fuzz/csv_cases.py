@@ -55,7 +55,11 @@ def _rows(text: str, separator: str | None, width: int) -> list[list[float]]:
     """Read rows of numbers by their letters."""
     found = []
     for line in text.removesuffix("\n").split("\n"):
-        cells = next(csv.reader([line], delimiter=separator)) if separator else line.split()
+        cells = (
+            next(csv.reader([line], delimiter=separator, strict=True))
+            if separator
+            else re.split("[ \t]+", line.strip(" \t"))
+        )
         assert len(cells) == width, f"a row of {len(cells)} cells"
         assert all(NUMBER.fullmatch(cell) for cell in cells), f"{line!r} is no row of numbers"
         found.append([float(cell) for cell in cells])
@@ -80,7 +84,7 @@ def _check_theirs(content: bytes, rate: float | None, read: Recording) -> None:
         return  # one of ours
     rows = [line for line in lines if line.strip() and not line.startswith(COMMENT)]
     separator = next((mark for mark in (";", "\t", ",") if mark in rows[0]), None)
-    cells = next(csv.reader([rows[0]], delimiter=separator)) if separator else rows[0].split()
+    cells = next(csv.reader([rows[0]], delimiter=separator)) if separator else re.split("[ \t]+", rows[0].strip(" \t"))
     named = not all(NUMBER.fullmatch(cell) for cell in cells)
     assert not named or all(cell.strip().isdecimal() or not NUMBER.fullmatch(cell) for cell in cells), (
         "numbers as names"

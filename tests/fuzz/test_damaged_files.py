@@ -13,11 +13,13 @@ import pytest
 from tests.fuzz.child import MOST_FINDINGS
 
 QUICK = {
-    "wav": 1_000, "growing": 200, "csv": 400, "foreign": 400, "toml": 200, "json": 400, "can": 20_000, "wires": 3_000,
+    "wav": 1_000, "growing": 200, "csv": 400, "foreign": 400, "sounds": 600, "tables": 450,
+    "arrays": 100, "toml": 200, "json": 400, "can": 20_000, "wires": 3_000,
     "hdf5": 40,
 }  # fmt: skip
 WHOLE = {
-    "wav": 100_000, "growing": 10_000, "csv": 20_000, "foreign": 20_000, "toml": 20_000, "json": 20_000,
+    "wav": 100_000, "growing": 10_000, "csv": 20_000, "foreign": 20_000, "sounds": 60_000, "tables": 60_000,
+    "arrays": 40_000, "toml": 20_000, "json": 20_000,
     "can": 1_000_000, "wires": 200_000, "hdf5": 5_000,
 }  # fmt: skip
 PROCESSES = 20

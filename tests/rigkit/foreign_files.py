@@ -71,7 +71,7 @@ def hdf5(path: Path, data: np.ndarray) -> None:
         file.attrs["rate"] = RATE
         file["x/first"] = data[:, 0]
         file["x/first"].attrs["unit"] = "V"
-        file.create_dataset("y", data=data[:, 1:], chunks=(64, 1), compression="gzip")
+        file.create_dataset("y", data=data[:, 1:], chunks=(50, 1), compression="gzip")
 
 
 def hdf5_timed(path: Path, data: np.ndarray) -> None:

@@ -117,6 +117,13 @@ def _huge(path: Path) -> bytes:
     return path.read_bytes()
 
 
+def _half(path: Path) -> bytes:
+    with h5py.File(path, "w") as file:
+        file.create_dataset("u", shape=(400,), chunks=(100,), dtype=float)[:150] = 1.0
+        file.attrs["fs"] = 1.0
+    return path.read_bytes()
+
+
 ARRAYS: dict[str, tuple[str, Callable[[Path], bytes], str]] = {
     "no numbers": ("a.mat", lambda path: _array(path, note="words", z=np.array([1j, 2])),
                    r"no arrays of real numbers, but note \(1 x 1 char\), z \(1 x 2 double\)|holds no signals"),
@@ -132,6 +139,7 @@ ARRAYS: dict[str, tuple[str, Callable[[Path], bytes], str]] = {
     "garbage": ("a.mat", lambda _: GARBAGE, "is no MAT file, or a damaged one"),
     "cut off": ("a.mat", lambda path: _array(path, u=TIME, fs=1.0)[:-900], "a.mat: "),
     "HDF5 garbage": ("a.h5", lambda _: GARBAGE, "is no HDF5 file, or a damaged one"),
+    "half written": ("a.h5", _half, "u is not whole: 2 chunks are stored, must be 4"),
     "more than is there": ("a.h5", _huge, "u has 8796093022208 bytes, in a file of"),
 }  # fmt: skip
 
