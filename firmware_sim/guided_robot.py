@@ -36,6 +36,8 @@ class GuidedRobot(RobotOptions, Block):
     ----------
     gear_error : float, 1
         Scales the gears' errors.
+    filter : float, Hz, corner of guided motion's low-pass
+    delay : int, cycles, of guided motion
     start : sequence of float, rad, 6 joints; none for the arm's home
     mute : float, s, when it begins to be silent
     mute_for : float, s
@@ -47,6 +49,8 @@ class GuidedRobot(RobotOptions, Block):
     """
 
     gear_error: float = option(1.0, "1", 0.0, 10.0)
+    filter: float = option(GuidedMotion.filter, "Hz", 1.0, 100.0)
+    delay: int = option(GuidedMotion.delay, "", 0, 25)
     start: Sequence[float] = ()
     mute: float = option(NEVER, "s", 0.0)
     mute_for: float = option(0.02, "s", 0.0)
@@ -68,11 +72,11 @@ class GuidedRobot(RobotOptions, Block):
         if self.run:
             self.plant.renew_noise(self.run)
         start = np.array(self.start, float) if len(self.start) else self.plant.home
-        gears, setup = draw_gear_error(self.seed, self.gear_error), GuidedMotion()
+        gears = draw_gear_error(self.seed, self.gear_error)
         self.plant.place(start + (gears[:, 0] * np.sin(gears[:, 1] * start + gears[:, 2])).sum(axis=0))
-        line = np.tile(start, (max(1, round(setup.delay * CYCLE * rate)), 1))
+        line = np.tile(start, (max(1, round(self.delay * CYCLE * rate)), 1))
         self._guided = line, np.zeros(1, np.int64), start.copy()
-        self._limits = np.exp(-2 * np.pi * setup.filter / rate), setup.speed / rate, gears
+        self._limits = np.exp(-2 * np.pi * self.filter / rate), GuidedMotion.speed / rate, gears
         self._room = [np.zeros((frames, width)) for width in (6, 6, 6, 6, 6, 6, 6, 7)]
         self._cycle, self._period, self._done = round(CYCLE * rate), 1.0 / rate, 0
         self._last, self._reports, self._on, self._trips = np.zeros((3, 6)), 0.0, 1.0, round(self.trip * rate)

@@ -10,6 +10,7 @@ from firmware_sim.plants import end_mill_kernel as mill
 from firmware_sim.plants import milling_kernel as kernel
 from firmware_sim.plants.cutting_force import MATERIALS
 from firmware_sim.plants.options import choice, option, refuse_rate, refuse_wrong_options
+from firmware_sim.plants.workpiece import LARGEST, fresh_block
 
 FASTEST_TURN = 2 * pi / 72
 """rad by which the tool turns at most between two looks at its teeth."""
@@ -17,8 +18,6 @@ HARDNESS = 0.03
 """Relative standard deviation of the force from block to block, cut off at two of it; assumed."""
 DISH = np.deg2rad(2.0)
 """rad, by which the edges below the tool are hollow: end mills have 1 to 3 degrees."""
-LARGEST = 2e7
-"""Points of the block."""
 
 
 @dataclass(eq=False, kw_only=True)
@@ -120,7 +119,7 @@ class PocketMilling(PocketOptions):
         turned = np.zeros(mill.TURNED)
         turned[mill.ANGLE] = rng.uniform(0, 2 * pi)
         angles = 2 * pi * (np.arange(mill.BINS) + 0.5) / mill.BINS
-        distance, grid = _fresh(self)
+        distance, grid = fresh_block(self.length, self.width, self.thickness, self.cell, self.layer)
         given, layers = _given(self), distance.shape[2]
         self._cut = kernel.Cut(
             origin=np.array(self.origin, float), distance=distance, grid=grid, hardness=strength,
@@ -156,7 +155,7 @@ class PocketMilling(PocketOptions):
     def taken(self) -> float:
         """What is gone of the block, m^3; it lags the tool by `milling_kernel.LAG`."""
         share = np.clip(0.5 - self._cut.distance / self.cell, 0.0, 1.0)
-        inside = _fresh(self)[0] > 0.0
+        inside = fresh_block(self.length, self.width, self.thickness, self.cell, self.layer)[0] > 0.0
         return float(share[inside].sum(dtype=float) * self.cell**2 * self._cut.grid[1])
 
     def section(self, depth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -176,13 +175,3 @@ def _given(cut: PocketMilling) -> np.ndarray:
         1.0 / (cut.teeth * cut.spindle), tan(DISH), max(1, round(cut.rate / cut.spindle)), 1.0 / cut.rate,
     ]  # fmt: skip
     return given
-
-
-def _fresh(block: PocketOptions) -> tuple[np.ndarray, np.ndarray]:
-    """Return the distances to the block's own sides, shape (y, x, layers), m, float32, and the kernel's grid."""
-    columns, rows = (ceil(0.5 * side / block.cell) + 2 for side in (block.length, block.width))
-    layers = max(1, round(block.thickness / block.layer))
-    x, y = (np.arange(-n, n + 1) * block.cell for n in (columns, rows))
-    away = np.minimum(0.5 * block.length - np.abs(x)[None, :], 0.5 * block.width - np.abs(y)[:, None])
-    distance = np.repeat(away[:, :, None].astype(np.float32), layers, axis=2)
-    return distance, np.array([block.cell, block.thickness / layers, columns * block.cell, rows * block.cell])

@@ -19,7 +19,7 @@ TOUCH = 2e-6
 
 
 @njit(cache=True, nogil=True)
-def _take(at, distance, grid, given, state, queue):  # type: ignore[no-untyped-def]
+def take(at, distance, grid, given, state, queue):  # type: ignore[no-untyped-def]
     """Queue the tool's place `at` (3,), m, and take out of the block where it was `LAG` ago; `queue` (QUEUE, 4)."""
     newest = queue[int(state[HEAD]) % QUEUE]
     moved = math.sqrt((at[0] - newest[0]) ** 2 + (at[1] - newest[1]) ** 2 + (at[2] - newest[2]) ** 2)
@@ -48,7 +48,7 @@ def _take(at, distance, grid, given, state, queue):  # type: ignore[no-untyped-d
 
 
 @njit(cache=True, nogil=True)
-def _engage(at, around, distance, grid, given, found, width):  # type: ignore[no-untyped-def]
+def engage(at, around, distance, grid, given, found, width):  # type: ignore[no-untyped-def]
     """Fill `width` (BINS, 1 + layers), m of edge that touches material at each angle: in all, then in each layer.
 
     `around` (BINS, 2) has the directions.  Return how many layers can be cut.
@@ -69,7 +69,7 @@ def _engage(at, around, distance, grid, given, found, width):  # type: ignore[no
 
 
 @njit(cache=True, nogil=True)
-def _touching(at, around, distance, grid, given, found):  # type: ignore[no-untyped-def]
+def touching_share(at, around, distance, grid, given, found):  # type: ignore[no-untyped-def]
     """Return what of the area below the tool is material, 0 to 1."""
     below = max(math.floor(0.5 - at[2] / grid[LAYER]), 0)
     if at[2] > 0.0 or below >= distance.shape[2]:
@@ -113,11 +113,11 @@ class Cut(NamedTuple):
 def _push(at, free, give, cut, meeting, wrench):  # type: ignore[no-untyped-def]
     """Fill `meeting` with speed and mean force, N, and `wrench` (6,) with force and moment of this sample's teeth."""
     given, (speed, _, slope, room) = cut.given, meeting
-    last = _engage(at, cut.around, cut.distance, cut.grid, given, cut.found, cut.width)
+    last = engage(at, cut.around, cut.distance, cut.grid, given, cut.found, cut.width)
     share = 0.0
     meet(free, cut.motion[1], give, share, cut.around, cut.width, cut.hardness, given, meeting)
     if is_sinking(speed, given):
-        share = _touching(at, cut.around, cut.distance, cut.grid, given, cut.found)
+        share = touching_share(at, cut.around, cut.distance, cut.grid, given, cut.found)
         meet(free, cut.motion[1], give, share, cut.around, cut.width, cut.hardness, given, meeting)
     turn(
         last, at, speed, cut.around, cut.width, cut.hardness, cut.wobble, cut.grid[LAYER], given, cut.turned, wrench
@@ -149,7 +149,7 @@ def run(tool, give, force, moment, teeth_force, cut):  # type: ignore[no-untyped
                 free[r] -= give[n, 3 * r + k] * (held[k] - before[k])
             free[r] = free[r] / given[PERIOD] + given[PERIOD] / MASS * (held[r] - before[r])
         was[:] = at
-        _take(at, cut.distance, cut.grid, given, cut.state, cut.queue)
+        take(at, cut.distance, cut.grid, given, cut.state, cut.queue)
         _push(at, free, give[n], cut, meeting, wrench)
         cut.ring[done % span] = wrench[3:]
         for r in range(3):

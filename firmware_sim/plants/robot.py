@@ -10,6 +10,7 @@ from firmware_sim.plants.robot_geometry_kernel import place
 from firmware_sim.plants.robot_joint_kernel import (
     ACROSS_X,
     ACROSS_Y,
+    CELLS,
     GRAVITY_MODEL,
     INTEGRAL,
     LINK,
@@ -19,6 +20,7 @@ from firmware_sim.plants.robot_joint_kernel import (
     SOFT,
     TORQUE_LIMIT,
     WANTED,
+    WARMTH,
     spring,
 )
 from firmware_sim.plants.robot_kernel import (
@@ -57,8 +59,9 @@ class RobotPlant(RobotOptions):
     motor speed and a model of gravity with an error of its own; soft servo takes the integral and part of the P gain
     away; torque supervision puts the brakes on.  Motor angle and torque are seen from the arm's side of the gear.
 
-    It does not model: links that bend, gears whose error repeats with the angle, friction that depends on load and
-    temperature, motors that turn other joints, inertia of what tilts across the axes, current loops and inverters.
+    It does not model: links that bend, gears whose error repeats with the angle, motors that turn other joints, inertia
+    of what tilts across the axes, current loops and inverters; friction that depends on load and temperature only where
+    its options ask for it.
 
     Parameters
     ----------
@@ -103,6 +106,7 @@ class RobotPlant(RobotOptions):
         for switch in (BRAKE, TRIPPED, CLAMPED, PHASE, SLIPPED):
             parts.switches[switch] = 0.0
         parts.state[[MOTOR, LINK, WANTED]], self._drives[0] = angle, angle
+        parts.state[WARMTH] = self.warmth
         for _ in range(20):  # each joint yields until its gear bears the load, which moves with it
             refresh(np.zeros(6), self.tool, parts)
             load = -parts.moment[:, 2]
@@ -157,7 +161,7 @@ class RobotPlant(RobotOptions):
 
     @property
     def joints(self) -> np.ndarray:
-        """The truth about the joints, rows as in `robot_joint_kernel`, shape (18, 6), SI units."""
+        """The truth about the joints, rows as in `robot_joint_kernel`, shape (ROWS, 6), SI units."""
         return self._parts.joints
 
     @property
@@ -167,7 +171,7 @@ class RobotPlant(RobotOptions):
 
     @property
     def state(self) -> np.ndarray:
-        """The truth about angles and speeds, rows as in `robot_joint_kernel`, shape (9, 6), SI units."""
+        """The truth about angles and speeds, rows as in `robot_joint_kernel`, shape (CELLS, 6), SI units."""
         return self._parts.state
 
     @property
@@ -255,9 +259,9 @@ class RobotPlant(RobotOptions):
 
 def _parts(links: np.ndarray, joints: np.ndarray) -> Parts:
     shapes = {
-        "state": (9, 6), "soft": (2, 6), "switches": (8,), "frames": (8, 3, 4), "centre": (7, 3), "jacobian": (6, 6),
-        "across": (6, 12), "moment": (6, 3), "frozen": (6, 23), "anchor": (5, 6), "environment": (6, 6),
-        "tilt": (6, 2), "wrench": (6,), "work": (6, 10),
+        "state": (CELLS, 6), "soft": (2, 6), "switches": (8,), "frames": (8, 3, 4), "centre": (7, 3),
+        "jacobian": (6, 6), "across": (6, 12), "moment": (6, 3), "frozen": (6, 23), "anchor": (5, 6),
+        "environment": (6, 6), "tilt": (6, 2), "wrench": (6,), "work": (6, 10),
     }  # fmt: skip
     return Parts(links=links, joints=joints, **{name: np.zeros(shape) for name, shape in shapes.items()})
 

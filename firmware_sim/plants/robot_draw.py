@@ -8,13 +8,18 @@ from firmware_sim.plants.robot_joint_kernel import (
     ACROSS_X,
     BACKLASH,
     BRISTLE,
+    COLD,
+    COOLING,
     COULOMB,
     DAMPING,
     GRAVITY_MODEL,
     HARDENING,
+    HEATING,
     INERTIA,
+    LOADED,
     POSITION_GAIN,
     RESET_RATE,
+    ROWS,
     SPEED_GAIN,
     STICTION,
     STIFF_MINUS,
@@ -29,8 +34,8 @@ STIFFNESS_SPREAD, SIDE_SPREAD, FRICTION_SPREAD, MASS_SPREAD, GRAVITY_SPREAD = 0.
 """Relative standard deviations, cut off at two of them."""
 MEAN_BACKLASH = 1e-4
 """rad; from 0.3 to 1.7 times that between joints."""
-STICTION_RATIO, STRIBECK_SPEED, PRESLIDING = 1.25, 0.02, 4e-5
-"""Breakaway over Coulomb friction; rad/s; rad over which a gear yields before it slides."""
+PRESLIDING = 4e-5
+"""rad over which a gear yields before it slides."""
 JOINT_LOSS = 5e-4
 """s, damping over stiffness of a gear: damping ratio 0.03 at 20 Hz; friction and servo add theirs."""
 SERVO_GAIN, SERVO_RESET = 20.0, 15.0
@@ -39,12 +44,12 @@ SERVO_SPEED = np.array([200.0, 200.0, 200.0, 300.0, 300.0, 300.0])
 
 
 def draw_joints(rng: np.random.Generator, arm: Arm, options: RobotOptions) -> np.ndarray:
-    """Return the kernel's table of joints without the gains of the servo, shape (18, 6), SI units."""
+    """Return the kernel's table of joints without the gains of the servo, shape (ROWS, 6), SI units."""
 
     def drawn(spread: float) -> np.ndarray:
         return np.asarray(1 + options.spread * spread * np.clip(rng.standard_normal(6), -2, 2))
 
-    table = np.zeros((18, 6))
+    table = np.zeros((ROWS, 6))
     stiffness = np.array(arm.stiffness) / options.compliance * drawn(STIFFNESS_SPREAD)
     table[STIFF_PLUS], table[STIFF_MINUS] = stiffness, stiffness * drawn(SIDE_SPREAD)
     table[BACKLASH] = options.backlash * MEAN_BACKLASH * (1 + options.spread * rng.uniform(-0.35, 0.35, 6))
@@ -53,8 +58,10 @@ def draw_joints(rng: np.random.Generator, arm: Arm, options: RobotOptions) -> np
     table[DAMPING] = JOINT_LOSS * stiffness
     table[INERTIA] = arm.motor_inertia
     table[COULOMB] = options.friction * np.array(arm.coulomb) * drawn(FRICTION_SPREAD)
-    table[STICTION] = STICTION_RATIO * table[COULOMB]
-    table[STRIBECK] = STRIBECK_SPEED
+    table[STICTION] = options.stiction * table[COULOMB]
+    table[STRIBECK] = options.stribeck
+    table[LOADED], table[COLD] = options.load_friction, options.cold
+    table[HEATING], table[COOLING] = 1e-3 * options.heating, 1.0 / options.cooling
     table[VISCOUS] = options.friction * np.array(arm.viscous) * drawn(FRICTION_SPREAD)
     table[BRISTLE] = np.array(arm.coulomb) / PRESLIDING
     table[GRAVITY_MODEL] = drawn(GRAVITY_SPREAD)
@@ -72,7 +79,7 @@ def draw_links(rng: np.random.Generator, arm: Arm, options: RobotOptions) -> np.
 
 
 def tune_servo(joints: np.ndarray, links: np.ndarray, home: np.ndarray, tool: float) -> None:
-    """Fill the servo's gains in `joints` (18, 6) for the inertia at home (6,), rad."""
+    """Fill the servo's gains in `joints` (ROWS, 6) for the inertia at home (6,), rad."""
     frames, centre, mass = np.zeros((8, 3, 4)), np.zeros((7, 3)), np.zeros((6, 6))
     place(home, np.zeros((6, 2)), links, tool, frames)
     centres(frames, np.ascontiguousarray(links), centre)

@@ -3,12 +3,17 @@
 import numpy as np
 from numba import njit
 
-# Rows of `joints` (18, 6), seen from the arm's side of the gear; of `state` (9, 6); SI units.
+from firmware_sim.plants.flush_kernel import flushed
+
+# Rows of `joints` (ROWS, 6), seen from the arm's side of the gear; of `state` (CELLS, 6); SI units.  LOADED is friction
+# over the torque in the gear, COLD by what viscous friction is larger at no WARMTH, HEATING and COOLING what a watt and
+# a second make of that.
 (
     STIFF_PLUS, STIFF_MINUS, BACKLASH, HARDENING, DAMPING, INERTIA, COULOMB, STICTION, STRIBECK, VISCOUS, BRISTLE,
-    POSITION_GAIN, SPEED_GAIN, RESET_RATE, TORQUE_LIMIT, GRAVITY_MODEL, ACROSS_X, ACROSS_Y,
-) = range(18)  # fmt: skip
-MOTOR, MOTOR_SPEED, LINK, LINK_SPEED, PRESLIDE, INTEGRAL, WANTED, SOFT, OVERLOAD = range(9)
+    POSITION_GAIN, SPEED_GAIN, RESET_RATE, TORQUE_LIMIT, GRAVITY_MODEL, ACROSS_X, ACROSS_Y, LOADED, COLD, HEATING,
+    COOLING, ROWS,
+) = range(23)  # fmt: skip
+MOTOR, MOTOR_SPEED, LINK, LINK_SPEED, PRESLIDE, INTEGRAL, WANTED, SOFT, OVERLOAD, WARMTH, CELLS = range(11)
 SOFTENING_TIME = 0.5
 """s in which the servo turns soft, or stiff again."""
 
@@ -29,21 +34,28 @@ def spring(i: int, wind_up: float, joints: np.ndarray) -> tuple[float, float]:
 
 
 @njit(cache=True, nogil=True)
-def friction(i: int, step: float, joints: np.ndarray, state: np.ndarray) -> tuple[float, float]:
+def friction(i: int, step: float, load: float, joints: np.ndarray, state: np.ndarray) -> tuple[float, float]:
     """Move a joint's bristles on by a step (s); return torque (N m) and its slope over speed (N m s/rad).
 
     Coulomb with Stribeck effect, viscous, and elastic before it slides, so that torque over angle is a loop.  Without
     damping of the bristles it takes energy at any speed.  [Canudas de Wit et al., IEEE TAC 40 (1995) 419, (1)-(4)]
+    Coulomb's part grows with the gear's `load` (N m), the viscous one falls as friction warms the joint: [Bittencourt
+    and Axelsson, IEEE/ASME Trans. Mechatron. 19 (2014) 1467, for both forms]
     """
-    speed, bristle = state[MOTOR_SPEED, i], joints[BRISTLE, i]
+    speed, bristle, viscous = state[MOTOR_SPEED, i], joints[BRISTLE, i], joints[VISCOUS, i]
+    if joints[COLD, i] != 0.0:
+        viscous *= 1.0 + joints[COLD, i] * np.exp(-state[WARMTH, i])
     if joints[COULOMB, i] == 0.0:
-        return joints[VISCOUS, i] * speed, joints[VISCOUS, i]
+        return viscous * speed, viscous
     drop = np.exp(-((speed / joints[STRIBECK, i]) ** 2))
-    level = joints[COULOMB, i] + (joints[STICTION, i] - joints[COULOMB, i]) * drop
+    heavy = 1.0 + joints[LOADED, i] * abs(load) / joints[COULOMB, i]
+    level = (joints[COULOMB, i] + (joints[STICTION, i] - joints[COULOMB, i]) * drop) * heavy
     slip = 1.0 + step * bristle * abs(speed) / level
     state[PRESLIDE, i] = (state[PRESLIDE, i] + step * speed) / slip
-    torque = bristle * state[PRESLIDE, i] + joints[VISCOUS, i] * speed
-    return torque, joints[VISCOUS, i] + bristle * step / slip
+    torque = bristle * state[PRESLIDE, i] + viscous * speed
+    warmed = joints[HEATING, i] * abs(torque * speed) - joints[COOLING, i] * state[WARMTH, i]
+    state[WARMTH, i] = flushed(state[WARMTH, i] + step * warmed)
+    return torque, viscous + bristle * step / slip
 
 
 @njit(cache=True, nogil=True)

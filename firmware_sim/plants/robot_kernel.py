@@ -192,7 +192,7 @@ def advance(wanted: np.ndarray, torque: np.ndarray, parts: Parts) -> None:
         wound, stiffness = spring(i, state[MOTOR, i] - state[LINK, i], joints)
         turning, loss = state[MOTOR_SPEED, i] - state[LINK_SPEED, i], joints[DAMPING, i]
         wound += loss * turning
-        drag, slope = friction(i, step, joints, state)
+        drag, slope = friction(i, step, wound, joints, state)
         own = near * loss + rule * IMPLICIT * stiffness
         to_link = step * wound + rule * stiffness * turning
         heavy = 1e18 if locked else joints[INERTIA, i] + own + near * slope

@@ -10,8 +10,13 @@ from firmware_sim.plants.robot_joint_kernel import (
     ACROSS_X,
     ACROSS_Y,
     BACKLASH,
+    CELLS,
+    COULOMB,
+    MOTOR_SPEED,
     STIFF_MINUS,
     STIFF_PLUS,
+    VISCOUS,
+    WARMTH,
     friction,
     spring,
 )
@@ -152,15 +157,45 @@ def total_energy(plant: RobotPlant) -> float:
 
 def test_friction_takes_energy_over_any_cycle() -> None:
     plant = RobotPlant(seed=1)
-    joints, state, step = plant.joints, np.zeros((9, 6)), 1e-4
+    joints, state, step = plant.joints, np.zeros((CELLS, 6)), 1e-4
     time = np.arange(20_000) * step
     for frequency, size in ((1.0, 1e-5), (1.0, 1e-2), (7.0, 1e-3)):
         speed = size * 2 * np.pi * frequency * np.cos(2 * np.pi * frequency * time)
         work = 0.0
         for value in speed:
             state[1, 0] = value
-            work += friction(0, step, joints, state)[0] * value * step
+            work += friction(0, step, 0.0, joints, state)[0] * value * step
         assert work > 0.0
+
+
+def sliding(
+    plant: RobotPlant, speed: float, load: float, warmth: float = 0.0, seconds: float = 0.5
+) -> tuple[float, float]:
+    """Return joint 1's friction, N m, after it has slid for so long at a speed, rad/s, and its warmth then."""
+    state, step, torque = np.zeros((CELLS, 6)), 1e-3, 0.0
+    state[MOTOR_SPEED, 0], state[WARMTH, 0] = speed, warmth
+    for _ in range(round(seconds / step)):
+        torque = friction(0, step, load, plant.joints, state)[0]
+    return float(torque), float(state[WARMTH, 0])
+
+
+def test_sliding_friction_is_stribecks_and_grows_with_load() -> None:
+    plant = RobotPlant(stiction=1.6, stribeck=0.05, load_friction=0.03)
+    coulomb, viscous = plant.joints[COULOMB, 0], plant.joints[VISCOUS, 0]
+    for speed, load in ((0.01, 0.0), (0.05, -80.0), (1.0, 200.0)):
+        level = coulomb * (1 + 0.6 * np.exp(-((speed / 0.05) ** 2))) * (1 + 0.03 * abs(load) / coulomb)
+        assert sliding(plant, speed, load)[0] == pytest.approx(level + viscous * speed, rel=1e-3)
+
+
+def test_friction_warms_a_joint_and_a_warm_one_turns_more_easily() -> None:
+    plant = RobotPlant(cold=1.5, heating=0.5, cooling=600.0)
+    coulomb, viscous = plant.joints[COULOMB, 0], plant.joints[VISCOUS, 0]
+    for warmth in (0.0, 2.0):
+        expected = coulomb + viscous * (1 + 1.5 * np.exp(-warmth))
+        assert sliding(plant, 1.0, 0.0, warmth)[0] == pytest.approx(expected, rel=1e-2)
+    torque, warmed = sliding(plant, 1.0, 0.0, 1.0, 2.0)
+    assert warmed - 1.0 == pytest.approx(2.0 * (0.5e-3 * torque - 1.0 / 600.0), rel=1e-2)
+    assert RobotPlant(warmth=3.0).state[WARMTH].tolist() == [3.0] * 6
 
 
 def geometry(plant: RobotPlant, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
