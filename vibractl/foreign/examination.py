@@ -32,7 +32,7 @@ class Examined:
     Parameters
     ----------
     likeness : float, 0 to 1
-        Correlation with what was known of the shot, where it was found.
+        Correlation with what was known of the shot: the drive in its monitors, or the reference in the response.
     played : Estimate, samples
         In the response's file, where the drive lies or, where it is not recorded, where it seems to lie.
     heard : Estimate or None, samples
@@ -128,8 +128,9 @@ class Examiner:
             clock = clock or late
         if monitored is not None:
             drives = self._order(self._wanted[self._window], seen.stretch[:, self._recorded.monitors])
+        like = float(response.likeness.min()) if monitored is None else float(monitored.likeness.min())
         return Examined(
-            seen.likeness,
+            like if monitored is not None else max(like, seen.likeness),
             Estimate(self._factor * (seen.origin + at), 0.0, self._factor * unsure),
             self._centre(response, seen.origin) if is_told else None,
             None if late is None else _less_sure(self._centre(late, -round(at)), monitored, self._factor),

@@ -1,63 +1,66 @@
 """The command `vibractl import`."""
 
 import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
-import numpy as np
 import typer
 
-from ctlblocks.recording import RecordingError
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
-from rigkit.foreign_stream import Signals
 from rigkit.progress import progress
 from vibractl.config import RigConfig
-from vibractl.foreign.import_plan import Scanned, scan
-from vibractl.foreign.import_verdict import Remark, refuse_other_clock, refuse_unrelated, remarks, spoiled
-from vibractl.foreign.importing import Import, correction_of, figures_of, write_import
-from vibractl.foreign.recorded import Scales, open_recorded, paired
-from vibractl.foreign.signals import Kind, responses_of
-from vibractl.foreign.tracks import open_track, parsed_map
-from vibractl.judging import Judging
-from vibractl.model_origin import model_for
+from vibractl.foreign.import_request import Request, examined
+from vibractl.foreign.importing import Import, figures_of, write_import
+from vibractl.foreign.recorded import Scales
+from vibractl.foreign.tracks import parsed_map
 from vibractl.quality import Marks
-from vibractl.setup import Setup, setup
-from vibractl.transfer_matrix import TransferMatrix
 
 HEAD = ("shot", "recording", "begins, s", "correlation", "delay, samples", "clock, ppm", "polarity")
 
+DriveOption = Annotated[str, typer.Option(metavar="D.wav", help="What was played, or a pattern: a file a shot.")]
+ResponseOption = Annotated[str, typer.Option(metavar="R.wav", help="What was recorded, or a pattern: a file a shot.")]
+OutOption = Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make.")]
+ReferenceOption = Annotated[
+    str | None, typer.Option(help="chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file.")
+]
+ModelOption = Annotated[Path | None, typer.Option(metavar="FILE", help="Model file from `calibrate vibrator`.")]
+SilenceOption = Annotated[Path | None, typer.Option(metavar="S.wav", help="The same sensors without a drive.")]
+MapOption = Annotated[
+    str | None, typer.Option("--map", metavar="drive_1=3,...", help="Channels by name or number; - turns one round.")
+]
+VoltsOption = Annotated[float | None, typer.Option("--volts-per-full-scale", help="Of a sound of drives.")]
+AccelerationOption = Annotated[
+    float | None, typer.Option("--mps2-per-full-scale", help="Of a sound of responses, m/s^2.")
+]
+DelayOption = Annotated[
+    float | None, typer.Option(metavar="SAMPLES", help="By which responses come late, where that is known.")
+]
+ClockOption = Annotated[
+    bool, typer.Option("--correct-clock", help="Take out how clocks differ, and parts of a sample.")
+]
+SkipOption = Annotated[
+    bool, typer.Option("--skip-spoiled", help="Leave out shots that are clipped, have dropouts or are cut off.")
+]
+DryOption = Annotated[bool, typer.Option("--dry-run", help="Show what is found, and write nothing.")]
+
 
 def import_command(
-    drive: Annotated[str, typer.Option(metavar="D.wav", help="What was played, or a pattern: a file a shot.")],
-    response: Annotated[str, typer.Option(metavar="R.wav", help="What was recorded, or a pattern: a file a shot.")],
-    out: Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make.")] = None,
-    reference: Annotated[
-        str | None, typer.Option(help="chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file.")
-    ] = None,
-    model: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file from `calibrate vibrator`.")] = None,
-    silence: Annotated[Path | None, typer.Option(metavar="S.wav", help="The same sensors without a drive.")] = None,
+    drive: DriveOption,
+    response: ResponseOption,
+    out: OutOption = None,
+    reference: ReferenceOption = None,
+    model: ModelOption = None,
+    silence: SilenceOption = None,
     config: ConfigOption = None,
-    channels: Annotated[
-        str | None, typer.Option("--map", metavar="drive_1=3,...", help="Channels by name or number; - turns round.")
-    ] = None,
-    volts: Annotated[float | None, typer.Option("--volts-per-full-scale", help="Of a sound of drives.")] = None,
-    acceleration: Annotated[
-        float | None, typer.Option("--mps2-per-full-scale", help="Of a sound of responses, m/s^2.")
-    ] = None,
-    delay: Annotated[
-        float | None, typer.Option(metavar="SAMPLES", help="By which responses come late, where that is known.")
-    ] = None,
-    correct_clock: Annotated[
-        bool, typer.Option("--correct-clock", help="Take out how clocks differ, and parts of a sample.")
-    ] = False,
-    skip_spoiled: Annotated[
-        bool, typer.Option("--skip-spoiled", help="Leave out shots that are clipped, have dropouts or are cut off.")
-    ] = False,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Show what is found, and write nothing.")] = False,
+    channels: MapOption = None,
+    volts: VoltsOption = None,
+    acceleration: AccelerationOption = None,
+    delay: DelayOption = None,
+    correct_clock: ClockOption = False,
+    skip_spoiled: SkipOption = False,
+    dry_run: DryOption = False,
     accept: AcceptOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
@@ -76,83 +79,24 @@ def import_command(
         raise ValueError("--out RUN/ says where it goes, --dry-run that it goes nowhere: must be one of them")
     laid_over = [*(settings or []), *([f"reference.signal={reference}"] if reference else [])]
     rig = rig_file.load(config, RigConfig, laid_over)
-    made, matrix, notes = _made(rig, model, accept or [])
-    scales = Scales(
-        rig.audio.output_full_scale if volts is None else _positive("--volts-per-full-scale", volts),
-        rig.audio.input_full_scale if acceleration is None else _positive("--mps2-per-full-scale", acceleration),
-    )
-    given = parsed_map(channels)
-    quiet = None if silence is None else _silence(silence, made, scales, given)
-    recordings = [open_recorded(*pair, rig, made.shot, scales, given) for pair in paired(drive, response)]
-    with progress("examining", len(recordings)) as meter:
-        scanned = scan(recordings, made, matrix, delay, meter.show)
-    refuse_unrelated(scanned, made)
-    if not correct_clock:
-        refuse_other_clock(scanned, made)
-    scanned, left_out = _whole(scanned, made, skip_spoiled)
-    said = [Remark(note) for note in notes] + list(remarks(scanned, made))
-    if correct_clock:
-        said = [*(each for each in said if "--correct-clock" not in each.text), *_corrections(scanned)]
-    _print(scanned, made, said, left_out, json)
-    found = [figures_of(shot, made) for each in scanned for shot in each.shots]
-    figures: dict[str, Any] = {"found": found, "remarks": [each.text for each in said]}
-    if out is not None:
-        imported = Import(scanned, made, model, said, left_out, quiet, accept or [], correct_clock)
-        figures = {**_written(out, imported, json), **figures}
-    write_json(json, figures)
-
-
-def _made(
-    rig: RigConfig, model: Path | None, accept: list[str]
-) -> tuple[Setup | Judging, TransferMatrix | None, list[str]]:
-    """Return what shots are judged by, and the model."""
-    if rig.audio.far_field_channels:
-        raise ValueError(
-            f"audio.far_field_channels is {list(rig.audio.far_field_channels)}, must be []: drives and accelerometers "
-            "are imported, no hydrophones; --set audio.far_field_channels=[]"
+    found = examined(
+        Request(
+            rig, drive, response, model, silence, parsed_map(channels), _scales(rig, volts, acceleration), delay,
+            correct_clock, skip_spoiled, accept or [],
         )
-    if model is None:
-        return Judging.of(rig), None, []
-    matrix, notes = model_for(model, rig, accept)
-    return setup(rig, matrix), matrix, notes
+    )  # fmt: skip
+    _print(found, json)
+    figures = {} if out is None else _written(out, found, json)
+    shots = [figures_of(shot, found.made) for shot in found.shots]
+    write_json(json, {**figures, "found": shots, "remarks": [each.text for each in found.remarks]})
 
 
-def _positive(name: str, value: float) -> float:
-    if not 0 < value < np.inf:
-        raise ValueError(f"{name} is {value:g}, must be > 0")
-    return value
-
-
-def _silence(path: Path, made: Setup | Judging, scales: Scales, given: Mapping[str, str]) -> Signals:
-    audio = made.config.audio
-    kind = Kind("response", responses_of(audio).width, "m/s^2", scales.acceleration)
-    track = open_track(path, [kind], audio.rate, given)
-    if track.frames < made.shot.total:
-        raise RecordingError(f"{path}: {track.frames} samples, must be at least {made.shot.total}, a shot's")
-    return track.signals.scaled(kind.unit, track.scale)
-
-
-def _whole(scanned: Sequence[Scanned], made: Setup | Judging, skip: bool) -> tuple[list[Scanned], dict[int, str]]:
-    """Return recordings with the shots that are a measurement, and why others are left out."""
-    wrong = {number: reason for each in scanned for number, reason in spoiled(each, made).items()}
-    if wrong and not skip:
-        first = next(iter(wrong.values()))
-        raise RecordingError(f"{first}; --skip-spoiled leaves out such shots, {len(wrong)} of them")
-    kept = [replace(each, shots=tuple(shot for shot in each.shots if shot.number not in wrong)) for each in scanned]
-    kept = [each for each in kept if each.shots]
-    if not kept:
-        raise RecordingError(f"{next(iter(wrong.values()))}; no shot is left, must be at least 1")
-    return kept, wrong
-
-
-def _corrections(scanned: Sequence[Scanned]) -> list[Remark]:
-    """Say what is taken out of the clocks."""
-    said = []
-    for each in scanned:
-        taken = correction_of(each)
-        what = f"{taken.text} ppm" if taken.value else "nothing that can be told"
-        said.append(Remark(f"{each.recorded.name}: taken out of the clock: {what}; responses are resampled"))
-    return said
+def _scales(rig: RigConfig, volts: float | None, acceleration: float | None) -> Scales:
+    """Return what the number 1 of a sound is: as is said, else as the rig file says."""
+    for name, value in (("--volts-per-full-scale", volts), ("--mps2-per-full-scale", acceleration)):
+        if value is not None and not 0 < value < float("inf"):
+            raise ValueError(f"{name} is {value:g}, must be > 0")
+    return Scales(volts or rig.audio.output_full_scale, acceleration or rig.audio.input_full_scale)
 
 
 def _written(out: Path, imported: Import, json: str | None) -> dict[str, Any]:
@@ -169,29 +113,23 @@ def _written(out: Path, imported: Import, json: str | None) -> dict[str, Any]:
     return figures
 
 
-def _print(
-    scanned: Sequence[Scanned],
-    made: Setup | Judging,
-    said: Sequence[Remark],
-    left_out: Mapping[int, str],
-    json: str | None,
-) -> None:
-    stream = words(json)
-    rows = []
-    for each in scanned:
-        for shot in each.shots:
-            delay, clock = shot.placed.delay, shot.seen.clock
-            begins = (shot.placed.response + shot.placed.fraction) / made.shot.rate
-            rows.append([
-                str(shot.number), each.recorded.name, f"{begins:.6f}", f"{shot.seen.likeness:.4f}",
-                "-" if delay is None else delay.text,
-                "-" if clock is None else clock.text,
-                "  ".join(_polarity(sign.is_inverted, sign.confidence) for sign in shot.seen.polarity),
-            ])  # fmt: skip
-    print_table(f"{len(rows)} shots of {made.config.reference.signal}", HEAD, rows, stream)
-    for reason in left_out.values():
+def _print(found: Import, json: str | None) -> None:
+    stream, rate, rows = words(json), found.made.shot.rate, []
+    for shot in found.shots:
+        delay, clock = shot.placed.delay, shot.seen.clock
+        rows.append([
+            str(shot.number),
+            shot.recorded.name,
+            f"{(shot.placed.response + shot.placed.fraction) / rate:.6f}",
+            f"{shot.seen.likeness:.4f}",
+            "-" if delay is None else delay.text,
+            "-" if clock is None else clock.text,
+            "  ".join(_polarity(sign.is_inverted, sign.confidence) for sign in shot.seen.polarity),
+        ])  # fmt: skip
+    print_table(f"{len(rows)} shots of {found.made.config.reference.signal}", HEAD, rows, stream)
+    for reason in found.left_out.values():
         stream.write(f"left out: {reason}\n")
-    for remark in said:
+    for remark in found.remarks:
         stream.write(f"{'warning: ' if remark.is_warning else ''}{remark.text}\n")
     sys.stdout.flush()
 

@@ -89,7 +89,7 @@ def scan(
     delay : float or None, samples
         By which responses come after drives, where a person knows it.
     tell : callable
-        Called with the number of recordings done.
+        Called with the number of samples read, of all recordings.
 
     Raises
     ------
@@ -97,12 +97,13 @@ def scan(
     """
     factor, read = slow_factor(made.reference.signal, made.shot.rate), []
     wires = _Wires()
-    for number, recorded in enumerate(recordings, 1):
+    done = 0
+    for recorded in recordings:
         examiner, faults = Examiner(recorded, made, matrix, factor), SampleFaults(recorded.full_scale)
         search = ShotSearch(examiner.probes, examiner.rate, examiner.before, examiner.after)
         seen = [
             wires.noted(examiner.examined(each, wires.are_wanted))
-            for each in _sightings(recorded, search, faults, factor)
+            for each in _sightings(recorded, search, faults, factor, _Told(tell, done))
         ]
         _refuse_dead(recorded, faults, made)
         if not seen:
@@ -112,8 +113,19 @@ def scan(
                 f"must be >= {LIKE:g}"
             )
         read.append(_Read(recorded, tuple(seen), tuple(faults.end()), examiner.begins))
-        tell(number)
+        done += recorded.frames
     return list(_placed(read, made, delay))
+
+
+@dataclass(frozen=True)
+class _Told:
+    """Tells how many samples are read, beside those of the recordings before."""
+
+    tell: Callable[[int], None]
+    before: int
+
+    def show(self, done: int) -> None:
+        self.tell(self.before + done)
 
 
 class _Wires:
@@ -142,12 +154,16 @@ def _placed(read: Sequence[_Read], made: Setup | Judging, delay: float | None) -
         yield Scanned(each.recorded, tuple(shots), each.faults, _clock(shots))
 
 
-def _sightings(recorded: Recorded, search: ShotSearch, faults: SampleFaults, factor: int) -> Iterator[Sighting]:
+def _sightings(
+    recorded: Recorded, search: ShotSearch, faults: SampleFaults, factor: int, told: _Told
+) -> Iterator[Sighting]:
     """Read a recording once, from beginning to end."""
-    stream = SlowView(factor, len(recorded.full_scale))
+    stream, done = SlowView(factor, len(recorded.full_scale)), 0
     for block in recorded.blocks():
         faults.follow(block)
         yield from search.follow(stream.follow(block))
+        done += len(block)
+        told.show(done)
     yield from search.follow(stream.end())
     yield from search.end()
 
