@@ -14,6 +14,7 @@ from firmware_sim.draw_command import draw_command
 from firmware_sim.jack_client import JackClient
 from firmware_sim.laboratory import Laboratory, Wiring, plant_block
 from firmware_sim.plants.milling_disturbance import DEFLECTIONS
+from firmware_sim.population.signal_config import SignalConfig
 from firmware_sim.relay import Relay, adapter_in, listen
 from firmware_sim.robot_bench import MISHAPS as ROBOT_MISHAPS
 from firmware_sim.robot_bench import (
@@ -29,7 +30,7 @@ from firmware_sim.stage_bench import StageBench
 from firmware_sim.stage_image import StageImage
 from firmware_sim.stage_processor import Settings
 from rigkit.command import ConfigOption, SetOption, application, run
-from rigkit.config import load
+from rigkit.config import Section, load
 from rigkit.relay.frame import IDENTIFIER
 from rigkit.stop import SIGNALS, on_signals
 from stagectl.config import StageConfig
@@ -39,7 +40,14 @@ from vibractl.foreign.play_command import play_command
 
 app = application("Simulated machines behind real wires, and from WAV to WAV.")
 app.command("play")(play_command)
-app.command("draw")(draw_command({"vibrator": RigConfig, "stage": StageConfig, "pair": CellConfig, "cell": CellConfig}))
+MODELS: dict[str, type[Section]] = {
+    "vibrator": RigConfig,
+    "stage": StageConfig,
+    "pair": CellConfig,
+    "cell": CellConfig,
+    "signal": SignalConfig,
+}
+app.command("draw")(draw_command(MODELS))
 
 
 @app.command()

@@ -28,16 +28,20 @@ def draw_command(models: Mapping[str, type[Section]]) -> Callable[..., None]:
         seed: Annotated[int, typer.Option(help="Which machine, >= 0.")],
         family: Annotated[str, typer.Option(help="One of the kind's families; the seed's own without.")] = "",
         out: Annotated[
-            Path | None, typer.Option(metavar="FILE.toml", help="Write a complete rig file of that machine.")
+            Path | None,
+            typer.Option(metavar="FILE", help="Write a complete rig file; of a signal, its folder."),
         ] = None,
         settings: SetOption = None,
         json: JsonOption = None,
     ) -> None:
         """Draw a machine by its seed: what it is, and the keys of a rig file that fit it.
 
-        A seed is the same machine everywhere.  --set changes keys of the rig file, not the machine.
+        A seed is the same machine everywhere.  --set changes keys of the rig file, not the machine.  Of a signal for
+        identification --out is a folder for record.csv and truth.json, or a CSV or WAV file.
 
         Example: `firmware-sim draw vibrator --seed 7 --out seven.toml`
+
+        Example: `firmware-sim draw signal --seed 7 --out SEVEN/`
         """
         kinds = population(kind)
         drawn = kinds.draw(seed, family)
@@ -68,7 +72,9 @@ def _laid_over(drawn: Draw) -> list[str]:
 def _show(drawn: Draw, stream: Any) -> None:
     title = f"{drawn.kind} {drawn.seed}, family {drawn.family}"
     print_table(title, ["drawn", "value", "unit"], [_row(each) for each in drawn.quantities], stream)
-    print_table("rig file", ["key", "value"], [[key, value_text(value)] for key, value in drawn.keys.items()], stream)
+    print_table(
+        "keys that fit it", ["key", "value"], [[key, value_text(value)] for key, value in drawn.keys.items()], stream
+    )
 
 
 def _row(each: Quantity) -> list[str]:

@@ -4,16 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import scipy.io
 import soundfile
+
+from firmware_sim.population.measured_responses import head, room
 
 DATA = Path(__file__).parents[2] / "shared" / "data"
 RATE = 44_100
 MEASURED_PAIRS = ("head-30-110", "head-90", "room")
 """Two loudspeakers, one on each side, 30 and 110 degrees off; both 90 degrees off; two microphones in a room."""
-
-ROOM_START, ROOM_END, ROOM_FADE = 1_580, 19_220, 4_410
-"""Samples: sound has travelled, 0.4 s later the rest is left out, after a fade of 0.1 s."""
 
 
 def shared(path: str) -> Path:
@@ -42,11 +40,8 @@ def measured_pair(name: str, folder: Path) -> list[Path]:
 
 def _taps(name: str) -> np.ndarray:
     """Return the impulse responses, shape (taps, channels, sources), each source nearest to its own channel."""
+    shared("")
     if name == "room":
-        both = scipy.io.loadmat(shared("room/EstereoRIS1_time.mat"))["EstereoRIS1_time"]
-        taps = both[ROOM_START:ROOM_END].astype(float)
-        taps[-ROOM_FADE:] *= (0.5 + 0.5 * np.cos(np.pi * np.arange(ROOM_FADE) / ROOM_FADE))[:, None]
-        return np.stack([taps, taps[:, ::-1]], axis=-1)
+        return room(DATA)
     angles = [int(angle) for angle in name.split("-")[1:]]
-    sides = [soundfile.read(shared(f"kemar/H0e{angle:03d}a.wav"))[0] for angle in (angles[0], angles[-1])]
-    return np.stack([sides[0][:, ::-1], sides[1]], axis=-1)  # measured on the right; the left ear is channel 1
+    return head(angles[0], angles[-1], DATA)

@@ -10,6 +10,7 @@ from typing import Any
 _BLOCKS: dict[str, str] = {
     "Pair": "firmware_sim.population.pair_block",
     "Stage": "firmware_sim.population.stage_block",
+    "Vibrator": "firmware_sim.population.vibrators",
 }
 """Block -> its module."""
 

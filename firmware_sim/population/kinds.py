@@ -5,7 +5,9 @@ from rigkit.code_name import resolve
 
 KINDS: dict[str, str] = {
     "pair": "firmware_sim.population.pair_population:PAIRS",
+    "signal": "firmware_sim.population.signal_population:SIGNALS",
     "stage": "firmware_sim.population.stage_population:STAGES",
+    "vibrator": "firmware_sim.population.vibrators:VIBRATORS",
 }
 """Kind -> "module:NAME" of its `Population`, imported when it is asked for."""
 

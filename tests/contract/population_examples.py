@@ -3,9 +3,11 @@
 from ctlblocks import Block
 from firmware_sim.population.pair_block import Pair
 from firmware_sim.population.stage_block import Stage
+from firmware_sim.population.vibrators import Vibrator
 from tests.contract.conformance import Example
 
 POPULATION_EXAMPLES: dict[type[Block], Example] = {
     Pair: Example(lambda: Pair(seed=5, family="flexible", gains=((0.5, 1.5),), disturbance=0.1), rate=250.0),
     Stage: Example(lambda: Stage(seed=3, family="lugre-guide"), rate=10_000.0),
+    Vibrator: Example(lambda: Vibrator(seed=3)),
 }
