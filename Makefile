@@ -8,10 +8,11 @@ PYTHONS = $(or $(PYTHON),python3.11 python3 python3.13 python3.12)
 BIN := .venv/bin
 STAMP := .venv/installed
 PACKAGES := ctlblocks rigkit vibractl stagectl calibration firmware_sim vibrostage
+STUDIES = $(basename $(notdir $(wildcard studies/*.toml)))
 TABLES := identification learning_seeds watch_seeds prediction warm_start planning force_control
 KEY = $(shell cat pyproject.toml | sha256sum | cut -c1-16) $(CURDIR)
 
-.PHONY: run test check soak bench peers mutants setup packages docs clean help
+.PHONY: run test check soak bench studies peers mutants setup packages docs clean help
 
 help:            ## this list
 	@grep -hE '^[a-z]+: .*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 10
@@ -44,6 +45,13 @@ bench: setup packages ## speed beside peers, then the tables of docs/, made agai
 	$(BIN)/pytest -q benchmarks --benchmark-only
 	for table in $(TABLES); do $(BIN)/python -m benchmarks.$$table --write || exit 1; done
 
+studies: setup   ## the studies of studies/ at full size, hours each, then docs/populations.md; goes on after a stop; STUDIES=stages, SCHEDULER=tcp://...
+	@mkdir -p runs/studies
+	for study in $(STUDIES); do \
+	  $(BIN)/vibrostage study run studies/$$study.toml --out runs/studies/$$study $(if $(SCHEDULER),--scheduler $(SCHEDULER)) || exit 1; \
+	done
+	$(BIN)/python -m benchmarks.study_tables $(STUDIES:%=runs/studies/%)
+
 peers: setup     ## identification against other packages, which it installs: a quarter of an hour
 	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[peers]'
 	$(BIN)/python -m benchmarks.identification_peers
@@ -59,6 +67,8 @@ docs: setup      ## regenerate what is generated: docs/*.toml, docs/config-refer
 	$(BIN)/python -m rigkit.config_reference vibractl.config:RigConfig rig.toml > docs/config-reference/rig.md
 	$(BIN)/python -m rigkit.config_reference stagectl.config:StageConfig stage.toml > docs/config-reference/stage.md
 	$(BIN)/python -m rigkit.config_reference stagectl.robot.config:CellConfig cell.toml > docs/config-reference/cell.md
+	$(BIN)/python -m rigkit.config_reference rigkit.study.file:StudyFile STUDY.toml > docs/config-reference/study.md
+	$(BIN)/python -m rigkit.config_reference rigkit.study.file:Figure "[figures.NAME]" > docs/config-reference/figure.md
 	$(BIN)/python -c 'import sys; from stagectl.wire.dbc import dbc_text; sys.stdout.write(dbc_text())' > stagectl/stage.dbc
 	$(BIN)/python -c 'import sys; from rigkit.relay.frame import dbc_text; sys.stdout.write(dbc_text())' > rigkit/relay/relay.dbc
 

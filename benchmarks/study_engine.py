@@ -96,6 +96,7 @@ def alone(place: Path, count: int) -> float:
         folder.mkdir()
         (folder / "pocket.json").write_text(EXAMPLE_POCKET)
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL, "text": True}
+        pipes["start_new_session"] = True  # as a study's workers: the kernel shares the cores among sessions
         own.append(subprocess.Popen([sys.executable, "-c", ALONE], cwd=folder, env=environment, **pipes))
         own[-1].stdin.write(json.dumps(tasks[number::PROCESSES]) + "\n")
         own[-1].stdin.flush()

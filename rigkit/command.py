@@ -84,10 +84,10 @@ def run(app: typer.Typer, *packages: str) -> int:
         return _end(f"error: {fault.args[0]}", USER_ERROR)
 
 
-def write_json(target: str | None, figures: Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> None:
+def write_json(target: str | None, figures: Mapping[str, Any]) -> None:
     """Write the figures that `--json` asked for: to a file in one step, to stdout for "-", nowhere for None.
 
-    Numpy numbers and arrays are written as numbers and lists; what is not finite as null.
+    It is one object.  Numpy numbers and arrays are written as numbers and lists; what is not finite as null.
     """
     if target == "-":
         sys.stdout.write(f"{json_text(figures, indent=2)}\n")

@@ -22,11 +22,11 @@ def reference(model: type[BaseModel], name: str) -> str:
     Parameters
     ----------
     model : subclass of Section
-        With a default for every key.
+        With a default for every key that has one.
     name : str
         What such a file is called.
     """
-    return "\n".join([f"# Every key of `{name}`", "", _INTRODUCTION, *_tables(model(), ()), ""])
+    return "\n".join([f"# Every key of `{name}`", "", _INTRODUCTION, *_tables(model.model_construct(), ()), ""])
 
 
 _INTRODUCTION = """\

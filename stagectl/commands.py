@@ -10,6 +10,7 @@ import typer
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.json_file import json_value
 from rigkit.progress import progress
 from rigkit.retention_command import prune_command
 from rigkit.run_folder import CONFIG, RunFolder, make_whole
@@ -45,30 +46,33 @@ RunArgument = Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a r
 
 
 @app.command("example-config")
-def example_config() -> None:
+def example_config(json: JsonOption = None) -> None:
     """Print a complete rig file for the simulator: every key with its unit, range and default.
 
     Example: `stagectl example-config > stage.toml`
     """
-    sys.stdout.write(rig_file.example(StageConfig))
+    words(json).write(rig_file.example(StageConfig))
+    write_json(json, StageConfig().model_dump(mode="json"))
 
 
 @app.command("example-cell")
-def example_cell() -> None:
+def example_cell(json: JsonOption = None) -> None:
     """Print a complete file of the robot cell: every key with its unit, range and default.
 
     Example: `stagectl example-cell > cell.toml`
     """
-    sys.stdout.write(rig_file.example(CellConfig))
+    words(json).write(rig_file.example(CellConfig))
+    write_json(json, CellConfig().model_dump(mode="json"))
 
 
 @app.command("example-pocket")
-def example_pocket() -> None:
+def example_pocket(json: JsonOption = None) -> None:
     """Print a pocket for the planners: the wood of chapter 7.
 
     Example: `stagectl example-pocket > POCKET.json`
     """
-    sys.stdout.write(EXAMPLE_POCKET)
+    words(json).write(EXAMPLE_POCKET)
+    write_json(json, json_value(EXAMPLE_POCKET, "the example", dict))
 
 
 @app.command("run")
@@ -187,12 +191,12 @@ def _collected(replayed: Iterator[Replayed]) -> list[Replayed]:
     return done
 
 
-def _reported(path: Path, png: Path | None) -> Any:
+def _reported(path: Path, png: Path | None) -> dict[str, Any]:
     if is_of_feed(path):
         return report_folder(path, png)
     if is_of_trials(path):
         return report_again(path, png)
-    return cell_report(path, png) if is_of_cell(path) else run_report(path, png)
+    return {"setups": cell_report(path, png)} if is_of_cell(path) else run_report(path, png)
 
 
 def _replayed(path: Path) -> Iterator[Replayed]:
@@ -225,6 +229,7 @@ def acknowledge_command(
     by: Annotated[str, typer.Option(metavar="NAME", help="The person who found out why it happened.")],
     config: ConfigOption = None,
     settings: SetOption = None,
+    json: JsonOption = None,
 ) -> None:
     """End a fault of the stage behind its CAN adapter, so that it can be started again.
 
@@ -233,7 +238,8 @@ def acknowledge_command(
     made = rig_file.load(config, StageConfig, settings or [])
     with StageLink(made.link) as link:
         reason = link.acknowledge(by)
-    print(f"{by} has acknowledged: {reason}")
+    print(f"{by} has acknowledged: {reason}", file=words(json))
+    write_json(json, {"by": by, "fault": reason})
 
 
 app.command("midrange")(midrange)

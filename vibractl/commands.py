@@ -2,6 +2,7 @@
 
 import sys
 import time
+import tomllib
 from pathlib import Path
 from typing import Annotated
 
@@ -57,6 +58,7 @@ RunArgument = Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a r
 @app.command("example-config")
 def example_config(
     preset: Annotated[str | None, typer.Option(metavar="underwater", help="A short one for a purpose.")] = None,
+    json: JsonOption = None,
 ) -> None:
     """Print a complete rig file for the simulator: every key with its unit, range and default.
 
@@ -64,7 +66,9 @@ def example_config(
     """
     if preset is not None and preset not in PRESETS:
         raise ValueError(f"--preset is {preset!r}, must be {' or '.join(PRESETS)}")
-    sys.stdout.write(rig_file.example(RigConfig) if preset is None else PRESETS[preset])
+    text = rig_file.example(RigConfig) if preset is None else PRESETS[preset]
+    words(json).write(text)
+    write_json(json, tomllib.loads(text))
 
 
 @app.command("run")

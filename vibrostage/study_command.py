@@ -1,6 +1,8 @@
 """The commands `vibrostage study`."""
 
+import tomllib
 from contextlib import AbstractContextManager
+from importlib.resources import files
 from pathlib import Path
 from typing import Annotated
 
@@ -30,6 +32,17 @@ WorkersOption = Annotated[
 ]
 
 
+@study_app.command("example")
+def example_command(json: JsonOption = None) -> None:
+    """Print a small study: two learning laws on three simulated vibrators, a minute on two cores.
+
+    Example: `vibrostage study example > STUDY.toml`
+    """
+    text = files("vibrostage").joinpath("quick.toml").read_text(encoding="utf-8")
+    words(json).write(text)
+    write_json(json, tomllib.loads(text))
+
+
 @study_app.command("run")
 def run_command(
     study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="What is run over what.")],
@@ -42,7 +55,7 @@ def run_command(
 ) -> None:
     """Run a study, or go on with it: the same command, after a stop, a kill, or with a larger budget.
 
-    Example: `vibrostage study run studies/quick.toml --out QUICK/`
+    Example: `vibrostage study run STUDY.toml --out LAWS/`
     """
     perform_study(read_plan(study, programs.names(), settings or []), out, scheduler, workers, accept or [], json)
 
@@ -76,7 +89,7 @@ def report_command(
 ) -> None:
     """Report a study: distributions, survival curves, and the worst cases with the commands that repeat them.
 
-    Example: `vibrostage study report QUICK/ --json quick.json`
+    Example: `vibrostage study report LAWS/ --json laws.json`
     """
     found = StudyReport.of(path)
     stream = words(json)

@@ -119,7 +119,7 @@ def _words(source: str) -> dict[str, str]:
 def _advise(cells: Sequence[CellConfig], joints: tuple[int, ...], json: str | None) -> None:
     advised = advice_table.advice(cells[0], arm_with_tool(cells[0]), joints)
     print_table("where to clamp", advice_table.HEAD, advice_table.rows(advised), words(json))
-    write_json(json, advice_table.figures(advised))
+    write_json(json, {"poses": advice_table.figures(advised)})
 
 
 def _say_steps(cells: Sequence[CellConfig], joints: tuple[int, ...], _: str | None) -> None:

@@ -148,6 +148,7 @@ def _add_stop(app: typer.Typer) -> None:
         settings: SetOption = None,
         why: Annotated[str, typer.Option(metavar="TEXT", help="For the event log.")] = "from the command line",
         token: TokenOption = None,
+        json: JsonOption = None,
     ) -> None:
         """Bring the output to zero and disarm, whoever has control.  No emergency stop: that one cuts the mains.
 
@@ -159,7 +160,9 @@ def _add_stop(app: typer.Typer) -> None:
             table: Daemon | str = daemon_table(config, settings or ())
         except (ValueError, OSError) as fault:
             table = str(fault)
-        sys.stdout.write(f"{stopped(table, config, token, why)}\n")
+        how = stopped(table, config, token, why)
+        words(json).write(f"{how}\n")
+        write_json(json, {"stopped": how})
 
 
 def _client(table: Daemon, token: Path | None) -> Client:

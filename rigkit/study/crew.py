@@ -62,7 +62,7 @@ class Worker:
     """
 
     def __init__(self, files: Path, scratch: Path) -> None:
-        self._command = [sys.executable, "-m", "rigkit.study.worker", str(files), str(scratch)]
+        self._command = [sys.executable, "-P", "-m", "rigkit.study.worker", str(files), str(scratch)]
         self._process: subprocess.Popen[bytes] | None = None
         self._what: dict[str, Any] = {}
         self._lock, self._is_ended = RLock(), False

@@ -64,6 +64,7 @@ class StudyFile(Section):
     )
     settings: Settings = Settings()
     figures: dict[str, Any] = setting({}, "", "by name: a table each, as of a figure")
+    group: str = setting("", "", "name of a figure of kind text: each of its words is a row of the tables", "patience")
 
 
 class Figure(Section):
@@ -98,7 +99,9 @@ def refuse_wrong(study: StudyFile) -> None:
             raise ConfigError(f"machines.{key_text(name)} is {shown(machine)}, must be a table named by {NAME}")
     if not study.figures:
         raise ConfigError("figures is {}, must hold at least one figure")
-    figures_of(study)
+    figures = figures_of(study)
+    if study.group and (study.group not in figures or figures[study.group].kind != "text"):
+        raise ConfigError(f"group is {shown(study.group)}, must be a figure of kind text")
 
 
 def figures_of(study: StudyFile) -> dict[str, Figure]:

@@ -76,7 +76,7 @@ class StudyFolder:
     def about(self) -> About:
         """What the rows are of."""
         study = self.plan.study
-        return About(study.name, study.purpose, self.plan.figures, self.plan.sums)
+        return About(study.name, study.purpose, self.plan.figures, self.plan.sums, study.group)
 
     def rows(self) -> list[Row]:
         """Return what has come of the study so far."""

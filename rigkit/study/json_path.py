@@ -1,4 +1,4 @@
-"""One value out of JSON by its path: keys, indices, and every item of a list."""
+"""One value out of JSON by its path: keys, indices, and every item of a list or an object."""
 
 import re
 from collections.abc import Iterator
@@ -35,7 +35,7 @@ def steps(path: str) -> list[Step]:
 
 
 def value_at(value: Any, path: str) -> Any:
-    """Return what is at a path; a list of all where it goes through every item of a list.
+    """Return what is at a path; a list of all where it goes through every item.
 
     Raises
     ------
@@ -79,10 +79,10 @@ def _walk(value: Any, path: list[Step], walked: str) -> Iterator[Any]:
         return
     step, *rest = path
     if step == EVERY:
-        if not isinstance(value, list):
-            raise LookupError(f"{walked or 'it'} is no list")
-        for number, item in enumerate(value):
-            yield from _walk(item, rest, f"{walked}[{number}]")
+        if not isinstance(value, list | dict):
+            raise LookupError(f"{walked or 'it'} is no list and no object")
+        for name, item in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from _walk(item, rest, f"{walked}[{name}]")
     elif isinstance(step, int):
         if not isinstance(value, list) or not -len(value) <= step < len(value):
             raise LookupError(f"{walked or 'it'} has no item {step}")

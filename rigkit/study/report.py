@@ -8,6 +8,7 @@ from typing import Any, Self
 
 from rigkit.report import Fact, Report, Section, Table
 from rigkit.study.engine import HOUR
+from rigkit.study.file import Figure
 from rigkit.study.outcome import REFUSED
 from rigkit.study.plots import plots
 from rigkit.study.results import FOLDER as RESULTS
@@ -47,7 +48,7 @@ class StudyReport:
     @cached_property
     def groups(self) -> list[Group]:
         """The rows by machine and settings."""
-        return groups(self.rows)
+        return groups(self.rows, self.about.group)
 
     @property
     def hash(self) -> str:
@@ -115,8 +116,9 @@ class StudyReport:
         return Report(f"Study {self.about.name}", where, self._facts(bool(ends)), tuple(sections))
 
     @property
-    def _figures(self) -> list[tuple[str, Any]]:
-        return list(self.about.figures.items())
+    def _figures(self) -> list[tuple[str, Figure]]:
+        """All but the one whose words are the groups."""
+        return [(name, figure) for name, figure in self.about.figures.items() if name != self.about.group]
 
     def _facts(self, has_ends: bool) -> tuple[Fact, ...]:
         seeds = [row.seed for row in self.rows]

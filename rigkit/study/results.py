@@ -78,18 +78,21 @@ class About:
     figures : mapping of str to Figure
     files : mapping of str to str
         SHA-256 of each file that every task finds in its folder, by name.
+    group : str
+        The figure whose words are groups of their own; empty for none.
     """
 
     name: str
     purpose: str
     figures: Mapping[str, Figure]
     files: Mapping[str, str]
+    group: str = ""
 
     @property
     def told(self) -> dict[str, Any]:
         """It as JSON takes it."""
         figures = {name: figure.model_dump() for name, figure in self.figures.items()}
-        told = {"schema": _SCHEMA, "study": self.name, "purpose": self.purpose}
+        told = {"schema": _SCHEMA, "study": self.name, "purpose": self.purpose, "group": self.group}
         return {**told, "figures": figures, "files": dict(self.files)}
 
     @classmethod
@@ -101,7 +104,9 @@ class About:
             figures = {name: part(Figure, table, name, "a figure") for name, table in told["figures"].items()}
         except ConfigError as fault:
             raise ValueError(f"{where}: {fault}") from None
-        return cls(str(told.get("study")), str(told.get("purpose", "")), figures, dict(told.get("files", {})))
+        texts = (str(told.get(name, "")) for name in ("study", "purpose", "group"))
+        name, purpose, group = texts
+        return cls(name, purpose, figures, dict(told.get("files", {})), group if group in figures else "")
 
 
 def write_rows(path: Path, rows: Sequence[Row], about: About) -> None:

@@ -105,23 +105,13 @@ class Statistics:
         return told
 
 
-def groups(rows: Sequence[Row]) -> list[Group]:
-    """Return the rows by machine and case, in the order in which they come.
+def groups(rows: Sequence[Row], by: str = "") -> list[Group]:
+    """Return the rows by machine and case, in the order in which they come, and by the words of the figure `by`.
 
-    Where each machine has one row of each case, the machines are what is drawn, and the rows are by case alone.
+    Where each machine has one row of each case, the machines are what is drawn, and the rows are not apart by them.
+    With `by`, the groups of all words together come last.
     """
-    found = _grouped(rows, {})
-    machines = {row.machine for row in rows}
-    if len(machines) > 1 and all(len(members) == 1 for members in found.values()):
-        found = _grouped(rows, dict.fromkeys(machines, ALL))
-        machines = {ALL}
-    varied = _varied([members[0].case for members in found.values()])
-    made = []
-    for (machine, _), members in found.items():
-        case = members[0].case
-        parts = [machine] * (len(machines) > 1) + [f"{key} = {_value(case[key])}" for key in varied if key in case]
-        made.append(Group(", ".join(parts) or ALL, machine, case, tuple(members)))
-    return made
+    return [*(_groups(rows, by) if by else []), *_groups(rows, "")]
 
 
 def statistics(rows: Sequence[Row], name: str, figure: Figure) -> Statistics:
@@ -209,12 +199,21 @@ def _quantiles(values: np.ndarray) -> tuple[float, ...]:
     return tuple(map(float, found))
 
 
-def _grouped(rows: Sequence[Row], renamed: Mapping[str, str]) -> dict[tuple[str, str], list[Row]]:
-    found: dict[tuple[str, str], list[Row]] = {}
+def _groups(rows: Sequence[Row], by: str) -> list[Group]:
+    machines = {row.machine for row in rows}
+    is_apart = 1 < len(machines) < len({(row.machine, row.seed) for row in rows})
+    found: dict[tuple[str, str, str], list[Row]] = {}
     for row in rows:
-        machine = renamed.get(row.machine, row.machine)
-        found.setdefault((machine, json_text(row.case)), []).append(row)
-    return found
+        word = str(row.figures[by] or "-") if by else ""
+        found.setdefault((word, row.machine if is_apart else ALL, json_text(row.case)), []).append(row)
+    varied = _varied([members[0].case for members in found.values()])
+    made = []
+    for (word, machine, _), members in sorted(found.items(), key=lambda item: item[0][0]):
+        case = members[0].case
+        parts = [word] * bool(by) + [machine] * is_apart
+        parts += [f"{key} = {_value(case[key])}" for key in varied if key in case]
+        made.append(Group(", ".join(parts) or ALL, machine, case, tuple(members)))
+    return made
 
 
 def _varied(cases: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -63,4 +63,4 @@ def cell(
 def _tell(rows: list[dict[str, Any]], path: Path, is_table: bool, json: str | None) -> None:
     print_table(f"{path}: the toroid in steel", HEAD, table_rows(rows), words(json))
     print(f"report: {path / PAGE}", file=words(json))  # noqa: T201
-    write_json(json, rows if is_table else rows[0])
+    write_json(json, {"setups": rows} if is_table else rows[0])

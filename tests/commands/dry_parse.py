@@ -56,6 +56,15 @@ def helps() -> list[str]:
     return [command.help or "" for name in APPLICATIONS for _, command in _leaves(_program(name))]
 
 
+def options() -> dict[str, set[str]]:
+    """Return the names of every command's options, by the command with its program."""
+    leaves = ((name, words, command) for name in APPLICATIONS for words, command in _leaves(_program(name)))
+    return {
+        " ".join((name, *words)): {option for each in command.params for option in each.opts}
+        for name, words, command in leaves
+    }
+
+
 @cache
 def _program(name: str) -> Any:
     """Return a program whose commands return what they are given."""

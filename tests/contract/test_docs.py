@@ -19,6 +19,7 @@ import pytest
 
 from rigkit.config import Section, example
 from rigkit.config_reference import reference
+from rigkit.study.file import Figure, StudyFile
 from stagectl.config import StageConfig
 from stagectl.robot.config import CellConfig
 from tests.contract.source_tree import FOLDERS, PACKAGES, ROOT, Definition, definitions, imports, sources, tree
@@ -145,12 +146,19 @@ def test_the_rig_files_in_the_docs_are_those_the_programs_print() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "model"), [("rig.toml", RigConfig), ("stage.toml", StageConfig), ("cell.toml", CellConfig)]
+    ("page", "name", "model"),
+    [
+        ("rig", "rig.toml", RigConfig),
+        ("stage", "stage.toml", StageConfig),
+        ("cell", "cell.toml", CellConfig),
+        ("study", "STUDY.toml", StudyFile),
+        ("figure", "[figures.NAME]", Figure),
+    ],
 )
-def test_the_reference_of_a_rig_file_in_the_docs_is_up_to_date(name: str, model: type[Section]) -> None:
+def test_the_reference_of_a_rig_file_in_the_docs_is_up_to_date(page: str, name: str, model: type[Section]) -> None:
     """`make docs` writes it."""
-    page = (ROOT / "docs/config-reference" / name).with_suffix(".md").read_text(encoding="utf-8")
-    assert page == reference(model, name)
+    there = (ROOT / "docs/config-reference" / f"{page}.md").read_text(encoding="utf-8")
+    assert there == reference(model, name)
 
 
 def _length(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:

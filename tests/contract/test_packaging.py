@@ -18,7 +18,13 @@ from tests.until import EVER
 from vibractl.commands import app as vibractl
 
 UNITS = sorted((ROOT / "packaging" / "systemd").iterdir())
-SERVICES = {"vibractl.service": 2.0, "stagectl.service": 2.5, "vibrostage-prune.service": 1.5}
+SERVICES = {
+    "vibractl.service": 2.0,
+    "stagectl.service": 2.5,
+    "vibrostage-prune.service": 1.5,
+    "vibrostage-scheduler.service": 1.8,
+    "vibrostage-worker.service": 1.8,
+}
 """Exposure by `systemd-analyze security`, of 10, at most."""
 PROGRAMS = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"]
 ANALYZE = shutil.which("systemd-analyze") or ""
@@ -61,6 +67,15 @@ def test_what_the_units_call_exists(program: str, app: typer.Typer, command: str
     options = {name for each in known.params for name in each.opts}
     for call in calls:
         assert {word for word in call if word.startswith("--")} <= options
+
+
+@pytest.mark.parametrize("program", ["scheduler", "worker"])
+def test_what_the_cluster_units_call_takes_their_options(program: str) -> None:
+    command_line = pytest.importorskip(f"distributed.cli.dask_{program}", reason="distributed is not installed")
+    text = (ROOT / "packaging" / "systemd" / f"vibrostage-{program}.service").read_text()
+    (call,) = re.findall(rf"^ExecStart=.*/dask {program} (.*)$", text, re.MULTILINE)
+    known = {name for each in command_line.main.params for name in (*each.opts, *each.secondary_opts)}
+    assert {word for word in call.split() if word.startswith("--")} <= known
 
 
 def test_the_limits_and_rules_are_of_a_form_that_their_readers_take() -> None:

@@ -8,7 +8,7 @@ import typer
 
 from rigkit import config as rig_file
 from rigkit.code_name import refuse_absent
-from rigkit.command import ConfigOption, SetOption
+from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
 from vibractl.audio import Line
 from vibractl.config import RigConfig
 from vibractl.foreign.played_before import PlayedBefore
@@ -31,6 +31,7 @@ def play_command(
     ] = None,
     bits: Annotated[int, typer.Option(help=f"Of a sample: {', '.join(map(str, BITS))}; 32 and 64 are floats.")] = 64,
     settings: SetOption = None,
+    json: JsonOption = None,
 ) -> None:
     """Play a WAV on the simulated vibrator and write its response as a WAV, as a card records it.
 
@@ -56,7 +57,9 @@ def play_command(
     if state is not None:
         after.write(state)
     loudest = float(np.abs(capture.response).max())
-    typer.echo(f"{out}: {len(wanted) / rig.audio.rate:.3g} s, at most {loudest:.3g} m/s^2")
+    seconds = len(wanted) / rig.audio.rate
+    words(json).write(f"{out}: {seconds:.3g} s, at most {loudest:.3g} m/s^2\n")
+    write_json(json, {"file": str(out), "seconds": seconds, "largest": loudest})
 
 
 def _machine(rig: RigConfig) -> dict[str, Any]:

@@ -1,7 +1,6 @@
 """The commands `vibractl library ...`."""
 
 import re
-import sys
 from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated, Any
@@ -129,14 +128,15 @@ def show_command(name: NameArgument, library: LibraryOption = None, json: JsonOp
 
 
 @library_app.command("remove")
-def remove_command(name: NameArgument, library: LibraryOption = None) -> None:
+def remove_command(name: NameArgument, library: LibraryOption = None, json: JsonOption = None) -> None:
     """Take an entry away.
 
     Example: `vibractl library remove tank-10m`
     """
     place = library_at(library)
     place.remove(name)
-    sys.stdout.write(f"{place.file(name)}: removed\n")
+    words(json).write(f"{place.file(name)}: removed\n")
+    write_json(json, {"removed": str(place.file(name))})
 
 
 @library_app.command("nearest")

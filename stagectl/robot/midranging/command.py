@@ -121,7 +121,7 @@ def _tell_table(rows: list[dict[str, Any]], json: str | None) -> None:
     ]
     head = ["setup", "AIMC", "MVPC + anti-windup", "MVPC", "AIMC, mm s a step", "runs"]
     print_table("IAE of steps over AIMC's", head, shown, words(json))
-    write_json(json, rows)
+    write_json(json, {"setups": rows})
 
 
 def main() -> int:

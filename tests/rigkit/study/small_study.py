@@ -52,6 +52,20 @@ class Hands:
         return self.performed(task)
 
 
+class Meter:
+    """What a study reports to."""
+
+    def __init__(self) -> None:
+        self.shown: list[float] = []
+        self.said: list[str] = []
+
+    def show(self, done: float, note: str = "") -> None:
+        self.shown.append(done)
+
+    def say(self, text: str) -> None:
+        self.said.append(text)
+
+
 def outcome(task: Task, cpu: float = 1.0, status: int = 0, value: float = 0.5) -> Outcome:
     """Return what may have come of a task; `cpu` in s."""
     figures = {} if status else dict.fromkeys(task.figures, value)

@@ -16,24 +16,10 @@ from rigkit.study.outcome import Outcome
 from rigkit.study.plan import Plan
 from rigkit.study.results import study_hash
 from rigkit.study.task import Task
-from tests.rigkit.study.small_study import STUDY, Hands, outcome, plan_of
+from tests.rigkit.study.small_study import STUDY, Hands, Meter, outcome, plan_of
 
 HOUR = 3600.0
 TWO = (STUDY % 5).replace('["sequential"]', '["sequential", "uncertain"]')
-
-
-class Meter:
-    """What a study reports to."""
-
-    def __init__(self) -> None:
-        self.shown: list[float] = []
-        self.said: list[str] = []
-
-    def show(self, done: float, note: str = "") -> None:
-        self.shown.append(done)
-
-    def say(self, text: str) -> None:
-        self.said.append(text)
 
 
 def run(out: Path, plan: Plan, hands: Hands, meter: Meter | None = None) -> tuple[Study, str]:

@@ -63,6 +63,7 @@ def test_machines_have_keys_inputs_and_a_name(tmp_path: Path) -> None:
         ("[seeds]", "[machines]\nx = 3\n[seeds]", "machines.x is 3, must be a table named by"),
         ("[settings.values]", '[settings]\nmethod = "list"\n[settings.values]', "settings.values is given, but"),
         ("[seeds]", '[machines.x]\ninputs = "a"\n[seeds]', "machines.x.inputs is 'a', must be a list of paths"),
+        ("[seeds]", 'group = "gap"\n[seeds]', 'group is "gap", must be a figure of kind text'),
         ("[seeds]", "[machines.x]\nplanner = 1\n[seeds]", "planner is a key of the machine and of the settings"),
     ],
 )

@@ -9,7 +9,14 @@ TOLD = {"axes": [{"fit": 0.9, "by": {"a.b": None}}, {"fit": 0.8}], "met": 4, "no
 
 @pytest.mark.parametrize(
     ("path", "value"),
-    [("met", 4), ("axes[-1].fit", 0.8), ("axes[*].fit", [0.9, 0.8]), ('axes[0].by."a.b"', None), ("none[*].fit", [])],
+    [
+        ("met", 4),
+        ("axes[-1].fit", 0.8),
+        ("axes[*].fit", [0.9, 0.8]),
+        ('axes[0].by."a.b"', None),
+        ("none[*].fit", []),
+        ("[*]", [*TOLD.values()]),
+    ],
 )
 def test_a_path_leads_to_its_value(path: str, value: object) -> None:
     assert value_at(TOLD, path) == value
@@ -21,7 +28,7 @@ def test_a_path_leads_to_its_value(path: str, value: object) -> None:
         ("mat", "it has no mat; there are axes, met, none"),
         ("axes[2]", "axes has no item 2"),
         ("axes[1].by", "axes\\[1\\] has no by; there are fit"),
-        ("met[*]", "met is no list"),
+        ("met[*]", "met is no list and no object"),
         ("met.x", "met has no x"),
     ],
 )

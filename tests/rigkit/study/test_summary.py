@@ -47,8 +47,20 @@ def test_groups_are_named_by_what_differs() -> None:
     assert [group.label for group in groups(ROWS[:1])] == ["all"]
 
 
+def test_words_of_a_figure_are_groups_of_their_own() -> None:
+    found = groups(ROWS, "why")
+    assert [(group.label, len(group.rows)) for group in found] == [
+        ("-, law = kalman", 1),
+        ("met, law = kalman", 2),
+        ("met, law = thesis", 1),
+        ("too loud, law = thesis", 2),
+        ("law = kalman", 3),
+        ("law = thesis", 3),
+    ]
+
+
 def test_machines_of_one_row_each_are_one_group() -> None:
-    each = [Row(**{**row(1, law).__dict__, "machine": name}) for name in "abc" for law in ("x", "y")]
+    each = [Row(**{**row(0, law).__dict__, "machine": name}) for name in "abc" for law in ("x", "y")]
     assert [(group.label, len(group.rows)) for group in groups(each)] == [("law = x", 3), ("law = y", 3)]
 
 

@@ -32,7 +32,7 @@ def test_a_run_ends_with_a_table_figures_and_a_report_and_can_be_replayed(
     assert "MAE, circle" in capsys.readouterr().out
     assert stagectl(monkeypatch, "replay", run) == 0
     assert stagectl(monkeypatch, "report", run, "--json", str(figures)) == 0
-    assert json.loads(figures.read_text()) == [made]
+    assert json.loads(figures.read_text()) == {"setups": [made]}
 
 
 @pytest.mark.parametrize(

@@ -73,7 +73,7 @@ def test_a_file_with_several_channels_is_an_axis_each(tmp_path: Path) -> None:
 def test_the_table_is_a_list_of_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stagectl.robot.midranging.table.ROWS", (("sim, r = 1.5", 1.5e-3, 0.0),))
     _run("--scenario", "table-3.1", "--json", str(tmp_path / "rows.json"))
-    (row,) = json.loads((tmp_path / "rows.json").read_text())
+    (row,) = json.loads((tmp_path / "rows.json").read_text())["setups"]
     assert row["setup"] == "sim, r = 1.5"
     assert {"mvpc_aw", "mvpc", "aimc_iae"} <= set(row)
 

@@ -1,0 +1,71 @@
+"""Every command writes its figures with --json, and takes --set where it loads settings, so that studies can run it."""
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from rigkit.command import USER_ERROR
+from tests.commands.dry_parse import options
+from tests.commands.running import MAINS
+
+WITHOUT_JSON = {
+    "vibractl daemon": "serves until it is stopped",
+    "stagectl daemon": "serves until it is stopped",
+    "firmware-sim vibrator": "serves until it is stopped",
+    "firmware-sim stage": "serves until it is stopped",
+    "firmware-sim robot": "serves until it is stopped",
+    "firmware-sim relay": "serves until it is stopped",
+}
+WITHOUT_CONFIG = {
+    "vibractl replay": "the run's own file",
+    "firmware-sim draw": "the file that it draws",
+    "vibrostage study run": "the study's file",
+    "vibrostage study replay": "the file of each run",
+}
+"""Commands that take --set and no --config, and what is laid over."""
+PRINT = ("vibractl example-config", "stagectl example-config", "stagectl example-cell", "vibrostage study example")
+
+
+def test_every_command_writes_its_figures_as_json() -> None:
+    silent = {name for name, names in options().items() if "--json" not in names}
+    assert silent == set(WITHOUT_JSON)
+
+
+def test_every_command_that_loads_settings_lets_them_be_set() -> None:
+    both = {name: ("--config" in names, "--set" in names) for name, names in options().items()}
+    assert {name for name, (loads, sets) in both.items() if loads and not sets} == set()
+    assert {name for name, (loads, sets) in both.items() if sets and not loads} == set(WITHOUT_CONFIG)
+
+
+@pytest.fixture
+def call(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], int]:
+    def called(line: str) -> int:
+        words = line.split()
+        monkeypatch.setattr(sys, "argv", words)
+        return MAINS[words[0]]()
+
+    return called
+
+
+@pytest.mark.parametrize("name", PRINT)
+def test_an_example_is_an_object_whose_text_goes_to_people(
+    name: str, call: Callable[[str], int], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call(name) == 0
+    text = capsys.readouterr().out
+    assert call(f"{name} --json -") == 0
+    printed = capsys.readouterr()
+    assert printed.err == text
+    assert isinstance(json.loads(printed.out), dict)
+
+
+def test_figures_go_to_a_file_in_a_folder_that_is_there(
+    call: Callable[[str], int], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call(f"stagectl example-pocket --json {tmp_path}/pocket.json") == 0
+    assert json.loads((tmp_path / "pocket.json").read_text()) == json.loads(capsys.readouterr().out)
+    assert call(f"stagectl example-pocket --json {tmp_path}/absent/pocket.json") == USER_ERROR
+    assert "absent/pocket.json: its folder does not exist" in capsys.readouterr().err
