@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from firmware_sim.laboratory import Laboratory, Wiring, plant_block
 from firmware_sim.plants.exciter import Exciter, linear_response
 from firmware_sim.population import Vibrator, surroundings
 from firmware_sim.population.draw import Draw
@@ -180,6 +181,51 @@ def test_its_reference_is_within_reach_of_its_limits_as_the_program_has_them(see
     assert np.abs(np.diff(drive, axis=0)).max() * 512 < config.limits.slew
     assert config.limits.peak < config.audio.output_full_scale
     assert config.audio.input_full_scale >= 40 * wanted.amplitude
+
+
+@pytest.mark.parametrize("seed", range(0, 300, 25))
+def test_its_rig_file_wires_the_card_for_it(seed: int) -> None:
+    config = load(None, RigConfig, [f"{key}={value_text(value)}" for key, value in draws()[seed].keys.items()])
+    laboratory = Laboratory(plant_block(config.simulator.plant, config.simulator.options), Wiring.of(config.audio))
+    assert laboratory.plant.inputs[0].width == len(config.audio.drive_channels)
+
+
+def of_silence(draw: Draw) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lines of five seconds without drive from 100 to 645 Hz, dB re the limit, and their frequencies, Hz."""
+    block = Vibrator(seed=draw.seed, family=draw.family)
+    block.prepare(float(RATE), 5 * RATE)
+    heard = np.zeros((5 * RATE, block.outputs[0].width))
+    block.process(np.zeros((5 * RATE, block.inputs[0].width)), heard)
+    limit = 0.01 * draw.keys["reference.amplitude"] * draw_machine(draw.family, draw.seed).references[0].line
+    lines = 20 * np.log10(np.abs(np.fft.rfft(heard, axis=0)[500:3_226]).max(axis=1) / RATE / limit)
+    return lines, np.arange(500, 3_226) / 5
+
+
+def test_hum_is_as_loud_a_line_as_the_draw_says() -> None:
+    """Between two lines it is up to 4 dB fainter than on one."""
+    loud = [
+        draw
+        for draw in draws()
+        if any(each.name == "hum" and each.value != "silent" and each.value > 0 for each in draw.quantities)
+    ]
+    for draw in loud[:4]:
+        said = {each.name: each.value for each in draw.quantities}
+        lines, frequency = of_silence(draw)
+        assert said["hum"] - 4.5 < lines.max() < said["hum"] + 2
+        harmonic = frequency[lines.argmax()] / said["mains"]
+        assert abs(harmonic - round(harmonic)) * said["mains"] < 1
+
+
+def test_white_noise_is_as_loud_as_the_draw_says() -> None:
+    def only_white(draw: Draw) -> bool:
+        names = {each.name for each in draw.quantities}
+        silent = any(each.name == "hum" and each.value == "silent" for each in draw.quantities)
+        return silent and not {"ships", "swell"} & names and draw.keys["reference.amplitude"] > 1
+
+    draw = next(draw for draw in draws() if only_white(draw) and draw.keys["audio.response_channels"] == [1])
+    lines, _ = of_silence(draw)
+    said = next(each.value for each in draw.quantities if each.name == "white noise")
+    assert 10 * np.log10(np.mean(10 ** (lines / 10))) == pytest.approx(said, abs=3.5)  # sensors differ by up to 3 dB
 
 
 @pytest.mark.parametrize("family", VIBRATORS.families)
