@@ -13,12 +13,14 @@ from rigkit.command import JsonOption, SetOption, application, print_table, word
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
 from rigkit.study import programs
+from rigkit.study.comparison import difference, ends_differently, is_within, matched
 from rigkit.study.engine import Hands, Study, cores
 from rigkit.study.folder import StudyFolder
 from rigkit.study.local import local
 from rigkit.study.plan import Plan, read_plan
 from rigkit.study.report import PAGE, StudyReport
 from rigkit.study.results import study_hash
+from rigkit.study.tables import case_name
 from vibrostage.replay_study import replay_study
 
 study_app = application("Any command over machines, seeds and settings, on every core or a cluster.")
@@ -106,6 +108,43 @@ def report_command(
         if png is not None:
             page.png(png)
     write_json(json, found.told())
+
+
+@study_app.command("compare")
+def compare_command(
+    one: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a study, or a file of its results.")],
+    other: Annotated[
+        Path, typer.Argument(metavar="OTHER", help="The same study, from elsewhere or by other software.")
+    ],
+    tolerance: Annotated[float, typer.Option(min=0.0, help="Of the larger value; 0 for the same bits.")] = 0.0,
+    json: JsonOption = None,
+) -> None:
+    """Compare two results of a study task by task; status 1 where a figure differs by more than the tolerance.
+
+    Example: `vibrostage study compare LAWS/ ELSEWHERE/ --tolerance 1e-9`
+    """
+    first, second = StudyReport.of(one), StudyReport.of(other)
+    pairs = matched(first.rows, second.rows)
+    common = {name: figure for name, figure in first.about.figures.items() if name in second.about.figures}
+    found = {name: difference(pairs, name, figure) for name, figure in common.items()}
+    ends = ends_differently(pairs)
+    rows = [
+        [
+            name,
+            str(each.count),
+            str(each.differing),
+            f"{each.largest:.3g}",
+            case_name(each.worst) if each.worst else "-",
+        ]
+        for name, each in found.items()
+    ]
+    head = ["figure", "tasks", "other bits", "largest difference, of the value", "in"]
+    print_table(f"{one} and {other}: {len(pairs)} tasks, {len(ends)} end otherwise", head, rows, words(json))
+    is_same = not ends and is_within(found, common, tolerance)
+    figures = {name: {"differing": each.differing, "largest": each.largest} for name, each in found.items()}
+    write_json(json, {"tasks": len(pairs), "ends": len(ends), "within": is_same, "figures": figures})
+    if not is_same:
+        raise typer.Exit(1)
 
 
 def perform_study(

@@ -58,7 +58,7 @@ class Share:
     @property
     def text(self) -> str:
         """It in words."""
-        return f"{self.count} of {self.of}" if self.of else "-"
+        return f"{self.count}/{self.of}" if self.of else "-"
 
     @property
     def interval(self) -> str:
@@ -211,7 +211,7 @@ def _groups(rows: Sequence[Row], by: str) -> list[Group]:
     for (word, machine, _), members in sorted(found.items(), key=lambda item: item[0][0]):
         case = members[0].case
         parts = [word] * bool(by) + [machine] * is_apart
-        parts += [f"{key} = {_value(case[key])}" for key in varied if key in case]
+        parts += [f"{key}={_value(case[key])}" for key in varied if key in case]
         made.append(Group(", ".join(parts) or ALL, machine, case, tuple(members)))
     return made
 

@@ -61,7 +61,7 @@ def endings_table(rows: Sequence[Row]) -> Table:
 
 def case_name(row: Row) -> str:
     """Return the name of a task: machine, seed and settings."""
-    case = "".join(f", {key} = {value}" for key, value in row.case.items())
+    case = "".join(f", {key}={value}" for key, value in row.case.items())
     return f"{row.machine}-{row.seed}{case}"
 
 
