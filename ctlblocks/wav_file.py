@@ -116,6 +116,8 @@ def _chunks(path: Path) -> tuple[dict[bytes, bytes], int]:
             file.seek(start)
             name, length = struct.unpack("<4sI", file.read(8))
             if name == b"data":
+                if head[:4] == b"RF64" and length not in (2**32 - 1, samples):
+                    raise ValueError(f"the header says {samples} bytes of samples, and again {length}")
                 samples = length = samples or length
             start += 8 + length + length % 2
             if start > size + 1 or (name in chunks and name in (b"fmt ", b"data")):

@@ -64,7 +64,7 @@ def is_number(cell: str) -> bool:
         float(cell)
     except ValueError:
         return False
-    return cell.isascii() and "_" not in cell  # float() takes 1_0, and the digits of every script
+    return cell.isascii() and cell.isprintable() and "_" not in cell  # float() takes 1_0, and digits of every script
 
 
 def cells_of(line: str, between: str | None) -> list[str]:
@@ -72,7 +72,7 @@ def cells_of(line: str, between: str | None) -> list[str]:
     if between is None:
         return re.split("[ \t]+", line.strip(" \t"))  # and not all that str.split() takes for a space
     try:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=between, strict=True))]
+        return [cell.strip(" \t") for cell in next(csv.reader([line], delimiter=between, strict=True))]
     except csv.Error:  # a cell of more than 128 KiB, or quotes within one
         return [line]
 
