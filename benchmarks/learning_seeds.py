@@ -101,7 +101,7 @@ def identified(settings: tuple[str, ...]) -> Calibration:
     """Calibrate the plant of a rig file."""
     config = rig_file.load(None, RigConfig, settings)
     with tempfile.TemporaryDirectory() as folder, RawFolder(Path(folder)) as raw:
-        return calibrate(config, raw, Machine(config).emit, provenance(config, now()))
+        return calibrate(config, raw, Machine(config).emit, provenance(config, now(), {}))
 
 
 @dataclass(frozen=True)

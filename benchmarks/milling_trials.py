@@ -42,7 +42,7 @@ def one_seed(
     with tempfile.TemporaryDirectory() as place, RunFolder.create(Path(place) / "run", "") as folder:
         run = Runner(folder, Conduct(), run_simulated, lambda _: None)
         swept = sweep(cell, False, folder.path / "sweep.wav", lambda _: None, StopRequest())
-        found = calibrate(cell, task, run, swept, provenance(cell, now()))
+        found = calibrate(cell, task, run, swept, provenance(cell, now(), {}))
         learner = Learner(cell, found.models, found.forces, found.free)
         free = ", ".join(_size(each) for each in (*found.free[:2], found.free[-1]))
         rows: list[tuple[Any, ...]] = []

@@ -36,7 +36,7 @@ def test_a_calibration_killed_at_random_moments_gives_the_undisturbed_model(tmp_
 def test_the_second_pass_is_nearer_the_truth_around_a_sharp_mode(tmp_path: Path) -> None:
     config = rig_file.load(None, RigConfig, SHORT)
     with RawFolder(tmp_path) as raw:
-        found = calibrate(config, raw, emitter(1, **LINEAR), provenance(config, now()))
+        found = calibrate(config, raw, emitter(1, **LINEAR), provenance(config, now(), {}))
     missed = []
     for matrix in found.passes:
         truth = linear_response(1, matrix.frequency)
@@ -51,7 +51,7 @@ def test_the_second_pass_is_nearer_the_truth_around_a_sharp_mode(tmp_path: Path)
 def test_one_pass_is_enough_when_that_is_asked_for(tmp_path: Path) -> None:
     config = rig_file.load(None, RigConfig, [*SHORT, "characterisation.passes=1"])
     with RawFolder(tmp_path) as raw:
-        found = calibrate(config, raw, emitter(1), provenance(config, now()))
+        found = calibrate(config, raw, emitter(1), provenance(config, now(), {}))
     assert len(found.passes) == 1
     assert found.matrix.frequency.tolist() == np.arange(136.0, 144.0).tolist()
     assert found.seconds == pytest.approx(10 + 8 * 2 * 0.55 + 2 * 0.4 + 0.1, rel=0.02)
@@ -60,7 +60,7 @@ def test_one_pass_is_enough_when_that_is_asked_for(tmp_path: Path) -> None:
 def test_over_the_live_line_the_model_says_where_it_comes_from(tmp_path: Path) -> None:
     config = rig_file.load(None, RigConfig, [*SHORT, "characterisation.passes=1", "rig.name=bench"])
     with RawFolder(tmp_path / "model.raw") as raw, LiveLine(config, raw, StopRequest()) as line:
-        matrix = calibrate(config, raw, line.emit, provenance(config, now())).matrix
+        matrix = calibrate(config, raw, line.emit, provenance(config, now(), {})).matrix
     assert np.isfinite(matrix.response).all()
     assert matrix.provenance["rig"] == "bench"
     assert "model.raw/pass-1-*.wav" in matrix.provenance["recording"]
@@ -74,9 +74,9 @@ def test_a_stop_in_the_middle_of_a_batch_ramps_it_down_and_the_calibration_goes_
     with RawFolder(tmp_path) as raw:
         stop.made = True
         with LiveLine(config, raw, stop) as line, pytest.raises(Stopped):
-            calibrate(config, raw, line.emit, provenance(config, now()))
+            calibrate(config, raw, line.emit, provenance(config, now(), {}))
         assert not list(tmp_path.glob("*.wav"))
-        assert len(calibrate(config, raw, emitter(1), provenance(config, now())).matrix.frequency) == 8
+        assert len(calibrate(config, raw, emitter(1), provenance(config, now(), {})).matrix.frequency) == 8
 
 
 def test_recordings_that_are_discarded_are_kept_beside_the_others(tmp_path: Path) -> None:
@@ -84,7 +84,7 @@ def test_recordings_that_are_discarded_are_kept_beside_the_others(tmp_path: Path
     config = rig_file.load(None, RigConfig, [*SHORT, "characterisation.passes=1", *clipped])
     with RawFolder(tmp_path) as raw, LiveLine(config, raw, StopRequest()) as line:
         with pytest.raises(AudioError, match="clipped"):
-            calibrate(config, raw, line.emit, provenance(config, now()))
+            calibrate(config, raw, line.emit, provenance(config, now(), {}))
     kept = sorted((tmp_path / "discarded").iterdir())
     assert len(kept) == 2
     assert recording.read(kept[0]).names[0] == "drive_1"

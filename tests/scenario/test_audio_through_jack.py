@@ -114,7 +114,8 @@ def test_a_server_that_dies_in_mid_session_is_one_error_and_nothing_hangs(server
             line.emit(sweep())
             server.terminate()  # a killed one leaves its place in the list of servers, which has eight
             with pytest.raises(AudioError, match="the audio stream has ended by itself|stands still"):
-                line.emit(sweep())
+                while True:  # a busy machine may let it live for a shot or two
+                    line.emit(sweep())
         assert client.wait(EVER) == 2
         assert client.stderr is not None
         assert "the JACK server has ended" in client.stderr.read()

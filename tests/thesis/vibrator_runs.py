@@ -21,7 +21,7 @@ def measured_model(folder: Path, *overrides: str) -> Path:
     """Measure the simulated vibrator's transfer matrix and return its model file."""
     config = rig_file.load(None, RigConfig, ("audio.isolated=false", "characterisation.method=stepped", *overrides))
     with RawFolder(folder / "raw") as raw, LiveLine(config, raw, StopRequest()) as line:
-        matrix = calibrate(config, raw, line.emit, provenance(config, now())).matrix
+        matrix = calibrate(config, raw, line.emit, provenance(config, now(), {})).matrix
     write_model(folder / "model.h5", matrix)
     return folder / "model.h5"
 

@@ -63,7 +63,7 @@ def run(folder: Path, config: RigConfig) -> None:
 def measure(folder: Path, config: RigConfig) -> None:
     """Calibrate."""
     with RawFolder(folder) as raw, LiveLine(config, raw, StopRequest()) as line:
-        calibrate(config, raw, line.emit, provenance(config, now()))
+        calibrate(config, raw, line.emit, provenance(config, now(), {}))
 
 
 def by_impulse_response(folder: Path) -> RigConfig:
