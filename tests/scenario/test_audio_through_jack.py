@@ -108,14 +108,18 @@ def test_a_device_or_rate_that_is_not_there_is_one_error_that_says_what_is() -> 
                 pass
 
 
+def emit_for_ever(line: Line) -> None:
+    while True:
+        line.emit(sweep())
+
+
 def test_a_server_that_dies_in_mid_session_is_one_error_and_nothing_hangs(server: "subprocess.Popen[bytes]") -> None:
     with vibrator_client([]) as client:
         with Line(rig()) as line:
             line.emit(sweep())
             server.terminate()  # a killed one leaves its place in the list of servers, which has eight
             with pytest.raises(AudioError, match="the audio stream has ended by itself|stands still"):
-                while True:  # a busy machine may let it live for a shot or two
-                    line.emit(sweep())
+                emit_for_ever(line)  # a busy machine may let it live for a shot or two
         assert client.wait(EVER) == 2
         assert client.stderr is not None
         assert "the JACK server has ended" in client.stderr.read()
