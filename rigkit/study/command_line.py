@@ -10,7 +10,7 @@ from rigkit.config_fault import shown
 from rigkit.study.task import Words
 from rigkit.toml_text import value_text
 
-_PLACE = re.compile(r"\{([\w.:-]+)\}")
+_PLACE = re.compile(r"\{([\w.-]+)\}")
 MACHINE, SETTINGS, SEED, NAME = "machine", "settings", "seed", "machine.name"
 """Placeholders that every study has."""
 
@@ -22,7 +22,8 @@ class Lines:
     ----------
     commands : sequence of str
         `{KEY}` stands for the value of a machine's or a case's key; `{machine}` and `{settings}`, each a word of its
-        own, for `--set KEY=VALUE` of all their keys that are not named elsewhere.
+        own, for `--set KEY=VALUE` of all their keys that are not named elsewhere.  `{FILE.json:PATH}` stays for
+        `rigkit.study.late_value`.
     programs : collection of str
         What a command may begin with.
 

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, Self
 
 from rigkit.json_text import json_text
+from rigkit.study.task import Words
 
 DONE, FAULT, REFUSED = 0, 1, 2
 """Exit statuses: all commands ended well; a fault of a program, or its verdict; what was asked for cannot be done."""
@@ -34,6 +35,8 @@ class Outcome:
         UTC, ISO 8601.
     notes : tuple of str
         Why a figure is missing although the commands ended well.
+    given : tuple of tuple of str
+        The commands that were run, with values that earlier ones have written.
     host, processor, software : str
         Where and with what it was run.
     tries : int
@@ -49,6 +52,7 @@ class Outcome:
     cpu: float
     finished: str
     notes: tuple[str, ...] = ()
+    given: tuple[Words, ...] = ()
     host: str = ""
     processor: str = ""
     software: str = ""
@@ -62,4 +66,5 @@ class Outcome:
     @classmethod
     def of(cls, told: Mapping[str, Any]) -> Self:
         """Return the outcome of what `text` holds."""
-        return cls(**{**told, "notes": tuple(told["notes"])})
+        given = tuple(tuple(words) for words in told["given"])
+        return cls(**{**told, "notes": tuple(told["notes"]), "given": given})

@@ -15,6 +15,7 @@ from rigkit.json_file import read_json
 from rigkit.provenance import now
 from rigkit.study import programs
 from rigkit.study.json_path import reduced, value_at
+from rigkit.study.late_value import with_late_values
 from rigkit.study.outcome import DONE, FAULT, Outcome
 from rigkit.study.task import Task, Words
 
@@ -43,8 +44,9 @@ def perform(task: Task, files: Path, scratch: Path) -> Outcome:
     for file in files.iterdir():
         shutil.copyfile(file, place / file.name)
     began, used = time.monotonic(), _processor_time()
+    given: list[Words] = []
     with _living_in(place):
-        status, failed = _run(task.commands)
+        status, failed = _run(task.commands, place, given)
     wall, cpu = time.monotonic() - began, _processor_time() - used
     message = _message(place) if status else ""
     figures, notes = _figures(task, place)
@@ -60,21 +62,26 @@ def perform(task: Task, files: Path, scratch: Path) -> Outcome:
         cpu,
         now(),
         () if status else tuple(notes),
+        tuple(given),
     )
 
 
-def _run(commands: Sequence[Words]) -> tuple[int, int]:
-    """Run commands until one fails; return its exit status and which one it is, from 1; 0 and 0 where none does."""
+def _run(commands: Sequence[Words], place: Path, given: list[Words]) -> tuple[int, int]:
+    """Run commands until one fails; return its exit status and which one it is, from 1; 0 and 0 where none does.
+
+    What they were given, with the values that earlier ones have written, is added to `given`.
+    """
     for number, words in enumerate(commands, start=1):
-        if status := _status(words):
+        if status := _status(words, place, given):
             return status, number
     return DONE, 0
 
 
-def _status(words: Words) -> int:
+def _status(words: Words, place: Path, given: list[Words]) -> int:
     """Run one command; a fault of its program is told as Python does."""
     try:
-        return programs.call(words)
+        given.append(with_late_values(words, place))
+        return programs.call(given[-1])
     except BaseException:  # of whatever kind: the task has failed, and the next one is performed
         traceback.print_exc()
         return FAULT

@@ -59,7 +59,8 @@ class Row:
     def of(cls, task: Task, outcome: Outcome, kinds: Mapping[str, Figure], inputs: str) -> Self:
         """Return the row of a task."""
         return cls(
-            task.key, task.machine, task.seed, dict(task.case), tuple(shell_line(words) for words in task.commands),
+            task.key, task.machine, task.seed, dict(task.case),
+            tuple(shell_line(words) for words in (*outcome.given, *task.commands[len(outcome.given) :])),
             outcome.status, outcome.failed, outcome.message,
             {name: _plain(outcome.figures[name], figure) for name, figure in kinds.items()},
             outcome.tries, outcome.wall, outcome.cpu, outcome.finished,

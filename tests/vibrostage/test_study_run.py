@@ -22,7 +22,7 @@ from vibrostage.__main__ import main
 
 TRIAL = """
 name = "trials"
-commands = ["trial {seed} {kind} first.json", "trial {seed} {kind} told.json"]
+commands = ["trial {seed} {kind} first.json", "trial {seed} {kind} told.json {first.json:shots[0].iae}"]
 seeds.count = 40
 settings.values.kind = ["slow", "refused"]
 [figures]
@@ -72,6 +72,7 @@ def test_the_result_is_the_same_with_one_worker_with_three_and_with_workers_that
     assert 0 < sum(row.tries - 1 for row in results("three")) <= len(killed)
     assert [row.figures for row in results("one")] == [row.figures for row in results("three")]
     assert list(Path("three").glob("tasks/*")) == []
+    assert all("told.json 0." in row.commands[1] for row in results("one") if not row.status)
 
 
 def test_what_came_of_each_task_is_a_result(call: Call) -> None:
