@@ -31,8 +31,9 @@ from calibration.sweep_summary import BAND_HEAD, WORST_HEAD, band_rows, sweep_fi
 from calibration.vibrator import KEPT, KIND, Calibration, LiveLine, calibrate, refuse_unfit, require_room
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
-from rigkit.command import ConfigOption, JsonOption, SetOption, application, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, application, print_table, words, write_json
 from rigkit.stop import Stopped, stoppable
+from rigkit.written import made_folder, written_file
 from vibractl.config import RigConfig
 from vibractl.model_file import read_far_field, read_model, write_model
 
@@ -47,14 +48,14 @@ app.command("velocity")(velocity_command)
 
 @app.command("vibrator")
 def vibrator_command(
-    out: Annotated[Path, typer.Option(metavar="FILE", help="Model file to write; recordings and report go beside it.")],
+    out: Annotated[Path, written_file("FILE", "Model file to write; recordings and report go beside it.")],
     config: ConfigOption = None,
     seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
     method: Annotated[str | None, typer.Option(metavar="multisine|stepped|both", help="How it is measured.")] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Multisine: no line louder than the objective.")] = False,
     passes: Annotated[int | None, typer.Option(help="Stepped sine; 2: once more, on a refined grid.")] = None,
     no_preload: Annotated[bool, typer.Option("--no-preload", help="Leave the preload out, for comparison.")] = False,
-    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
+    png: PngOption = None,
     again: AgainOption = False,
     recompute: RecomputeOption = False,
     accept: AcceptOption = None,
@@ -98,8 +99,8 @@ def vibrator_command(
 def compare_command(
     first: Annotated[Path, typer.Argument(metavar="A.h5")],
     second: Annotated[Path, typer.Argument(metavar="B.h5")],
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a report (HTML).")] = None,
-    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files.")] = None,
+    out: Annotated[Path | None, written_file("FILE", "Write a report (HTML).")] = None,
+    png: Annotated[Path | None, made_folder("DIR", "Write the figures as PNG files.")] = None,
     json: JsonOption = None,
 ) -> None:
     """Say how two models of one rig differ, line by line, against their uncertainty.

@@ -13,6 +13,7 @@ from calibration.output import AgainOption
 from rigkit.command import JsonOption, print_table, words, write_json
 from rigkit.foreign_record import read_channels
 from rigkit.provenance import now, software
+from rigkit.written import made_folder, written_file
 from stagectl.stage.hysteresis_file import write_hysteresis
 
 METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
@@ -23,7 +24,7 @@ def hysteresis_command(
     data: Annotated[Path, typer.Argument(metavar="DATA", help="CSV, WAV, FLAC, HDF5 or MAT file.")],
     input_channel: Annotated[str, typer.Option("--input", metavar="u", help="Channel of the voltage.")],
     output_channel: Annotated[str, typer.Option("--output", metavar="y", help="Channel of what it moved.")],
-    out: Annotated[Path, typer.Option(metavar="FILE", help="Model file; the report goes beside it.")],
+    out: Annotated[Path, written_file("FILE", "Model file; the report goes beside it.")],
     rate: Annotated[float | None, typer.Option(help="Samples a second, where the file does not say.")] = None,
     unit: Annotated[str | None, typer.Option(metavar="um", help="Of the output, where the file does not say.")] = None,
     skip: Annotated[float, typer.Option(metavar="S", help="Seconds at the start that do not count.")] = 0.0,
@@ -31,7 +32,7 @@ def hysteresis_command(
     plays: Annotated[int, typer.Option(help="Plays of the model.")] = PLAYS,
     delay: Annotated[int, typer.Option(help="Samples from voltage to output.")] = 1,
     lag: Annotated[bool, typer.Option("--lag", help="Fit a lag too; the record must have several rates.")] = False,
-    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files.")] = None,
+    png: Annotated[Path | None, made_folder("DIR", "Write the figures as PNG files.")] = None,
     again: AgainOption = False,
     json: JsonOption = None,
 ) -> None:

@@ -33,6 +33,7 @@ from rigkit.command import ConfigOption, SetOption, application, run
 from rigkit.config import Section, load
 from rigkit.relay.frame import IDENTIFIER
 from rigkit.stop import SIGNALS, on_signals
+from rigkit.written import written_file
 from stagectl.config import StageConfig
 from stagectl.robot.config import CellConfig
 from vibractl.config import RigConfig
@@ -139,7 +140,7 @@ def robot(
     wood: Annotated[
         bool, typer.Option("--wood", help="The tool is over a piece of oak that it mills, as [segments] says.")
     ] = False,
-    log: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the motor torques to this CSV file.")] = None,
+    log: Annotated[Path | None, written_file("FILE", "Write the motor torques to this CSV file.")] = None,
     fault: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME@SECONDS", help=f"One of {', '.join(ROBOT_MISHAPS)}; may be given many times."),

@@ -29,8 +29,11 @@ def replacing(path: str | Path, wanted: int | None = None) -> Iterator[Path]:
     Raises
     ------
     DiskFault : the disk is full, or fails.
+    IsADirectoryError : a folder is there.
     """
     path = Path(path)
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, "is a folder, must be a file", str(path))
     if not path.parent.is_dir():
         raise FileNotFoundError(errno.ENOENT, "there is no such folder", str(path.parent))
     beside = temporary(path)

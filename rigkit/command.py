@@ -16,6 +16,7 @@ from rigkit import atomic
 from rigkit.json_text import json_text
 from rigkit.provenance import software
 from rigkit.stop import Stopped
+from rigkit.written import Application, made_folder
 
 USER_ERROR = 2
 STOPPED = 130
@@ -23,12 +24,6 @@ STOPPED = 130
 
 WIDEST_TABLE = 200
 """Columns, where the output is no terminal."""
-
-
-def _writable(target: str | None) -> str | None:
-    if target not in (None, "-") and not Path(str(target)).parent.is_dir():
-        raise typer.BadParameter(f"{target}: its folder does not exist")
-    return target
 
 
 ConfigOption = Annotated[
@@ -40,10 +35,11 @@ SetOption = Annotated[
 ]
 JsonOption = Annotated[
     str | None,
-    typer.Option(
-        "--json", metavar="FILE", callback=_writable, help="Write the figures as JSON; - for the standard output."
-    ),
+    typer.Option("--json", metavar="FILE", help="Write the figures as JSON; - for the standard output."),
 ]
+
+
+PngOption = Annotated[Path | None, made_folder("DIR", "Write the figures as PNG files as well.", "--png")]
 
 
 def application(purpose: str) -> typer.Typer:
@@ -51,7 +47,7 @@ def application(purpose: str) -> typer.Typer:
 
     Its own option `--version` says which software it is.
     """
-    app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="markdown")
+    app = Application(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="markdown")
     app.callback(help=purpose)(_own_options)  # so that a lone command keeps its name, too
     return app
 

@@ -9,7 +9,7 @@ import typer
 
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
-from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
 from rigkit.json_file import json_value
 from rigkit.progress import progress
 from rigkit.retention_command import prune_command
@@ -210,7 +210,7 @@ def _replayed(path: Path) -> Iterator[Replayed]:
 @app.command("report")
 def report_command(
     path: RunArgument,
-    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
+    png: PngOption = None,
     json: JsonOption = None,
 ) -> None:
     """Draw the report of a run again.

@@ -13,6 +13,7 @@ from rigkit.agreement import AcceptOption
 from rigkit.command import (
     ConfigOption,
     JsonOption,
+    PngOption,
     SetOption,
     print_table,
     words,
@@ -235,7 +236,7 @@ def _replayed(path: Path, made: Setup, last: int | None) -> tuple[list[Replayed]
 @app.command("report")
 def report_command(
     path: RunArgument,
-    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
+    png: PngOption = None,
     json: JsonOption = None,
 ) -> None:
     """Draw the report of a run again.

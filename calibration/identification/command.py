@@ -25,6 +25,7 @@ from ctlblocks.recording import Recording
 from rigkit.command import JsonOption, print_table, words, write_json
 from rigkit.foreign_record import read_channels
 from rigkit.progress import progress
+from rigkit.written import made_folder, written_file
 from stagectl.model_file import write_model
 
 LARGE = 100_000
@@ -40,8 +41,8 @@ def identify_command(
     rate: Annotated[float | None, typer.Option(help="Samples a second, where the file does not say.")] = None,
     horizon: Annotated[int | None, typer.Option(help="Samples that the singular values look back and ahead.")] = None,
     hold_back: Annotated[float, typer.Option("--hold-back", help="Share kept, at the end, to judge by.")] = 0.3,
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file; the report goes beside it.")] = None,
-    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files.")] = None,
+    out: Annotated[Path | None, written_file("FILE", "Model file; the report goes beside it.")] = None,
+    png: Annotated[Path | None, made_folder("DIR", "Write the figures as PNG files.")] = None,
     again: AgainOption = False,
     json: JsonOption = None,
 ) -> None:

@@ -26,6 +26,7 @@ from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.provenance import now, software
+from rigkit.written import made_folder, written_file
 from stagectl.robot.clamp_config import clamp_procedure
 from stagectl.robot.config import CellConfig
 
@@ -41,7 +42,7 @@ def joints_command(
     config: ConfigOption = None,
     record: Annotated[Path | None, typer.Option("--from", metavar="MAP", help="Recorded: CSV, WAV, HDF5, MAT.")] = None,
     joints: Annotated[str, typer.Option(metavar="1-6", help="Which joints: numbers and ranges.")] = "1-6",
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file; the report goes beside it.")] = None,
+    out: Annotated[Path | None, written_file("FILE", "Model file; the report goes beside it.")] = None,
     live: Annotated[bool, typer.Option("--live", help="The robot behind its wires, as [robot] says.")] = False,
     pose: PoseOption = None,
     poses: Annotated[Path | None, typer.Option(metavar="FILE", help="Clamping poses, one a line, in deg.")] = None,
@@ -53,7 +54,7 @@ def joints_command(
     link: Annotated[str | None, typer.Option(metavar="NAME", help="With --from: the arm side's angle.")] = None,
     gear: Annotated[float, typer.Option(help="With --from: turns of the motor per turn of the joint.")] = 1.0,
     rate: Annotated[float | None, typer.Option(help="With --from: samples a second.")] = None,
-    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the maps as PNG files.")] = None,
+    png: Annotated[Path | None, made_folder("DIR", "Write the maps as PNG files.")] = None,
     again: AgainOption = False,
     recompute: RecomputeOption = False,
     accept: AcceptOption = None,

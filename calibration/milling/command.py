@@ -21,8 +21,9 @@ from calibration.milling.sweep_session import sweep, sweep_steps
 from calibration.output import AgainOption, Output, RecomputeOption, Wish
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
-from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
 from rigkit.stop import stoppable
+from rigkit.written import written_file
 from stagectl.machining.run import Conduct
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_needless_yes
@@ -35,15 +36,13 @@ from stagectl.trials.trial import TASKS, cell_for_task
 
 
 def milling_command(
-    out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Model file; recordings and report beside it.")
-    ] = None,
+    out: Annotated[Path | None, written_file("FILE", "Model file; recordings and report beside it.")] = None,
     config: ConfigOption = None,
     task: Annotated[str, typer.Option(metavar="TASK", help=f"{', '.join(TASKS)}.")] = "pocket28",
     is_live: Annotated[bool, typer.Option("--live", help="The robot of [robot]; else the simulated cell.")] = False,
     is_sure: Annotated[bool, typer.Option("--yes", help="Live: go on from motion to motion without asking.")] = False,
     dry: Annotated[bool, typer.Option("--dry-run", help="Print every motion, and make none.")] = False,
-    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
+    png: PngOption = None,
     again: AgainOption = False,
     recompute: RecomputeOption = False,
     accept: AcceptOption = None,

@@ -18,6 +18,7 @@ from rigkit.config_files import sums_of
 from rigkit.disk_space import require
 from rigkit.progress import progress
 from rigkit.provenance import now
+from rigkit.written import written_file
 from stagectl.feed.free_run import WAYS, free_run
 from stagectl.feed.job import pocket_of
 from stagectl.feed.plan import feed_plan
@@ -33,7 +34,7 @@ LEAST = 4.0
 
 
 def velocity_command(
-    out: Annotated[Path, typer.Option(metavar="FILE.h5", help="Model file to write; the record goes beside it.")],
+    out: Annotated[Path, written_file("FILE.h5", "Model file to write; the record goes beside it.")],
     config: ConfigOption = None,
     record: Annotated[
         Path | None,

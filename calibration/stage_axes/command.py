@@ -29,21 +29,22 @@ from calibration.stage_axes.report import (
 from calibration.subspace.realization import Method
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
-from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
 from rigkit.stop import Stopped, stoppable
+from rigkit.written import written_file
 from stagectl.config import StageConfig
 from stagectl.link.stage_link import StageLink
 from stagectl.stage.piezo_pid import Pid
 
 
 def stage_command(
-    out: Annotated[Path, typer.Option(metavar="FILE", help="Model file; of all axes, stage.h5 makes stage-x.h5 ...")],
+    out: Annotated[Path, written_file("FILE", "Model file; of all axes, stage.h5 makes stage-x.h5 ...")],
     axis: Annotated[str, typer.Option(metavar="x|y|z|all", help="Which axis.")] = ALL,
     config: ConfigOption = None,
     seed: Annotated[int | None, typer.Option(help="Which simulated stage.")] = None,
     order: Annotated[int | None, typer.Option(help="States of the models of one position; else as proposed.")] = None,
     method: Annotated[str, typer.Option(metavar="moesp|n4sid", help="Subspace method.")] = "moesp",
-    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
+    png: PngOption = None,
     live: Annotated[bool, typer.Option("--live", help="The stage behind its CAN adapter, link.channel.")] = False,
     again: AgainOption = False,
     recompute: RecomputeOption = False,

@@ -7,7 +7,7 @@ from typing import Annotated, Any, TextIO
 import typer
 
 from rigkit import config as rig_file
-from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
 from rigkit.named_code import named_block
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
@@ -42,7 +42,6 @@ Paced = Annotated[bool, typer.Option("--paced", help="In real time; else as fast
 Live = Annotated[bool, typer.Option("--live", help="The robot of [robot]; else the simulated cell.")]
 Sure = Annotated[bool, typer.Option("--yes", help="Live: go on from pocket to pocket without asking.")]
 Dry = Annotated[bool, typer.Option("--dry-run", help="Print every motion of a live run, and make none.")]
-Png = Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")]
 
 
 def force(
@@ -60,7 +59,7 @@ def force(
     is_live: Live = False,
     is_sure: Sure = False,
     dry: Dry = False,
-    png: Png = None,
+    png: PngOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:

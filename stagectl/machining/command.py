@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from rigkit import config as rig_file
-from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
 from rigkit.disk_space import require
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
@@ -30,7 +30,7 @@ def cell(
         typer.Option(metavar="FILE", help="Model file of a stage's axis; give one for each of x, y, z, or none."),
     ] = None,
     is_paced: Annotated[bool, typer.Option("--paced", help="In real time; else as fast as it goes.")] = False,
-    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
+    png: PngOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:

@@ -10,6 +10,7 @@ from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
+from rigkit.written import written_file
 from stagectl.feed.session import simulated_pockets
 from stagectl.link.tell import nobody
 from stagectl.machining.run import Conduct
@@ -31,17 +32,17 @@ Untrained = Annotated[
     bool, typer.Option("--untrained", help=f"The planner does not know the rates: {', '.join(UNTRAINED)}.")
 ]
 Learn = Annotated[Path | None, typer.Option(metavar="SEGMENTS.csv", help="Learn from recorded segments first.")]
-Record = Annotated[Path | None, typer.Option(metavar="SEGMENTS.csv", help="Write every finished segment.")]
+Record = Annotated[Path | None, written_file("SEGMENTS.csv", "Write every finished segment.")]
 Seed = Annotated[int, typer.Option(min=0, help="Of what the planner draws.")]
-Out = Annotated[Path | None, typer.Option(metavar="PATH.json", help="Write the path of the last pocket.")]
-GCode = Annotated[Path | None, typer.Option("--gcode", metavar="FILE", help="Write it as G-code.")]
-Rapid = Annotated[Path | None, typer.Option("--rapid", metavar="FILE", help="Write it as a RAPID module.")]
+Out = Annotated[Path | None, written_file("PATH.json", "Write the path of the last pocket.")]
+GCode = Annotated[Path | None, written_file("FILE", "Write it as G-code.", "--gcode")]
+Rapid = Annotated[Path | None, written_file("FILE", "Write it as a RAPID module.", "--rapid")]
 Cell = Annotated[float, typer.Option(help="Side of a cell, m, in G-code and RAPID.")]
 Depth = Annotated[float, typer.Option(help="Depth of the cut, m, in G-code and RAPID.")]
 Simulate = Annotated[
     bool, typer.Option("--simulate", help="Mill with the force controlled, in the simulated cell; durations are those.")
 ]
-Page = Annotated[Path | None, typer.Option("--report", metavar="FILE.html", help="Write paths, times and types.")]
+Page = Annotated[Path | None, written_file("FILE.html", "Write paths, times and types.", "--report")]
 
 
 def plan(

@@ -10,7 +10,7 @@ import typer
 
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
-from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
+from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, words, write_json
 from stagectl.model_origin import refuse_other_wiring
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_needless_yes, refuse_unattended
@@ -43,7 +43,7 @@ def ilc(
     ] = None,
     config: ConfigOption = None,
     model: Annotated[Path | None, typer.Option(metavar="FILE", help="Models; else learning.model.")] = None,
-    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
+    png: PngOption = None,
     accept: AcceptOption = None,
     settings: SetOption = None,
     json: JsonOption = None,

@@ -68,3 +68,11 @@ def test_a_folder_that_stays_empty_goes_again_with_those_above_it_that_were_made
     with pytest.raises(ValueError, match="no such shot"):
         refuse(tmp_path / "a" / "b", "kept")
     assert (tmp_path / "a" / "b" / "kept").is_file()
+
+
+def test_a_folder_in_a_files_place_is_named_as_a_person_has_named_it(tmp_path: Path) -> None:
+    (tmp_path / "model.h5").mkdir()
+    with pytest.raises(IsADirectoryError, match="is a folder, must be a file") as fault:
+        atomic.write(tmp_path / "model.h5", "x")
+    assert fault.value.filename == str(tmp_path / "model.h5")
+    assert list(tmp_path.iterdir()) == [tmp_path / "model.h5"]

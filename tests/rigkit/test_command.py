@@ -32,8 +32,7 @@ def call(monkeypatch: pytest.MonkeyPatch):
         (["show", "--set", "device.rate=3"], "error: --set device.rate=3: device.rate is 3, must be >= 8000 and "
          "<= 192000 samples/s"),
         (["show", "--config", "/nowhere/rig.toml"], "error: /nowhere/rig.toml: No such file or directory"),
-        (["show", "--json", "/nowhere/x"], "error: Invalid value for '--json': /nowhere/x: its folder does not exist; "
-         "--help shows how to call this"),
+        (["show", "--json", "/nowhere/x"], "error: --json /nowhere/x cannot be: /nowhere is no folder"),
         (["show", "--nope"], "error: No such option: --nope; --help shows how to call this"),
         (["frob"], "error: No such command 'frob'; --help shows how to call this"),
         ([], "error: Missing command; --help shows how to call this"),

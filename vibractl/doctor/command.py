@@ -9,6 +9,7 @@ from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.progress import progress
 from rigkit.stop import Stopped
+from rigkit.written import written_file
 from vibractl.config import RigConfig
 from vibractl.doctor.examination import Examination, announcement, duration, examine
 from vibractl.doctor.report import write_report
@@ -16,7 +17,7 @@ from vibractl.doctor.report import write_report
 
 def doctor_command(
     config: ConfigOption = None,
-    report: Annotated[Path | None, typer.Option(metavar="FILE", help="Write an HTML page with figures.")] = None,
+    report: Annotated[Path | None, written_file("FILE", "Write an HTML page with figures.")] = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:

@@ -8,6 +8,7 @@ import typer
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.figure_style import styled
+from rigkit.written import made_folder, written_file
 from vibractl.config import RigConfig
 from vibractl.foreign.judge_report import judge_report
 from vibractl.foreign.judged import Verdict, judged
@@ -24,8 +25,8 @@ def judge_command(
     ] = None,
     silence: Annotated[Path | None, typer.Option(metavar="S.wav", help="The same sensors without a drive.")] = None,
     config: ConfigOption = None,
-    report: Annotated[Path | None, typer.Option(metavar="FILE", help="Write an HTML page with the picture.")] = None,
-    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the picture as a PNG file.")] = None,
+    report: Annotated[Path | None, written_file("FILE", "Write an HTML page with the picture.")] = None,
+    png: Annotated[Path | None, made_folder("DIR", "Write the picture as a PNG file.")] = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:

@@ -9,11 +9,12 @@ import typer
 from rigkit import config as rig_file
 from rigkit.code_name import refuse_absent
 from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
+from rigkit.written import written_file
 from vibractl.audio import Line
 from vibractl.config import RigConfig
 from vibractl.foreign.played_before import PlayedBefore
 from vibractl.foreign.signals import drives_of, read_kind
-from vibractl.foreign.sound_file import BITS, refuse_bits, refuse_overwriting, write_sound
+from vibractl.foreign.sound_file import BITS, refuse_bits, write_sound
 
 STREAM = "firmware_sim.audio:Stream"
 SIMULATED = (f"audio.stream={STREAM}", "audio.isolated=false", "audio.device=''", "simulator.speed=0.0")
@@ -22,7 +23,7 @@ SIMULATED = (f"audio.stream={STREAM}", "audio.isolated=false", "audio.device=''"
 
 def play_command(
     drive: Annotated[Path, typer.Argument(metavar="DRIVE.wav", help="What to play: parts of full scale.")],
-    out: Annotated[Path, typer.Option(metavar="RESPONSE.wav", help="What comes back, sample by sample beside it.")],
+    out: Annotated[Path, written_file("RESPONSE.wav", "What comes back, sample by sample beside it.")],
     config: ConfigOption = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Which vibrator: simulator.options.seed.")] = None,
     plant: Annotated[str | None, typer.Option(help="Which plant: simulator.plant.")] = None,
@@ -41,7 +42,6 @@ def play_command(
     Example: `firmware-sim play next.wav --out heard.wav --seed 3 --state vibrator.h5`
     """
     refuse_bits(bits)
-    refuse_overwriting(out, {"DRIVE.wav": drive, "--state": state})
     flags = {"simulator.options.seed": seed, "simulator.plant": plant}
     laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
     rig = rig_file.load(config, RigConfig, [*laid_over, *SIMULATED])

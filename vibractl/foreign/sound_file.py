@@ -1,6 +1,5 @@
 """Sounds for other software: parts of full scale in as many bits as it wants."""
 
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -35,24 +34,6 @@ def write_sound(path: Path, data: np.ndarray, rate: int, bits: int) -> None:
     kind = "WAV" if data.nbytes < 2**31 else "RF64"
     with replacing(path, data.nbytes * bits // 64) as partial, partial.open("wb") as file:
         soundfile.write(file, data, rate, BITS[bits], format=kind)
-
-
-def refuse_overwriting(out: Path, given: Mapping[str, Path | None]) -> None:
-    """Refuse to write over a file that is read.
-
-    Parameters
-    ----------
-    out : Path
-    given : mapping of str to Path or None
-        What is read, by what a person calls it.
-
-    Raises
-    ------
-    ValueError : it says which.
-    """
-    for name, path in given.items():
-        if path is not None and path.resolve() == out.resolve():
-            raise ValueError(f"--out {out} is {name}'s file, must be another: what is read is not written over")
 
 
 def refuse_bits(bits: int) -> None:

@@ -14,8 +14,9 @@ from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption, agreed, changed_parts, differences
 from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
 from rigkit.origin import Origin
+from rigkit.written import written_file
 from vibractl.config import Audio, RigConfig
-from vibractl.foreign.sound_file import BITS, refuse_bits, refuse_overwriting, write_sound
+from vibractl.foreign.sound_file import BITS, refuse_bits, write_sound
 from vibractl.foreign.step_state import StepState
 from vibractl.foreign.stepping import Stepped, Stepper
 from vibractl.reference import is_file
@@ -26,7 +27,7 @@ WAY_OUT = "go back to what it began with, or begin anew with another --state"
 
 def step_command(
     state: Annotated[Path, typer.Option(metavar="S.h5", help="Where the learning stands; made by the first call.")],
-    out: Annotated[Path, typer.Option(metavar="NEXT.wav", help="The drive to play next: parts of full scale.")],
+    out: Annotated[Path, written_file("NEXT.wav", "The drive to play next: parts of full scale.")],
     drive: Annotated[Path | None, typer.Option(metavar="D.wav", help="The drive that was played.")] = None,
     response: Annotated[Path | None, typer.Option(metavar="R.wav", help="The response that was recorded.")] = None,
     model: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file from `calibrate vibrator`.")] = None,
@@ -51,7 +52,6 @@ def step_command(
     if (drive is None) != (response is None):
         raise ValueError("--drive and --response go together: what was played, and what came back")
     refuse_bits(bits)
-    refuse_overwriting(out, {"--drive": drive, "--response": response, "--model": model, "--state": state})
     laid_over = [*(settings or []), *([f"reference.signal={reference}"] if reference else [])]
     is_new = not state.exists()
     if is_new:

@@ -10,6 +10,7 @@ from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.progress import progress
+from rigkit.written import written_file
 from vibractl.config import RigConfig
 from vibractl.model_file import read_far_field
 from vibractl.model_origin import model_for
@@ -27,7 +28,7 @@ def predict_command(
     shots: Annotated[int | None, typer.Option(help="Shots of each simulated run.")] = None,
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
     law: Annotated[str | None, typer.Option(help="kalman, or thesis for the text's own law.")] = None,
-    report: Annotated[Path | None, typer.Option(metavar="FILE", help="Write an HTML page with figures.")] = None,
+    report: Annotated[Path | None, written_file("FILE", "Write an HTML page with figures.")] = None,
     accept: AcceptOption = None,
     settings: SetOption = None,
     json: JsonOption = None,

@@ -11,7 +11,17 @@ import typer
 from ctlblocks import Graph
 from ctlblocks.clock import run_offline
 from rigkit import config as rig_file
-from rigkit.command import ConfigOption, JsonOption, SetOption, application, print_table, run, words, write_json
+from rigkit.command import (
+    ConfigOption,
+    JsonOption,
+    PngOption,
+    SetOption,
+    application,
+    print_table,
+    run,
+    words,
+    write_json,
+)
 from rigkit.progress import progress
 from rigkit.stop import stoppable
 from stagectl.robot.config import CellConfig
@@ -42,7 +52,7 @@ def midrange(
     config: ConfigOption = None,
     live: Annotated[bool, typer.Option("--live", help="The robot of [robot] and the stage of [link].")] = False,
     out: Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make for recording and report.")] = None,
-    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
+    png: PngOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:

@@ -10,6 +10,7 @@ import typer
 from rigkit import atomic
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.written import made_folder, written_file
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.force_estimate import TIE_BREAKS, ForceEstimates
 from stagectl.robot.milling.force_plot import AXES, force_plot
@@ -24,13 +25,13 @@ PICTURE = "force.png"
 def estimate_force_command(
     log: Annotated[Path, typer.Argument(metavar="LOG.csv", help="Time (s), six angles, six torques (N m) a line.")],
     model: Annotated[Path, typer.Option(metavar="FILE", help="Gravity, friction and inertia, of `calibrate milling`.")],
-    out: Annotated[Path, typer.Option(metavar="FILE", help="CSV file to write, a line a sample.")],
+    out: Annotated[Path, written_file("FILE", "CSV file to write, a line a sample.")],
     config: ConfigOption = None,
     angles: Annotated[str | None, typer.Option(metavar="deg|rad", help="Unit of the log's angles; else deg.")] = None,
     tie_break: Annotated[
         str | None, typer.Option(metavar="|".join(TIE_BREAKS), help="Which of the forces that are as likely.")
     ] = None,
-    png: Annotated[Path | None, typer.Option(metavar="DIR", help=f"Draw the forces as {PICTURE}.")] = None,
+    png: Annotated[Path | None, made_folder("DIR", f"Draw the forces as {PICTURE}.")] = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
