@@ -10,6 +10,7 @@ from calibration.comparison_report import comparison_figures, comparison_report
 from calibration.experiment import RawFolder, refuse_to_emit
 from calibration.far_field_report import HEAD as FAR_FIELD_HEAD
 from calibration.far_field_report import far_field_rows
+from calibration.from_command import model_from_files, refuse_measuring
 from calibration.hysteresis_command import hysteresis_command
 from calibration.identification.command import identify_command
 from calibration.joint_clamping.command import joints_command
@@ -56,6 +57,14 @@ def vibrator_command(
     passes: Annotated[int | None, typer.Option(help="Stepped sine; 2: once more, on a refined grid.")] = None,
     no_preload: Annotated[bool, typer.Option("--no-preload", help="Leave the preload out, for comparison.")] = False,
     png: PngOption = None,
+    drives: Annotated[
+        list[Path] | None,
+        typer.Option("--from", metavar="D.wav R.wav", help="Measure nothing: take these recordings; many times."),
+    ] = None,
+    responses: Annotated[list[Path] | None, typer.Argument(metavar="", help="The second file of each --from.")] = None,
+    correct_clock: Annotated[
+        bool, typer.Option("--correct-clock", help="With --from: take out a difference of the devices' clocks.")
+    ] = False,
     again: AgainOption = False,
     recompute: RecomputeOption = False,
     accept: AcceptOption = None,
@@ -64,9 +73,11 @@ def vibrator_command(
 ) -> None:
     """Measure a vibrator's transfer matrix on top of a preload: by a stepped sine, by multisines, or by both.
 
-    Raw recordings are kept in a folder beside the model; stopped or killed, the same command goes on from there.
+    Raw recordings are kept in a folder beside the model; stopped or killed, the same command goes on from there.  With
+    --from nothing is measured: drives and responses are read from files, whoever recorded them.
 
-    Example: `calibrate vibrator --config rig.toml --out model.h5`
+    Example: `calibrate vibrator --config rig.toml --out model.h5`; from recordings:
+    `calibrate vibrator --from drive.wav heard.wav --out model.h5`
     """
     flags = {
         "simulator.options.seed": seed,
@@ -78,6 +89,14 @@ def vibrator_command(
     if no_preload:
         laid_over += ["characterisation.preload=0.0", "characterisation.operating=0.0"]
     asked, wish = rig_file.load(config, RigConfig, laid_over), Wish(again, recompute, accept or [])
+    if drives or responses:
+        measuring = {"--seed": seed, "--method": method, "--quiet": quiet, "--passes": passes}
+        refuse_measuring({**measuring, "--no-preload": no_preload, "--recompute": recompute, "--accept": accept})
+        clock = {"correct_clock": correct_clock, "again": again}
+        model_from_files(out, drives or [], responses or [], asked, inputs=[config], **clock, png=png, json=json)
+        return
+    if correct_clock:
+        raise ValueError("--correct-clock is given without --from, must be with it: one device has one clock")
     writes = output(out, KIND, asked, wish, [out.with_suffix(".html")], KEPT, inputs=[config])
     rig, folder = writes.config, RawFolder(writes.raw)
     if not recompute:

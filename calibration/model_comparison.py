@@ -75,6 +75,7 @@ def compare(first: TransferMatrix, second: TransferMatrix, first_name: str, seco
     high = min(first.frequency[-1], second.frequency[-1])
     inside = [model.frequency[(model.frequency >= low) & (model.frequency <= high)] for model in (first, second)]
     lines = min(inside, key=len)
+    lines = lines[~(first.lacks(lines) | second.lacks(lines))]
     if not len(lines):
         raise ComparisonError(f"{first_name} and {second_name} have no band in common")
     a, b = first.at(lines), second.at(lines)

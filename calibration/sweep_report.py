@@ -53,11 +53,18 @@ def _sections(found: Calibration, config: RigConfig) -> list[Section]:
     if found.levels is not None:
         certainty = "Two standard deviations are shaded.  Noise and distortion are in them; slow drift is not."
     sections = [
-        Section("Transfer matrix", certainty, (Plot(_bode(found.matrix), "Magnitude and phase, output from input."),)),
+        Section(
+            "Transfer matrix", certainty, (Plot(bode_figure(found.matrix), "Magnitude and phase, output from input."),)
+        ),
         Section(
             "Certainty",
             "",
-            (Plot(_certainty(found.matrix), "Relative standard deviation, and coherence of each output and input."),),
+            (
+                Plot(
+                    certainty_figure(found.matrix),
+                    "Relative standard deviation, and coherence of each output and input.",
+                ),
+            ),
             (Table(BAND_HEAD, tuple(band_rows(found.matrix))), Table(WORST_HEAD, tuple(worst_rows(found.matrix)))),
         ),
     ]
@@ -79,7 +86,8 @@ def _sections(found: Calibration, config: RigConfig) -> list[Section]:
     return sections
 
 
-def _bode(matrix: TransferMatrix) -> Figure:
+def bode_figure(matrix: TransferMatrix) -> Figure:
+    """Draw magnitude and phase of every element, two standard deviations shaded."""
     figure = Figure(figsize=(8.0, 3.0 * matrix.outputs + 1.5))
     rows, heights = 2 * matrix.outputs, [2, 1] * matrix.outputs
     axes = figure.subplots(rows, matrix.inputs, sharex=True, squeeze=False, height_ratios=heights)
@@ -103,7 +111,8 @@ def _bode(matrix: TransferMatrix) -> Figure:
     return figure
 
 
-def _certainty(matrix: TransferMatrix) -> Figure:
+def certainty_figure(matrix: TransferMatrix) -> Figure:
+    """Draw how certain every line is, and the coherence of every element."""
     figure = Figure(figsize=(8.0, 5.0))
     upper, lower = figure.subplots(2, 1, sharex=True)
     upper.semilogy(matrix.frequency, 100 * relative_deviation(matrix))

@@ -1,10 +1,16 @@
 """A measured transfer matrix with its uncertainty, its bounded inverse, and how fast learning with it contracts."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.interpolate import Akima1DInterpolator
+
+GAPS = "gaps"
+"""Word of a model's provenance."""
+SIDE = 0.25
+"""Hz beyond the ends of a gap that belong to it."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +56,7 @@ class TransferMatrix:
             if not np.isfinite(value).all():
                 bad = self.frequency[np.argwhere(~np.isfinite(value))[0][0]]
                 raise ValueError(f"{name} is not finite at {bad:g} Hz")
+        _ = self.gaps
 
     @property
     def outputs(self) -> int:
@@ -62,6 +69,27 @@ class TransferMatrix:
         """Coils."""
         count: int = self.response.shape[2]
         return count
+
+    @property
+    def gaps(self) -> list[tuple[float, float, str]]:
+        """Bands without values: first and last line, Hz, and why; none, but in models from recordings of others."""
+        text = self.provenance.get(GAPS, "[]")
+        try:
+            return [(float(low), float(high), str(reason)) for low, high, reason in json.loads(text)]
+        except (ValueError, TypeError, RecursionError):
+            raise ValueError(f"{GAPS} is {text[:60]!r}, must be a list of first and last Hz and a reason") from None
+
+    def lacks(self, frequency: np.ndarray) -> np.ndarray:
+        """Say which lines lie in a gap, (lines,) of bool.
+
+        Parameters
+        ----------
+        frequency : array, shape (lines,), Hz
+        """
+        inside = np.zeros(len(frequency), bool)
+        for low, high, _ in self.gaps:
+            inside |= (frequency > low - SIDE) & (frequency < high + SIDE)
+        return inside
 
     def described(self, **words: str) -> "TransferMatrix":
         """Return it with more words in its provenance."""
@@ -76,13 +104,21 @@ class TransferMatrix:
 
         Raises
         ------
-        ValueError : a line outside the measured band.
+        ValueError : a line outside the measured band, or in a gap in it.
         """
         low, high = self.frequency[0], self.frequency[-1]
         if len(frequency) and not (frequency.min() >= low and frequency.max() <= high):
             raise ValueError(
                 f"lines {frequency.min():g} to {frequency.max():g} Hz are wanted, the model was measured "
                 f"from {low:g} to {high:g} Hz"
+            )
+        if self.lacks(frequency).any():
+            first, last, reason = next(
+                gap for gap in self.gaps if ((frequency > gap[0] - SIDE) & (frequency < gap[1] + SIDE)).any()
+            )
+            raise ValueError(
+                f"lines {frequency.min():g} to {frequency.max():g} Hz are wanted, the model has no value from "
+                f"{first:g} to {last:g} Hz: {reason}"
             )
         parts = np.stack([self.response.real, self.response.imag], axis=-1)
         parts = Akima1DInterpolator(self.frequency, parts, method="makima")(frequency)

@@ -1,5 +1,7 @@
 """What a reader of docs/ brings along to its commands: records of machines of their own."""
 
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -7,6 +9,7 @@ import numpy as np
 
 from stagectl.stage.hysteresis import HysteresisModel, respond
 from tests.calibration.joint_clamping.clamped_arm import RATE, ClampedArm, random_joints, to_and_fro
+from tests.contract.source_tree import ROOT
 
 
 def loops(file: Path) -> None:
@@ -44,7 +47,13 @@ def sweep(file: Path) -> None:
     _write(file, "u [V],y1 [m],y2 [m]", np.column_stack([drive, response + noise]))
 
 
+def laboratory(folder: Path) -> None:
+    """Let the laboratory of the examples write its files."""
+    subprocess.run([sys.executable, ROOT / "examples" / "own_recordings.py", folder], check=True)
+
+
 BROUGHT: dict[str, Callable[[Path], None]] = {
+    "lab": laboratory,
     "loops.csv": loops,
     "map.csv": clamped_joint,
     "poses.csv": poses,

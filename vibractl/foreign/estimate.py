@@ -34,6 +34,14 @@ class Estimate:
         """Whether it is not zero for all that is known."""
         return abs(self.value) > CERTAIN * self.error
 
+    def moved(self, by: float) -> "Estimate":
+        """Return it with a known number added."""
+        return Estimate(self.value + by, self.noise, self.misfit)
+
+    def times(self, factor: float) -> "Estimate":
+        """Return it in another unit."""
+        return Estimate(factor * self.value, factor * self.noise, factor * self.misfit)
+
     @property
     def text(self) -> str:
         """It in words, with two digits of the error.

@@ -32,7 +32,7 @@ class Examined:
     Parameters
     ----------
     likeness : float, 0 to 1
-        Correlation with what was known of the shot: the drive in its monitors, or the reference in the response.
+        Correlation of the drive with its monitors or, without those, of the response with the reference.
     played : Estimate, samples
         In the response's file, where the drive lies or, where it is not recorded, where it seems to lie.
     heard : Estimate or None, samples
@@ -117,7 +117,8 @@ class Examiner:
             for each in signs(self._reference, part, self._parts)
         )
         is_told = all(each.is_sure for each in polarity)
-        drive, at, unsure, monitored = self._drive(seen)
+        drive, begins, monitored = self._drive(seen)
+        at = begins.value
         clock, late, drives = monitored, None, None
         if self._model is None:
             follows = self._follows(drive, heard, at)
@@ -130,10 +131,10 @@ class Examiner:
             drives = self._order(self._wanted[self._window], seen.stretch[:, self._recorded.monitors])
         like = float(response.likeness.min()) if monitored is None else float(monitored.likeness.min())
         return Examined(
-            like if monitored is not None else max(like, seen.likeness),
-            Estimate(self._factor * (seen.origin + at), 0.0, self._factor * unsure),
-            self._centre(response, seen.origin) if is_told else None,
-            None if late is None else _less_sure(self._centre(late, -round(at)), monitored, self._factor),
+            like,
+            begins.moved(seen.origin).times(self._factor),
+            _centre(response).moved(seen.origin).times(self._factor) if is_told else None,
+            None if late is None else _late(late, round(at), monitored).times(self._factor),
             None if clock is None else Estimate(clock.drift, clock.drift_error, clock.drift_misfit),
             polarity,
             drives,
@@ -141,22 +142,34 @@ class Examiner:
             follows,
         )
 
-    def _drive(self, seen: Sighting) -> tuple[np.ndarray, float, float, Timing | None]:
-        """Return the drive in a stretch, (samples, drives), V, where it begins, how sure that is, by which timing."""
+    def _drive(self, seen: Sighting) -> tuple[np.ndarray, Estimate, Timing | None]:
+        """Return the drive in a stretch, (samples, drives), V, where the reference begins, and by which timing."""
         recorded = self._recorded
         if recorded.is_beside:
             drive = seen.stretch[:, recorded.played]
             if recorded.begins is not None:
-                return drive, recorded.begins / self._factor - seen.origin, 0.0, None
-            return drive, *loudest(drive, self._frames, seen.at, self._reach), None
+                return drive, Estimate(recorded.begins / self._factor - seen.origin, 0.0), None
+            return drive, self._beginning(drive, seen.at), None
         index = np.arange(len(self._wanted), dtype=float)
         if not recorded.widths[2]:
-            return moved(self._wanted, index - (seen.at - self.before)), float(seen.at), float(self._reach), None
+            unknown = Estimate(float(seen.at), 0.0, float(self._reach))
+            return moved(self._wanted, index - (seen.at - self.before)), unknown, None
         wanted, monitors = self._wanted[self._window], seen.stretch[:, recorded.monitors]
         found, _ = found_near(wanted, monitors, self.rate, seen.at, self._reach)
         middle = (self._frames - 1) / 2
         turned = (index - found.centre - middle) / (1 + 1e-6 * found.drift) + self.before + middle
-        return moved(self._wanted, turned), found.centre, found.centre_misfit, found
+        return moved(self._wanted, turned), _centre(found), found
+
+    def _beginning(self, drive: np.ndarray, at: int) -> Estimate:
+        """Return where the reference begins in a drive: as it is like it, else as it is loud."""
+        coils = drive[:, self._coils]
+        wanted = self._reference[:, np.arange(len(self._coils)) % self._reference.shape[1]]
+        first = max(at - self._reach, 0)
+        like, _ = Likeness(wanted).most(coils[first : at + self._frames + self._reach])
+        if like < ALIKE:
+            place, error = loudest(drive, self._frames, at, self._reach)
+            return Estimate(place, 0.0, error)
+        return _centre(found_near(wanted, coils, self.rate, at, self._reach)[0])
 
     def _expected(self, drive: np.ndarray, heard: np.ndarray, at: float) -> tuple[Timing, tuple[Sign, ...], np.ndarray]:
         """Find what the model expects of a drive in what is heard of it."""
@@ -207,14 +220,15 @@ class Examiner:
         self.begins *= self._factor
         return moved(seen, at)
 
-    def _centre(self, found: Timing, origin: int) -> Estimate:
-        place, noise, misfit = origin + found.centre, found.centre_error, found.centre_misfit
-        return Estimate(self._factor * place, self._factor * noise, self._factor * misfit)
+
+def _centre(found: Timing) -> Estimate:
+    """Return where a signal begins, if its middle is where it is."""
+    return Estimate(found.centre, found.centre_error, found.centre_misfit)
 
 
-def _less_sure(late: Estimate, monitored: Timing | None, factor: int) -> Estimate:
-    """Return a delay with what is not known of where the drive lies."""
+def _late(found: Timing, first: int, monitored: Timing | None) -> Estimate:
+    """Return by how much a response is late, with what monitors leave open of where the drive begins."""
     if monitored is None:
-        return late
-    noise, misfit = factor * monitored.centre_error, factor * monitored.centre_misfit
-    return Estimate(late.value, math.hypot(late.noise, noise), math.hypot(late.misfit, misfit))
+        return _centre(found).moved(-first)
+    noise = math.hypot(found.centre_error, monitored.centre_error)
+    return Estimate(found.centre - first, noise, math.hypot(found.centre_misfit, monitored.centre_misfit))

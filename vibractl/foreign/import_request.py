@@ -99,7 +99,10 @@ def _made(asked: Request) -> tuple[Setup | Judging, TransferMatrix | None, list[
 def _silence(path: Path, made: Setup | Judging, asked: Request) -> Signals:
     audio = made.config.audio
     kind = Kind("response", responses_of(audio).width, "m/s^2", asked.scales.acceleration)
-    track = open_track(path, [kind], audio.rate, asked.channels)
+    try:
+        track = open_track(path, [kind], audio.rate, {})
+    except RecordingError:  # as many channels as the recordings have
+        track = open_track(path, [kind], audio.rate, asked.channels)
     if track.frames < made.shot.total:
         raise RecordingError(f"{path}: {track.frames} samples, must be at least {made.shot.total}, a shot's")
     return track.signals.scaled(kind.unit, track.scale)

@@ -215,9 +215,12 @@ def _of_delay(shots: Sequence[FoundShot], made: Setup | Judging) -> Iterator[Rem
     removed, delay = shots[0].placed.removed, shots[0].placed.delay
     if removed:
         yield Remark(f"responses are put {removed} samples earlier: by so much they come after the drives")
+    elif not shots[0].recorded.has_drive:
+        text = "the drive is not recorded along with the response: it is taken for what was played each time"
+        yield Remark(f"{text}, and how late responses come after it cannot be told", is_warning=False)
     elif delay is None:
-        text = "the drive is not recorded beside the response: how late that comes cannot be told"
-        yield Remark(f"{text}, and {numbered([shot.number for shot in shots])} are taken for one drive's", False)
+        text = "how late responses come after drives cannot be told without --model FILE or --delay SAMPLES"
+        yield Remark(text, is_warning=False)
     elif delay.is_told and not isinstance(made, Setup):
         yield Remark(
             f"the response comes {delay.text} samples after the drive: what of that is the chain's "

@@ -70,7 +70,7 @@ class Placing:
         begins : float, samples
             Where the reference begins in the drive of one shot, where that does not lie beside.
         """
-        if not _has_drive(recorded):
+        if not recorded.has_drive:
             return _unrecorded(seen, begins)
         is_exact, apparent = _is_exact(recorded), _apparent(seen)
         late = self._given or seen.late
@@ -90,18 +90,13 @@ class Placing:
     def _delay(self, seen: Examined, recorded: Recorded) -> Estimate | None:
         """Return the delay that a shot shows: of two estimates that agree the better one."""
         late = self._given or seen.late
-        if late is None or not _has_drive(recorded):
+        if late is None or not recorded.has_drive:
             return None
         apparent = _apparent(seen) if _is_exact(recorded) else None
         if apparent is None or apparent.error >= late.error:
             return late
         apart = abs(apparent.value - late.value)
         return apparent if apart <= CERTAIN * math.hypot(apparent.error, late.error) else late
-
-
-def _has_drive(recorded: Recorded) -> bool:
-    """Whether the drive is recorded, too."""
-    return recorded.is_beside or recorded.widths[2] > 0
 
 
 def _is_exact(recorded: Recorded) -> bool:

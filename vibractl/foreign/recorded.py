@@ -53,6 +53,11 @@ class Recorded:
         return self.wanted is None
 
     @property
+    def has_drive(self) -> bool:
+        """Whether the drive is recorded along with the response."""
+        return self.is_beside or self.widths[2] > 0
+
+    @property
     def frames(self) -> int:
         """Samples of the response."""
         return self.response.frames

@@ -1,0 +1,194 @@
+"""What the blocks of one recording add up to as they are read, and what its beginning says of how to read it."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibration.recorded_clock import Turn, clock
+from calibration.recorded_period import Multisine, Periods
+from calibration.recorded_response import REACHES, Evidence, Reach, Spectrum, evidence, noise_of
+from calibration.recorded_signals import BLOCK, Head, lines_of
+from calibration.recorded_sum import Sum
+
+CLOCK_REACH = Reach(2, 2.0)
+CLOCK_SPACING = 10.0
+"""Hz between lines that a clock is found from, farther apart than their polynomials reach."""
+PIECES = (4, 16)
+"""Blocks, at least and at most, that the beginning is cut into for its clock ..."""
+PIECE = 2.5
+"""... and s of each, about."""
+LEAD = 2.0
+"""s of silence put before a recording that begins at rest: a sweep's first lines are told from a transient by it."""
+AT_REST = 0.2
+"""By so much the log of what is left may grow with that silence."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is asked of recordings.
+
+    Parameters
+    ----------
+    frequency : array, shape (lines,), Hz, evenly spaced
+    band : (float, float), Hz
+        Of the bins that are kept.
+    factor : int
+        By which the rate is lowered where time is looked at.
+    inputs : int
+    correct_clock : bool
+        Whether clocks and beginnings that differ are taken out.
+    """
+
+    frequency: np.ndarray
+    band: tuple[float, float]
+    factor: int
+    inputs: int
+    correct_clock: bool
+
+    @property
+    def few(self) -> slice:
+        """Some of the lines, as far apart as a clock wants them."""
+        return slice(None, None, max(round(CLOCK_SPACING / float(self.frequency[1] - self.frequency[0])), 1))
+
+
+class Blocks:
+    """Adds up the blocks of a recording.
+
+    A long recording is cut twice, the second time half a block later: a line that a sweep passes at a cut of the one
+    lies in the middle of a block of the other, and at each line the cut that tells more counts.
+
+    Parameters
+    ----------
+    wanted : Wanted
+    """
+
+    def __init__(self, wanted: Wanted) -> None:
+        self._wanted = wanted
+        self._cuts: tuple[list[Sum], list[Sum]] = [], []
+        self._few: list[Evidence] = []
+        self._middles: list[float] = []
+        self._power: list[tuple[np.ndarray, np.ndarray]] = []
+        self.seconds = 0.0
+        """Of the first cut."""
+        self.excited = np.zeros((len(wanted.frequency), wanted.inputs))
+        """RMS of each drive around a line, V sqrt(s), of the block in which that is largest."""
+
+    def add(self, block: Spectrum, cut: int) -> None:
+        """Take a block of the first cut, 0, or of the second, 1; the mean of periods that were looked at before."""
+        if cut == 0 and not block.is_steady:
+            self.look(block)
+        sums = self._cuts[cut]
+        found = [evidence(block, self._wanted.frequency, reach) for reach in REACHES]
+        for place, (one, noise) in enumerate(zip(found, noise_of(found), strict=True)):
+            if place == len(sums):
+                lines, coefficients, outputs = one.right.shape
+                sums.append(Sum.empty(lines, outputs, coefficients))
+            sums[place].take(one, noise)
+        self.excited = np.maximum(self.excited, found[0].excited * np.sqrt(block.spacing))
+
+    def look(self, block: Spectrum) -> None:
+        """Take a block for the clock and the levels alone."""
+        self._few.append(evidence(block, self._wanted.frequency[self._wanted.few], CLOCK_REACH))
+        self._middles.append(block.middle)
+        power = (2 * block.spacing * (np.abs(each) ** 2).sum(axis=0) for each in (block.drive, block.response))
+        drive, response = power
+        self._power.append((drive, response))
+        self.seconds += block.fresh / block.spacing
+
+    @property
+    def count(self) -> int:
+        """Blocks of the first cut."""
+        return len(self._few)
+
+    @property
+    def levels(self) -> tuple[np.ndarray, np.ndarray]:
+        """RMS of drives, V, and responses, m/s^2, in the band."""
+        drive, response = (np.sqrt(sum(each) / self.seconds) for each in zip(*self._power, strict=True))
+        return drive, response
+
+    def clock(self) -> Turn:
+        """Find by how much the recorder's clock is faster."""
+
+        def parts(count: int) -> Iterator[Sum]:
+            return (Sum.of(each, noise_of([each], [CLOCK_REACH])[0]) for each in self._few[:count])
+
+        return clock(parts, np.array(self._middles), self._wanted.frequency[self._wanted.few])
+
+    def sums(self) -> list[Sum]:
+        """Return the equations at each of `REACHES`."""
+        first, second = self._cuts
+        for one in first:
+            if second:
+                one.improve(second.pop(0), self._wanted.inputs)
+        return first
+
+
+def read_periods(spectra: Iterator[Spectrum], period: float, wanted: Wanted) -> tuple[Blocks, Multisine] | None:
+    """Add up a recording whose blocks are the periods of multisines; None where it is none.
+
+    Parameters
+    ----------
+    spectra : iterator of Spectrum
+        Not steady: all lines.
+    period : float, s
+    wanted : Wanted
+    """
+    periods, blocks = Periods(period), Blocks(wanted)
+    for block in spectra:
+        blocks.look(block)
+        periods.add(block)
+    found = periods.averaged()
+    if found is None:
+        return None
+    means, told = found
+    for mean in means:
+        blocks.add(mean, 0)
+    return blocks, told
+
+
+def clock_of_head(head: Head, late: float, wanted: Wanted) -> Turn:
+    """Find the clock from the beginning of a recording, in short blocks.
+
+    Parameters
+    ----------
+    head : Head
+    late : float, samples of it
+    wanted : Wanted
+    """
+    drive, response = _beside(head, round(late))
+    count = int(np.clip(len(drive) / head.rate / PIECE, *PIECES))
+    length, blocks = len(drive) // count, Blocks(wanted)
+    for begin in range(0, count * length, length):
+        taken = slice(begin, begin + length)
+        middle = (begin + length / 2) / head.rate
+        blocks.look(lines_of(drive[taken], response[taken], head.rate, wanted.band, middle))
+    return blocks.clock()
+
+
+def lead_of(head: Head, late: float, wanted: Wanted) -> float:
+    """Return how much silence may be put before a recording, s: none where it does not begin at rest.
+
+    Parameters
+    ----------
+    head : Head
+    late : float, samples of it
+    wanted : Wanted
+    """
+    if late < 0:
+        return 0.0
+    samples, few = round(BLOCK * head.rate), wanted.frequency[wanted.few]
+    plain = [each[:samples] for each in _beside(head, round(late))]
+    silent = [np.pad(each, ((round(LEAD * head.rate), 0), (0, 0))) for each in plain]
+    left = []
+    for drive, response in (plain, silent):
+        found = evidence(lines_of(drive, response, head.rate, wanted.band, 0.0), few, CLOCK_REACH)
+        left.append(float(np.mean(np.log(noise_of([found], [CLOCK_REACH])[0]))))
+    return LEAD if left[1] <= left[0] + AT_REST else 0.0
+
+
+def _beside(head: Head, late: int) -> Sequence[np.ndarray]:
+    """Return drives and responses of the beginning beside each other."""
+    first = max(0, -late)
+    samples = min(len(head.drive) - first, len(head.response) - first - late)
+    return head.drive[first : first + samples], head.response[first + late : first + late + samples]

@@ -1,0 +1,105 @@
+"""Two devices have two clocks: that is found, refused or taken out, and where it does not show that is said."""
+
+import tracemalloc
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.interpolate import make_interp_spline
+
+from calibration.from_recordings import Found, FromRecordingsError, matrix_from
+from calibration.from_report import notes
+from calibration.recorded_clock import lag
+from calibration.recorded_signals import Recorded
+from rigkit.foreign_stream import Signals
+from tests.calibration.recorded_lab import BAND, alone, heard, multisine, noise, recorded, sweep, truth
+from tests.vibractl.linear_rig import linear_config
+
+WORDS = {"rig": "simulated-vibrator"}
+
+
+def by_another_clock(signal: np.ndarray, ppm: float) -> np.ndarray:
+    """Return a signal as a recorder hears it whose clock is so much faster."""
+    index = np.arange(len(signal))
+    return np.asarray(make_interp_spline(index, signal, k=5)(np.clip(index / (1 + 1e-6 * ppm), 0, len(signal) - 1)))
+
+
+def found_from(drive: np.ndarray, ppm: float, correct_clock: bool) -> Found:
+    response = by_another_clock(heard(drive, 0.0), ppm)
+    response = response + 0.3 * np.random.default_rng(3).standard_normal(response.shape)
+    return matrix_from([recorded(drive, response)], linear_config(*BAND), WORDS, correct_clock)
+
+
+def relative(found: Found) -> float:
+    there = truth(found.matrix.frequency)
+    off = np.linalg.norm(found.matrix.response - there, axis=(1, 2)) / np.linalg.norm(there, axis=(1, 2))
+    return float(np.median(off))
+
+
+UP_AND_DOWN = np.concatenate(
+    [alone(each, side) for each in (sweep(seconds=3.0), sweep(seconds=3.0)[::-1]) for side in (0, 1)]
+)
+
+
+@pytest.mark.parametrize(
+    ("drive", "ppm"),
+    [(noise(1, 12.0), 20.0), (noise(2), -150.0), (UP_AND_DOWN, 20.0), (multisine(1, periods=4), 20.0)],
+    ids=["noise", "a bad clock", "sweeps up and down", "multisine"],
+)
+def test_a_clock_that_differs_is_refused_or_taken_out(drive: np.ndarray, ppm: float) -> None:
+    with pytest.raises(FromRecordingsError, match=r"a.wav: the recorder's clock is -?\d+\.\d\d ppm .*--correct-clock"):
+        found_from(drive, ppm, False)
+    found = found_from(drive, ppm, True)
+    told = found.records[0]
+    assert told.is_corrected
+    assert abs(1e6 * told.drift.value - ppm) < 4e6 * told.drift.error + 0.02
+    assert relative(found) < 0.01
+
+
+def test_what_one_clock_has_recorded_is_not_stretched() -> None:
+    assert not found_from(noise(1, 12.0), 0.0, True).records[0].is_corrected
+
+
+def test_a_single_sweep_does_not_show_a_clock_and_that_is_said() -> None:
+    found = found_from(np.concatenate([alone(sweep(), 0), alone(sweep(), 1)]), 20.0, False)
+    assert not np.isfinite(found.records[0].drift.error)
+    assert any("whether player and recorder have one clock is not shown" in note for note in notes(found))
+
+
+def test_a_lag_is_where_the_response_begins() -> None:
+    drive = np.random.default_rng(1).standard_normal((20_000, 2))
+    ringing = np.exp(-np.arange(200) / 50.0) * np.sin(0.3 * np.arange(200))
+    response = np.stack([np.convolve(side, ringing)[:20_000] for side in drive.T], axis=1)
+    for late in (0, 37, -500):
+        assert abs(lag(drive, np.roll(response, late, axis=0), 100) - late) <= 4  # type: ignore[operator]
+    assert lag(drive, np.random.default_rng(2).standard_normal((20_000, 2)), 100) is None
+
+
+def test_a_long_recording_takes_no_more_memory() -> None:
+    rate, seconds, kernel = 8_000, 240, np.array([1.0, 0.5, -0.3])
+
+    def played() -> Iterator[np.ndarray]:
+        rng = np.random.default_rng(1)
+        return (rng.standard_normal((rate, 2)) for _ in range(seconds))
+
+    def answered() -> Iterator[np.ndarray]:
+        before = np.zeros((2, 2))
+        for drive in played():
+            whole = np.concatenate((before, drive))
+            yield kernel[0] * drive + kernel[1] * whole[1:-1] + kernel[2] * whole[:-2]
+            before = drive[-2:]
+
+    def stream(name: str, unit: str, source: object) -> Signals:
+        return Signals(Path(name), ("a", "b"), (unit,) * 2, float(rate), rate * seconds, source, (0, 1))  # type: ignore[arg-type]
+
+    record = Recorded(stream("d", "V", played), stream("r", "m/s^2", answered))
+    config = linear_config("characterisation.band=[30, 60]", f"audio.rate={rate}")
+    tracemalloc.start()
+    found = matrix_from([record], config, WORDS)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 45e6
+    turn = np.exp(-2j * np.pi * found.matrix.frequency / rate)
+    truly = np.polynomial.polynomial.polyval(turn, kernel)
+    assert np.allclose(found.matrix.response, truly[:, None, None] * np.eye(2), atol=0.01)
