@@ -10,7 +10,13 @@ from calibration.comparison_report import comparison_figures, comparison_report
 from calibration.experiment import RawFolder, refuse_to_emit
 from calibration.far_field_report import HEAD as FAR_FIELD_HEAD
 from calibration.far_field_report import far_field_rows
-from calibration.from_command import model_from_files, refuse_measuring
+from calibration.from_command import (
+    CorrectClockOption,
+    DrivesOption,
+    ResponsesArgument,
+    model_from_files,
+    refuse_measuring,
+)
 from calibration.hysteresis_command import hysteresis_command
 from calibration.identification.command import identify_command
 from calibration.joint_clamping.command import joints_command
@@ -57,14 +63,9 @@ def vibrator_command(
     passes: Annotated[int | None, typer.Option(help="Stepped sine; 2: once more, on a refined grid.")] = None,
     no_preload: Annotated[bool, typer.Option("--no-preload", help="Leave the preload out, for comparison.")] = False,
     png: PngOption = None,
-    drives: Annotated[
-        list[Path] | None,
-        typer.Option("--from", metavar="D.wav R.wav", help="Measure nothing: take these recordings; many times."),
-    ] = None,
-    responses: Annotated[list[Path] | None, typer.Argument(metavar="", help="The second file of each --from.")] = None,
-    correct_clock: Annotated[
-        bool, typer.Option("--correct-clock", help="With --from: take out a difference of the devices' clocks.")
-    ] = False,
+    drives: DrivesOption = None,
+    responses: ResponsesArgument = None,
+    correct_clock: CorrectClockOption = False,
     again: AgainOption = False,
     recompute: RecomputeOption = False,
     accept: AcceptOption = None,
@@ -79,6 +80,29 @@ def vibrator_command(
     Example: `calibrate vibrator --config rig.toml --out model.h5`; from recordings:
     `calibrate vibrator --from drive.wav heard.wav --out model.h5`
     """
+    asked = rig_file.load(config, RigConfig, _laid_over(settings, seed, method, quiet, passes, no_preload))
+    if drives or responses:
+        measuring = {"--seed": seed, "--method": method, "--quiet": quiet, "--passes": passes}
+        refuse_measuring({**measuring, "--no-preload": no_preload, "--recompute": recompute, "--accept": accept})
+        clock = {"correct_clock": correct_clock, "again": again}
+        model_from_files(out, drives or [], responses or [], asked, inputs=[config], **clock, png=png, json=json)
+        return
+    if correct_clock:
+        raise ValueError("--correct-clock is given without --from, must be with it: one device has one clock")
+    wish = Wish(again, recompute, accept or [])
+    writes = output(out, KIND, asked, wish, [out.with_suffix(".html")], KEPT, inputs=[config])
+    found = _measured(writes, recompute)
+    report = sweep_report(found, writes.config)
+    report.write(out.with_suffix(".html"))
+    if png is not None:
+        report.png(png)
+    _print(found, out, json)
+
+
+def _laid_over(
+    settings: list[str] | None, seed: int | None, method: str | None, quiet: bool, passes: int | None, no_preload: bool
+) -> list[str]:
+    """Return the settings that the options stand for."""
     flags = {
         "simulator.options.seed": seed,
         "characterisation.method": "stepped" if passes is not None and method is None else method,
@@ -88,30 +112,21 @@ def vibrator_command(
     laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
     if no_preload:
         laid_over += ["characterisation.preload=0.0", "characterisation.operating=0.0"]
-    asked, wish = rig_file.load(config, RigConfig, laid_over), Wish(again, recompute, accept or [])
-    if drives or responses:
-        measuring = {"--seed": seed, "--method": method, "--quiet": quiet, "--passes": passes}
-        refuse_measuring({**measuring, "--no-preload": no_preload, "--recompute": recompute, "--accept": accept})
-        clock = {"correct_clock": correct_clock, "again": again}
-        model_from_files(out, drives or [], responses or [], asked, inputs=[config], **clock, png=png, json=json)
-        return
-    if correct_clock:
-        raise ValueError("--correct-clock is given without --from, must be with it: one device has one clock")
-    writes = output(out, KIND, asked, wish, [out.with_suffix(".html")], KEPT, inputs=[config])
-    rig, folder = writes.config, RawFolder(writes.raw)
+    return laid_over
+
+
+def _measured(writes: Output[RigConfig], recompute: bool) -> Calibration:
+    """Measure, or compute again, and write the model."""
+    folder = RawFolder(writes.raw)
     if not recompute:
-        refuse_unfit(rig)
-        require_room(rig, folder)
+        refuse_unfit(writes.config)
+        require_room(writes.config, folder)
     sys.stderr.write("".join(f"{note}\n" for note in writes.notes))
     with writes.begun(), folder as raw:
         found = _calibrated(writes, raw)
-        write_model(out, found.matrix.described(seconds=f"{found.seconds:.1f}"), found.far)
+        write_model(writes.out, found.matrix.described(seconds=f"{found.seconds:.1f}"), found.far)
         writes.finish()
-    report = sweep_report(found, rig)
-    report.write(out.with_suffix(".html"))
-    if png is not None:
-        report.png(png)
-    _print(found, out, json)
+    return found
 
 
 @app.command("compare")

@@ -3,6 +3,9 @@
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
+from typing import Annotated
+
+import typer
 
 from calibration.from_recordings import Found, matrix_from
 from calibration.from_report import GAP_HEAD, RECORD_HEAD, from_figures, from_report, gap_rows, notes, record_rows
@@ -15,6 +18,15 @@ from rigkit.progress import Meter, progress
 from vibractl.config import RigConfig
 from vibractl.foreign.signals import drives_of, open_kind, responses_of
 from vibractl.model_file import write_model
+
+DrivesOption = Annotated[
+    list[Path] | None,
+    typer.Option("--from", metavar="D.wav R.wav", help="Measure nothing: take these recordings; many times."),
+]
+ResponsesArgument = Annotated[list[Path] | None, typer.Argument(metavar="", help="The second file of each --from.")]
+CorrectClockOption = Annotated[
+    bool, typer.Option("--correct-clock", help="With --from: take out a difference of the devices' clocks.")
+]
 
 
 def refuse_measuring(options: Mapping[str, object]) -> None:
