@@ -71,7 +71,7 @@ def test_the_record_of_a_stack_is_read_as_it_was_published(
     ("change", "words"),
     [
         (("--out", "stack.wav"), "stack.wav: the suffix is '.wav', must be '.h5'"),
-        (("--out", "nowhere/stack.h5"), "there is no folder nowhere"),
+        (("--out", "nowhere/stack.h5"), "cannot be: nowhere is no folder"),
         (("--unit", "inch"), "--output: the unit is 'inch', must be one of m, mm, um"),
         (("--skip", "9"), "--skip is 9 s, must be less than the 7 s that are fitted"),
         (("--hold-back", "1"), "--hold-back is 1, must be 0.05 to 0.9"),

@@ -96,7 +96,7 @@ def test_computed_again_it_takes_the_recordings_that_are_there(tmp_path: Path, m
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--out", "nowhere/model.h5"), "there is no folder nowhere"),
+        (("--out", "nowhere/model.h5"), "cannot be: nowhere is no folder"),
         (("--out", "model.txt"), "must be '.h5'"),
         (("--out", "model.h5", "--passes", "3"), "passes"),
         (("--out", "model.h5", "--method", "noise"), "noise"),

@@ -68,4 +68,4 @@ def test_figures_go_to_a_file_in_a_folder_that_is_there(
     assert call(f"stagectl example-pocket --json {tmp_path}/pocket.json") == 0
     assert json.loads((tmp_path / "pocket.json").read_text()) == json.loads(capsys.readouterr().out)
     assert call(f"stagectl example-pocket --json {tmp_path}/absent/pocket.json") == USER_ERROR
-    assert "absent/pocket.json: its folder does not exist" in capsys.readouterr().err
+    assert "absent is no folder" in capsys.readouterr().err

@@ -76,7 +76,7 @@ def test_columns_go_by_number_and_figures_to_the_standard_output(
         (("--inputs", "z"), "no channel 'z'; there are u, y"),
         (("--inputs", "y"), "y: cannot be input and output at once"),
         (("--inputs", "u,"), "--inputs is 'u,'"),
-        (("--out", "nowhere/model.h5"), "there is no folder nowhere"),
+        (("--out", "nowhere/model.h5"), "cannot be: nowhere is no folder"),
         (("--out", "model.txt"), "must be '.h5'"),
         (("--method", "arx"), "method is 'arx'"),
         (("--horizon", "9000"), "too few"),

@@ -47,7 +47,7 @@ def test_a_failed_verdict_is_status_1_with_what_to_do(
     [
         (["--set", "limits.peak=11"], "limits.peak is 11 V, must be <= audio.output_full_scale, 10 V"),
         (["--set", "reference.signal=chirp:40"], "reference 'chirp:40' is not chirp:F0:F1:SECONDS"),
-        (["--report", "/nowhere/d.html"], "--report /nowhere/d.html: its folder does not exist"),
+        (["--report", "/nowhere/d.html"], "--report /nowhere/d.html cannot be: /nowhere is no folder"),
     ],
 )
 def test_what_cannot_be_examined_is_one_line_and_status_2(

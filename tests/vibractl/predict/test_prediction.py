@@ -60,7 +60,10 @@ def test_an_objective_never_met_and_a_drive_too_large_are_said(
         (("--model", "model.h5", "--reference", "chirp:40"), "reference 'chirp:40' is not chirp:F0:F1:SECONDS"),
         (("--model", "model.h5", "--set", "learning.band=[15.0,700.0]"), "the model was measured"),
         (("--model", "model.h5", "--set", "rig.name=other"), "--accept rig.name"),
-        (("--model", "model.h5", "--report", "/nowhere/p.html"), "--report /nowhere/p.html: its folder does not exist"),
+        (
+            ("--model", "model.h5", "--report", "/nowhere/p.html"),
+            "--report /nowhere/p.html cannot be: /nowhere is no folder",
+        ),
     ],
 )
 def test_bad_input_is_one_line_and_status_2(
