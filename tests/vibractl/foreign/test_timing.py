@@ -77,3 +77,21 @@ def test_it_is_found_in_every_stretch_of_a_long_recording(
 
 def test_a_recording_shorter_than_it_is_not_searched() -> None:
     assert find(SWEEP, [SWEEP[:-1]]).likeness == 0.0
+
+
+def test_the_middle_is_where_noise_and_clock_leave_it() -> None:
+    shot = found(moved(500.25, 10.0, 3 * RATE))
+    assert shot.centre == pytest.approx(500.25 + 10e-6 * (len(SWEEP) - 1) / 2, abs=1e-3)
+    assert shot.centre_error < shot.delay_error + 1e-9
+
+
+def test_another_signal_s_phase_is_told_as_a_misfit_and_noise_is_not() -> None:
+    rng = np.random.default_rng(6)
+    clean = moved(500.25, 0.0, 3 * RATE)
+    noisy = found(clean + 0.1 * np.sqrt(np.mean(SWEEP**2)) * rng.standard_normal(clean.shape))
+    assert noisy.centre_misfit < 3 * noisy.centre_error * 8**0.5
+    wander = 20.0 * np.sin(2 * np.pi * 1.5 * np.arange(len(clean)) / len(SWEEP))
+    spline = make_interp_spline(np.arange(len(clean)), clean[:, 0], k=5)
+    swung = found(spline(np.clip(np.arange(len(clean)) - wander, 0, len(clean) - 1))[:, None])
+    assert abs(swung.centre - 500.25) < 3 * swung.centre_misfit
+    assert swung.centre_misfit > 3.0
