@@ -8,6 +8,7 @@ the player hears it `LATE` samples late.  The files are such as MATLAB, LabVIEW 
 """
 
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -86,7 +87,9 @@ def main(folder: Path, seconds: float) -> None:
 
 def play(drive: Path, heard: Path) -> None:
     """Play a drive and record the responses."""
-    rate, data = wavfile.read(drive)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", wavfile.WavFileWarning)  # of a chunk with the largest sample
+        rate, data = wavfile.read(drive)
     if rate != RATE:
         raise SystemExit(f"{drive}: {rate} samples/s, must be {RATE}")
     response = vibrate(VOLTS * data.astype(float), np.random.default_rng())

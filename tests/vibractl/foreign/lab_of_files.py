@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import soundfile
 
+from calibration.__main__ import main as calibrate
 from ctlblocks import recording
 from firmware_sim.__main__ import main as firmware_sim
 from rigkit import config as rig_file
@@ -15,7 +16,7 @@ from vibractl.__main__ import main as vibractl
 from vibractl.run_setup import create
 from vibractl.session import Session
 
-MAINS = {"vibractl": vibractl, "firmware-sim": firmware_sim}
+MAINS = {"vibractl": vibractl, "firmware-sim": firmware_sim, "calibrate": calibrate}
 KALMAN = ("learning.law=kalman", "learning.gains=[]")
 
 

@@ -9,7 +9,7 @@ from types import ModuleType
 
 import pytest
 
-from rigkit.run_folder import read_events
+from rigkit.run_folder import read_events, read_quality
 from tests.contract.source_tree import ROOT
 from tests.vibractl.foreign.lab_of_files import LabOfFiles
 from tests.vibractl.linear_rig import RATE
@@ -75,3 +75,20 @@ def test_a_session_is_imported_with_its_silence_and_reported(lab: LabOfFiles) ->
     (silence,) = [each for each in read_events("SESSION") if each["event"] == "silence"]
     assert max(silence["over_the_limit_db"]) < -20.0
     assert "worst line, dB over" in lab.done("vibractl", "judge", "lab/shot.mat", *REFERENCE)
+
+
+def test_a_model_of_its_noise_gives_drives_that_it_plays_and_that_are_learned_from(
+    lab: LabOfFiles, script: ModuleType
+) -> None:
+    noise = ("lab/noise-drive.wav", "lab/noise-response.wav")
+    lab.done("calibrate", "vibrator", "--config", "rig.toml", "--from", *noise, "--out", "lab.h5")
+    words = ("--state", "LAB.h5", "--out")
+    lab.done("vibractl", "step", *REFERENCE, "--model", "lab.h5", *words, "next.wav")
+    script.play(Path("next.wav"), Path("heard.wav"))
+    files = ("--drive", "next.wav", "--response", "heard.wav")
+    lab.done("vibractl", "step", *files, *words, "after.wav")
+    lab.done("vibractl", "import", *REFERENCE, *files, "--model", "lab.h5", "--out", "PLAYED")
+    (row,) = read_quality("PLAYED")
+    assert max(float(row[f"error_db_{side}"]) for side in (1, 2)) < -20.0
+    lab.done("vibractl", "replay", "PLAYED", "--json", "replayed.json")
+    assert max(json.loads(Path("replayed.json").read_text())["difference_db"]) < -100.0
