@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from vibractl.transfer_matrix import TransferMatrix
+from vibractl.transfer_matrix import SIDE, TransferMatrix
 
 
 class SlowModel:
-    """A transfer matrix on the lines of stretches of one length; nothing is expected outside of its band.
+    """A transfer matrix on the lines of stretches of one length; outside of its band and in its gaps it is zero.
 
     Parameters
     ----------
@@ -21,6 +21,8 @@ class SlowModel:
         self._samples = samples
         frequency = np.fft.rfftfreq(samples, 1 / rate)
         self._inside = (frequency >= matrix.frequency[0]) & (frequency <= matrix.frequency[-1])
+        for low, high, _ in matrix.gaps:
+            self._inside &= (frequency <= low - SIDE) | (frequency >= high + SIDE)
         self._response = matrix.at(frequency[self._inside]).response
 
     def expected(self, drive: np.ndarray) -> np.ndarray:
