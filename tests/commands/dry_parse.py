@@ -10,7 +10,7 @@ from typer.main import get_command
 import stagectl.commands  # noqa: F401 (it adds its commands to the application)
 import vibractl.commands  # noqa: F401 (it adds its commands to the application)
 from calibration.commands import app as calibrate
-from firmware_sim.__main__ import app as firmware_sim
+from firmware_sim.commands import app as firmware_sim
 from stagectl.application import app as stagectl_app
 from vibractl.application import app as vibractl_app
 from vibrostage.application import app as vibrostage_app

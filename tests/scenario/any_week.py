@@ -73,6 +73,8 @@ class Week:
     measured: dict[str, list[Truth]] = field(default_factory=dict)
     stops: list[float] = field(default_factory=list)
     """s that each STOP of a daemon has taken."""
+    broken_off: str | None = None
+    """The model whose measurement was broken off last, and may be gone on with."""
 
     @classmethod
     def begun(cls, path: Path, seed: int) -> "Week":
@@ -112,8 +114,11 @@ class Week:
         return f"{' '.join(words)}: {said.strip().splitlines()[-1] if status else 'done'}"
 
     def _calibrate(self) -> str:
-        flags = self.chance.choice(((), (), ("--again",), ("--recompute",)))
-        return self._call(calibrate, "vibrator", "--config", "rig.toml", "--out", self.chance.choice(MODELS), *flags)
+        """Measure; most often go on with what was broken off, whatever became of the rig file in between."""
+        out, flags = self.chance.choice(MODELS), self.chance.choice(((), (), ("--again",), ("--recompute",)))
+        if self.broken_off is not None and self.chance.random() < 0.8:
+            out, flags, self.broken_off = self.broken_off, (), None
+        return self._call(calibrate, "vibrator", "--config", "rig.toml", "--out", out, *flags)
 
     def _edit(self) -> str:
         edit = self.chance.choice(EDITS)
@@ -178,6 +183,7 @@ class Week:
             until(lambda: not process.is_alive() or self._sounds() > before)
 
         self._begun_and_killed(recorded, calibrate, *words)
+        self.broken_off = out
         return f"broken off: {' '.join(words)}"
 
     def _begun_and_killed(self, when: Callable[[BaseProcess], None], program: Callable[[], int], *words: str) -> None:
