@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Iterable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,10 @@ from firmware_sim.population.draw import Draw, Population
 SEEDS = range(300)
 
 
-def all_draws(population: Population) -> list[Draw]:
-    """Draw the machines of `SEEDS`."""
-    return [population.draw(seed) for seed in SEEDS]
+@cache
+def all_draws(population: Population, number: int = len(SEEDS)) -> list[Draw]:
+    """Draw the machines of the first `number` of `SEEDS`, once."""
+    return [population.draw(seed) for seed in SEEDS[:number]]
 
 
 def numbers(draws: Iterable[Draw], name: str) -> np.ndarray:

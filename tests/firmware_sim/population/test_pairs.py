@@ -14,13 +14,11 @@ from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging.controllers import controller
 from tests.firmware_sim.population.census import SEEDS, all_draws, checksum, fills, numbers
 
-DRAWS = all_draws(PAIRS)
-
 
 def test_every_family_and_order_is_drawn() -> None:
-    assert {draw.family for draw in DRAWS} == set(FAMILIES)
-    assert set(numbers(DRAWS, "order of macro")) == {1, 2, 3, 4}
-    assert set(numbers(DRAWS, "its order")) == {1, 2}
+    assert {draw.family for draw in all_draws(PAIRS)} == set(FAMILIES)
+    assert set(numbers(all_draws(PAIRS), "order of macro")) == {1, 2, 3, 4}
+    assert set(numbers(all_draws(PAIRS), "its order")) == {1, 2}
 
 
 @pytest.mark.parametrize(
@@ -36,12 +34,12 @@ def test_every_family_and_order_is_drawn() -> None:
     ],
 )
 def test_what_is_drawn_fills_its_range(name: str, low: float, high: float) -> None:
-    assert fills(numbers(DRAWS, name), low, high)
+    assert fills(numbers(all_draws(PAIRS), name), low, high)
 
 
 def test_dead_time_and_noise_reach_from_nothing_to_their_most() -> None:
     for name, most in (("dead time", 40.0), ("noise of relative, fast, slow", 50.0)):
-        found = numbers(DRAWS, name)
+        found = numbers(all_draws(PAIRS), name)
         assert found.min() == 0.0
         assert 0.9 * most < found.max() <= most
         assert 0.05 < np.mean(found == 0.0) < 0.35
@@ -57,7 +55,7 @@ def test_both_loops_are_stable_and_come_to_their_references() -> None:
 
 
 def test_the_micro_manipulator_is_the_faster_one() -> None:
-    times = numbers(DRAWS, "time to 63 %, macro, micro").reshape(-1, 2)
+    times = numbers(all_draws(PAIRS), "time to 63 %, macro, micro").reshape(-1, 2)
     ratio = times[:, 0] / times[:, 1]
     assert ratio.min() > 2.0
     assert ratio.max() > 20.0
@@ -74,19 +72,19 @@ def test_a_run_to_all_limits_is_finite() -> None:
 
 
 def test_a_draw_is_the_same_wherever_it_is_made() -> None:
-    assert checksum(DRAWS[:50]) == "b5b632320f8fd97e"
+    assert checksum(all_draws(PAIRS)[:50]) == "b5b632320f8fd97e"
 
 
 def test_a_seed_has_the_same_pair_each_time_and_families_differ() -> None:
     assert checksum([PAIRS.draw(11)]) == checksum([PAIRS.draw(11)])
     assert len({checksum([PAIRS.draw(11, family)]) for family in FAMILIES}) == len(FAMILIES)
-    assert len({checksum([draw]) for draw in DRAWS}) == len(SEEDS)
+    assert len({checksum([draw]) for draw in all_draws(PAIRS)}) == len(SEEDS)
 
 
 @pytest.mark.parametrize("name", ["aimc", "mvpc", "mvpc-aw", "vpc"])
 def test_every_rig_file_is_one_that_mid_ranging_takes(name: str) -> None:
     """Waves do not saturate, filters are stable: what a controller refuses it refuses as it is made."""
-    for draw in DRAWS[:60]:
+    for draw in all_draws(PAIRS)[:60]:
         config = load(None, CellConfig, [f"{key}={value_text(value)}" for key, value in draw.keys.items()])
         controller(name, config.midranging).prepare(config.midranging.pair.rate, 1)
         assert config.midranging.simulator.options == {"seed": draw.seed, "family": draw.family}

@@ -4,7 +4,6 @@ import hashlib
 import subprocess
 import sys
 from collections.abc import Iterator
-from functools import cache
 from itertools import combinations
 from typing import Any
 
@@ -33,14 +32,13 @@ CHECKSUMS = {
     ("flextensional", 13): "c99e8eeff5efee83",
 }
 """Of all that was drawn, rounded to four digits."""
-ALL = "b59baf61a39f5044"
-"""Of some quantities of the first 300 seeds."""
+ALL = "0435ecf57b0fbd35"
+"""Of some quantities of the first hundred seeds."""
 
 
-@cache
 def draws() -> list[Draw]:
     """Draw the first seeds, once."""
-    return all_draws(VIBRATORS)
+    return all_draws(VIBRATORS, 100)
 
 
 def exciter(family: str, seed: int) -> Exciter:
@@ -161,7 +159,7 @@ def test_there_are_all_kinds_of_drift_of_hum_and_of_sensors() -> None:
     assert {round(value) for value in numbers(draws(), "mains")} == {50, 60}
 
 
-@pytest.mark.parametrize("seed", range(0, 300, 60))
+@pytest.mark.parametrize("seed", range(0, 100, 20))
 def test_its_reference_is_within_reach_of_its_limits_as_the_program_has_them(seed: int) -> None:
     """The drive of the linear inverse, of the reference that the program itself makes."""
     draw = draws()[seed]
@@ -180,10 +178,10 @@ def test_its_reference_is_within_reach_of_its_limits_as_the_program_has_them(see
     assert np.sqrt((drive[: 5 * 512] ** 2).mean(axis=0)).max() < config.limits.rms
     assert np.abs(np.diff(drive, axis=0)).max() * 512 < config.limits.slew
     assert config.limits.peak < config.audio.output_full_scale
-    assert config.audio.input_full_scale >= 40 * wanted.amplitude
+    assert config.audio.input_full_scale >= (40 - 1e-9) * wanted.amplitude
 
 
-@pytest.mark.parametrize("seed", range(0, 300, 25))
+@pytest.mark.parametrize("seed", range(0, 100, 9))
 def test_its_rig_file_wires_the_card_for_it(seed: int) -> None:
     config = load(None, RigConfig, [f"{key}={value_text(value)}" for key, value in draws()[seed].keys.items()])
     laboratory = Laboratory(plant_block(config.simulator.plant, config.simulator.options), Wiring.of(config.audio))
