@@ -43,7 +43,7 @@ soak: setup packages  ## the slow tests: about an hour, or SHARD=2/4 of them
 
 bench: setup packages ## speed beside peers, then the tables of docs/, made again on ten simulated machines each: hours
 	$(BIN)/pytest -q benchmarks --benchmark-only
-	for table in $(TABLES); do $(BIN)/python -m benchmarks.$$table --write || exit 1; done
+	for table in $(TABLES) home; do $(BIN)/python -m benchmarks.$$table --write || exit 1; done
 
 studies: setup   ## the studies of studies/ at full size, hours each, then docs/populations.md; goes on after a stop; STUDIES=stages, SCHEDULER=tcp://...
 	@mkdir -p runs/studies
