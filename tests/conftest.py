@@ -27,7 +27,6 @@ LONGEST = (
     "stagectl/daemon/test_killed.py",
     "stagectl/daemon/test_rig.py",
     "scenario/test_a_pocket_learned_over_the_wires.py",
-    "vibractl/test_late_compilations.py",
     "vibractl/daemon/test_any_order_of_commands.py",
     "vibractl/test_session.py",
 )

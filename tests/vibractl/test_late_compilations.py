@@ -9,6 +9,8 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 
+pytestmark = pytest.mark.slow  # all is compiled anew
+
 
 @pytest.fixture(scope="module")
 def late() -> dict[str, list[str]]:

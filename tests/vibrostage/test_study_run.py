@@ -142,6 +142,7 @@ def test_the_command_that_is_stored_gives_the_same_figure_in_an_empty_folder(fol
     assert json.loads((empty / "plan.json").read_text())["pockets"][-1]["gap"] == row.figures["gap"]
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_same_and_processes_of_its_workers_may_die(folder: Path, call: Call) -> None:
     distributed = pytest.importorskip("distributed", reason="distributed is not installed")
     options = {"threads_per_worker": 1, "processes": False, "dashboard_address": None, "protocol": "tcp"}
