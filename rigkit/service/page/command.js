@@ -81,8 +81,14 @@ export class Command {
 
   async #begin() {
     const { name } = this.#options.chosen;
-    await this.#do("begin", () =>
-      ask("POST", "/api/begin", { procedure: name, options: this.#options.values(), why: byId("why").value.trim() }, 75));
+    await this.#do("begin", async () => {
+      try {
+        await ask("POST", "/api/begin", { procedure: name, options: this.#options.values(), why: byId("why").value.trim() }, 75);
+      } catch (refused) {
+        byId("more").open = true; // the way out is most often among the options
+        throw refused;
+      }
+    });
   }
 
   /** Keep control for as long as this page is looked at. */
@@ -117,7 +123,7 @@ export class Command {
       write(byId("told"), "");
     } catch (refused) {
       if (refused.status === 403 && key()) await this.#renew();
-      write(byId("told"), refused.message);
+      write(byId("told"), refused.message.replaceAll(/(?<!\S)--(?=[a-z])/g, "")); // here options are fields
     }
   }
 

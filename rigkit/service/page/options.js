@@ -38,7 +38,8 @@ export class OptionsForm {
       input.id = `option-${name}`;
       this.#inputs.set(name, { input, schema });
       const help = made("span", { className: "soft", id: `${input.id}-help` });
-      write(help, [schema.description, schema.unit && `(${schema.unit})`].filter(Boolean).join(" "));
+      const several = schema.type === "array" && "- several with spaces between them";
+      write(help, [schema.description, schema.unit && `(${schema.unit})`, several].filter(Boolean).join(" "));
       input.setAttribute("aria-describedby", help.id);
       return made("div", {}, made("label", { htmlFor: input.id }, name.replaceAll("_", " ")), input, help);
     });
@@ -54,7 +55,7 @@ function inputOf(schema) {
     return select;
   }
   const isNumber = ["integer", "number"].includes(schema.type);
-  const input = made("input", { type: isNumber ? "number" : "text", value: String(schema.default ?? "") });
+  const input = made("input", { type: isNumber ? "number" : "text", value: textOf(schema) });
   if (isNumber) {
     input.step = schema.type === "integer" ? "1" : "any";
     for (const [limit, name] of [["minimum", "min"], ["maximum", "max"]]) if (limit in schema) input[name] = schema[limit];
@@ -64,10 +65,19 @@ function inputOf(schema) {
 
 const wordOf = (word) => ({ true: "yes", false: "no" })[word] ?? String(word);
 
+/** The default as a text: items of a list with spaces between them. */
+const textOf = (schema) => (schema.type === "array" ? (schema.default ?? []).join(" ") : String(schema.default ?? ""));
+
 /** Read an input as its schema has it; the daemon checks it. */
 function read(text, schema) {
+  if (schema.type === "array") return text.trim() === textOf(schema) ? schema.default : itemsOf(text, schema);
   if (schema.type === "boolean") return text === "true";
   if (["integer", "number"].includes(schema.type) && text.trim() !== "") return Number(text);
-  if (["string", "integer", "number"].includes(schema.type) || schema.enum) return text;
-  return text === String(schema.default ?? "") ? schema.default : JSON.parse(text);
+  return text;
+}
+
+/** The items of a list, with spaces or commas between them. */
+function itemsOf(text, schema) {
+  const words = text.split(/[\s,[\]"]+/).filter(Boolean);
+  return words.map((word) => (schema.items?.type === "number" && isFinite(word) ? Number(word) : word));
 }
