@@ -3,7 +3,7 @@
 import json
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from pydantic import ValidationError
@@ -16,6 +16,7 @@ from rigkit.service.lease import Lease, Refused
 from rigkit.service.not_begun import NotBegun, reason
 from rigkit.service.rig import Procedure, Rig
 from rigkit.service.state import ACTIVE, Event, Machine, NotNow, State
+from rigkit.service.stop_log import StopLog
 from rigkit.stop import Stopped
 
 DAEMON = "daemon"
@@ -36,11 +37,13 @@ class Control:
     rig : Rig
     lease : Lease
     journal : Journal
+    clock : callable() -> float, s, monotonic
     """
 
-    def __init__(self, rig: Rig, lease: Lease, journal: Journal) -> None:
+    def __init__(self, rig: Rig, lease: Lease, journal: Journal, clock: Callable[[], float] = time.monotonic) -> None:
         self.rig, self.lease, self.journal, self.board = rig, lease, journal, Board()
         self.machine, self.since = Machine(), time.time()
+        self._stopping, self._clock = StopLog(journal), clock
         self.desk: OpenDesk | None = None
         """Of the procedure under way."""
         self._newest: OpenDesk | None = None
@@ -54,7 +57,7 @@ class Control:
     def take_control(self, who: str, over: bool) -> Told:
         """Take the lease; its `key` goes with every command."""
         with self.changing:
-            holder, whose = self.lease.take(who, time.monotonic(), over)
+            holder, whose = self.lease.take(who, self._clock(), over)
         self.journal.add("control taken over" if whose else "control", holder.who, {"from": whose} if whose else {})
         return {"key": holder.key, "who": holder.who, "seconds": self.lease.seconds}
 
@@ -65,7 +68,7 @@ class Control:
     def give_back(self, key: str) -> Told:
         """End the lease."""
         with self.changing:
-            holder = self.lease.give_back(key, time.monotonic())
+            holder = self.lease.give_back(key, self._clock())
         self.journal.add("control given back", holder.who, {})
         return {"who": holder.who}
 
@@ -167,10 +170,17 @@ class Control:
         self.journal.add("fault on purpose", who, {"sensor": sensor, "kind": kind})
         return {"faults": faults.present()}
 
-    def stop(self, who: str, why: str) -> Told:
-        """Bring the output to zero and disarm: for anybody, with or without the lease, whatever goes on."""
+    def stop(self, who: str, why: str, asker: str = "") -> Told:
+        """Bring the output to zero and disarm: for anybody, with or without the lease, whatever goes on.
+
+        Parameters
+        ----------
+        who, why : str
+        asker : str
+            By what repeats are known in the event log; `who` if empty.
+        """
         self.rig.stop()
-        told, before = self._halt(Event.STOP, who, why)
+        told, before = self._halt(Event.STOP, who, why, asker)
         if before is State.ARMED:
             with self._one_command:
                 if self.machine.state is State.DISARMED:
@@ -186,6 +196,8 @@ class Control:
         """Stop the output once more while a procedure that must end has not: it may just have begun a step."""
         if self.machine.ending:
             self.rig.stop()
+        with self.changing:
+            self._stopping.settle(self._clock())
 
     def close(self, seconds: float) -> None:
         """Stop, wait up to `seconds` for the procedure to end, and give up the rig."""
@@ -193,12 +205,14 @@ class Control:
         if self._worker is not None:
             self._worker.join(seconds)
         self.rig.close()
+        with self.changing:
+            self._stopping.end()
 
-    def _halt(self, event: Event, who: str, why: str) -> tuple[Told, State]:
+    def _halt(self, event: Event, who: str, why: str, asker: str = "") -> tuple[Told, State]:
         with self.changing:
             self._stops += 1
             before = self.machine.state
-            told = self._take(event, who, why)
+            told = self._take(event, who, why, asker)
             if self.desk is not None:
                 self.desk.end()
         self.rig.stop()
@@ -239,19 +253,23 @@ class Control:
 
     def _commander(self, key: str) -> str:
         with self.changing:
-            return self.lease.use(key, time.monotonic()).who
+            return self.lease.use(key, self._clock()).who
 
     def _check(self, event: Event, who: str, why: str) -> None:
         with self.changing:
             self.machine.check(event, who, why)
 
-    def _take(self, event: Event, who: str, why: str, **fields: Any) -> Told:
+    def _take(self, event: Event, who: str, why: str, asker: str = "", **fields: Any) -> Told:
         with self.changing:
             made = self.machine.take(event, who, why)
+            told = {"state": made.after.value, "before": made.before.value, "why": why}
             if made.after is not made.before:
                 self.since = time.time()
-        told = {"state": made.after.value, "before": made.before.value, "why": why}
-        self.journal.add(event.value, who, told | fields)
+                self._stopping.end()
+            if event is Event.STOP:
+                self._stopping.add(asker or who, who, told, self._clock())
+            else:
+                self.journal.add(event.value, who, told | fields)
         return told
 
     def _procedure(self, name: str) -> Procedure:

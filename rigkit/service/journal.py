@@ -3,9 +3,9 @@
 import json
 import queue
 import threading
-from collections import deque
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +36,7 @@ class Journal:
 
     def __init__(self, path: Path) -> None:
         self._path, self._lock = path, threading.Lock()
-        self._kept: deque[str] = deque(maxlen=KEPT)
+        self._kept: dict[int, str] = {}
         self.number = self.unwritten = 0
         """Number of the last event, and how many the disk has not taken."""
         self._fault = ""
@@ -45,23 +45,36 @@ class Journal:
         self._writer = threading.Thread(target=self._write, name="journal", daemon=True)
         self._writer.start()
 
-    def add(self, event: str, who: str, fields: Mapping[str, Any]) -> None:
-        """Add an event: what, whose doing, and its particulars."""
+    def add(self, event: str, who: str, fields: Mapping[str, Any], instead_of: int = 0) -> int:
+        """Add an event, and return its number.
+
+        Parameters
+        ----------
+        event, who : str
+            What, and whose doing.
+        fields : mapping
+            Its particulars.
+        instead_of : int
+            Number of an event whose place in memory it takes, as it tells the same and more; in the file both stay.
+        """
         with self._lock:
             self.number += 1
             line = json_text({"number": self.number, "time": now(), "event": event, "who": who, **fields})
-            self._kept.append(line)
+            self._kept.pop(instead_of, None)
+            self._kept[self.number] = line
+            if len(self._kept) > KEPT:
+                del self._kept[next(iter(self._kept))]
             try:
                 self._waiting.put_nowait(line)
             except queue.Full:
                 self.unwritten += 1
+            return self.number
 
     def since(self, number: int, most: int = KEPT) -> list[dict[str, Any]]:
         """Return the events after event `number` that are kept in memory, the newest `most` of them, in order."""
         with self._lock:
-            wanted = max(0, min(most, self.number - number, len(self._kept)))
-            found = [self._kept[place] for place in range(-wanted, 0)]
-        return [json.loads(line) for line in found]
+            found = [self._kept[place] for place in islice(reversed(self._kept), most) if place > number]
+        return [json.loads(line) for line in reversed(found)]
 
     @property
     def fault(self) -> str:

@@ -200,10 +200,11 @@ def _add_commands(app: APIRouter, ends: Ends) -> None:
         return await _asked(ends.asking, "give_back", key=key)
 
     @app.post("/api/stop", response_model=answers.Made)
-    async def stop(asked: requests.Stop | None = None) -> JSONResponse:
+    async def stop(request: Request, asked: requests.Stop | None = None) -> JSONResponse:
         """Bring the output to zero and disarm, now.  Any token may, the one to view as well; no control, no body."""
         asked = asked or requests.Stop()
-        return await _asked(ends.urgent, "stop", who=asked.who, why=asked.why)
+        asker = f"{request.state.role} at {request.client.host if request.client else 'socket'}"
+        return await _asked(ends.urgent, "stop", who=asked.who, why=asked.why, asker=asker)
 
     @app.post("/api/begin", response_model=answers.Made, responses={202: _GETTING_READY})
     async def begin(asked: requests.Begin, key: Key = "") -> JSONResponse:

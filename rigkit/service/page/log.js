@@ -29,7 +29,9 @@ export class Log {
     this.#busy = true;
     try {
       const entries = await ask("GET", `/api/events?after=${this.#last}&most=${KEPT}`);
-      this.#fault.after(...entries.reverse().map(line));
+      const lines = entries.reverse().map(line);
+      for (const { dataset } of lines) if (dataset.series) for (const older of this.#ofSeries(dataset.series)) older.remove();
+      this.#fault.after(...lines);
       this.#last = entries.length ? entries[0].number : upTo;
       const list = byId("events");
       while (list.children.length > KEPT) list.lastElementChild.remove();
@@ -37,6 +39,11 @@ export class Log {
       // the next snapshot asks again
     }
     setTimeout(() => (this.#busy = false), PAUSE);
+  }
+
+  /** Lines of a series of which a newer one tells all. */
+  #ofSeries(series) {
+    return [...byId("events").children].filter((item) => item.dataset.series === series);
   }
 }
 
@@ -47,6 +54,7 @@ function line(entry) {
   const item = made("li", {}, made("time", { dateTime: entry.time }, clock(entry.time)), " ");
   item.append(made("b", {}, entry.event), " ", made("span", { className: "soft" }, entry.who), " ", text);
   if (ALARMING.has(entry.event)) item.className = "alarming";
+  if (entry.times) item.dataset.series = `${entry.event} ${entry.asker} ${entry.since}`;
   return item;
 }
 

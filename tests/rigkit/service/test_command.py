@@ -72,7 +72,7 @@ def test_a_stop_at_the_shell_says_what_it_has_stopped(daemon: Served) -> None:
 def test_a_reason_that_is_no_text_is_told_as_far_as_it_is(daemon: Served) -> None:
     until(lambda: not daemon.named("run") or daemon.named("end"))
     assert said(daemon, "stop", "--why", os.fsdecode(b"smok\xff"))[:2] == (0, "stopped: DISARMED -> DISARMED\n")
-    assert daemon.named("stop")[-1]["why"] == "smok?"
+    until(lambda: daemon.named("stop")[-1]["why"] == "smok?")
 
 
 def test_who_has_the_token_to_view_alone_looks_and_stops_at_the_shell(daemon: Served, tmp_path: Path) -> None:
