@@ -125,6 +125,30 @@ def differences(
     return found + [each for each in _other_files(parts or {}, config, use) if each.key not in keys]
 
 
+def measured_otherwise(what: str, provenance: Mapping[str, str], config: BaseModel, where: str) -> list[Difference]:
+    """Return what differs between the rig that a model was measured on and a rig as it is wired now.
+
+    Parameters
+    ----------
+    what : str
+        Kind of the rig, such as "vibrator".
+    provenance : mapping of str to str
+        The model's words: its configuration or, without one, the rig's name, where they tell that.
+    config : Section
+        Of the rig now.
+    where : str
+        Names the model in an error.
+
+    Raises
+    ------
+    OriginError : its configuration cannot be read.
+    """
+    origin = Origin.told(f"{what} model", provenance, where)
+    if origin is not None:
+        return differences(origin.settings, config, MEASURED_ELSEWHERE, origin.parts)
+    return differences({"rig": {"name": provenance["rig"]}} if "rig" in provenance else {}, config, MEASURED_ELSEWHERE)
+
+
 def _other_files(parts: Mapping[str, str], config: BaseModel, use: Use) -> Iterator[Difference]:
     """Yield the keys whose files hold something else."""
     today = sums_of(config) if parts else {}

@@ -3,9 +3,8 @@
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
-from rigkit.agreement import MEASURED_ELSEWHERE, agreed, differences
+from rigkit.agreement import agreed, measured_otherwise
 from rigkit.config import Section
-from rigkit.origin import Origin
 from stagectl.config import StageConfig
 from stagectl.models import InnovationModel
 
@@ -55,7 +54,7 @@ def refuse_other_wiring(
         Of the rig now.
     file : Path
     provenance : mapping of str to str
-        The model's; nothing is compared where it holds no configuration.
+        The model's.
     accept : collection of str
         Keys that may differ.
     what : str
@@ -66,8 +65,5 @@ def refuse_other_wiring(
     OriginError : its configuration cannot be read.
     DisagreementError : it says which keys of the rig file differ.
     """
-    origin = Origin.told(f"{what} model", provenance, str(file))
-    if origin is None:
-        return []
-    found = differences(origin.settings, config, MEASURED_ELSEWHERE, origin.parts)
+    found = measured_otherwise(what, provenance, config, str(file))
     return agreed(found, accept, f"{file} was measured on a {what} that was wired otherwise", _WAY_OUT)

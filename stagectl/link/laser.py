@@ -1,5 +1,6 @@
 """The laser sensor behind its serial line: a thread that reads it, and a Block that holds its newest value."""
 
+import errno
 import time
 from collections.abc import Callable
 from threading import Event, Thread
@@ -31,7 +32,7 @@ class LaserLine:
 
     Raises
     ------
-    LinkError : on entry, when the port cannot be opened.
+    LinkError : on entry, when the port cannot be opened, or another program has it.
     """
 
     def __init__(self, laser: Laser, now: Callable[[], float] = time.monotonic) -> None:
@@ -111,8 +112,10 @@ class LaserLine:
         except ValueError as fault:
             raise ValueError(f"laser.port, {fault}") from fault
         try:
-            return build(self.laser.device, self.laser.baud, timeout=_LISTEN, write_timeout=_RETRY)
+            return build(self.laser.device, self.laser.baud, timeout=_LISTEN, write_timeout=_RETRY, exclusive=True)
         except (OSError, ValueError) as fault:
+            if getattr(fault, "errno", None) == errno.EAGAIN:
+                raise LinkError(f"laser.device {self.laser.device!r} is in use by another program") from fault
             raise LinkError(f"{self.laser.port} cannot open laser.device {self.laser.device!r}: {fault}") from fault
 
     def _reopen(self) -> None:

@@ -29,8 +29,6 @@ def doctor_command(
     Example: `vibractl doctor --config rig.toml --report doctor.html`
     """
     made = rig_file.load(config, RigConfig, settings or ())
-    if report is not None and not report.parent.is_dir():
-        raise ValueError(f"--report {report}: its folder does not exist")
     stream, total = words(json), duration(made)
     stream.write(f"Plays for {total:.0f} s:\n" + "".join(f"  {line}\n" for line in announcement(made)))
     stream.flush()

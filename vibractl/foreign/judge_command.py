@@ -38,8 +38,6 @@ def judge_command(
     """
     laid_over = [*(settings or []), *([f"reference.signal={reference}"] if reference else [])]
     rig = rig_file.load(config, RigConfig, laid_over)
-    if report is not None and not report.parent.is_dir():
-        raise ValueError(f"--report {report}: its folder does not exist")
     made, kind = Judging.of(rig), responses_of(rig.audio)
     quiet = None if silence is None else open_kind(silence, kind, rig.audio.rate)
     found = judged(made, open_kind(recorded, kind, rig.audio.rate), quiet)

@@ -8,12 +8,11 @@ from pathlib import Path
 import platformdirs
 
 from rigkit import atomic
-from rigkit.agreement import DisagreementError, agreed
+from rigkit.agreement import DisagreementError, agreed, measured_otherwise
 from vibractl.config import RigConfig
 from vibractl.library.entry import Entry, EntryError, read_entry, write_entry
 from vibractl.library.fit import misfit
 from vibractl.library.tags import distances
-from vibractl.model_origin import wired_otherwise
 from vibractl.reference import Reference
 
 SUFFIX = ".h5"
@@ -176,7 +175,7 @@ class Library:
 
 def _wired_otherwise(entry: Entry, config: RigConfig, accept: Collection[str]) -> str:
     """Say how the rig that an entry was learned on was wired otherwise; nothing where that does no harm."""
-    found = wired_otherwise(entry.about, config, f"library entry {entry.name}")
+    found = measured_otherwise("vibrator", entry.about, config, f"library entry {entry.name}")
     try:
         agreed(found, accept, "of a rig that was wired otherwise", "learn it anew")
     except DisagreementError as fault:

@@ -48,8 +48,6 @@ def predict_command(
     }
     laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
     made_with = rig_file.load(config, RigConfig, laid_over)
-    if report is not None and not report.parent.is_dir():
-        raise ValueError(f"--report {report}: its folder does not exist")
     matrix, notes = model_for(model, made_with, accept or [])
     made = setup(made_with, matrix, far=read_far_field(model, len(made_with.audio.far_field_channels)))
     sys.stderr.write("".join(f"{note}\n" for note in notes))

@@ -116,6 +116,15 @@ def test_a_port_that_is_not_there_is_named(tmp_path: Path) -> None:
         LaserLine(laser(tmp_path, port="serial:Parallel")).__enter__()
 
 
+def test_a_port_that_another_program_has_is_refused_and_is_free_when_that_has_ended(tmp_path: Path) -> None:
+    path = tmp_path / "laser"
+    with sensor(path, displacement=lambda: 1e-6):
+        with LaserLine(laser(path)), pytest.raises(LinkError, match="laser.device '.*laser' is in use by another"):
+            LaserLine(laser(path)).__enter__()
+        with LaserLine(laser(path)) as line:
+            assert line.wait(5, EVER)
+
+
 def test_only_the_output_that_is_wanted_is_read() -> None:
     line = LaserLine(Laser(output=2))
     line.take(b"TG,1,+00.0010\rTG,2,+00.0020\r")
