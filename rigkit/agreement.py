@@ -23,6 +23,7 @@ DRIVE = "drive"
 """Key of a drive that is not the one that was played."""
 CONTENT = ", its content,"
 MOST_SAID = 4
+_IDLE = ": nothing differs there"
 
 AcceptOption = Annotated[
     list[str] | None,
@@ -207,6 +208,18 @@ def agreed(found: Sequence[Difference], accept: Collection[str], what: str, way_
     return list(_notes(found, accept, what))
 
 
+def together(*notes: Sequence[str]) -> list[str]:
+    """Return the notes of comparisons with the same accepted keys: that nothing differs there is so if all say it.
+
+    Examples
+    --------
+    >>> together(["--accept a: nothing differs there"], ["RUN/ began otherwise: a was 1, is 2; accepted"])
+    ['RUN/ began otherwise: a was 1, is 2; accepted']
+    """
+    every = dict.fromkeys(text for each in notes for text in each)
+    return [text for text in every if not text.endswith(_IDLE) or all(text in each for each in notes)]
+
+
 def accepted(found: Iterable[Difference], accept: Collection[str]) -> list[str]:
     """Return the keys whose harmful difference has been accepted."""
     return [each.key for each in found if each.is_harmful and each.key in accept]
@@ -217,7 +230,7 @@ def _notes(found: Sequence[Difference], accept: Collection[str], what: str) -> I
         yield f"{what}: {each.text}{'; accepted' if each.is_harmful else ''}"
     for key in accept:
         if key not in [each.key for each in found]:
-            yield f"--accept {key}: nothing differs there"
+            yield f"--accept {key}{_IDLE}"
 
 
 def _shown(value: Any) -> str:

@@ -1,6 +1,9 @@
 """Files that grow by a line: each line is there whole or not at all."""
 
+import csv
+import io
 import os
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
@@ -68,3 +71,16 @@ def repair(path: Path) -> None:
         whole = file.read().rfind(b"\n") + 1
         file.truncate(whole)
         os.fsync(file.fileno())
+
+
+def as_csv(cells: Iterable[object]) -> str:
+    """Return cells as a line of CSV, without its end.
+
+    Examples
+    --------
+    >>> as_csv(["a, b", 1])
+    '"a, b",1'
+    """
+    text = io.StringIO()
+    csv.writer(text, lineterminator="").writerow(cells)
+    return text.getvalue()

@@ -2,7 +2,7 @@
 
 import hashlib
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self
@@ -157,6 +157,14 @@ def read_origin(path: Path) -> Origin | None:
         raise OriginError(f"{path}: accepted and parts must hold texts")
     values = {name: told[name] for name in wanted}
     return Origin(**{**values, "accepted": tuple(told["accepted"])})
+
+
+def has_more(folder: Path, besides: Collection[str]) -> bool:
+    """Whether a folder has files beside those that it was made of, by its record; hidden files do not count."""
+    origin = read_origin(folder / RUN)
+    made_of = {RUN, *besides, *(origin.parts if origin else ())}
+    files = (path for path in folder.rglob("*") if path.is_file() and not path.name.startswith("."))
+    return any(path.relative_to(folder).as_posix() not in made_of for path in files)
 
 
 def checksum(path: Path) -> str:

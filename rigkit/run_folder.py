@@ -1,7 +1,7 @@
 """The folder of a run: what the run was given, did and found, whole at any moment and resumable."""
 
 import csv
-import io
+import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -14,6 +14,7 @@ from rigkit.growing_wav import finish, unfinished
 from rigkit.json_file import json_value
 from rigkit.json_text import json_text
 from rigkit.lock import FolderInUseError, Lock, holder
+from rigkit.origin import has_more
 
 CONFIG = "config.toml"
 EVENTS = "events.jsonl"
@@ -21,6 +22,7 @@ QUALITY = "qc.csv"
 SHOTS = "shots"
 SUMMARY = "summary.json"
 LOCK = ".lock"
+REPORT = "`report` shows it"
 
 
 class RunFolder:
@@ -40,7 +42,7 @@ class RunFolder:
         self._given: set[Path] | None = None
 
     @classmethod
-    def create(cls, path: str | Path, config: str) -> Self:
+    def create(cls, path: str | Path, config: str, way_on: str = REPORT) -> Self:
         """Make the folder of a new run.
 
         Parameters
@@ -49,13 +51,15 @@ class RunFolder:
             Absent, or an empty folder.
         config : str
             The text of `config.toml`.
+        way_on : str
+            What to do with a run that is there.
 
         Raises
         ------
         FolderInUseError : something is there already; nothing is written.
         """
         path = Path(path)
-        _refuse_used(path)
+        _refuse_used(path, way_on)
         made = atomic.absent(path)
         with atomic.folder(path):
             lock = Lock(path / LOCK)
@@ -76,12 +80,12 @@ class RunFolder:
 
     @classmethod
     @contextmanager
-    def filled(cls, path: str | Path, config: str) -> Iterator[Self]:
+    def filled(cls, path: str | Path, config: str, way_on: str = REPORT) -> Iterator[Self]:
         """Make the folder of a new run, as `create` does, and give it to be filled; where that fails it is taken away.
 
         What the block puts in it, such as models, is there when the run can be taken up.  The lock stays.
         """
-        folder = cls.create(path, config)
+        folder = cls.create(path, config, way_on)
         try:
             yield folder
         except BaseException:
@@ -221,12 +225,12 @@ class RunFolder:
         ValueError : the keys are not those of the rows before, or a cell holds a line break.
         """
         path = self.path / QUALITY
-        written, header = line_file.first(path), _csv_line(row.keys())
+        written, header = line_file.first(path), line_file.as_csv(row.keys())
         if not written:
             line_file.append(path, header)
         elif written != header:
             raise ValueError(f"{path}: the columns are {written}, but the row has {header}")
-        line_file.append(path, _csv_line(row.values()))
+        line_file.append(path, line_file.as_csv(row.values()))
 
     def summarise(self, figures: Mapping[str, Any]) -> None:
         """Write `summary.json`."""
@@ -268,13 +272,20 @@ def read_quality(path: str | Path) -> list[dict[str, str]]:
     return list(csv.DictReader(line_file.lines(Path(path) / QUALITY)))
 
 
-def _refuse_used(path: Path) -> None:
+def _refuse_used(path: Path, way_on: str = REPORT) -> None:
     if path.exists() and not path.is_dir():
         raise FolderInUseError(f"{path} is a file, must be a folder to make")
-    held = [] if not path.exists() else [entry for entry in path.iterdir() if not _counts_as_empty(entry)]
+    held = sorted(entry.name for entry in path.iterdir() if not _counts_as_empty(entry)) if path.exists() else []
+    if held and (process := holder(path / LOCK)) not in (None, os.getpid()):
+        raise FolderInUseError(f"{path}/ is in use by process {process}; choose another folder")
+    what, way = ", ".join([*held[:3], *["..."] * (len(held) > 3)]), ""
+    if CONFIG in held:
+        state, way = (
+            ("", way_on) if has_more(path, (CONFIG, EVENTS)) else (" of which nothing is recorded", "delete it")
+        )
+        what, way = f"a run{state} ({what})", f"{way}, or "
     if held:
-        some = ", ".join(sorted(entry.name for entry in held)[:3])
-        raise FolderInUseError(f"{path}/ is in use: it holds {some}{', ...' * (len(held) > 3)}; choose another folder")
+        raise FolderInUseError(f"{path}/ is in use: it holds {what}; {way}choose another folder")
 
 
 def _counts_as_empty(entry: Path) -> bool:
@@ -282,9 +293,3 @@ def _counts_as_empty(entry: Path) -> bool:
     if entry.name == SHOTS and entry.is_dir():
         return not any(entry.iterdir())
     return entry.name == LOCK or atomic.is_leftover(entry)
-
-
-def _csv_line(cells: Any) -> str:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="").writerow(cells)
-    return text.getvalue()

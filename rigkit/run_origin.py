@@ -8,8 +8,9 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from rigkit.agreement import GOING_ON, Difference, Use, accepted, agreed, changed_parts, differences
+from rigkit.lock import holder
 from rigkit.origin import RUN, Origin, checksum, read_origin
-from rigkit.run_folder import RunFolder
+from rigkit.run_folder import LOCK, RunFolder
 
 WAY_OUT = "put back what it began with, or begin a new run"
 
@@ -92,6 +93,12 @@ def say_changed(path: Path, config: BaseModel, use: Use = GOING_ON) -> None:
     """
     for each in changed(path, config, use) or []:
         sys.stderr.write(f"{path}/ has changed since the run was made: {each.text}\n")
+
+
+def say_at_work(path: Path) -> None:
+    """Say, on the standard error, where a process is at work in a run's folder: what is recorded so far is taken."""
+    if (process := holder(path / LOCK)) is not None:
+        sys.stderr.write(f"process {process} is at work in {path}/: what is recorded so far is taken\n")
 
 
 def take_over(folder: RunFolder, config: BaseModel, keys: Sequence[str]) -> None:

@@ -1,9 +1,14 @@
-"""What a command is to write: refused before anything is done where it cannot be, or where it is what is read."""
+"""What a command is to write: refused before anything is done where it cannot be, or where it is what is read.
+
+A file that it writes over is named.
+"""
 
 import functools
 import inspect
 import os
-from collections.abc import Callable, Iterator
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, get_args
 
@@ -44,10 +49,35 @@ def _checked(function: Callable[..., Any]) -> Callable[..., Any]:
 
     @functools.wraps(function)
     def command(**given: Any) -> Any:
-        _refuse({name: (told[name], list(_paths(name, value))) for name, value in given.items()})
-        return function(**given)
+        paths = {name: (told[name], list(_paths(name, value))) for name, value in given.items()}
+        _refuse(paths)
+        files = [
+            path for name, ((_, writes), its) in paths.items() if writes == "file" and name != JSON for path in its
+        ]
+        with _told_over(files):
+            return function(**given)
 
     return command
+
+
+@contextmanager
+def _told_over(files: Iterable[Path]) -> Iterator[None]:
+    """Say of which files the content is gone when the block ends; those that only have another name by then are not."""
+    with ExitStack() as opened:
+        there = [(path, opened.enter_context(path.open("rb"))) for path in files if path.is_file()]
+        before = [os.fstat(file.fileno()).st_mtime_ns for _, file in there]
+        try:
+            yield
+        finally:
+            now = [os.fstat(file.fileno()) for _, file in there]
+            is_gone = [each.st_nlink == 0 or each.st_mtime_ns != then for each, then in zip(now, before, strict=True)]
+            say_over([path for (path, _), gone in zip(there, is_gone, strict=True) if gone])
+
+
+def say_over(files: Sequence[Path]) -> None:
+    """Say, on the standard error, which files were there already and have been written over."""
+    if files:
+        sys.stderr.write(f"written over: {files[0]}{f' and {len(files) - 1} more' * (len(files) > 1)}\n")
 
 
 def _refuse(given: dict[str, tuple[tuple[str, str], list[Path]]]) -> None:

@@ -11,13 +11,15 @@ from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
 from rigkit.json_file import json_value
+from rigkit.origin import RUN, read_origin
 from rigkit.progress import progress
 from rigkit.retention_command import prune_command
-from rigkit.run_folder import CONFIG, RunFolder, make_whole
-from rigkit.run_origin import say_changed
+from rigkit.run_folder import RunFolder, make_whole
+from rigkit.run_origin import say_at_work
 from rigkit.stop import Stopped, stoppable
 from stagectl import session
 from stagectl.application import app
+from stagectl.changed import say_changed
 from stagectl.config import StageConfig
 from stagectl.export import export
 from stagectl.feed.command import force
@@ -34,6 +36,7 @@ from stagectl.replay import Replayed, replay
 from stagectl.report import run_report
 from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging.command import midrange
+from stagectl.robot.midranging.session import KIND as MIDRANGING
 from stagectl.robot.milling.force_command import estimate_force_command
 from stagectl.scenario import scenario_settings
 from stagectl.setup import Setup
@@ -155,7 +158,9 @@ def replay_command(
 
     Example: `stagectl replay RUN/`
     """
-    _say_changed(path)
+    _refuse_mid_ranging(path)
+    say_changed(path)
+    say_at_work(path)
     done = _collected(_replayed(path))
     rows = [
         [each.recording, each.channel, "yes" if each.identical else "no", f"{each.difference:.3g} {each.unit}"]
@@ -173,11 +178,13 @@ def replay_command(
         raise typer.Exit(1)
 
 
-def _say_changed(path: Path) -> None:
-    """Say what of a run has changed since it was made; where that cannot be told, its own reader will say so."""
-    if (path / CONFIG).is_file():
-        has_robot = is_of_cell(path) or is_of_trials(path) or is_of_feed(path)
-        say_changed(path, rig_file.load(path / CONFIG, CellConfig if has_robot else StageConfig, as_written=True))
+def _refuse_mid_ranging(path: Path) -> None:
+    origin = read_origin(path / RUN)
+    if origin is not None and origin.kind == MIDRANGING:
+        raise ValueError(
+            f"{path}/ is a {MIDRANGING}: its report was written when it ended, and neither that nor the run is made "
+            f"again; `stagectl export {path}` takes its recordings"
+        )
 
 
 def _collected(replayed: Iterator[Replayed]) -> list[Replayed]:
@@ -218,7 +225,9 @@ def report_command(
     Example: `stagectl report RUN/ --png figures/`
     """
     make_whole(path)
-    _say_changed(path)
+    _refuse_mid_ranging(path)
+    say_changed(path)
+    say_at_work(path)
     figures = _reported(path, png)
     print(f"report: {path / 'report.html'}", file=words(json))
     write_json(json, figures)

@@ -14,7 +14,10 @@ from rigkit.export.mcap_file import write_mcap
 from rigkit.export.optional import refuse_missing
 from rigkit.export.parquet_file import write_recording
 from rigkit.provenance import software
-from rigkit.run_folder import CONFIG, EVENTS, SUMMARY
+from rigkit.run_folder import CONFIG, EVENTS, SUMMARY, make_whole
+from rigkit.run_origin import say_at_work
+from rigkit.written import say_over
+from stagectl.changed import say_changed
 
 FOLDER = "export"
 """Within the run folder, unless another place is named."""
@@ -38,7 +41,12 @@ def export(
 
     Example: `stagectl export RUN/ --to mcap --out run.mcap`
     """
+    say_changed(path)
+    say_at_work(path)
+    place = path / FOLDER if out is None else out if out.is_dir() else out.parent
+    there = set(place.iterdir()) if place.is_dir() else set()
     written = export_run(path, tuple(dict.fromkeys(formats or FORMATS)), out)
+    say_over([file for file in written if file in there])
     rows = [[str(file), f"{file.stat().st_size / 1e6:.3g}"] for file in written]
     print_table(f"{path}: exported", ["file", "MB"], rows, words(json))
     write_json(json, {"files": [str(file) for file in written]})
@@ -67,6 +75,7 @@ def export_run(path: Path, formats: Sequence[str] = FORMATS, out: Path | None = 
         raise ValueError(f"--out is {out}, must be a folder for --to {', '.join(formats)}")
     if not (path / CONFIG).is_file():
         raise ValueError(f"{path}/ is not the folder of a run: it has no {CONFIG}")
+    make_whole(path)
     files = recordings(path)
     if not files:
         raise ValueError(f"{path}: nothing is recorded")

@@ -25,6 +25,7 @@ from stagectl.tracking import tracking
 
 RECORDING, UNCOMPENSATED = "recording", "uncompensated"
 """Names of a run's recordings, less the suffix."""
+KIND = "stage run"
 RESUMED = "resumed"
 """The event of a reference that goes on; its `samples` are those that it was held, in all."""
 RECORDED_LIVE = ("reference", "position", "extension", "voltage")
@@ -75,7 +76,7 @@ def make_folder(path: Path, made: Setup, models: Sequence[Path]) -> RunFolder:
             source = Path(config.reference.signal)
             folder.take_in(source, f"reference{source.suffix.lower()}")
         parts = [path.name for path in folder.path.iterdir() if path.suffix in (".h5", ".wav", ".csv")]
-        keep_origin(folder, "stage run", files.config, [*sorted(parts), *copied], [])
+        keep_origin(folder, KIND, files.config, [*sorted(parts), *copied], [])
     return folder
 
 

@@ -22,6 +22,7 @@ from rigkit.command import (
 from rigkit.progress import progress
 from rigkit.retention_command import prune_command
 from rigkit.run_folder import RunFolder, read_quality
+from rigkit.run_origin import say_at_work
 from rigkit.stop import Stopped, stoppable
 from vibractl.application import app
 from vibractl.audio_stream import AudioError
@@ -192,6 +193,7 @@ def replay_command(
     """
     settings_of(path)
     say_changed(path)
+    say_at_work(path)
     made = setup_of(path, tuple(settings or ()), model)
     if made.plans.note:
         sys.stderr.write(f"{made.plans.note}\n")
@@ -245,6 +247,7 @@ def report_command(
     """
     settings_of(path)
     say_changed(path)
+    say_at_work(path)
     figures = run_report(path, png)
-    print(f"report: {path / 'report.html'}", file=words(json))
+    print(f"report: {path / 'report.html'}, of {figures['shots']} shots", file=words(json))
     write_json(json, figures)

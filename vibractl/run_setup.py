@@ -68,7 +68,7 @@ def create(
     require_room(path, made, shots or config.session.shots)
     kept, source = with_own_reference(config)
     files = kept_files(kept, ["reference.signal"])
-    with RunFolder.filled(path, rig_file.dump(files.config)) as folder:
+    with RunFolder.filled(path, rig_file.dump(files.config), "`run --resume` goes on with it") as folder:
         folder.take_in(model, MODEL)
         parts = [MODEL, *files.take_into(folder)]
         if source is not None:

@@ -22,7 +22,7 @@ from calibration.output import AgainOption, Output, RecomputeOption, Wish
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
-from rigkit.stop import stoppable
+from rigkit.stop import Stopped, stoppable
 from rigkit.written import written_file
 from stagectl.machining.run import Conduct
 from stagectl.robot.config import CellConfig
@@ -105,6 +105,9 @@ def _measured(writes: Output[CellConfig], task: str, is_live: bool, is_sure: boo
         person = Person(tell, conduct.stopped, not is_sure) if is_live else None
         if person is not None and not (folder.path / SWEEP).exists():
             person.confirm(f"the sweep, {len(sweep_steps(cell))} motions: no block, nobody in the cell")
-        swept = sweep(cell, is_live, folder.path / SWEEP, tell, stop)
-        with performing(cell, person, conduct) as perform:
-            return calibrate(cell, task, Runner(folder, conduct, perform, tell), swept, about)
+        try:
+            swept = sweep(cell, is_live, folder.path / SWEEP, tell, stop)
+            with performing(cell, person, conduct) as perform:
+                return calibrate(cell, task, Runner(folder, conduct, perform, tell), swept, about)
+        except Stopped:
+            raise Stopped(writes.left) from None

@@ -11,6 +11,7 @@ from rigkit.kept_files import kept_files
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder
 from rigkit.run_origin import keep_origin
+from rigkit.stop import Stopped
 from stagectl.machining.run import Conduct, Milled
 from stagectl.robot.config import CellConfig
 from stagectl.trials.campaign import FIRST, FREE
@@ -67,7 +68,7 @@ class Runner:
 
         Raises
         ------
-        TrialEnded : a fault ended it; what was recorded until then is kept.
+        Stopped, TrialEnded : a person, or a fault, ended it; what was recorded until then is kept.
         OSError : a live robot that did not come to its beginning.
         """
         path = self.folder.path
@@ -83,7 +84,8 @@ class Runner:
         done.write(path)
         self.folder.event("ended", {"trial": name, "reason": came.reason, **came.figures})
         if came.reason:
-            raise TrialEnded(f"{name}: {came.reason}; what is recorded is in {path}/")
+            text = f"{name}: {came.reason}; what is recorded is in {path}/"
+            raise Stopped(text) if self._conduct.stopped() else TrialEnded(text)
         if trial.zero is not None and trial.path.milled.any():
             size = 1e6 * done.mae
             self._tell(f"{name}: MAE x {size[0]:.0f}, y {size[1]:.0f}, z {size[2]:.0f} µm")

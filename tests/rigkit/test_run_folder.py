@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from ctlblocks import recording
+from rigkit import run_folder
 from rigkit.growing_wav import Channels, GrowingWav
 from rigkit.lock import FolderInUseError
 from rigkit.run_folder import RunFolder, make_whole, read_events, read_quality
@@ -36,9 +37,19 @@ def test_a_folder_with_content_is_refused_and_left_as_it_was(path: Path) -> None
     assert [entry.name for entry in path.iterdir()] == ["thesis.txt"]
 
 
-def test_a_run_is_not_started_where_one_has_been(path: Path) -> None:
+def test_a_run_is_not_started_where_one_has_been(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     RunFolder.create(path, "").close()
-    with pytest.raises(FolderInUseError, match="it holds config.toml"):
+    unrecorded = r"it holds a run of which nothing is recorded \(config.toml\); delete it, or choose another folder$"
+    with pytest.raises(FolderInUseError, match=unrecorded):
+        RunFolder.create(path, "")
+    (path / "cell.csv").write_text("a record")
+    with pytest.raises(
+        FolderInUseError, match=r"a run \(cell.csv, config.toml\); `report` shows it, or choose another"
+    ):
+        RunFolder.create(path, "")
+    assert (path / "cell.csv").read_text() == "a record"
+    monkeypatch.setattr(run_folder, "holder", lambda _: 4711)
+    with pytest.raises(FolderInUseError, match="first/ is in use by process 4711; choose another folder$"):
         RunFolder.create(path, "")
 
 

@@ -9,7 +9,7 @@ from typing import Annotated
 import pytest
 import typer
 
-from rigkit import command
+from rigkit import atomic, command
 from rigkit.command import JsonOption, PngOption
 from rigkit.written import written_file
 
@@ -28,6 +28,10 @@ def work(
     json: JsonOption = None,
 ) -> None:
     """Work for hours."""
+    if out is not None and out.is_file():
+        if model:
+            out.rename("old")  # set aside, as a calibration does that is made again
+        atomic.write(out, "new")
     done.append(f"{data} {model} {out} {page} {png} {json}")
 
 
@@ -95,3 +99,13 @@ def test_a_folder_that_may_not_be_written_in_is_refused_at_once(
         assert call("in", *words) == 2
         assert "cannot be: nothing may be written in folder\n" in capsys.readouterr().err
     assert done == []
+
+
+def test_a_file_that_was_written_over_is_named_and_one_that_was_set_aside_or_left_is_not(
+    call: Call, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call("in", "--out", "file", "--json", "told.json") == 0
+    assert capsys.readouterr().err == "written over: file\n"
+    assert call("in", "--out", "file", "--model", "in", "--json", "told.json") == 0
+    assert call("in", "--report", "file") == 0
+    assert capsys.readouterr().err == ""

@@ -28,7 +28,9 @@ def stagectl(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
 
 
 @pytest.mark.parametrize("kind", SHORT)
-def test_a_run_keeps_what_it_was_made_with(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_keeps_what_it_was_made_with(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     run = tmp_path / "run"
     assert stagectl(monkeypatch, *SHORT[kind].split(), "--out", str(run)) == 0
     origin = read_origin(run / RUN)
@@ -36,6 +38,15 @@ def test_a_run_keeps_what_it_was_made_with(kind: str, tmp_path: Path, monkeypatc
     assert origin.kind == kind
     assert origin.settings == rig_file.load(run / CONFIG, CellConfig, as_written=True).model_dump(mode="json")
     assert dict(origin.parts) == {name: checksum(run / name) for name in origin.parts}
+    capsys.readouterr()
+    is_refused = kind == "mid-ranging run"
+    assert stagectl(monkeypatch, "report", str(run)) == 2 * is_refused
+    said = capsys.readouterr().err
+    assert is_refused == ("run/ is a mid-ranging run: its report was written when it ended" in said)
+    assert stagectl(monkeypatch, "export", str(run), "--to", "parquet") == 0
+    assert capsys.readouterr().err == ""
+    assert stagectl(monkeypatch, "export", str(run), "--to", "parquet") == 0
+    assert capsys.readouterr().err.startswith(f"written over: {run}/export/")
 
 
 def test_a_replay_says_what_was_edited_since(

@@ -6,7 +6,11 @@ from typing import Annotated
 import typer
 
 from rigkit.command import JsonOption, print_table, words, write_json
+from rigkit.run_folder import CONFIG
+from rigkit.run_origin import say_at_work
+from rigkit.written import say_over
 from vibractl.export.run import FORMATS, export_run
+from vibractl.run_setup import say_changed
 
 
 def export_command(
@@ -27,7 +31,12 @@ def export_command(
 
     Example: `vibractl export RUN/ --format segy --shots all --out sweeps.sgy`
     """
-    written = export_run(path, tuple(dict.fromkeys(formats or FORMATS)), out, shots)
-    rows = [[str(file), f"{file.stat().st_size / 1e6:.3g}"] for file in written]
-    print_table(f"{path}: exported", ["file", "MB"], rows, words(json))
-    write_json(json, {"files": [str(file) for file in written]})
+    if (path / CONFIG).is_file():
+        say_changed(path)
+    say_at_work(path)
+    done = export_run(path, tuple(dict.fromkeys(formats or FORMATS)), out, shots)
+    say_over(done.over)
+    rows = [[str(file), f"{file.stat().st_size / 1e6:.3g}"] for file in done.files]
+    print_table(f"{path}: {len(done.shots)} of {done.recorded} shots exported", ["file", "MB"], rows, words(json))
+    told = {"shots": list(done.shots), "recorded": done.recorded}
+    write_json(json, {"files": [str(file) for file in done.files], **told})

@@ -40,6 +40,8 @@ class Content:
     matrix : TransferMatrix or None
         Where there is a model.
     files : mapping from shot, counted from 0, to its recording
+    recorded : int
+        Shots that there are.
     far : FarField or None
         Where there are hydrophones.
     """
@@ -53,6 +55,7 @@ class Content:
     frames: int
     matrix: TransferMatrix | None
     files: Mapping[int, Path]
+    recorded: int
     far: FarField | None = None
 
     @property
@@ -128,6 +131,7 @@ def read_content(path: Path, shots: str | None = None) -> Content:
         made.shot.frames,
         read_model(path / MODEL) if has_model else None,
         {number: recorded[number] for number in wanted},
+        len(recorded),
         read_far_field(path / MODEL, len(made.config.audio.far_field_channels)) if has_model else None,
     )
 

@@ -1,6 +1,7 @@
 """A run in the formats of other programs, every file whole or not there."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from rigkit import atomic
@@ -17,6 +18,27 @@ FOLDER = "export"
 """Within the run folder, unless another place is named."""
 BESIDE = ("config.toml", "model.h5", "events.jsonl", "qc.csv", "summary.json")
 """Files of a run that go along whole where a format takes them."""
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What was written of a run.
+
+    Parameters
+    ----------
+    files : tuple of Path
+    over : tuple of Path
+        Those that were there already, and have been written over.
+    shots : tuple of int
+        Counted from 0.
+    recorded : int
+        Shots that there were.
+    """
+
+    files: tuple[Path, ...]
+    over: tuple[Path, ...]
+    shots: tuple[int, ...]
+    recorded: int
 
 
 def write_mcap_of_run(path: Path, content: Content) -> None:
@@ -40,7 +62,7 @@ SUFFIXES = {"uff": (".uff", ".unv", ".bin"), "segy": (".sgy", ".segy"), "mat": (
 
 def export_run(
     path: Path, formats: Sequence[str] = FORMATS, out: Path | None = None, shots: str | None = None
-) -> list[Path]:
+) -> Exported:
     """Write a run folder in other formats.
 
     Parameters
@@ -53,11 +75,6 @@ def export_run(
         A folder, made if absent; or the file, for one format that is one file, with its suffix.
     shots : str, optional
         As for `read_content`.
-
-    Returns
-    -------
-    list of Path
-        What was written.
 
     Raises
     ------
@@ -73,6 +90,7 @@ def export_run(
     refuse_missing(formats)
     with atomic.folder(path / FOLDER if out is None else out.parent if single else out) as folder:
         written: list[Path] = []
+        there = set(folder.iterdir())
         for name in formats:
             if name in _FOLDERS:
                 written += _FOLDERS[name](folder, content)
@@ -82,4 +100,5 @@ def export_run(
             with atomic.replacing(target) as temporary:
                 write(temporary, content)
             written.append(target)
-    return written
+    over = tuple(file for file in written if file in there)
+    return Exported(tuple(written), over, tuple(content.files), content.recorded)

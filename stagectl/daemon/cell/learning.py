@@ -4,6 +4,7 @@ from collections.abc import Collection
 from typing import Any
 
 from rigkit import config as rig_file
+from rigkit.agreement import together
 from rigkit.disk_space import require
 from rigkit.run_folder import CONFIG, RunFolder
 from rigkit.run_origin import going_on
@@ -56,7 +57,8 @@ class Learning:
             model = data_file(config.daemon.data, "model", options.model)
         cell = cell_for_task(config, task)
         self._first = first_trial(cell, task)
-        self._learner = learner_of(cell, model, self._first, self._methods, options.accept, self._note)
+        notes: list[str] = []
+        self._learner = learner_of(cell, model, self._first, self._methods, options.accept, notes.append)
         for each in (None, *self._methods):
             self._learner.contraction(each).refuse_divergence()
         refuse_wrong_plants(self._first)
@@ -65,24 +67,21 @@ class Learning:
         self._panels = LearningPanels(desk, model, self._learner)
         if options.resume:
             self._folder = RunFolder.open(path)
-            self._go_on(options.accept)
+            notes = together(notes, self._go_on(options.accept))
         else:
             self._folder = create(path, cell, task, model)
+        for text in notes:
+            desk.event("note", {"text": text})
         self._trials = TrialRunner(self._conductor, self._folder, self._first.cell, 0, self._whole, self._keep)
 
-    def _go_on(self, accept: Collection[str]) -> None:
-        """Refuse trials of which settings or models have changed since they began."""
+    def _go_on(self, accept: Collection[str]) -> list[str]:
+        """Refuse trials of which settings or models have changed since they began; return what is to be said."""
         path = self._folder.path
         try:
-            said = going_on(self._folder, rig_file.load(path / CONFIG, CellConfig, as_written=True), accept)
+            return going_on(self._folder, rig_file.load(path / CONFIG, CellConfig, as_written=True), accept)
         except BaseException:
             self._folder.close()
             raise
-        for text in said:
-            self._note(text)
-
-    def _note(self, text: str) -> None:
-        self._desk.event("note", {"text": text})
 
     def stop(self) -> None:
         """Lift the tool out of the material, and hold."""

@@ -4,11 +4,10 @@ from collections.abc import Callable
 
 from rigkit.run_folder import RunFolder
 from rigkit.service.show import Gauge
-from rigkit.stop import Stopped
 from stagectl.daemon.cell.conductor import Conductor
 from stagectl.daemon.cell.gauges import REFERENCE, Motion, felt, sighted, timed
 from stagectl.robot.config import CellConfig
-from stagectl.trials.done import DoneTrial, TrialEnded, has_trial
+from stagectl.trials.done import DoneTrial, has_trial
 from stagectl.trials.recorded import RATE, SLOW
 from stagectl.trials.session import Runner, run_simulated
 from stagectl.trials.trial import Trial
@@ -66,10 +65,6 @@ class TrialRunner:
         self._desk.recording(not is_there)
         try:
             done = self._runner(name, trial)
-        except TrialEnded as end:
-            if self._conductor.stopped():
-                raise Stopped(str(end)) from None
-            raise
         finally:
             self._desk.recording(False)
             self._conductor.watch.forget()

@@ -12,7 +12,7 @@ from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.controllers import controller
 from stagectl.robot.midranging.live import Look, run_live, unseen
-from stagectl.robot.midranging.measures import channel, figures
+from stagectl.robot.midranging.measures import figures, together
 from stagectl.robot.midranging.scenario import RADIUS, TOROID, Scenario
 from stagectl.robot.midranging.simulation import Advance, never, simulate
 
@@ -89,7 +89,7 @@ def all_figures(runs: Runs, chosen: Mapping[str, Scenario], config: MidrangeConf
 
 def circle_deviation(runs: Runs) -> np.ndarray:
     """Return how far outside the toroid's circle the relative position is, shape (samples,), m."""
-    x, y = (channel(run, "position") for run in runs.values())
+    x, y = together(runs, "position")
     return np.asarray(np.hypot(x, y - RADIUS) - RADIUS)
 
 

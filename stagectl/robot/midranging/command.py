@@ -23,7 +23,7 @@ from rigkit.command import (
     write_json,
 )
 from rigkit.progress import progress
-from rigkit.stop import stoppable
+from rigkit.stop import Stopped, stoppable
 from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging import session
 from stagectl.robot.midranging.axes import all_figures, run_axes
@@ -74,6 +74,7 @@ def midrange(
         if out is None:
             runs = run_axes(controller_name, cell, chosen, lambda: stop.made, advance)
             _tell(all_figures(runs, chosen, cell.midranging), json)
+            _end_if(stop.made, "")
             return
         kept = session.about(controller_name, scenario_name)
         session.require_room(out, controller(controller_name, cell.midranging, len(chosen)), chosen)
@@ -83,6 +84,12 @@ def midrange(
             )
             _tell(session.keep(folder, runs, chosen, cell, kept, png), json)
     print(f"report: {out / PAGE}", file=words(json))  # noqa: T201
+    _end_if(stop.made, f"; what is recorded is in {out}/")
+
+
+def _end_if(is_stopped: bool, where: str) -> None:
+    if is_stopped:
+        raise Stopped(f"stopped: these are the figures of what was run until then{where}")
 
 
 @contextmanager

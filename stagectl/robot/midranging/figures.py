@@ -11,7 +11,7 @@ from ctlblocks.recording import Recording
 from rigkit.figure_style import COLOURS, LIMIT
 from rigkit.report import Plot
 from stagectl.robot.midranging.config import MidrangeConfig
-from stagectl.robot.midranging.measures import believed_gain, channel, model_columns
+from stagectl.robot.midranging.measures import believed_gain, channel, model_columns, together
 from stagectl.robot.midranging.scenario import RADIUS, Scenario
 
 MILLI, MICRO = 1e3, 1e6
@@ -103,7 +103,7 @@ def circle_plot(runs: Mapping[str, Recording]) -> Plot:
     """Draw how far the relative position is off the toroid's circle, around it, and the microns beside each other."""
     figure = Figure(figsize=(6.5, 6.0))
     axes = figure.add_subplot(projection="polar")
-    x, y = (channel(run, "position") for run in runs.values())
+    x, y = together(runs, "position")
     off = MICRO * (np.hypot(x, y - RADIUS) - RADIUS)
     axes.plot(np.arctan2(y - RADIUS, x), off, color=BLUE, linewidth=0.9)
     most = max(float(np.abs(off).max()), 1.0)

@@ -1,5 +1,6 @@
 """Figures of merit of a mid-ranging run."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,18 @@ from stagectl.robot.midranging.simulation import simulate
 def channel(run: Recording, name: str) -> np.ndarray:
     """Return one channel of a run, shape (samples,), in its own unit."""
     return run.select([name]).data[:, 0]
+
+
+def together(runs: Mapping[str, Recording], name: str) -> list[np.ndarray]:
+    """Return one channel of each axis, shape (samples,), as far as all of them are recorded.
+
+    Parameters
+    ----------
+    runs : mapping of str to Recording
+    name : str
+    """
+    samples = min(len(run.data) for run in runs.values())
+    return [channel(run, name)[:samples] for run in runs.values()]
 
 
 def iae(run: Recording) -> float:

@@ -20,12 +20,14 @@ from stagectl.robot.midranging.report import write_report
 from stagectl.robot.midranging.scenario import Scenario
 from stagectl.robot.midranging.wiring import MEASURED
 
+KIND = "mid-ranging run"
+
 
 def create(path: Path, cell: CellConfig) -> RunFolder:
     """Make the folder of a new run; ValueError where something is in it already."""
     files = kept_files(cell, ["learning.model"])
-    with RunFolder.filled(path, rig_file.dump(files.config)) as folder:
-        keep_origin(folder, "mid-ranging run", files.config, files.take_into(folder), [])
+    with RunFolder.filled(path, rig_file.dump(files.config), "`export` takes its recordings") as folder:
+        keep_origin(folder, KIND, files.config, files.take_into(folder), [])
     return folder
 
 

@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 
 from calibration.__main__ import main as calibrate
-from calibration.milling.session import dry_run, motion_seconds, raw_trials
+from calibration.milling.session import dry_run, motion_seconds, output_of
 from calibration.milling.sweep_session import sweep_path
+from calibration.output import Wish
+from ctlblocks.recording import Recording, write
 from stagectl.__main__ import main as stagectl
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.milling_models import read_milling
@@ -160,7 +162,9 @@ def test_learning_from_logs_runs_nothing_and_makes_no_folder(
 
 def test_recordings_of_the_simulated_cell_are_not_gone_on_with_on_the_robot(tmp_path: Path) -> None:
     out, cell = tmp_path / "milling.h5", CellConfig()
-    raw_trials(out, cell, True).close()
-    raw_trials(out, cell, True).close()
-    with pytest.raises(ValueError, match="was recorded on the live cell, this is the simulated one"):
-        raw_trials(out, cell)
+    writes = output_of(out, cell, Wish(), is_live=True)
+    with writes.begun():
+        write(writes.raw / "sweep.wav", Recording(("u",), ("V",), 100.0, np.zeros((3, 1), np.float32)))
+    output_of(out, cell, Wish(), is_live=True)
+    with pytest.raises(ValueError, match="is of a calibration of milling, live, this is a calibration of milling, sim"):
+        output_of(out, cell, Wish())

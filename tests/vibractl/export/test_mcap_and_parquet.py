@@ -19,7 +19,7 @@ def content(tmp_path_factory: pytest.TempPathFactory) -> Content:
 
 
 def test_the_shots_come_back_from_mcap_bit_for_bit_with_their_units(content: Content, tmp_path: Path) -> None:
-    (file,) = export_run(content.path, ("mcap",), tmp_path / "shots.mcap")
+    (file,) = export_run(content.path, ("mcap",), tmp_path / "shots.mcap").files
     found = read_mcap(file, "float64")
     assert list(found) == ["/reference", "/shot-0000", "/shot-0002"]
     assert found["/reference"].data.tobytes() == content.reference.tobytes()
@@ -35,7 +35,7 @@ def test_the_shots_come_back_from_mcap_bit_for_bit_with_their_units(content: Con
 
 
 def test_the_shots_and_the_responses_come_back_from_parquet(content: Content, tmp_path: Path) -> None:
-    files = export_run(content.path, ("parquet",), tmp_path)
+    files = export_run(content.path, ("parquet",), tmp_path).files
     names = ["responses", "reference", "shot-0000", "shot-0002"]
     assert [file.name for file in files] == [f"{name}.parquet" for name in names]
     responses = pyarrow.parquet.read_table(files[0])

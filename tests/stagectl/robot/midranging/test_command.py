@@ -1,15 +1,20 @@
 """The command, its scenarios, recording and report."""
 
 import json
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from ctlblocks import Graph
+from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording, read, write
 from rigkit import config as rig_file
+from rigkit.stop import Stopped, StopRequest
 from stagectl.commands import app
 from stagectl.link.bus import LinkError
+from stagectl.robot.midranging import command
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.controllers import controller
 from stagectl.robot.midranging.measures import iae
@@ -142,3 +147,24 @@ def test_the_scenarios_are_those_of_section_3_3() -> None:
     assert second.gains == ((8.0, 1.5), (16.0, 0.6))
     np.testing.assert_allclose((first.reference[: len(second.reference)] - second.reference) * 250.0 / 0.5e-3,
                                np.arange(len(second.reference)), atol=1e-9)  # fmt: skip
+
+
+def test_a_toroid_that_is_stopped_on_its_last_axis_is_kept_and_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ticks = 0
+
+    def advance(graph: Graph, chunk: int) -> None:
+        nonlocal ticks
+        run_offline(graph, chunk)
+        ticks += chunk
+        stop.made = ticks > 1.7 * 55 * 250
+
+    stop = StopRequest()
+    monkeypatch.setattr(command, "stoppable", lambda: nullcontext(stop))
+    monkeypatch.setattr(command, "run_offline", advance)
+    with pytest.raises(Stopped, match=r"^stopped: .*; what is recorded is in .*run/$"):
+        _run("--scenario", "toroid", "--out", str(tmp_path / "run"))
+    y, z = (read(tmp_path / f"run/recording-{axis}.csv", rate=250.0) for axis in "yz")
+    assert 0 < len(z.data) < len(y.data)
+    assert "Off the circle" in (tmp_path / "run/report.html").read_text()
