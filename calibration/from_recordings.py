@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calibration.collinearity import TOGETHER
 from calibration.multisine_estimate import FLOOR
 from calibration.recorded_blocks import Wanted
 from calibration.recorded_clock import Stack, turned
@@ -13,6 +14,7 @@ from calibration.recorded_pair import LATEST, FromRecordingsError, Prepared, pre
 from calibration.recorded_response import around
 from calibration.recorded_signals import SHORTEST, Recorded
 from calibration.recorded_sum import Lines, Sum, narrow_or_wide
+from calibration.stretches import stretches
 from calibration.sweep_estimate import decimation
 from vibractl.config import RigConfig
 from vibractl.transfer_matrix import GAPS, TransferMatrix
@@ -29,8 +31,6 @@ EXCITED = 1e-4
 """Of the strongest drive's strongest line: weaker ones count as not driven at all ..."""
 WEAK = 3e-2
 """... and these are to blame where nothing certain is heard."""
-TOGETHER = 1e-3
-"""The weakest combination of drives over the strongest, in power, below which they cannot be told apart."""
 FOLLOWS = 0.3
 """Coherence below which a response has nothing to do with the drives."""
 NOISE, UNRELATED = "too much noise", "the responses do not follow the drives"
@@ -200,7 +200,7 @@ def _reasons(lines: Lines, excited: np.ndarray) -> list[str]:
     unsure = ~(doubt <= UNKNOWN**2 * size)
     reasons = [""] * len(excited)
     weak = ~(excited > WEAK * excited.max())
-    for first, last in _runs(unsure & ~weak.any(axis=1)):
+    for first, last in stretches(unsure & ~weak.any(axis=1)):
         follows = float(np.median(lines.coherence[first:last].max(axis=1)))
         reasons[first:last] = [NOISE if follows >= FOLLOWS else UNRELATED] * (last - first)
     for line in np.flatnonzero(unsure & weak.any(axis=1)):
@@ -222,17 +222,11 @@ def _drives(which: np.ndarray) -> str:
 def _without_edges(reasons: list[str]) -> list[str]:
     """Call the few noisy lines beside a band that is not driven by that band's reason: they are its edge."""
     found = list(reasons)
-    for first, last in _runs(np.array([reason in (NOISE, UNRELATED) for reason in reasons])):
+    for first, last in stretches(np.array([reason in (NOISE, UNRELATED) for reason in reasons])):
         beside = [reasons[line] for line in (first - 1, last) if 0 <= line < len(reasons) and reasons[line]]
         if beside and last - first <= EDGE:
             found[first:last] = [beside[0]] * (last - first)
     return found
-
-
-def _runs(which: np.ndarray) -> Iterator[tuple[int, int]]:
-    """Go through the stretches that are true: the first line, and the first behind it."""
-    ends = np.flatnonzero(np.diff(np.concatenate(([0], which.astype(int), [0]))))
-    yield from ((int(first), int(last)) for first, last in ends.reshape(-1, 2))
 
 
 def _gaps(wanted: np.ndarray, reasons: Sequence[str]) -> Iterator[Gap]:

@@ -6,6 +6,7 @@ from typing import Self
 
 import numpy as np
 
+from calibration.collinearity import together
 from calibration.recorded_response import CHUNK, FREE, RANK, Evidence, around
 
 BETWEEN = 8
@@ -160,7 +161,8 @@ class Sum:
         gain = np.einsum("loij,loj->loi", part, inverse_values) / size[:, :, :inputs] ** 2
         gain = np.where(is_told & (gain > 0), gain, np.inf)
         left = np.maximum(self.power - explained, 0.0)
-        return solution[:, :, :inputs], gain, left, (~lost).sum(axis=-1), self._together(inputs)
+        own = self.square[:, :, :inputs, :inputs].mean(axis=1)
+        return solution[:, :, :inputs], gain, left, (~lost).sum(axis=-1), together(own)
 
     def scaled(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the square in units of each coefficient's own size, and those sizes, (lines, outputs, k)."""
@@ -176,14 +178,6 @@ class Sum:
         between = np.maximum(left - self.own_left, 0.0)
         spread = around(between, np.mean, BETWEEN) / np.maximum(around(apart, np.mean, BETWEEN), 1.0)
         return np.where(apart >= 1, np.maximum(pooled, spread), pooled)
-
-    def _together(self, inputs: int) -> np.ndarray:
-        own = self.square[:, :, :inputs, :inputs].mean(axis=1)
-        size = np.sqrt(np.maximum(np.real(np.einsum("lii->li", own)), 0.0))
-        size = np.where(size > 0, size, 1.0)
-        values = np.linalg.eigvalsh(own / (size[:, :, None] * size[:, None, :]))
-        part: np.ndarray = np.clip(values[:, 0] / np.maximum(values[:, -1], np.finfo(float).tiny), 0.0, 1.0)
-        return part
 
     def _parts(self) -> Iterator[Self]:
         """Go through some lines at a time."""

@@ -1,12 +1,15 @@
 """The command `calibrate identify`."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, cast
 
 import typer
 
+from calibration.identification.excitation import excitation_notes
+from calibration.identification.recordings import Measured, from_file, from_pairs
 from calibration.identification.report import (
     CANDIDATE_HEAD,
     FIT_HEAD,
@@ -18,27 +21,47 @@ from calibration.identification.report import (
     mode_rows,
     verdicts,
 )
-from calibration.identification.workflow import STEPS, Identification, Method, identify_recording
+from calibration.identification.thinning import thinned_recordings, thinning_note
+from calibration.identification.workflow import STEPS, Identification, Method, identify_recordings
 from calibration.names import raw_folder, refuse_inputs, refuse_taken
 from calibration.output import AgainOption
-from ctlblocks.recording import Recording
 from rigkit.command import JsonOption, print_table, words, write_json
-from rigkit.foreign_record import read_channels
 from rigkit.progress import progress
 from rigkit.written import made_folder, written_file
 from stagectl.model_file import write_model
+from vibractl.foreign.tracks import parsed_map
 
 LARGE = 100_000
 """Numbers in a measurement from which on it is said how long it may take."""
 
+FilesArgument = Annotated[
+    list[Path] | None,
+    typer.Argument(metavar="DATA", help="CSV, WAV, FLAC, HDF5 or MAT file; with --from the second file of each."),
+]
+InputsOption = Annotated[
+    str | None, typer.Option(metavar="u1,u2", help="Channels of the drive in DATA: names, numbers, datasets.")
+]
+OutputsOption = Annotated[str | None, typer.Option(metavar="y1,y2", help="Channels of the response in DATA.")]
+FromOption = Annotated[
+    list[Path] | None,
+    typer.Option("--from", metavar="D R", help="A recording in two files: drives, responses; many times."),
+]
+MapOption = Annotated[
+    str | None,
+    typer.Option("--map", metavar="drive_1=3,...", help="Channels of --from by name or number; - turns one round."),
+]
+
 
 def identify_command(
-    data: Annotated[Path, typer.Argument(metavar="DATA", help="CSV, WAV, FLAC, HDF5 or MAT file.")],
-    inputs: Annotated[str, typer.Option(metavar="u1,u2", help="Channels of the drive: names, numbers, datasets.")],
-    outputs: Annotated[str, typer.Option(metavar="y1,y2", help="Channels of the response.")],
+    data: FilesArgument = None,
+    inputs: InputsOption = None,
+    outputs: OutputsOption = None,
+    drives: FromOption = None,
+    channels: MapOption = None,
     order: Annotated[str, typer.Option(metavar="auto|N", help="States of the model.")] = "auto",
     method: Annotated[str, typer.Option(metavar="moesp|n4sid|pem", help="pem: moesp, then refined.")] = "moesp",
-    rate: Annotated[float | None, typer.Option(help="Samples a second, where the file does not say.")] = None,
+    rate: Annotated[float | None, typer.Option(help="Samples a second, where a file does not say.")] = None,
+    decimate: Annotated[int, typer.Option(metavar="N", help="Keep every N-th sample behind a low-pass.")] = 1,
     horizon: Annotated[int | None, typer.Option(help="Samples that the singular values look back and ahead.")] = None,
     hold_back: Annotated[float, typer.Option("--hold-back", help="Share kept, at the end, to judge by.")] = 0.3,
     out: Annotated[Path | None, written_file("FILE", "Model file; the report goes beside it.")] = None,
@@ -46,41 +69,41 @@ def identify_command(
     again: AgainOption = False,
     json: JsonOption = None,
 ) -> None:
-    """Identify a state-space model from a measurement, and judge it on samples held back.
+    """Identify a state-space model from measurements, and judge it on samples held back.
 
-    Example: `calibrate identify sweep.csv --inputs u --outputs y1,y2 --rate 1000 --out model.h5`
+    Example: `calibrate identify sweep.csv --inputs u --outputs y1,y2 --rate 1000 --out model.h5`; drives and responses
+    in two files, or several recordings:
+    `calibrate identify --from drive.wav heard.wav --decimate 20 --out model.h5`
     """
-    drives, responses = _channels("--inputs", inputs), _channels("--outputs", outputs)
-    states = _order(order)
+    states, made = _order(order), [] if out is None else [out, out.with_suffix(".html")]
     if rate is not None and not 0 < rate < float("inf"):
         raise ValueError(f"--rate is {rate}, must be > 0 samples/s")
     if out is not None:
         raw_folder(out)  # refuses what is no name of a model
-        refuse_inputs([out, out.with_suffix(".html")], [data])
-    measured = _read(data, drives, responses, rate)
+        refuse_inputs(made, [*(data or []), *(drives or [])])
+    measured = _read(data or [], drives or [], (inputs, outputs, channels), rate)
+    measured = _thinned(measured, decimate)
     with _watched(measured) as show:
-        way = cast(Method, method)
-        found = identify_recording(
-            measured, len(drives), order=states, method=way, horizon=horizon, hold_back=hold_back, show=show
-        )
+        files, way = (measured.recordings, measured.inputs), cast(Method, method)
+        found = identify_recordings(*files, order=states, method=way, horizon=horizon, hold_back=hold_back, show=show)
     if out is not None:
-        refuse_taken([out, out.with_suffix(".html")], again)
+        refuse_taken(made, again)
         write_model(out, found.model)
     if out is not None or png is not None:
-        report = identification_report(found, str(data))
+        report = identification_report(found, measured.source, measured.notes)
         if out is not None:
             report.write(out.with_suffix(".html"))
         if png is not None:
             report.png(png)
-    _print(found, data, out, json)
+    _print(found, measured, out, json)
 
 
 @contextmanager
-def _watched(measured: Recording) -> Iterator[Callable[[int, str], None]]:
+def _watched(measured: Measured) -> Iterator[Callable[[int, str], None]]:
     """Show how far it is; before much data, how long it may take."""
-    samples, channels = measured.data.shape
+    samples, channels = measured.samples, len(measured.recordings[0].names)
     with progress("identifying", STEPS) as meter:
-        if measured.data.size > LARGE:
+        if samples * channels > LARGE:
             meter.say(
                 f"identifying: {samples} samples of {channels} channels; 250 000 samples of four take half a minute, "
                 "with pem longer"
@@ -89,8 +112,8 @@ def _watched(measured: Recording) -> Iterator[Callable[[int, str], None]]:
         meter.show(STEPS)
 
 
-def _channels(option: str, text: str) -> list[str]:
-    names = [name.strip() for name in text.split(",")]
+def _channels(option: str, text: str | None) -> list[str]:
+    names = [name.strip() for name in (text or "").split(",")]
     if not all(names):
         raise ValueError(f"{option} is {text!r}, must be names or numbers with commas between")
     return names
@@ -104,18 +127,39 @@ def _order(text: str) -> int | None:
     return int(text)
 
 
-def _read(path: Path, drives: list[str], responses: list[str], rate: float | None) -> Recording:
-    if both := set(drives) & set(responses):
-        raise ValueError(f"{', '.join(sorted(both))}: cannot be input and output at once")
-    measured = read_channels(path, [*drives, *responses], rate)
-    return Recording(
-        measured.names, measured.units, measured.rate, measured.data, {**measured.provenance, "recording": str(path)}
-    )
+def _read(
+    data: Sequence[Path], drives: Sequence[Path], named: tuple[str | None, str | None, str | None], rate: float | None
+) -> Measured:
+    """Read what is given: one file whose channels are named, or pairs of files."""
+    inputs, outputs, channels = named
+    if drives:
+        if inputs is not None or outputs is not None:
+            raise ValueError("--inputs or --outputs and --from are given, must be one of them: --map says the channels")
+        return _labelled(from_pairs(drives, data, parsed_map(channels), rate))
+    if channels is not None:
+        raise ValueError("--map is given without --from, must be with it: --inputs and --outputs say the channels")
+    if len(data) != 1:
+        raise ValueError(f"{len(data)} files are given, must be one, or pairs of drives and responses: --from D R")
+    wanted = _channels("--inputs", inputs), _channels("--outputs", outputs)
+    return _labelled(from_file(data[0], *wanted, rate))
 
 
-def _print(found: Identification, data: Path, out: Path | None, json: str | None) -> None:
+def _labelled(measured: Measured) -> Measured:
+    """Say in each recording which files all of it came from."""
+    words = {"recording": measured.source}
+    labelled = (replace(each, provenance={**each.provenance, **words}) for each in measured.recordings)
+    return replace(measured, recordings=tuple(labelled))
+
+
+def _thinned(measured: Measured, factor: int) -> Measured:
+    thin = thinned_recordings(measured.recordings, measured.names, factor)
+    notes = [thinning_note(thin[0].rate, factor, len(thin))] if factor > 1 else []
+    return replace(measured, recordings=tuple(thin), notes=(*measured.notes, *notes))
+
+
+def _print(found: Identification, measured: Measured, out: Path | None, json: str | None) -> None:
     stream, model = words(json), found.model
-    title = f"{data}: order {model.order} by {found.method}, {len(found.response)} samples held back"
+    title = f"{measured.source}: order {model.order} by {found.method}, {len(found.response)} samples held back"
     print_table(title, FIT_HEAD, fit_rows(found), stream)
     print_table("modes, with one standard error", MODE_HEAD, mode_rows(found), stream)
     if found.started.candidates:
@@ -123,7 +167,7 @@ def _print(found: Identification, data: Path, out: Path | None, json: str | None
     values = found.started.singular_values
     shown = ", ".join(f"{value:.3g}" for value in values[: model.order + 3])
     stream.write(f"singular values: {shown}{' ...' if len(values) > model.order + 3 else ''}\n")
-    for sentence in verdicts(found):
+    for sentence in (*measured.notes, *verdicts(found), *excitation_notes(found.nearly)):
         stream.write(f"{sentence}\n")
     if not model.is_stable:
         stream.write("the model is not stable\n")

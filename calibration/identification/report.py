@@ -1,5 +1,7 @@
 """What an identification found: rows of tables, the figures of `--json`, and a report to look at."""
 
+from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,7 @@ from rigkit.report import Fact, Plot, Report, Section, Table
 FIT_HEAD = ("output", "free run NRMSE, %", "VAF, %", "MAE", "one step NRMSE, %", "VAF, %", "MAE")
 MODE_HEAD = ("pole", "natural frequency, Hz", "+-", "damping ratio", "+-")
 CANDIDATE_HEAD = ("order tried", "free run, %", "one step, %")
+NEARLY_HEAD = ("inputs nearly go together, Hz", "inputs", "weakest combination over strongest, power")
 
 ONE_IN_20 = 0.05
 CROSSED = 0.05
@@ -58,6 +61,12 @@ def candidate_rows(found: Identification) -> list[tuple[str, ...]]:
     return [(f"{each.order}", f"{each.free_run:.2f}", f"{each.one_step:.2f}") for each in tried]
 
 
+def nearly_rows(found: Identification) -> list[tuple[str, ...]]:
+    """Return a row for each band in which inputs nearly go together."""
+    rows = ((f"{each.low:.4g} to {each.high:.4g}", ", ".join(each.inputs), each.share) for each in found.nearly)
+    return [(band, inputs, f"{share:.1e}") for band, inputs, share in rows]
+
+
 def verdicts(found: Identification) -> list[str]:
     """Return, in sentences, what the tests of the residuals on fresh data say."""
     white, cross = found.fresh.whiteness, found.fresh.cross_correlation
@@ -95,13 +104,14 @@ def identification_figures(found: Identification) -> dict[str, Any]:
             }
             for row, pole in enumerate(errors.modes.pole)
         ],
+        "nearly_collinear": [asdict(each) for each in found.nearly],
         "held_back": _fit_figures(found, found.fresh),
         "identified_from": _fit_figures(found, found.own),
     }
 
 
-def identification_report(found: Identification, source: str) -> Report:
-    """Put the report of an identification together."""
+def identification_report(found: Identification, source: str, notes: Sequence[str] = ()) -> Report:
+    """Put the report of an identification together, with what is to be said of its recordings."""
     model, fresh = found.model, found.fresh
     facts = (
         Fact("order", f"{model.order}"),
@@ -113,6 +123,7 @@ def identification_report(found: Identification, source: str) -> Report:
     tried = candidate_rows(found)
     with styled():
         sections = (
+            *_of_recordings(found, notes),
             Section(
                 "Singular values",
                 "Those that stand out of the noise are states of the model.",
@@ -140,6 +151,13 @@ def identification_report(found: Identification, source: str) -> Report:
         )
     subtitle = f"{source}, {len(found.response)} samples held back, {model.rate:g} samples/s, by {found.method}"
     return Report("Identified model", subtitle, facts, sections)
+
+
+def _of_recordings(found: Identification, notes: Sequence[str]) -> tuple[Section, ...]:
+    """Return a section where there is something to be said of them."""
+    about = "\n\n".join(f"{note[0].upper()}{note[1:]}." for note in notes)
+    near = (Table(NEARLY_HEAD, tuple(nearly_rows(found))),) if found.nearly else ()
+    return (Section("Recordings", about, (), near),) if about or near else ()
 
 
 def _fit_figures(found: Identification, fit: Fit) -> dict[str, Any]:

@@ -1,6 +1,6 @@
-"""Identify a model on the first part of a measurement, and judge it on the rest."""
+"""Identify a model on the first part of each recording, and judge it on the rest."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from calibration import subspace
 from calibration.fit_measures import Fit, fit
+from calibration.identification.excitation import Nearly, nearly_collinear
 from calibration.one_thread import on_one_thread
 from calibration.prediction_error import ModeErrors, refine
 from ctlblocks.recording import Recording
@@ -38,9 +39,11 @@ class Identification:
     own, fresh : Fit
         On the part it was identified from, and on the part held back.
     drive, response : arrays, shapes (N, m) and (N, p), the inputs' and the outputs' units
-        The part held back, as deviations from the operating point.
+        The part held back, recording after recording, as deviations from the operating point.
     free_run : array, shape (N, p), the outputs' units
-        What the model gives for that drive alone, from the initial state that suits it best.
+        What the model gives for that drive alone, in each recording from the initial state that suits it best.
+    nearly : tuple of Nearly
+        Bands in which inputs nearly go together.
     """
 
     model: InnovationModel
@@ -52,6 +55,7 @@ class Identification:
     drive: np.ndarray
     response: np.ndarray
     free_run: np.ndarray
+    nearly: tuple[Nearly, ...] = ()
 
 
 def unseen(done: int, name: str) -> None:
@@ -59,8 +63,8 @@ def unseen(done: int, name: str) -> None:
 
 
 @on_one_thread
-def identify_recording(
-    measured: Recording,
+def identify_recordings(
+    recordings: Sequence[Recording],
     inputs: int,
     *,
     order: int | None = None,
@@ -71,51 +75,61 @@ def identify_recording(
 ) -> Identification:
     """Identify a model between the first `inputs` channels and the others.
 
+    Recordings are experiments of their own: each has a first state, and no sample of one predicts another's.  They have
+    one operating point.
+
     Parameters
     ----------
-    measured : Recording
+    recordings : sequence of Recording
+        Of one rate, with the same channels, of any lengths.
     inputs : int
     order : int, optional
         As many as the singular values and the held back part of the training data propose, where not given.
     method : "n4sid", "moesp" or "pem"
         "pem" refines the result of "moesp" by the prediction error method.
     horizon : int, samples, optional
-    hold_back : float, share of the samples, at the end
+    hold_back : float, share of the samples, at the end of each recording
     show : callable(int, str)
         Told of the steps done, of `STEPS`, and which is next.
+
+    Raises
+    ------
+    ValueError : recordings that are unusable or too short, or inputs that cannot be told apart.
     """
     if not LEAST_HELD_BACK <= hold_back <= MOST_HELD_BACK:
         raise ValueError(f"held back are {hold_back} of the samples, must be {LEAST_HELD_BACK} to {MOST_HELD_BACK}")
     if method not in METHODS:
         raise ValueError(f"method is {method!r}, must be one of {', '.join(METHODS)}")
-    data = np.asarray(measured.data, float)
-    _check_moving(measured, data)
-    cut = round(len(data) * (1 - hold_back))
+    records, first = [np.asarray(each.data, float) for each in recordings], recordings[0]
+    _check_moving(first.names, records)
+    nearly = nearly_collinear([each[:, :inputs] for each in records], first.rate, first.names[:inputs])
+    cuts = [round(len(each) * (1 - hold_back)) for each in records]
+    early = _sides([each[:cut] for each, cut in zip(records, cuts, strict=True)], inputs)
     start: Literal["n4sid", "moesp"] = "n4sid" if method == "n4sid" else "moesp"
-    drive, response = data[:, :inputs], data[:, inputs:]
     show(0, "orders and the model")
-    found = subspace.identify(drive[:cut], response[:cut], measured.rate, order, start, horizon)
-    drive, response = drive - found.input_offset, response - found.output_offset
+    found = subspace.identify(*early, first.rate, order, start, horizon)
+    around = np.concatenate((found.input_offset, found.output_offset))
+    early = _sides([each[:cut] - around for each, cut in zip(records, cuts, strict=True)], inputs)
+    late = _sides([each[cut:] - around for each, cut in zip(records, cuts, strict=True)], inputs)
     show(1, "errors of its modes" if method != "pem" else "the model refined")
-    model, errors = _refined(found, drive[:cut], response[:cut]) if method == "pem" else _plain(found)
-    model = _labelled(model, measured, inputs, method, cut)
+    model, errors = _refined(found, *early) if method == "pem" else _plain(found)
+    model = _labelled(model, first, inputs, method, sum(cuts))
     show(2, "fits")
-    late = model.initial_state(drive[cut:], response[cut:])
-    return Identification(
-        model,
-        found,
-        method,
-        errors,
-        fit(model, [drive[:cut]], [response[:cut]], fitted=model.order * model.outputs),
-        fit(model, [drive[cut:]], [response[cut:]]),
-        drive[cut:],
-        response[cut:],
-        model.simulate(drive[cut:], late),
-    )
+    own, fresh = fit(model, *early, fitted=model.order * model.outputs), fit(model, *late)
+    runs = [model.simulate(drive, model.initial_state(drive, heard)) for drive, heard in zip(*late, strict=True)]
+    drive, response, free_run = (np.concatenate(each) for each in (*late, runs))
+    return Identification(model, found, method, errors, own, fresh, drive, response, free_run, nearly)
 
 
-def _refined(found: subspace.Identified, drive: np.ndarray, response: np.ndarray) -> tuple[InnovationModel, ModeErrors]:
-    refined = refine(found.model, drive, response)
+def _sides(records: Sequence[np.ndarray], inputs: int) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return inputs and outputs of records (N, inputs + outputs)."""
+    return [each[:, :inputs] for each in records], [each[:, inputs:] for each in records]
+
+
+def _refined(
+    found: subspace.Identified, drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]
+) -> tuple[InnovationModel, ModeErrors]:
+    refined = refine(found.model, drives, responses)
     return refined.model, refined.errors
 
 
@@ -124,9 +138,9 @@ def _plain(found: subspace.Identified) -> tuple[InnovationModel, ModeErrors]:
     return found.model, ModeErrors(found.model.modes, errors.frequency, errors.damping)
 
 
-def _check_moving(measured: Recording, data: np.ndarray) -> None:
-    for name, channel in zip(measured.names, data.T, strict=True):
-        if not np.ptp(channel) > 0:
+def _check_moving(names: Sequence[str], records: Sequence[np.ndarray]) -> None:
+    for name, *channel in zip(names, *(each.T for each in records), strict=True):
+        if not np.ptp(np.concatenate(channel)) > 0:
             raise ValueError(f"channel {name!r} never changes: it has nothing to identify from")
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calibration.fit_measures import fit
+from calibration.identification.thinning import thinned
 from calibration.identification.workflow import Identification
 from calibration.one_thread import on_one_thread
 from calibration.prediction_error import ModeErrors
@@ -13,7 +14,6 @@ from calibration.stage_axes.experiment import Excited, Experiment
 from calibration.stage_axes.order import identify
 from calibration.subspace.realization import Method
 from stagectl.models import InnovationModel
-from vibractl.spectrum import DECIMATOR_REACH, Decimator
 
 OVER = 5.0
 """Rate of the thinned records, re the highest frequency that is excited, at least."""
@@ -72,7 +72,7 @@ def identified(
     factor = max(1, int(rate / (OVER * top)))
     drives = [part.drive for part in experiment.learned]
     responses = [wanted.heard(part) for part in experiment.learned]
-    thin_drives, thin_responses = ([_thinned(each, factor) for each in side] for side in (drives, responses))
+    thin_drives, thin_responses = ([thinned(each, factor) for each in side] for side in (drives, responses))
     found = identify(thin_drives, thin_responses, rate / factor, wanted.order, wanted.method)
     low, high = [each - found.input_offset for each in drives], [each - found.output_offset for each in responses]
     model = wanted.convert(found.model, low, high, rate)
@@ -98,12 +98,6 @@ def identified(
         response,
         model.simulate(fresh, model.initial_state(fresh, response)),
     )
-
-
-def _thinned(signal: np.ndarray, factor: int) -> np.ndarray:
-    """Decimate, and leave out the ends, where the low-pass saw no signal."""
-    thin = Decimator(factor).apply(signal)
-    return thin[DECIMATOR_REACH:-DECIMATOR_REACH] if factor > 1 else thin
 
 
 def siso(axis: int) -> Heard:

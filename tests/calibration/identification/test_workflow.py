@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calibration.identification.workflow import identify_recording
+from calibration.identification.workflow import identify_recordings
 from ctlblocks.recording import Recording
 from tests.calibration.resonant_systems import order_7, order_9
 
@@ -19,7 +19,7 @@ def recorded(samples: int = 6000, seed: int = 1) -> Recording:
 
 @pytest.mark.parametrize("method", ["n4sid", "moesp", "pem"])
 def test_order_and_modes_are_found_and_held_back_data_are_explained(method: str) -> None:
-    found = identify_recording(recorded(), 1, method=method)  # type: ignore[arg-type]
+    found = identify_recordings([recorded()], 1, method=method)  # type: ignore[arg-type]
     true = order_9().model.modes
     assert found.model.order == 9
     np.testing.assert_allclose(found.errors.modes.frequency[1:], true.frequency[1:], rtol=0.002)
@@ -30,7 +30,7 @@ def test_order_and_modes_are_found_and_held_back_data_are_explained(method: str)
 
 
 def test_the_model_says_where_it_comes_from() -> None:
-    model = identify_recording(recorded(2000), 1, order=9, hold_back=0.5).model
+    model = identify_recordings([recorded(2000)], 1, order=9, hold_back=0.5).model
     assert (model.input_names, model.output_units) == (("u",), ("m", "m", "m"))
     assert model.provenance["rig"] == "bench"
     assert (model.provenance["method"], model.provenance["samples"]) == ("moesp", "1000")
@@ -40,7 +40,7 @@ def test_what_is_held_back_plays_no_part() -> None:
     whole = recorded(3000)
     spoiled = np.array(whole.data)
     spoiled[2100:, 1:] = np.random.default_rng(0).standard_normal((900, 3))
-    one, other = (identify_recording(each, 1, order=9) for each in (whole, replace(whole, data=spoiled)))
+    one, other = (identify_recordings([each], 1, order=9) for each in (whole, replace(whole, data=spoiled)))
     np.testing.assert_array_equal(one.model.A, other.model.A)
     assert other.fresh.free_run.nrmse.max() < 10
 
@@ -48,7 +48,7 @@ def test_what_is_held_back_plays_no_part() -> None:
 def test_pem_predicts_no_worse_than_what_it_starts_from() -> None:
     drive, response = order_7().record(4000, seed=4)
     measured = Recording(("u", "y"), ("1", "1"), 1000.0, np.concatenate([drive, response], axis=1))
-    fits = [identify_recording(measured, 1, order=7, horizon=15, method=each).own for each in ("moesp", "pem")]  # type: ignore[arg-type]
+    fits = [identify_recordings([measured], 1, order=7, horizon=15, method=each).own for each in ("moesp", "pem")]  # type: ignore[arg-type]
     assert fits[1].one_step.nrmse[0] >= fits[0].one_step.nrmse[0]
 
 
@@ -56,8 +56,8 @@ def test_what_cannot_be_done_is_refused() -> None:
     measured = recorded(500)
     for wrong, complaint in (({"hold_back": 0.95}, "held back are 0.95"), ({"method": "arx"}, "method is 'arx'")):
         with pytest.raises(ValueError, match=complaint):
-            identify_recording(measured, 1, **wrong)  # type: ignore[arg-type]
+            identify_recordings([measured], 1, **wrong)  # type: ignore[arg-type]
     still = np.array(measured.data)
     still[:, 2] = 1.0
     with pytest.raises(ValueError, match="channel 'y2' never changes"):
-        identify_recording(replace(measured, data=still), 1)
+        identify_recordings([replace(measured, data=still)], 1)
