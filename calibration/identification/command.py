@@ -19,6 +19,7 @@ from calibration.identification.report import (
     identification_figures,
     identification_report,
     mode_rows,
+    pair_notes,
     verdicts,
 )
 from calibration.identification.thinning import thinned_recordings, thinning_note
@@ -113,7 +114,9 @@ def _watched(measured: Measured) -> Iterator[Callable[[int, str], None]]:
 
 
 def _channels(option: str, text: str | None) -> list[str]:
-    names = [name.strip() for name in (text or "").split(",")]
+    if text is None:
+        raise ValueError(f"{option} is not given, must name channels of DATA")
+    names = [name.strip() for name in text.split(",")]
     if not all(names):
         raise ValueError(f"{option} is {text!r}, must be names or numbers with commas between")
     return names
@@ -167,10 +170,11 @@ def _print(found: Identification, measured: Measured, out: Path | None, json: st
     values = found.started.singular_values
     shown = ", ".join(f"{value:.3g}" for value in values[: model.order + 3])
     stream.write(f"singular values: {shown}{' ...' if len(values) > model.order + 3 else ''}\n")
-    for sentence in (*measured.notes, *verdicts(found), *excitation_notes(found.nearly)):
+    for sentence in (*measured.notes, *verdicts(found), *excitation_notes(found.nearly), *pair_notes(found)):
         stream.write(f"{sentence}\n")
     if not model.is_stable:
         stream.write("the model is not stable\n")
     if out is not None:
         stream.write(f"report: {out.with_suffix('.html')}\n")
-    write_json(json, identification_figures(found))
+    recordings = {"recordings": list(measured.names), "notes": list(measured.notes)}
+    write_json(json, identification_figures(found) | recordings)

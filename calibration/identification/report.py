@@ -61,6 +61,10 @@ def candidate_rows(found: Identification) -> list[tuple[str, ...]]:
     return [(f"{each.order}", f"{each.free_run:.2f}", f"{each.one_step:.2f}") for each in tried]
 
 
+EXPLAINED = 20.0
+"""% of an output, NRMSE, below which a model is worth nothing."""
+
+
 def nearly_rows(found: Identification) -> list[tuple[str, ...]]:
     """Return a row for each band in which inputs nearly go together."""
     rows = ((f"{each.low:.4g} to {each.high:.4g}", ", ".join(each.inputs), each.share) for each in found.nearly)
@@ -76,6 +80,17 @@ def verdicts(found: Identification) -> list[str]:
         f"residuals one step ahead are {noise} (probability {white.probability:.2g}, "
         f"{100 * white.outside:.0f} % of correlations beyond the bound of 1 %)",
         f"correlation with the drive: {heard} ({100 * cross.outside:.0f} % beyond the bound of 1 %)",
+    ]
+
+
+def pair_notes(found: Identification) -> list[str]:
+    """Return a sentence where drives and responses seem not to belong together; none where they do."""
+    explained = float(found.fresh.free_run.nrmse.max())
+    if explained >= EXPLAINED:
+        return []
+    return [
+        f"warning: the free run explains {explained:.0f} % of the output that it explains best: drives and responses "
+        "must begin together and have one clock"
     ]
 
 

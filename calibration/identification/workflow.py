@@ -11,6 +11,7 @@ from calibration.fit_measures import Fit, fit
 from calibration.identification.excitation import Nearly, nearly_collinear
 from calibration.one_thread import on_one_thread
 from calibration.prediction_error import ModeErrors, refine
+from calibration.residual_tests import LAGS
 from ctlblocks.recording import Recording
 from rigkit.provenance import now, software
 from stagectl.models import InnovationModel
@@ -103,7 +104,7 @@ def identify_recordings(
     records, first = [np.asarray(each.data, float) for each in recordings], recordings[0]
     _check_moving(first.names, records)
     nearly = nearly_collinear([each[:, :inputs] for each in records], first.rate, first.names[:inputs])
-    cuts = [round(len(each) * (1 - hold_back)) for each in records]
+    cuts = [_cut(len(each), number, hold_back) for number, each in enumerate(records, 1)]
     early = _sides([each[:cut] for each, cut in zip(records, cuts, strict=True)], inputs)
     start: Literal["n4sid", "moesp"] = "n4sid" if method == "n4sid" else "moesp"
     show(0, "orders and the model")
@@ -119,6 +120,17 @@ def identify_recordings(
     runs = [model.simulate(drive, model.initial_state(drive, heard)) for drive, heard in zip(*late, strict=True)]
     drive, response, free_run = (np.concatenate(each) for each in (*late, runs))
     return Identification(model, found, method, errors, own, fresh, drive, response, free_run, nearly)
+
+
+def _cut(samples: int, number: int, hold_back: float) -> int:
+    """Return how many samples of a recording a model is identified from; refuse one that leaves too few to judge by."""
+    cut = round(samples * (1 - hold_back))
+    if not samples - cut > LAGS:
+        raise ValueError(
+            f"recording {number} has {samples} samples, of which {samples - cut} would be held back, must be more than "
+            f"{LAGS}: hold back a larger share, or leave it out"
+        )
+    return cut
 
 
 def _sides(records: Sequence[np.ndarray], inputs: int) -> tuple[list[np.ndarray], list[np.ndarray]]:

@@ -49,6 +49,8 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
     csv(folder / "alike.csv", "t [s],u1 [V],u2 [V]", time, drive[:, :1] * [1.0, 1.2])
     csv(folder / "near.csv", "t [s],u1 [V],u2 [V]", time, drive[:, :1] * [1.0, 1.2] + 0.012 * drive * [0.0, 1.0])
     csv(folder / "both.csv", "t [s],u1 [V],u2 [V],y1 [m],y2 [m]", time, drive, heard)
+    csv(folder / "few.csv", "t [s],u1 [V],u2 [V],y1 [m],y2 [m]", time[:60], drive[:60], heard[:60])
+    csv(folder / "other.csv", "t [s],y1 [m],y2 [m]", time, heard[::-1])
     holes = heard.copy()
     holes[700:720] = np.nan
     csv(folder / "holes.csv", "t [s],y1 [m],y2 [m]", time, holes)
@@ -67,6 +69,7 @@ def identify(monkeypatch: pytest.MonkeyPatch, *words: str | Path) -> int:
     return main()
 
 
+FEW = "drive_1=u1,drive_2=u2,response_1=y1,response_2=y2"
 THREE = tuple(word for number in range(3) for word in ("--from", f"d{number}.csv", f"r{number}.tsv"))
 
 
@@ -82,7 +85,8 @@ def test_three_recordings_of_several_lengths_give_one_model(
     assert model.provenance["recording"] == "d0.csv + r0.tsv, d1.csv + r1.tsv"
     assert model.provenance["samples"] == str(round(0.7 * 3_000) + round(0.7 * 1_500))
     figures = json.loads((folder / "m.json").read_text())
-    assert figures["nearly_collinear"] == []
+    assert figures["nearly_collinear"] == figures["notes"] == []
+    assert figures["recordings"] == ["d0.csv + r0.tsv", "d1.csv + r1.tsv"]
     assert min(each["free_run_nrmse"] for each in figures["held_back"]["outputs"].values()) > 95
     printed = capsys.readouterr().out
     assert "1350 samples held back" in printed
@@ -163,6 +167,16 @@ def test_inputs_that_nearly_go_together_are_warned_of(
 
 
 @pytest.mark.usefixtures("folder")
+def test_files_that_do_not_belong_together_are_warned_of(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert identify(monkeypatch, "--from", "d2.csv", "other.csv", "--order", "4") == 0
+    assert "warning: the free run explains " in capsys.readouterr().out
+    assert identify(monkeypatch, "--from", "d2.csv", "r2.tsv", "--order", "8") == 0
+    assert "warning" not in capsys.readouterr().out
+
+
+@pytest.mark.usefixtures("folder")
 def test_a_longer_file_is_used_as_far_as_the_other_reaches() -> None:
     found = from_pairs([Path("d2.csv")], [Path("cut.csv")], {}, None)
     assert len(found.recordings[0].data) == 2_000
@@ -191,8 +205,12 @@ def test_a_longer_file_is_used_as_far_as_the_other_reaches() -> None:
         (("both.csv", "--inputs", "u1", "--outputs", "y1", "--map", "drive_1=u1"), "--map is given without --from"),
         (("d0.csv", "r0.tsv", "--inputs", "u1", "--outputs", "y1"), "2 files are given, must be one"),
         (("--inputs", "u1", "--outputs", "y1"), "0 files are given, must be one"),
-        (("both.csv", "--outputs", "y1"), "--inputs is None, must be names or numbers"),
+        (("both.csv", "--outputs", "y1"), "--inputs is not given, must name channels of DATA"),
         ((*THREE, "--decimate", "40"), "--decimate is 40: 27 of the 3000 samples of d0.csv + r0.tsv would be left"),
+        (
+            (*THREE[:3], "--from", "few.csv", "few.csv", "--map", FEW),
+            "recording 2 has 60 samples, of which 18 would be",
+        ),
         ((*THREE, "--decimate", "0"), "--decimate is 0, must be a whole number >= 1"),
         ((*THREE, "--out", "d0.h5x"), "must be '.h5'"),
     ],
