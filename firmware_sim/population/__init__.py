@@ -8,8 +8,13 @@ from importlib import import_module
 from typing import Any
 
 _BLOCKS: dict[str, str] = {
+    "ClampedArm": "firmware_sim.population.cell_blocks",
+    "Cut": "firmware_sim.population.cell_blocks",
+    "ForceSensor": "firmware_sim.population.cell_blocks",
     "Pair": "firmware_sim.population.pair_block",
+    "Robot": "firmware_sim.population.cell_blocks",
     "Stage": "firmware_sim.population.stage_block",
+    "Tracker": "firmware_sim.population.cell_blocks",
     "Vibrator": "firmware_sim.population.vibrators",
 }
 """Block -> its module."""

@@ -4,6 +4,7 @@ from firmware_sim.population.draw import Population
 from rigkit.code_name import resolve
 
 KINDS: dict[str, str] = {
+    "cell": "firmware_sim.population.cell_population:CELLS",
     "pair": "firmware_sim.population.pair_population:PAIRS",
     "signal": "firmware_sim.population.signal_population:SIGNALS",
     "stage": "firmware_sim.population.stage_population:STAGES",

@@ -13,12 +13,17 @@ from stagectl.machining.surroundings import Sources
 
 Surroundings = Callable[[Graph, FeedPlan], Sources]
 """Adds what surrounds the controllers, which are in the graph already, and wires it to them."""
+GIVE = "give"
+"""Input of a cut that finds speed and force together: by what a force moves the tool at once."""
 
 
 def simulated(graph: Graph, plan: FeedPlan) -> Sources:
     """Add the plants that the cell's file names."""
-    for name, made in plants_of(plan).items():
+    plants = plants_of(plan)
+    for name, made in plants.items():
         graph.add(name, made)
+    if GIVE in [port.name for port in plants["cut"].inputs]:
+        graph.connect(f"robot.{GIVE}", f"cut.{GIVE}")
     graph.connect("port.reference", "robot.reference", delayed=True)
     for name in ("force", "moment"):
         graph.connect(f"cut.{name}", f"robot.{name}", delayed=True)

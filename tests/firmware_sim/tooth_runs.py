@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from scipy.linalg import expm
 
 from firmware_sim.plants.hardness import Hardness
 from firmware_sim.plants.tooth_cut import CuttingLaw, ToothCut, ToothCutPlant
@@ -40,3 +41,39 @@ def run(made: ToothCut, tool: np.ndarray, give: np.ndarray | None = None) -> dic
         plant.run(tool[now], gives[now], *(found[name][now] for name in names))
         ringing[n] = plant.ringing
     return found | {"ringing": ringing}
+
+
+def largest_multiplier(depth: float, mode: tuple[float, float, float], spindle: float, along: bool) -> float:
+    """Return the largest Floquet multiplier of a slot by a tool that rings in one direction, by semi-discretization.
+
+    First order, two teeth, linear law [Insperger and Stepan, Int. J. Numer. Meth. Eng. 55 (2002) 503].
+    """
+    frequency, damping, stiffness = mode
+    omega, teeth, parts = 2 * np.pi * frequency, 2, 40
+    mass, step = stiffness / omega**2, 1.0 / (spindle * teeth * parts)
+    whole = np.eye(parts + 2)
+    turned = 2 * np.pi * spindle * step * (np.arange(8 * parts) + 0.5) / 8
+    x, y = (np.stack([wave(np.pi * tooth - turned) for tooth in range(teeth)]) for wave in (np.cos, np.sin))
+    side = (-6e8 * y - 2e8 * x) * x if along else (6e8 * x - 2e8 * y) * y
+    pushes = -depth * np.where(x > 0.0, side, 0.0).sum(axis=0).reshape(parts, 8).mean(axis=1)  # a slot along x
+    for push in pushes:
+        rate = np.array([[0.0, 1.0], [-(omega**2) - push / mass, -2 * damping * omega]])
+        held = expm(np.block([[rate, np.array([[0.0], [push / mass]])], [np.zeros((1, 3))]]) * step)
+        move = np.zeros((parts + 2, parts + 2))
+        move[:2, :2] = held[:2, :2]
+        move[:2, -2:] = 0.5 * held[:2, 2:]
+        move[2, 0] = 1.0
+        move[3:, 2:-1] = np.eye(parts - 1)
+        whole = move @ whole
+    return float(np.abs(np.linalg.eigvals(whole)).max())
+
+
+def depth_limit(mode: tuple[float, float, float], spindle: float, along: bool) -> float:
+    """Return the depth, m, from which on a slot chatters."""
+    depths = np.geomspace(1e-4, 5e-3, 25)
+    first = next(n for n, depth in enumerate(depths) if largest_multiplier(depth, mode, spindle, along) > 1.0)
+    low, high = depths[first - 1], depths[first]
+    for _ in range(5):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if largest_multiplier(middle, mode, spindle, along) > 1.0 else (middle, high)
+    return float(low)
