@@ -4,7 +4,7 @@ import numpy as np
 
 from firmware_sim.plants.tooth_cut import ToolMode
 
-POINTS = 6_000
+POINTS = 3_000
 """Frequencies that are looked at, from a half of the lowest mode's to three times the highest's."""
 
 

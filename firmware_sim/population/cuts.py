@@ -12,14 +12,17 @@ from firmware_sim.population.mechanics import log_uniform
 from firmware_sim.population.streams import Streams
 
 FAMILIES = ("linear", "power", "teeth", "chatter", "oak", "boards")
-"""Linear in the chip's area, mean over a turn; Kienzle's power with an edge's force; teeth one by one, which stand out;
-a tool that rings; wood with grain and knots; boards of other hardness side by side."""
+"""Linear in the chip's area; Kienzle's power with an edge's force; teeth that stand out; a tool that rings; wood with
+grain and knots; boards of other hardness side by side."""
 DEPTH, TOOL, FEED = 2e-3, 6e-3, 10e-3
 """m, m and m/s of the slot whose force is drawn: a program's default pocket."""
 FORCE, SHARE = (1.0, 60.0), (0.25, 1.0)
 """N in the plane, in that slot, and that over the most that is within the arm's reach."""
 WITHIN = 0.7
 """1: a cut's depth over the one from which on the arm itself chatters, at most; nobody mills what shakes the robot."""
+ATTEMPTS = 12
+STEEPEST = 2e9
+"""N/m^2, of the hardest place, force over chip's area as the chip grows: structural steel."""
 TEETH, SPINDLE, HELIX = (2, 4), (180.0, 600.0), (0.3, 0.7)
 """Count, Hz and rad."""
 RADIAL, AXIAL = (0.2, 0.5), (0.05, 0.3)
@@ -80,7 +83,8 @@ class DrawnCut:
 def draw_cut(streams: Streams, seed: int, family: str, mass: float, arm: Sequence[ToolMode]) -> DrawnCut:
     """Draw a cut that a robot can bear.
 
-    Teeth and spindle are drawn again, from the next streams, until some force is within reach of the arm.
+    Teeth and spindle are drawn again, from the next streams, until some force is within reach of the arm; where none of
+    them allows that, they are those of which most is.
 
     Parameters
     ----------
@@ -97,11 +101,14 @@ def draw_cut(streams: Streams, seed: int, family: str, mass: float, arm: Sequenc
         power = float(streams("power").uniform(*POWER))
     rubbing = 0.0 if family in ("chatter", "oak") else float(streams("edge").uniform(*EDGE))
     shares = 1.0, float(streams("radial").uniform(*RADIAL)), float(streams("axial").uniform(*AXIAL))
-    reach, attempt, turning = 0.0, 0, (1, 1.0)
-    while reach < FORCE[0] / SHARE[0]:
-        turning = _turning(streams.within(f"attempt {attempt}"))
-        reach = _reach(_law(shares, power, 1.0, rubbing, turning), turning, arm) / (_hardest(hardness) * (1.0 + across))
-        attempt += 1
+    hardest, reach, turning = _hardest(hardness) * (1.0 + across), 0.0, (0, 0.0)
+    for attempt in range(ATTEMPTS):
+        tried = _turning(streams.within(f"attempt {attempt}"))
+        found = _reach(_law(shares, power, 1.0, rubbing, tried), tried, arm) / hardest
+        if found > reach:
+            turning, reach = tried, found
+        if reach >= FORCE[0] / SHARE[0]:
+            break
     law = _law(shares, power, min(reach, FORCE[1]) * _drawn(streams, "force", SHARE), rubbing, turning)
     teeth, spindle = turning
     mode, over_limit = None, 0.0
@@ -111,7 +118,7 @@ def draw_cut(streams: Streams, seed: int, family: str, mass: float, arm: Sequenc
     cut = ToothCut(
         law=law, tool=TOOL, wobble=_wobble(streams, teeth, family), spindle=spindle,
         helix=0.0 if family == "chatter" else float(streams("helix").uniform(*HELIX)), mode=mode, mass=mass,
-        across=across, is_averaged=family not in ("teeth", "chatter"), hardness=hardness, length=50e-3, width=50e-3,
+        across=across, is_averaged=False, hardness=hardness, length=50e-3, width=50e-3,
         thickness=6e-3, cell=CELL, layer=LAYER, origin=(0.0, 0.0, 0.0), seed=seed,
     )  # fmt: skip
     return DrawnCut(cut, family, float(np.hypot(*slot_force(law, *turning, FEED, DEPTH))), rubbing, over_limit)
@@ -142,11 +149,11 @@ def _turning(streams: Streams) -> tuple[int, float]:
 
 
 def _reach(law: CuttingLaw, turning: tuple[int, float], arm: Sequence[ToolMode]) -> float:
-    """Return by what a law's force may be multiplied so that the arm is well below its own limit of chatter."""
+    """Return by what a law's force may be multiplied for the arm to be below its own limit of chatter, and no steel."""
     chip = SHALLOW * FEED / (turning[0] * turning[1])
     steep = float(np.diff(law.force(np.array([0.9, 1.1]) * chip, 0))[0] / (0.2 * chip))
     radial = law.strength[1] / law.strength[0]
-    return min(WITHIN * depth_limit(mode, steep, radial, *turning) / DEPTH for mode in arm)
+    return min(STEEPEST / steep, *(WITHIN * depth_limit(mode, steep, radial, *turning) / DEPTH for mode in arm))
 
 
 def _hardest(hardness: Hardness) -> float:
