@@ -44,9 +44,14 @@ def picture(kinds: Population, family: str, file: Path) -> None:
     except ValueError as fault:
         print(f"{file.name}: {fault}")
         return
-    columns = {name: values for name, values in quantities(draws).items() if len(values) >= RARE * SEEDS}
+    columns = {name: values for name, values in quantities(draws).items() if is_shown(values)}
     figure(f"{kinds.kind} of family {family}, {SEEDS} seeds", columns).savefig(file, dpi=80)
     print(f"{file.name}: {len(columns)} quantities of {SEEDS} machines")
+
+
+def is_shown(values: list[Any]) -> bool:
+    """Whether a quantity is drawn: machines differ by it, and many have it."""
+    return len(values) >= RARE * SEEDS and len(set(values)) > 1
 
 
 def quantities(draws: list[Draw]) -> dict[str, list[Any]]:

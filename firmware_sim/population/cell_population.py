@@ -76,7 +76,7 @@ def _robot(drawn: DrawnCell) -> tuple[Quantity, ...]:
         Quantity("backlash, over 0.1 mrad", arm["backlash"], "1"),
         Quantity("friction", robot.friction),
         Quantity("friction over its kind's", arm["friction"], "1"),
-        *(Quantity(name.replace("_", " "), arm.get(name, "none"), unit) for name, unit in RUBBING.items()),
+        *(Quantity(name.replace("_", " "), arm[name], unit) for name, unit in RUBBING.items() if name in arm),
         Quantity("payload", arm["payload"], "kg"),
         Quantity("gear error", guided["gear_error"], "1"),
         Quantity("filter of guided motion", guided["filter"], "Hz"),
@@ -85,25 +85,35 @@ def _robot(drawn: DrawnCell) -> tuple[Quantity, ...]:
 
 
 def _cut(drawn: DrawnCell) -> tuple[Quantity, ...]:
+    """Return what there is of a cut: nothing of knots in metal."""
     drawn_cut, cut = drawn.cut, drawn.cut.cut
-    mode, hardness = cut.mode, cut.hardness
-    return (
+    mode, hardness, law = cut.mode, cut.hardness, cut.law
+    found = [
         Quantity("slot of 2 mm at 10 mm/s", drawn_cut.force, "N"),
-        Quantity("part of it that rubs", drawn_cut.rubbing, "1"),
-        Quantity("Kienzle's power", cut.law.power[0], "1"),
-        Quantity("radial over tangential", cut.law.strength[1] / cut.law.strength[0], "1"),
+        Quantity("radial over tangential", law.strength[1] / law.strength[0], "1"),
         Quantity("teeth", len(cut.wobble)),
         Quantity("spindle", cut.spindle, "Hz"),
-        Quantity("runout", 1e6 * float(np.ptp(cut.wobble)), "um"),
-        Quantity("tool's mode, x y", "none" if mode is None else mode.frequency, "Hz"),
-        Quantity("its damping", "none" if mode is None else tuple(100 * each for each in mode.damping), "%"),
-        Quantity("its stiffness", "none" if mode is None else tuple(1e-6 * each for each in mode.stiffness), "N/um"),
-        Quantity("depth over the limit of chatter", drawn_cut.over_limit if mode else "none", "1"),
-        Quantity("grain", hardness.grain, "1"),
-        Quantity("knots", hardness.knots),
-        Quantity("boards", tuple(hardness.boards), "1"),
         Quantity("full cut in steel", drawn.toroid, "N"),
-    )
+    ]
+    if drawn_cut.rubbing:
+        found.append(Quantity("part of it that rubs", drawn_cut.rubbing, "1"))
+    if any(law.power):
+        found.append(Quantity("Kienzle's power", law.power[0], "1"))
+    if any(cut.wobble):
+        found.append(Quantity("teeth stand out by", 1e6 * float(np.ptp(cut.wobble)), "um"))
+    if mode is not None:
+        found += [
+            Quantity("tool's mode, x y", mode.frequency, "Hz"),
+            Quantity("its damping", tuple(100 * each for each in mode.damping), "%"),
+            Quantity("its stiffness", tuple(1e-6 * each for each in mode.stiffness), "N/um"),
+            Quantity("depth over the limit of chatter", drawn_cut.over_limit, "1"),
+        ]
+    if hardness.grain:
+        found += [Quantity("grain", hardness.grain, "1"), Quantity("knots", hardness.knots)]
+        found.append(Quantity("knots harder by", hardness.knot, "1"))
+    if len(hardness.boards) > 1:
+        found.append(Quantity("boards harder than the first by", tuple(hardness.boards[1:]), "1"))
+    return tuple(found)
 
 
 def _sensors(drawn: DrawnCell) -> tuple[Quantity, ...]:
