@@ -10,7 +10,7 @@ import numpy as np
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording
-from firmware_sim.population.draw import Draw, Population
+from firmware_sim.population.draw import Draw, Population, Quantity
 from firmware_sim.population.signal_config import SignalConfig
 from firmware_sim.population.signals import Record, signal
 from firmware_sim.population.systems import SYSTEMS
@@ -22,7 +22,12 @@ def draw_signal(family: str, seed: int) -> Draw:
     """Draw a system, how it is excited and what spoils the record."""
     source = signal(family, seed)
     keys = {"signal.seed": seed, "signal.family": family, "signal.samples": source.samples}
-    return Draw("signal", family, seed, source.quantities, keys)
+    widths = {each.name: each.value for each in source.quantities}
+    columns = [
+        Quantity(f"columns of {side}", ",".join(_names(letter, widths[side])), "")
+        for letter, side in (("u", "inputs"), ("y", "outputs"))
+    ]
+    return Draw("signal", family, seed, (*source.quantities, *columns), keys)
 
 
 def write_record(draw: Draw, config: SignalConfig, out: Path) -> list[Path]:
@@ -54,8 +59,11 @@ def write_record(draw: Draw, config: SignalConfig, out: Path) -> list[Path]:
 
 def channel_names(record: Record) -> tuple[str, ...]:
     """Return u1, u2, ..., y1, y2, ..."""
-    sides = ("u", record.given), ("y", record.measured)
-    return tuple(f"{letter}{n + 1}" for letter, side in sides for n in range(side.shape[1]))
+    return (*_names("u", record.given.shape[1]), *_names("y", record.measured.shape[1]))
+
+
+def _names(letter: str, width: int) -> tuple[str, ...]:
+    return tuple(f"{letter}{number + 1}" for number in range(width))
 
 
 def table(record: Record) -> str:
