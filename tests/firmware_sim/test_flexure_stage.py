@@ -1,6 +1,5 @@
 """The stage on flexures against what scipy makes of its linear part, and against a solver where a guide rubs."""
 
-import time as clock
 
 import numpy as np
 import pytest
@@ -91,6 +90,7 @@ def test_creep_and_hysteresis_add_as_they_are_told() -> None:
     assert grown == pytest.approx(0.02 * at_once, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_guide_rubs_as_a_solver_has_it() -> None:
     """One mode under a force that breaks the guide away and turns round."""
     guide = Guide(2e6, 300.0, 5.0, 4.0, 6.0, 2e-3)
@@ -119,12 +119,3 @@ def test_a_guide_rubs_as_a_solver_has_it() -> None:
     span = np.ptp(solved.y[4])
     np.testing.assert_allclose(found, solved.y[4], atol=0.01 * span)
     assert np.abs(solved.y[2]).max() > 0.95 * guide.coulomb / guide.bristle
-
-
-def test_a_second_takes_a_tenth_of_one() -> None:
-    made = stage(bouc_wen(0.2, 0.7, 0.3, 1.5))
-    voltage = np.full((50_000, 3), 75.0)
-    run(10_000.0, made, voltage[:100])
-    before = clock.process_time()
-    run(10_000.0, made, voltage)
-    assert clock.process_time() - before < 0.5

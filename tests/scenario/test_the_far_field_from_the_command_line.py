@@ -14,6 +14,7 @@ import pytest
 from calibration.__main__ import main as calibrate
 from vibractl.__main__ import main as vibractl
 
+pytestmark = pytest.mark.slow
 BRIEF = ("--set", "audio.isolated=false", "--set", "reference.signal=chirp:30:75:2")
 SHORT = ("--set", "characterisation.period=2.0", "--set", "characterisation.records=5", *BRIEF)
 

@@ -44,6 +44,7 @@ def test_names_that_protobuf_cannot_tell_apart_are_refused() -> None:
         field_names(["a b", "a-b"])
 
 
+@pytest.mark.slow
 def test_a_long_recording_takes_the_memory_of_a_block(tmp_path: Path) -> None:
     peaks = []
     for frames in (2 * BLOCK, 4 * BLOCK):  # more than the largest chunk of the file

@@ -56,7 +56,7 @@ def test_a_clock_that_is_set_back_is_not_waited_for(ends: Ends, monkeypatch: pyt
     begin = time.monotonic()
     assert ends[1].recv(0.01) is None
     assert ends[1].recv(0.0) is None
-    assert time.monotonic() - begin < 1.0
+    assert time.monotonic() - begin < 600.0  # and not the hour
 
 
 def test_a_frame_that_comes_in_two_parts_is_put_together(ends: Ends) -> None:

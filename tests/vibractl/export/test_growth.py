@@ -17,6 +17,7 @@ from vibractl.export.run import FORMATS, write_mcap_of_run
 from vibractl.export.segy import write_segy
 from vibractl.export.uff import write_uff
 
+pytestmark = pytest.mark.slow  # tracemalloc takes its time
 SAMPLES = 4_096
 """Of a shot here."""
 COUNTERS = Path("/proc/self/io")
