@@ -55,10 +55,10 @@ def create(
     """
     made = setup(config, models)
     made = replace(made, said=tuple(refuse_foreign(config, models, made.models, accept)))
-    return make_folder(path, made, models), made
+    return make_folder(path, made, models, accept), made
 
 
-def make_folder(path: Path, made: Setup, models: Sequence[Path]) -> RunFolder:
+def make_folder(path: Path, made: Setup, models: Sequence[Path], accept: Collection[str] = ()) -> RunFolder:
     """Make the folder of a run of that setup, with the same copies, and the same errors."""
     config = made.config
     _refuse_ignored(config)
@@ -76,7 +76,7 @@ def make_folder(path: Path, made: Setup, models: Sequence[Path]) -> RunFolder:
             source = Path(config.reference.signal)
             folder.take_in(source, f"reference{source.suffix.lower()}")
         parts = [path.name for path in folder.path.iterdir() if path.suffix in (".h5", ".wav", ".csv")]
-        keep_origin(folder, KIND, files.config, [*sorted(parts), *copied], [])
+        keep_origin(folder, KIND, files.config, [*sorted(parts), *copied], sorted(accept))
     return folder
 
 

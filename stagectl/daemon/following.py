@@ -62,7 +62,7 @@ class Following:
         for text in self._made.said:
             desk.event("note", {"text": text})
         path = run_path(config.daemon.data, options.run)
-        self._folder = session.make_folder(path, self._made, ready.models)
+        self._folder = session.make_folder(path, self._made, ready.models, options.accept)
         self._folder.listener = self._heard
         self.monitor = Monitor(self._made)
         self.pace = Pace(self._made.timeline.rate)

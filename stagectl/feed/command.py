@@ -1,5 +1,6 @@
 """The command `stagectl force`: milling with the force controlled by the feed, segment by segment."""
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, TextIO
@@ -7,6 +8,7 @@ from typing import Annotated, Any, TextIO
 import typer
 
 from rigkit import config as rig_file
+from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
 from rigkit.named_code import named_block
 from rigkit.progress import progress
@@ -60,6 +62,7 @@ def force(
     is_sure: Sure = False,
     dry: Dry = False,
     png: PngOption = None,
+    accept: AcceptOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -78,10 +81,12 @@ def force(
     if dry:
         _say_steps(cell, job, model)
         return
-    way = Way(is_live, is_sure, is_paced)
+    way = Way(is_live, is_sure, is_paced, tuple(accept or ()))
     way.refuse(cell, job, out)
+    for note in session.refuse_foreign_model(cell, model, way.accept):
+        sys.stderr.write(f"{note}\n")
     if job.pocket is None:
-        _process(cell, job, model, out, png, json)
+        _process(cell, job, model, out, png, json, way.accept)
     else:
         _tell(_pockets(cell, job, model, out, way, words(json)), out, task, json)
         if png is not None and out is not None:
@@ -98,11 +103,14 @@ class Way:
         On the robot; without asking before each pocket.
     is_paced : bool
         In real time.
+    accept : tuple of str
+        Keys in which the cell that the model was measured on may differ.
     """
 
     is_live: bool
     is_sure: bool
     is_paced: bool
+    accept: tuple[str, ...] = ()
 
     def refuse(self, cell: CellConfig, job: Job, out: Path | None) -> None:
         """Refuse what cannot be, before anything moves or is written, by ValueError."""
@@ -144,7 +152,7 @@ def _pockets(
         if out is None:
             found = session.summary(list(pockets))
         else:
-            with session.create(out, cell, job, model) as folder:
+            with session.create(out, cell, job, model, way.accept) as folder:
                 found = session.keep_all(folder, pockets)
             feed_report(out)
     if stop.made:
@@ -160,7 +168,7 @@ def _live(cell: CellConfig, job: Job, model: Path | None, out: Path, way: Way, s
 
     assert job.pocket is not None
     known = session.velocity_model(model)
-    with stoppable() as stop, session.create(out, cell, job, model) as folder:
+    with stoppable() as stop, session.create(out, cell, job, model, way.accept) as folder:
         conduct = Conduct(folder.event, lambda: stop.made)
         live = LivePockets(cell, Person(tell, conduct.stopped, not way.is_sure))
         pockets = session.mill_pockets(
@@ -180,14 +188,20 @@ def _live(cell: CellConfig, job: Job, model: Path | None, out: Path, way: Way, s
 
 
 def _process(
-    cell: CellConfig, job: Job, model: Path | None, out: Path | None, png: Path | None, json: str | None
+    cell: CellConfig,
+    job: Job,
+    model: Path | None,
+    out: Path | None,
+    png: Path | None,
+    json: str | None,
+    accept: tuple[str, ...],
 ) -> None:
     known = session.velocity_model(model)
     named_block(cell.feed_plants.process, cell.feed_plants.process_options)
     if out is None:
         found = process_figures(process_session.simulate(cell, known), cell.force.force)
     else:
-        with session.create(out, cell, job, model) as folder:
+        with session.create(out, cell, job, model, accept) as folder:
             found = process_session.keep(folder, process_session.simulate(cell, known), cell)
         process_session.process_report(out, png)
     print_table("force control as in fig. 7.5", ["figure", "value"], process_session.process_rows(found), words(json))

@@ -1,7 +1,7 @@
 """Runs of `stagectl force` in their folder: pockets one after the other, everything recorded, measured and kept."""
 
 import json
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ from stagectl.feed.surroundings import plants_of, simulated
 from stagectl.machining.recorded import ROBOT
 from stagectl.machining.run import Conduct
 from stagectl.model_file import read_model
+from stagectl.model_origin import refuse_other_wiring
 from stagectl.models import InnovationModel
 from stagectl.planning.milling import Milled, Planner
 from stagectl.planning.problem import Pocket
@@ -73,7 +74,21 @@ def require_room(path: Path, plan: FeedPlan, job: Job) -> None:
     require(path, pockets * one, f"pockets of {LONGEST:g} s")
 
 
-def create(path: Path, cell: CellConfig, job: Job, model: Path | None) -> RunFolder:
+def refuse_foreign_model(cell: CellConfig, model: Path | None, accept: Collection[str]) -> list[str]:
+    """Refuse a velocity model of a cell that was wired otherwise, by DisagreementError; return what is to be said.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    model : Path or None
+    accept : collection of str
+        Keys that may differ.
+    """
+    known = velocity_model(model)
+    return [] if model is None else refuse_other_wiring(cell, model, known.provenance, accept, "cell")
+
+
+def create(path: Path, cell: CellConfig, job: Job, model: Path | None, accept: Collection[str] = ()) -> RunFolder:
     """Make the folder of a new run, with copies of all files; ValueError where something is in it already."""
     files = kept_files(cell, ["learning.model"])
     with RunFolder.filled(path, rig_file.dump(files.config)) as folder:
@@ -82,7 +97,7 @@ def create(path: Path, cell: CellConfig, job: Job, model: Path | None) -> RunFol
         if model is not None:
             folder.take_in(model, MODEL)
             parts.append(MODEL)
-        keep_origin(folder, "force run", files.config, parts, [])
+        keep_origin(folder, "force run", files.config, parts, sorted(accept))
     return folder
 
 

@@ -1,11 +1,13 @@
 """The command `stagectl cell`: the toroid in steel, by robot alone, with a tracker, with the stage."""
 
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from rigkit import config as rig_file
+from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
 from rigkit.disk_space import require
 from rigkit.progress import progress
@@ -31,6 +33,7 @@ def cell(
     ] = None,
     is_paced: Annotated[bool, typer.Option("--paced", help="In real time; else as fast as it goes.")] = False,
     png: PngOption = None,
+    accept: AcceptOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -41,6 +44,8 @@ def cell(
     Example: `stagectl cell --setup all --config cell.toml --out RUN/ --png figures/`
     """
     files = session.Files(rig_file.load(config, CellConfig, settings or []), stage_of(stage), model or ())
+    for note in session.refuse_foreign_models(files, accept or ()):
+        sys.stderr.write(f"{note}\n")
     pace = paced if is_paced else offline
     setups = list(SETUPS) if setup == ALL else [setup]
     designs = designs_of(files.stage, files.models) if any(each.startswith("C") for each in setups) else []
@@ -48,7 +53,7 @@ def cell(
     for made in plans:
         refuse_wrong_plants(made)
     require(out, sum(map(session.room, plans)), f"{len(plans)} of the setups")
-    with session.create(out, files) as folder, stoppable() as stop:
+    with session.create(out, files, accept or ()) as folder, stoppable() as stop:
         for made in plans:
             with progress(
                 f"setup {made.setup}, {made.path.seconds:.0f} s of motion", round(made.path.seconds * RATE)

@@ -180,10 +180,15 @@ def designs_of(stage: StageConfig, models: Sequence[Path] = ()) -> list[Design]:
     axes, rate = stage.stage.axes, stage.stage.rate
     if axes != AXES or rate != RATE:
         raise ValueError(f"the stage has axes {', '.join(axes)} at {rate:g} samples/s, must be x, y, z at {RATE:g}")
-    if len(models) not in (0, len(axes)):
-        raise ValueError(f"there are {len(models)} model files, must be one for each of the axes x, y, z, or none")
+    refuse_count(models)
     known = [read_model(file, rate=rate) for file in models] or [nominal_model(axis, rate) for axis in axes]
     return [design(each, stage.outer, axis, chosen_weights(stage.weights, axis)) for axis, each in enumerate(known)]
+
+
+def refuse_count(models: Sequence[Path]) -> None:
+    """Refuse, by ValueError, another number of a stage's models than one an axis, or none."""
+    if len(models) not in (0, len(AXES)):
+        raise ValueError(f"there are {len(models)} model files, must be one for each of the axes x, y, z, or none")
 
 
 def cell_of(cell: CellConfig) -> CellConfig:

@@ -1,6 +1,6 @@
 """Runs of the cell in their folder: everything recorded, measured and kept."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -17,10 +17,12 @@ from rigkit.run_folder import CONFIG, RunFolder, read_events
 from rigkit.run_origin import keep_origin
 from stagectl.config import StageConfig
 from stagectl.machining.measures import Contour, accuracy, contour
-from stagectl.machining.plan import AXES, RATE, SETUPS, Plan, designs_of, plan
+from stagectl.machining.plan import AXES, RATE, SETUPS, Plan, designs_of, plan, refuse_count
 from stagectl.machining.recorded import EVERY, QUICK, recordings
 from stagectl.machining.run import Conduct, mill
 from stagectl.machining.surroundings import simulated
+from stagectl.model_file import read_model
+from stagectl.model_origin import refuse_foreign
 from stagectl.robot.config import CellConfig
 from stagectl.session import model_name
 
@@ -49,7 +51,26 @@ class Files:
     models: Sequence[Path] = ()
 
 
-def create(path: Path, files: Files) -> RunFolder:
+def refuse_foreign_models(files: Files, accept: Collection[str]) -> list[str]:
+    """Refuse models of another stage, or of one that was wired otherwise; return what is to be said.
+
+    Parameters
+    ----------
+    files : Files
+    accept : collection of str
+        Keys of the stage's rig file that may differ.
+
+    Raises
+    ------
+    ValueError : another number of models, or one of another axis.
+    DisagreementError : the stage was wired otherwise.
+    """
+    refuse_count(files.models)
+    models = [read_model(file, rate=RATE) for file in files.models]
+    return refuse_foreign(files.stage, files.models, models, accept)
+
+
+def create(path: Path, files: Files, accept: Collection[str] = ()) -> RunFolder:
     """Make the folder of new runs, with copies of all files; ValueError where something is in it already."""
     cell = kept_files(files.cell, ["learning.model"])
     stage = kept_files(files.stage, ["reference.signal"], "stage-files")
@@ -59,7 +80,7 @@ def create(path: Path, files: Files) -> RunFolder:
         for axis, model in zip(AXES, files.models, strict=bool(files.models)):
             folder.take_in(model, model_name(axis))
             parts.append(model_name(axis))
-        keep_origin(folder, "cell runs", cell.config, parts, [])
+        keep_origin(folder, "cell runs", cell.config, parts, sorted(accept))
     return folder
 
 

@@ -77,7 +77,7 @@ def ilc(
         return
     if out is None:
         raise ValueError("--out is missing: trials are kept there")
-    job = Job(task, known, first, methods, iterations, is_live, is_sure)
+    job = Job(task, known, first, methods, iterations, is_live, is_sure, tuple(accept or ()))
     _refuse(job, learner)
     write_json(json, run_trials(out, job, learner, png, words(json)))
 

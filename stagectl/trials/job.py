@@ -38,6 +38,8 @@ class Job:
         Trials in material after the first one, of each method.
     is_live, is_sure : bool
         On the robot; without asking before each trial.
+    accept : tuple of str
+        Keys in which the cell that the models were measured on may differ.
     """
 
     task: str
@@ -47,6 +49,7 @@ class Job:
     iterations: int
     is_live: bool = False
     is_sure: bool = False
+    accept: tuple[str, ...] = ()
 
 
 def run_trials(out: Path, job: Job, learner: Learner, png: Path | None, stream: TextIO) -> dict[str, Any]:
@@ -74,7 +77,7 @@ def run_trials(out: Path, job: Job, learner: Learner, png: Path | None, stream: 
 
     trials = learner.cell.learning.free + 1 + job.iterations * len(job.methods)
     require(out, room(job.first, trials), f"{trials} trials")
-    with create(out, learner.cell, job.task, job.model) as folder, stoppable() as stop:
+    with create(out, learner.cell, job.task, job.model, job.accept) as folder, stoppable() as stop:
         conduct = Conduct(folder.event, lambda: stop.made)
         person = Person(tell, conduct.stopped, not job.is_sure) if job.is_live else None
         seconds = job.first.path.samples / RATE

@@ -1,7 +1,7 @@
 """Trials in a folder: each is run, recorded, kept and told of; read back for report and replay."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from pathlib import Path
 
@@ -38,13 +38,13 @@ def run_simulated(trial: Trial, conduct: Conduct) -> Milled:
     return run(trial, conduct, simulated, RECORDED, about)
 
 
-def create(path: Path, cell: CellConfig, task: str, model: Path) -> RunFolder:
+def create(path: Path, cell: CellConfig, task: str, model: Path, accept: Collection[str] = ()) -> RunFolder:
     """Make the folder of new trials, with a copy of the models; ValueError where something is in it already."""
     files = kept_files(cell, ["learning.model"])
     with RunFolder.filled(path, rig_file.dump(files.config)) as folder:
         folder.write(LEARNING, f"{task}\n")
         folder.take_in(model, MODEL)
-        keep_origin(folder, "milling trials", files.config, [LEARNING, MODEL, *files.take_into(folder)], [])
+        keep_origin(folder, "milling trials", files.config, [LEARNING, MODEL, *files.take_into(folder)], sorted(accept))
     return folder
 
 

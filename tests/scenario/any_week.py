@@ -23,7 +23,8 @@ from rigkit import config as rig_file
 from rigkit.origin import RUN, checksum, flat, read_origin
 from rigkit.service.client import DaemonError
 from tests.rigkit.service.served import ROOT, Served, answering, free_port
-from tests.scenario.lab_week import RIG, Lab
+from tests.scenario.lab import Lab
+from tests.scenario.lab_week import RIG
 from tests.until import until
 from vibractl.__main__ import main as vibractl
 from vibractl.config import RigConfig

@@ -1,36 +1,40 @@
 """What a week in the lab does to each command, tried: `python -m tests.scenario.lab_week --write` writes its page.
 
-Each cell works on a copy of one lab: a model, a run of two shots, and what finished calibrations of a stage, of joints
-and of a feed leave.  What came of it is refused, with nothing changed; said, and done; or done with the same bits.
+Each cell works on a copy of one lab: a model, a run of two shots, runs of the stage and of the cell, and what finished
+calibrations of a stage, of joints, of milling and of a feed leave.  What came of it is refused, with nothing changed;
+said, and done; or done with the same bits.
 """
 
-import contextlib
-import hashlib
-import io
-import json
+import os
 import re
 import shutil
-import sys
 import tempfile
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+import time
+from collections.abc import Callable
 from pathlib import Path
-
-import numpy as np
 
 from benchmarks.page_table import put, table
 from calibration.__main__ import main as calibrate
 from calibration.joint_clamping.session import KIND as JOINTS
-from calibration.output import Wish, output
 from calibration.stage_axes.experiment import KIND as STAGE
-from ctlblocks import recording
-from ctlblocks.recording import Recording
 from rigkit import config as rig_file
-from rigkit.config import Section
-from rigkit.lock import Lock
-from rigkit.origin import RUN
+from rigkit.retention import AHEAD, DAY
 from stagectl.config import StageConfig
 from stagectl.robot.config import CellConfig
+from tests.scenario.lab import (
+    Cell,
+    Lab,
+    at_work_on,
+    beside,
+    left,
+    moved,
+    repeated,
+    stopped_then_rewired,
+    unfinished,
+)
+from tests.scenario.lab_week_stage import CELLS as STAGE_CELLS
+from tests.scenario.lab_week_stage import add_runs
+from tests.until import until
 from vibractl.__main__ import main as vibractl
 from vibractl.config import RigConfig
 
@@ -41,37 +45,6 @@ RIG = (
     "reference.signal=chirp:40:90:1", "session.shots=2",
 )  # fmt: skip
 WIDER = "audio.input_full_scale=200.0"
-
-
-@dataclass(frozen=True)
-class Lab:
-    """A folder of a lab."""
-
-    path: Path
-
-    def call(self, program: Callable[[], int], *words: str) -> tuple[int, str]:
-        """Call a command in the folder; return its status, and what it has said to people."""
-        said, argv = io.StringIO(), sys.argv
-        sys.argv = [program.__module__.split(".")[0], *words]
-        try:
-            with (
-                contextlib.chdir(self.path),
-                contextlib.redirect_stderr(said),
-                contextlib.redirect_stdout(io.StringIO()),
-            ):
-                return program(), said.getvalue()
-        finally:
-            sys.argv = argv
-
-    def edit(self, name: str, model: type[Section], *overrides: str) -> None:
-        """Edit a rig file, or a run's."""
-        config = rig_file.load(self.path / name, model, overrides, as_written=True)
-        (self.path / name).write_text(rig_file.dump(config))
-
-    def sums(self) -> dict[str, str]:
-        """Return every file's checksum, but for logs that tell that somebody was there."""
-        files = (path for path in self.path.rglob("*") if path.is_file() and path.name not in (".lock", "events.jsonl"))
-        return {str(path.relative_to(self.path)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
 def first_lab(path: Path) -> Lab:
@@ -95,35 +68,8 @@ def first_lab(path: Path) -> Lab:
     left(path / "joints.h5", JOINTS, CellConfig(), *(f"joints.raw/joint-{joint}.wav" for joint in range(1, 7)))
     (path / "velocity.h5").write_bytes(b"a model of x")
     (path / "velocity.csv").write_bytes(b"a record of x")
+    add_runs(lab)
     return lab
-
-
-def left(out: Path, kind: str, config: Section, *names: str) -> None:
-    """Leave what a finished calibration leaves."""
-    writes = output(out, kind, config, Wish())
-    with writes.begun():
-        for name in ("a.wav", *(Path(name).name for name in names if name.endswith(".wav"))):
-            recording.write(writes.raw / name, Recording(("u",), ("V",), 100.0, np.zeros((3, 1), np.float32)))
-    for name in (out.name, *(name for name in names if not name.endswith(".wav"))):
-        (out.parent / name).write_bytes(b"a result")
-    writes.finish()
-
-
-def unfinished(lab: Lab, out: str) -> None:
-    """Make a finished calibration one that was stopped."""
-    (lab.path / out).unlink()
-    note = (lab.path / out).with_suffix(".raw") / RUN
-    note.write_text(json.dumps(json.loads(note.read_text()) | {"finished": ""}))
-
-
-@contextlib.contextmanager
-def at_work(path: Path) -> Iterator[None]:
-    """Stand for another process that works in a folder."""
-    lock = Lock(path / ".lock")
-    try:
-        yield
-    finally:
-        lock.release()
 
 
 RESUME = ("run", "--resume", "RUN", "--shots", "3")
@@ -134,13 +80,9 @@ REPLAY = ("replay", "RUN")
 VIBRATOR = ("vibrator", "--config", "rig.toml", "--out", "model.h5")
 STAGE_WORDS = ("stage", "--config", "stage.toml", "--out", "s.h5")
 JOINT_WORDS = ("joints", "--config", "cell.toml", "--out", "joints.h5")
+REPORT, EXPORT = ("report", "RUN"), ("export", "RUN", "--format", "csv", "--out", "EXPORTED")
+PRUNE = ("prune", "runs", "--newest", "1")
 VELOCITY = ("velocity", "--axis", "y", "--out", "velocity.h5")
-
-
-def repeated(lab: Lab, program: Callable[[], int], *words: str) -> tuple[int, str]:
-    """Call it twice."""
-    assert lab.call(program, *words)[0] == 0
-    return lab.call(program, *words)
 
 
 def edited_run(lab: Lab, *words: str) -> tuple[int, str]:
@@ -161,27 +103,33 @@ def other_model(lab: Lab, place: str, *words: str) -> tuple[int, str]:
     return lab.call(vibractl, *words)
 
 
-def moved(lab: Lab, program: Callable[[], int], *words: str) -> tuple[int, str]:
-    """Rename the whole lab, then call."""
-    return Lab(lab.path.rename(lab.path.with_name("attic"))).call(program, *words)
+def stored(lab: Lab) -> None:
+    """Put two copies of the run into a folder of runs, `old` a day older than `new`."""
+    for name, age in (("new", 0.0), ("old", DAY)):
+        copy = Path(shutil.copytree(lab.path / "RUN", lab.path / "runs" / name))
+        for path in copy.rglob("*"):
+            os.utime(path, (time.time() - age, time.time() - age))
 
 
-def beside(lab: Lab, place: str, program: Callable[[], int], *words: str) -> tuple[int, str]:
-    """Call it while another process works in the folder."""
-    with at_work(lab.path / place):
-        return lab.call(program, *words)
+def beside_a_run(lab: Lab, *words: str) -> tuple[int, str]:
+    """Call it while another process goes on with the run."""
+    with at_work_on(lab, vibractl, "RUN/shots/0003.wav", "run", "--resume", "RUN", "--shots", "1000"):
+        return lab.call(vibractl, *words)
 
 
-def stopped_then_rewired(
-    lab: Lab, out: str, model: type[Section], file: str, edit: str, *words: str
-) -> tuple[int, str]:
-    """Edit the rig file of an unfinished calibration, then go on."""
-    unfinished(lab, out)
-    lab.edit(file, model, edit)
-    return lab.call(calibrate, *words)
+def pruned_beside_a_run(lab: Lab) -> tuple[int, str]:
+    """Prune while another process goes on with the run that is too old, and see that this goes on still."""
+    stored(lab)
+    shots = lab.path / "runs" / "old" / "shots"
+    with at_work_on(lab, vibractl, "runs/old/shots/0003.wav", "run", "--resume", "runs/old", "--shots", "1000"):
+        newest = time.time() + AHEAD / 2
+        os.utime(lab.path / "runs" / "new" / "qc.csv", (newest, newest))
+        done = lab.heard(vibractl, *PRUNE)
+        number = len(list(shots.glob("*.wav")))
+        until(lambda: (shots / f"{number + 1:04d}.wav").exists())
+    return done
 
 
-Cell = Callable[[Lab], tuple[int, str]]
 CELLS: dict[str, tuple[Cell | None, ...]] = {
     "`vibractl run`": (
         lambda lab: repeated(lab, vibractl, *NEW),
@@ -203,6 +151,27 @@ CELLS: dict[str, tuple[Cell | None, ...]] = {
         lambda lab: other_model(lab, "RUN/model.h5", *REPLAY),
         lambda lab: moved(lab, vibractl, *REPLAY),
         lambda lab: beside(lab, "RUN", vibractl, *REPLAY),
+    ),
+    "`vibractl report`": (
+        lambda lab: repeated(lab, vibractl, *REPORT),
+        lambda lab: edited_run(lab, *REPORT),
+        lambda lab: other_model(lab, "RUN/model.h5", *REPORT),
+        lambda lab: moved(lab, vibractl, *REPORT),
+        lambda lab: beside_a_run(lab, *REPORT),
+    ),
+    "`vibractl export`": (
+        lambda lab: repeated(lab, vibractl, *EXPORT),
+        lambda lab: edited_run(lab, *EXPORT),
+        lambda lab: other_model(lab, "RUN/model.h5", *EXPORT),
+        lambda lab: moved(lab, vibractl, *EXPORT),
+        lambda lab: beside_a_run(lab, *EXPORT),
+    ),
+    "`vibractl prune`": (
+        lambda lab: (stored(lab), repeated(lab, vibractl, *PRUNE))[1],
+        None,
+        None,
+        lambda lab: (stored(lab), moved(lab, vibractl, *PRUNE))[1],
+        pruned_beside_a_run,
     ),
     "`vibractl predict`": (
         lambda lab: lab.call(vibractl, *PREDICT),
@@ -246,14 +215,22 @@ CELLS: dict[str, tuple[Cell | None, ...]] = {
 """A command's row: what is tried in each of `SITUATIONS`; None where that does not arise."""
 
 
+SAID = {"is at work": "is at work", "at work, kept": "is at work", "written over": "is written over"}
+REFUSED = {
+    "is finished": "is finished",
+    "is in use": "is in use",
+    "is there already": "is there already",
+    "has an entry": "is there already",
+}
+"""What a line says, and how the table says it."""
+
+
 def tried(cell: Cell, lab: Lab, place: Path) -> str:
     """Try a cell on a copy of the lab, and return what came of it."""
     copy = Lab(Path(shutil.copytree(lab.path, place / "lab")))
-    before = copy.sums()
+    recorded = copy.recordings()
     status, said = cell(copy)
-    now = Lab(place / "attic") if (place / "attic").exists() else copy
-    recorded = {total for name, total in before.items() if name.endswith(".wav")}
-    found = {total for name, total in now.sums().items() if name.endswith(".wav")}
+    found = (Lab(place / "attic") if (place / "attic").exists() else copy).recordings()
     assert recorded <= found, "a recording is lost"
     refused = [line for line in said.splitlines() if line.startswith("error: ")]
     if refused:
@@ -261,9 +238,9 @@ def tried(cell: Cell, lab: Lab, place: Path) -> str:
         is_twice = "repeated" in cell.__code__.co_names
         assert is_twice or recorded == found, "it was refused, and has recorded all the same"
         return f"refused: {why(refused[0])}"
-    notes = [line for line in said.splitlines() if " was " in line and " is " in line]
-    if notes:
-        return f"said: {why(notes[0])}"
+    for line in said.splitlines():
+        if (" was " in line and " is " in line) or any(words in line for words in SAID):
+            return f"said: {why(line)}{', drives differ' * bool(status)}"
     return "the same bits" if status == 0 else "said: drives differ"
 
 
@@ -271,9 +248,9 @@ def why(line: str) -> str:
     """Return what a line is about, in a few words."""
     if keys := re.findall(r"--accept (\S+)", line):
         return ", ".join(f"`{key}`" for key in keys)
-    for words in ("is finished", "is in use", "is there already", "has an entry"):
+    for words, short in {**SAID, **REFUSED}.items():
         if words in line:
-            return words.replace("has an entry", "is there already")
+            return short
     found = re.search(r"([\w.]+) was \S+, is ", line)
     return f"`{found[1]}`" if found else line
 
@@ -283,7 +260,7 @@ def rows() -> list[list[str]]:
     with tempfile.TemporaryDirectory() as folder:
         lab = first_lab(Path(folder) / "first")
         found = []
-        for number, (command, cells) in enumerate(CELLS.items()):
+        for number, (command, cells) in enumerate({**CELLS, **STAGE_CELLS}.items()):
             row = [command]
             for column, cell in enumerate(cells):
                 place = Path(folder) / f"{number}-{column}"

@@ -13,6 +13,7 @@ from stagectl.__main__ import main
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.milling_models import write_milling
 from tests.stagectl.robot.milling.test_milling_models import models
+from tests.stagectl.simulated_models import write_models
 
 SHORT = {
     "cell runs": "cell --setup A --set toroid.lead=1.0 --set toroid.turn=0.005 --set toroid.ramp=0.1",
@@ -78,3 +79,13 @@ def test_models_of_a_cell_that_was_wired_otherwise_are_refused_until_the_key_is_
     told = capsys.readouterr().err
     assert "robot.tool was 0.25, is 0.1" in told
     assert "--accept" not in told
+
+
+def test_too_few_models_of_a_stage_are_refused_in_one_line_and_nothing_is_made(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, *_ = write_models(tmp_path)
+    words = [*SHORT["cell runs"].split(), "--model", str(file), "--out", str(tmp_path / "run")]
+    assert stagectl(monkeypatch, *words) == 2
+    assert capsys.readouterr().err.startswith("error: there are 1 model files, must be one for each of the axes")
+    assert not (tmp_path / "run").exists()

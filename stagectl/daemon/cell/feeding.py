@@ -62,6 +62,8 @@ class Feeding:
             task, pocket, options.planner, options.untrained, options.pockets, options.seed, options.compare
         )
         model = data_file(data, "model", options.model) if options.model else None
+        for note in session.refuse_foreign_model(config, model, options.accept):
+            desk.event("note", {"text": note})
         self._planner, self._known = self._job.make(), session.velocity_model(model)
         first = feed_plan(self._cell, pocket, self._known)
         plants_of(first)
@@ -69,7 +71,7 @@ class Feeding:
         self._panels = FeedingPanels(desk, self._conductor.watch, wanted)
         path = run_path(config.daemon.data, options.run)
         session.require_room(path, first, self._job)
-        self._folder = session.create(path, self._cell, self._job, model)
+        self._folder = session.create(path, self._cell, self._job, model, options.accept)
 
     def stop(self) -> None:
         """Hold the robot where it is: within `limits.stop`."""

@@ -69,7 +69,7 @@ class Learning:
             self._folder = RunFolder.open(path)
             notes = together(notes, self._go_on(options.accept))
         else:
-            self._folder = create(path, cell, task, model)
+            self._folder = create(path, cell, task, model, options.accept)
         for text in notes:
             desk.event("note", {"text": text})
         self._trials = TrialRunner(self._conductor, self._folder, self._first.cell, 0, self._whole, self._keep)

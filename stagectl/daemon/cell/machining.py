@@ -45,6 +45,8 @@ class Machining:
         models = [data / f"stage-{axis}.h5" for axis in AXES]
         stage = stage_of(data_file(config.daemon.data, "stage", options.stage) if options.stage else None)
         files = session.Files(config, stage, models if all(model.is_file() for model in models) else ())
+        for note in session.refuse_foreign_models(files, options.accept):
+            desk.event("note", {"text": note})
         has_stage = any(each.startswith("C") for each in setups)
         designs = designs_of(stage, files.models) if has_stage else []
         self._plans = [plan(each, config, stage, designs) for each in setups]
@@ -55,7 +57,7 @@ class Machining:
         self._motion = Motion(self._plans[0].cell)
         self._made = self._plans[0]
         self._panels = MachiningPanels(desk, self._conductor.watch)
-        self._folder = session.create(path, files)
+        self._folder = session.create(path, files, options.accept)
 
     def stop(self) -> None:
         """Hold the robot where it is: within `limits.stop`."""

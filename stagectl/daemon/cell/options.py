@@ -61,6 +61,7 @@ class ForceOptions(Run):
     compare: bool = setting(False, "", "mill the last pocket once more by position control at the safe feed")
     seed: int = setting(0, "", "of what the planner draws", ge=0)
     model: str = setting("", "", "the robot's velocity model in the data folder; empty for the nominal one")
+    accept: tuple[str, ...] = setting((), "", "keys that may differ from what that was measured with")
 
     @model_validator(mode="after")
     def _can_do_without_rates(self) -> Self:
@@ -74,6 +75,7 @@ class CellOptions(Run):
 
     setup: Literal["A", "B", "C", "C-fixed", "all"] = setting("C", "", "robot, tracker, stage: which of them correct")
     stage: str = setting("", "", "the stage's own rig file in the data folder; empty for the usual stage")
+    accept: tuple[str, ...] = setting((), "", "keys that may differ from what the stage's models were measured with")
 
 
 class MidrangeOptions(Run):

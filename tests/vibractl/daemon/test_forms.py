@@ -14,7 +14,8 @@ from rigkit.origin import RUN, checksum, read_origin
 from tests.rigkit.service.page.browser import DESKTOP, browser, hindrance
 from tests.rigkit.service.page.visit import Visit
 from tests.rigkit.service.served import ROOT, Served, answering, free_port
-from tests.scenario.lab_week import RIG, WIDER, left
+from tests.scenario.lab import left
+from tests.scenario.lab_week import RIG, WIDER
 from tests.until import until
 from vibractl.config import RigConfig
 
