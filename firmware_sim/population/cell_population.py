@@ -15,6 +15,8 @@ RUBBING = {
     "cooling": "s",
 }  # fmt: skip
 """Keywords of `RobotOptions` about friction, and their units."""
+SEGMENT_DEPTH = 0.5 * DEPTH
+"""m: a tool that has plunged cuts all around it, twice as much as in a slot."""
 OVERLOAD, MOST = 8.0, 300.0
 """Of the force wanted, at which a tool retreats, and N at most."""
 TOUCH, PRESSED = 4.0, 4.0
@@ -26,13 +28,13 @@ def _keys(drawn: DrawnCell, seed: int, family: str) -> dict[str, Any]:
     machine, piece = {"seed": seed, "family": family}, {"cell": seed, "family": family}
     noise = drawn.tracker["noise"]
     contact = max(1.0, TOUCH * drawn.sensor["noise"])
-    wanted = max(drawn.cut.force, PRESSED * contact)
+    wanted = max(drawn.cut.force * SEGMENT_DEPTH / DEPTH, PRESSED * contact)
     compliance = np.diag(drawn.robot.compliance(SEGMENT_HOME, TOOL))[:2]
     own = {
         "rig.name": f"cell-{seed}",
         "tracker.jump": max(5e-4, _rounded(8.0 * noise)),
         "tracker.residual": max(5e-4, _rounded(5.0 * noise)),
-        "segments.depth": DEPTH,
+        "segments.depth": SEGMENT_DEPTH,
         "force.force": _rounded(wanted),
         "force.stiffness": _rounded(1.0 / float(compliance.mean())),
         "force.force_noise": _rounded(drawn.sensor["noise"]),
