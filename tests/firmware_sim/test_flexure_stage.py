@@ -1,6 +1,5 @@
 """The stage on flexures against what scipy makes of its linear part, and against a solver where a guide rubs."""
 
-
 import numpy as np
 import pytest
 from scipy import signal
