@@ -20,7 +20,7 @@ STRONG, FEWEST = 1e-3, 8
 """Of the strongest line, in power over noise, from where on a line is looked at, and lines that there must be."""
 RIDGE = 1e-6
 """Of the strongest combination of drives: weaker ones are not looked at."""
-SPREAD = 0.1
+SPREAD = 0.02
 """Of all the time, by which the times scatter at which a line is excited, or it does not show a difference: a single
 sweep does not, for each of its frequencies comes once."""
 FIRST, FURTHER = 16, 4

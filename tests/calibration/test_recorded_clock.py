@@ -10,7 +10,7 @@ from scipy.interpolate import make_interp_spline
 
 from calibration.from_recordings import Found, FromRecordingsError, matrix_from
 from calibration.from_report import notes
-from calibration.recorded_clock import lag
+from calibration.recorded_clock import _is_at_several, lag
 from calibration.recorded_signals import Recorded
 from rigkit.foreign_stream import Signals
 from tests.calibration.recorded_lab import BAND, alone, heard, multisine, noise, recorded, sweep, truth
@@ -64,6 +64,15 @@ def test_sweeps_that_lie_elsewhere_in_their_blocks_show_their_clock_as_well(monk
     response = by_another_clock(heard(drive, 0.0), 20.0)
     (told,) = matrix_from([recorded(drive, response)], linear_config(*BAND), WORDS, True).records
     assert abs(1e6 * told.drift.value - 20.0) < 0.05
+
+
+@pytest.mark.parametrize(("weaker", "shows"), [(0.1, True), (0.05, True), (1e-4, False)])
+def test_a_clock_shows_where_one_of_three_times_tells_far_more_but_not_in_what_leaks(
+    weaker: float, shows: bool
+) -> None:
+    """A vibrator that distorts is heard clearly at one level alone; a single sweep leaks into the other times."""
+    share = np.array([weaker, weaker, 1.0])[:, None, None, None] * np.ones((3, 20, 1, 1))
+    assert _is_at_several(share, np.array([5.0, 20.0, 35.0])) is shows
 
 
 def test_what_one_clock_has_recorded_is_not_stretched() -> None:
