@@ -41,7 +41,11 @@ def test_the_token_to_view_looks_and_stops_and_is_refused_all_else(daemon: Serve
         assert (told["before"], told["state"]) == ("RUNNING", "DISARMED")
         with pytest.raises(DaemonError, match="this token may view and STOP"), client.control("Eve"):
             pass
-    assert daemon.named("stop")[-1]["why"] == "smoke"
+        assert daemon.named("stop")[-1]["why"] == "smoke"
+        for _ in range(20):
+            assert client.stop("Eve", "held down")["state"] == "DISARMED"
+    until(lambda: daemon.named("stop")[-1].get("times") == 21)
+    assert daemon.named("stop")[-1]["asker"] == "view at 127.0.0.1"
     assert {entry["who"] for entry in daemon.named("control")} == {"Ada"}
 
 
