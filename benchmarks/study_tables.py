@@ -9,21 +9,23 @@ from pathlib import Path
 
 from benchmarks.page_table import DOCS
 from rigkit.origin import checksum
+from rigkit.report import Table
 from rigkit.study.report import StudyReport
 from rigkit.study.results import write_rows
-from rigkit.study.tables import markdown
+from rigkit.study.tables import endings_table, markdown
 
 KEPT = DOCS / "populations"
 PAGE = DOCS / "populations.md"
+MOST_ENDS = 5
 LARGEST = 2_000_000
 """Bytes of all kept results together."""
 _HEAD = """\
 # Populations: what studies have found
 
 Each table is of machines that were drawn by seed, and known to no controller. Seeds are taken in order until two hours
-of processor time are spent; N is how many tasks that makes. What was refused or failed does not pass, and counts in N.
-The intervals are Wilson's, 95 %. Written by `make studies` ([studies](studies.md)) from the results in
-`docs/populations/`; `make studies STUDIES=NAME` runs one again.
+of processor time are spent, or as far as the line under the tables says; N is how many tasks that makes. What was
+refused or failed does not pass, and counts in N.  The intervals are Wilson's, 95 %. Written by `make studies`
+([studies](studies.md)) from the results in `docs/populations/`; `make studies STUDIES=NAME` runs one again.
 """
 
 
@@ -43,6 +45,9 @@ def section(file: Path) -> str:
         f"study hash `{told['hash'][:16]}`; `docs/populations/{file.name}`, SHA-256 `{checksum(file)[:16]}`."
     )
     tables = [f"**{text}**\n\n{markdown(table)}\n" for text, table in found.tables()]
+    if ends := endings_table(found.rows).rows[:MOST_ENDS]:
+        rows = tuple((text, count, name) for text, _, count, name, _ in ends)
+        tables.append(f"**not done**\n\n{markdown(Table(('last line', 'tasks', 'the first'), rows))}\n")
     return "\n".join([f"## {file.stem}\n", f"{found.about.purpose}\n", *tables, f"{origin}\n"])
 
 

@@ -1,7 +1,7 @@
 """The tables of a study, for the terminal, a page and the documentation."""
 
 import math
-from collections import Counter
+import re
 from collections.abc import Iterable, Sequence
 
 from rigkit.report import Table
@@ -12,6 +12,7 @@ from rigkit.study.summary import Group, statistics, worst
 MOST_GROUPS = 40
 """Rows of a figure's table; the JSON has all."""
 WORST = 5
+_NUMBER = re.compile(r"-?\d[\d.]*(e[-+]?\d+)?")
 
 
 def figure_table(groups: Sequence[Group], name: str, figure: Figure) -> Table:
@@ -47,12 +48,18 @@ def worst_table(rows: Sequence[Row], name: str, figure: Figure) -> Table:
 
 
 def endings_table(rows: Sequence[Row]) -> Table:
-    """Return how tasks ended that did not end well: how often, the first of them by name, and its command line."""
-    ends = Counter((row.status, row.message) for row in rows if row.status)
-    first = {(row.status, row.message): row for row in reversed(rows) if row.status}
+    """Return how tasks ended that did not end well: how often, the first of them by name, and its command line.
+
+    Last lines that differ in their numbers alone are one.
+    """
+    ends: dict[tuple[int, str], list[Row]] = {}
+    for row in rows:
+        if row.status:
+            ends.setdefault((row.status, _NUMBER.sub("#", row.message)), []).append(row)
+    often = sorted(ends.values(), key=len, reverse=True)[:MOST_GROUPS]
     cells = [
-        (message or "-", f"{status}", f"{count}", case_name(first[status, message]), command(first[status, message]))
-        for (status, message), count in ends.most_common(MOST_GROUPS)
+        (alike[0].message or "-", f"{alike[0].status}", f"{len(alike)}", case_name(alike[0]), command(alike[0]))
+        for alike in often
     ]
     return Table(
         ("last line", "status", "tasks", "the first", "in an empty folder, with the study's files"), tuple(cells)

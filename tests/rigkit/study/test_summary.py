@@ -10,7 +10,7 @@ from rigkit.study.file import Figure
 from rigkit.study.report import StudyReport
 from rigkit.study.results import FOLDER, About, Row, write_rows
 from rigkit.study.summary import groups, passes, share_of, statistics, survival, worst
-from rigkit.study.tables import figure_table, markdown
+from rigkit.study.tables import endings_table, figure_table, markdown
 
 SHOT = Figure(file="r.json", path="shot", kind="event", until=10, title="shots")
 WORST = Figure(file="r.json", path="db", unit="dB", passes="<= 0")
@@ -154,3 +154,18 @@ def test_many_cases_are_drawn_over_their_settings(tmp_path: Path) -> None:
     assert first.axes[0].get_xlabel() == "gain"
     assert max(first.axes[0].lines[0].get_ydata()) == 10
     assert second.axes[0].get_yscale() == "log"
+
+
+def test_tasks_whose_last_lines_differ_in_numbers_alone_ended_alike() -> None:
+    messages = [
+        "error: 14 s are too short",
+        "error: 1.6e+01 s are too short",
+        "error: no such file",
+        "error: -3 s are too short",
+    ]
+    rows = [Row(**{**row(seed, "thesis", status=2).__dict__, "message": text}) for seed, text in enumerate(messages)]
+    told = [(line[0], line[2], line[3]) for line in endings_table(rows).rows]
+    assert told == [
+        ("error: 14 s are too short", "3", "shell-0, law=thesis, n=3"),
+        ("error: no such file", "1", "shell-2, law=thesis, n=3"),
+    ]
