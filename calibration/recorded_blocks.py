@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.recorded_clock import Turn, clock
+from calibration.recorded_clock import PASSES, Passes, Turn, clock
 from calibration.recorded_period import Multisine, Periods
 from calibration.recorded_response import REACHES, Evidence, Reach, Spectrum, evidence, noise_of
-from calibration.recorded_signals import BLOCK, Head, lines_of
+from calibration.recorded_signals import BLOCK, Head, lines_of, stretched
 from calibration.recorded_sum import Sum
 
 CLOCK_REACH = Reach(2, 2.0)
@@ -156,7 +156,20 @@ def clock_of_head(head: Head, late: float, wanted: Wanted) -> Turn:
     late : float, samples of it
     wanted : Wanted
     """
+    passes = Passes()
+    for _ in range(PASSES):
+        applied = passes.drift.value
+        rest = passes.take(applied, _shown_of_head(head, late, wanted, applied))
+        if not abs(rest.value) > rest.error:
+            break
+    return passes.drift
+
+
+def _shown_of_head(head: Head, late: float, wanted: Wanted, applied: float) -> Turn:
     drive, response = _beside(head, round(late))
+    if applied:
+        response = stretched(response, 1 + applied)
+        drive = drive[: len(response)]
     count = int(np.clip(len(drive) / head.rate / PIECE, *PIECES))
     length, blocks = len(drive) // count, Blocks(wanted)
     for begin in range(0, count * length, length):

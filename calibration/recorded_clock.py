@@ -1,7 +1,8 @@
 """How responses lie in time beside drives: a lag, a clock that runs faster, a record that is late beside others."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Self
 
 import numpy as np
@@ -34,6 +35,12 @@ ALIKE = 20.0
 """Times its median, that a correlation must have at its peak for a lag to be believed."""
 
 
+PASSES = 4
+"""At most."""
+SMALLEST_PART = 0.1
+"""Of the rest of a clock that a pass is believed to show."""
+
+
 @dataclass(frozen=True)
 class Turn:
     """A number by which phases turn, as it is found.
@@ -54,6 +61,29 @@ class Turn:
 
 
 UNKNOWN = Turn(0.0, float("inf"))
+
+
+class Passes:
+    """A clock that is found in passes, each with what is known of it taken out.
+
+    A block counts at its middle.  Sweeps that lie elsewhere in it are nearer to each other than the blocks' middles are
+    apart, and what is left of a clock seems smaller than it is: two passes tell by how much.
+    """
+
+    def __init__(self) -> None:
+        self.drift = UNKNOWN
+        self._part, self._before = 1.0, (0.0, UNKNOWN)
+
+    def take(self, applied: float, shown: Turn) -> Turn:
+        """Take what a pass has shown with so much taken out; return what is still to be."""
+        first, left = self._before
+        if abs(applied - first) > SURE * max(left.error, shown.error):
+            found = (left.value - shown.value) / (applied - first)
+            self._part = found if SMALLEST_PART <= found <= 1 / SMALLEST_PART else self._part
+        rest, self._before = Turn(shown.value / self._part, shown.error / self._part), (applied, shown)
+        if np.isfinite(rest.error):
+            self.drift = Turn(applied + rest.value, rest.error)
+        return rest
 
 
 @dataclass(frozen=True)
@@ -96,7 +126,8 @@ def lag(drive: np.ndarray, response: np.ndarray, ringing: int) -> int | None:
     -------
     int or None
         Where the impulse response begins to be strong: where the correlation of drives, whitened, with responses first
-        comes near its largest; None where nothing stands out.
+        comes near its largest; None where nothing stands out.  Of several that are nearly as strong, as of a sweep that
+        is repeated, one within `ringing` of none.
     """
     if not drive.any():
         return None
@@ -111,6 +142,9 @@ def lag(drive: np.ndarray, response: np.ndarray, ringing: int) -> int | None:
     found = int(size.argmax())
     if not size[found] > ALIKE * np.median(size):
         return None
+    near = np.arange(-ringing, ringing + 1) % points
+    if size[near].max() >= NEAR * size[found]:  # one sweep is like the next
+        found = int(near[size[near].argmax()])
     before = size[np.arange(found - ringing, found + 1) % points]
     found += int(np.argmax(before >= NEAR * size[found])) - ringing
     return found if found < len(response) else found - points
@@ -170,10 +204,11 @@ def turned(stack: Stack, lever: np.ndarray, wanted: np.ndarray, low: float, high
     if not free.any() or not _is_at_several(share, lever):
         return UNKNOWN
 
-    def left(x: float) -> float:
-        turn = np.exp(2j * np.pi * x * wanted * lever[:, None])
-        explained = (np.abs(np.einsum("bl,bloi->loi", turn, share)) ** 2).sum(axis=2)
-        return float((free * np.log(np.maximum(power - explained, 1e-12 * power + np.finfo(float).tiny))).sum())
+    def left(x: float, lines: slice = slice(None)) -> float:
+        turn = np.exp(2j * np.pi * x * wanted[lines] * lever[:, None])
+        explained = (np.abs(np.einsum("bl,bloi->loi", turn, share[:, lines])) ** 2).sum(axis=2)
+        rest = np.maximum(power[lines] - explained, 1e-12 * power[lines] + np.finfo(float).tiny)
+        return float((free[lines] * np.log(rest)).sum())
 
     step = STEP / (wanted[-1] * float(np.ptp(lever)))
     places = np.linspace(low, high, 2 * max(int(np.ceil((high - low) / step / 2)), 2) + 1)
@@ -181,11 +216,32 @@ def turned(stack: Stack, lever: np.ndarray, wanted: np.ndarray, low: float, high
     best = int(cost.argmin())
     if not float(np.median(cost)) - cost[best] >= SHOWN * np.sqrt(size.size):
         return UNKNOWN
-    bounds = places[max(best - 1, 0)], places[min(best + 1, len(places) - 1)]
-    found = minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": 1e-4 * step})
+    found = _least(left, places[max(best - 1, 0)], places[min(best + 1, len(places) - 1)], step)
+    middle = int(np.searchsorted(np.cumsum(wanted**2), 0.5 * (wanted**2).sum()))
+    halves = slice(0, middle), slice(middle, None)
+    return _agreed(
+        found, [_least(partial(left, lines=each), found.value - step, found.value + step, step) for each in halves]
+    )
+
+
+def _least(cost: Callable[[float], float], low: float, high: float, step: float) -> Turn:
+    """Find where a cost is least, and by its bend how well that is known."""
+    found = minimize_scalar(cost, bounds=(low, high), method="bounded", options={"xatol": 1e-4 * step})
     side = step / 8
-    bend = (left(found.x + side) + left(found.x - side) - 2 * found.fun) / side**2
+    bend = (cost(found.x + side) + cost(found.x - side) - 2 * found.fun) / side**2
     return Turn(float(found.x), float(1 / np.sqrt(bend)) if bend > 0 else float("inf"))
+
+
+def _agreed(found: Turn, halves: Sequence[Turn]) -> Turn:
+    """Return a number with the error that two halves of the lines show, where they differ by more than theirs.
+
+    A clock turns all lines alike; resonances that move with the level, or as the machine warms up, do not.
+    """
+    low, high = halves
+    apart = abs(high.value - low.value)
+    if not apart > SURE * np.hypot(low.error, high.error):
+        return found
+    return Turn(found.value, max(found.error, apart / 2))
 
 
 def _excited(stack: Stack, wanted: np.ndarray) -> tuple[Stack, np.ndarray]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibration.recorded_blocks import Blocks, Wanted, clock_of_head, lead_of, read_periods
-from calibration.recorded_clock import SURE, Turn, lag
+from calibration.recorded_clock import PASSES, Passes, Turn, lag
 from calibration.recorded_period import Multisine, find_period
 from calibration.recorded_response import Spectrum
 from calibration.recorded_signals import BLOCK, SHORTEST, Course, Head, Recorded, block_length, blocks_of, head_of
@@ -18,10 +18,6 @@ SAME_CLOCK = 0.5e-6
 """... and part, at most: resonances that move as a machine warms up look like as much."""
 LEFT = 0.02
 """Samples by which they may differ once that is taken out."""
-AGAIN = 4
-"""Times that a recording is read at most."""
-SMALLEST_PART = 0.1
-"""Of the rest of a clock that a pass is believed to show."""
 LATEST = 0.05
 """s by which responses may come later or earlier than drives ..."""
 EARLY = 0.005
@@ -103,8 +99,8 @@ def prepared(
     is_corrected = _is_to_be_corrected(record, drift, len(head.response) / head.rate, wanted)
     lead = round(record.rate * lead_of(head, late / wanted.factor, wanted))
     del head
-    part, passed = 1.0, None
-    for _ in range(AGAIN):
+    passes = Passes()
+    for _ in range(PASSES):
         applied = drift.value if is_corrected else 0.0
         found: tuple[Blocks, Multisine | None] | None = None
         if period is not None:
@@ -113,28 +109,13 @@ def prepared(
         if found is None:
             period, found = None, (_read(record, _course(record, wanted, late, applied, lead), wanted, done), None)
         blocks, multisine = found
-        shown = blocks.clock()
-        part = part if passed is None else _part(passed, (applied, shown), part)
-        rest, passed = Turn(shown.value / part, shown.error / part), (applied, shown)
+        rest = passes.take(applied, blocks.clock())
         if np.isfinite(rest.error):
-            drift = Turn(applied + rest.value, rest.error)
+            drift = passes.drift
         if not _is_to_be_corrected(record, rest, blocks.seconds, wanted, applied):
             break
         is_corrected = True
     return _about(record, wanted, blocks, multisine, (late, drift, is_corrected)), blocks.sums()
-
-
-def _part(before: tuple[float, Turn], now: tuple[float, Turn], part: float) -> float:
-    """Return which part of a clock's rest a pass shows, from what was applied and shown in two passes.
-
-    A block counts at its middle.  Sweeps that lie elsewhere in it are nearer to each other than the blocks' middles are
-    apart, and what is left of a clock seems smaller than it is.
-    """
-    (first, left), (second, still) = before, now
-    if not abs(second - first) > SURE * max(left.error, still.error):
-        return part
-    found = (left.value - still.value) / (second - first)
-    return found if SMALLEST_PART <= found <= 1 / SMALLEST_PART else part
 
 
 def _about(

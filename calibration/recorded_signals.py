@@ -247,6 +247,12 @@ def lines_of(
     return Spectrum(np.arange(low, high) * spacing, sent, heard, middle)
 
 
+def stretched(signal: np.ndarray, stretch: float) -> np.ndarray:
+    """Read a signal (samples, channels) at `stretch` n, as far as it reaches."""
+    count = int((len(signal) - TAPS) / max(stretch, 1.0))
+    return _stretched(np.pad(signal, ((BEFORE, TAPS), (0, 0))), BEFORE, stretch, count)
+
+
 def _stretched(signal: np.ndarray, begin: float, stretch: float, count: int) -> np.ndarray:
     """Read a signal (samples, channels) at `begin` + `stretch` n, by Lagrange polynomials."""
     if stretch == 1:

@@ -14,7 +14,7 @@ from calibration.recorded_clock import _is_at_several, lag
 from calibration.recorded_signals import Recorded
 from rigkit.foreign_stream import Signals
 from tests.calibration.recorded_lab import BAND, alone, heard, multisine, noise, recorded, sweep, truth
-from tests.vibractl.linear_rig import linear_config
+from tests.vibractl.linear_rig import RATE, linear_config
 
 WORDS = {"rig": "simulated-vibrator"}
 
@@ -36,6 +36,9 @@ def relative(found: Found) -> float:
     off = np.linalg.norm(found.matrix.response - there, axis=(1, 2)) / np.linalg.norm(there, axis=(1, 2))
     return float(np.median(off))
 
+
+LATE = 1e-4
+"""s, of half the lines, from one level to the next: as a resonance that the level moves."""
 
 UP_AND_DOWN = np.concatenate(
     [alone(each, side) for each in (sweep(seconds=3.0), sweep(seconds=3.0)[::-1]) for side in (0, 1)]
@@ -92,6 +95,27 @@ def test_a_lag_is_where_the_response_begins() -> None:
     for late in (0, 37, -500):
         assert abs(lag(drive, np.roll(response, late, axis=0), 100) - late) <= 4  # type: ignore[operator]
     assert lag(drive, np.random.default_rng(2).standard_normal((20_000, 2)), 100) is None
+
+
+def test_of_two_sweeps_alike_a_response_belongs_to_its_own() -> None:
+    """Coil after coil: the second's response lies beside the first's drive as well as beside its own."""
+    one = sweep(seconds=1.0)
+    drive = np.concatenate([1.2 * alone(one, 0), alone(one, 1)])
+    response = np.concatenate([0.01 * one, one])[:, None]
+    assert abs(lag(drive, response, 2_000)) < 200  # type: ignore[arg-type]
+
+
+def test_a_resonance_that_moves_with_the_level_is_no_clock() -> None:
+    """Of sweeps at two levels, the louder one's lower half comes late; a clock would delay the upper one alike."""
+    one = alone(sweep(seconds=3.0), 0) + alone(sweep(seconds=3.0)[::-1], 1)
+    soft, loud = heard(one, 0.0), 2.0 * heard(one, 0.0)
+    lines, frequency = np.fft.rfft(loud, axis=0), np.fft.rfftfreq(len(loud), 1 / RATE)
+    lines[frequency < 70.0] *= np.exp(-2j * np.pi * frequency[frequency < 70.0] * LATE)[:, None]
+    response = np.concatenate([soft, np.fft.irfft(lines, len(loud), axis=0)])
+    response += 0.01 * np.random.default_rng(3).standard_normal(response.shape)
+    record = recorded(np.concatenate([one, 2.0 * one]), response)
+    (told,) = matrix_from([record], linear_config(*BAND), WORDS, False).records
+    assert not told.is_corrected
 
 
 def test_a_long_recording_takes_no_more_memory() -> None:
