@@ -51,10 +51,11 @@ class Browser:
 
     def open(self, address: str, token: str = "") -> None:
         """Open the page of a daemon in a tab that knows of nothing; with a token, as with one in the address."""
-        self.driver.get(f"{address}/look.css")  # no script there begins something with what is cleared meanwhile
-        self.run("sessionStorage.clear(); localStorage.clear()")
         self.driver.get("about:blank")
+        forget = {"source": "sessionStorage.clear(); localStorage.clear()"}  # before any script of the page
+        made = self.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", forget)
         self.driver.get(f"{address}/#token={token}" if token else f"{address}/")
+        self.driver.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", made)
 
     def find(self, name: str) -> WebElement:
         """Return the element of that id."""
