@@ -76,6 +76,8 @@ class Week:
     """s that each STOP of a daemon has taken."""
     broken_off: str | None = None
     """The model whose measurement was broken off last, and may be gone on with."""
+    planned: list[Callable[[], str]] = field(default_factory=list)
+    """What comes next, before anything at random."""
 
     @classmethod
     def begun(cls, path: Path, seed: int) -> "Week":
@@ -90,7 +92,10 @@ class Week:
         return week
 
     def step(self) -> None:
-        """Do something at random."""
+        """Do what was planned, or something at random."""
+        if self.planned:
+            self.do(self.planned.pop(0))
+            return
         kinds: tuple[tuple[Callable[[], str], int], ...] = (
             (self._calibrate, 4), (self._edit, 3), (self._swap, 2), (self._copy, 1), (self._run, 4),
             (self._resume, 4), (self._edit_run, 1), (self._kill, 1), (self._break_off, 3), (self._prune, 1),
@@ -175,16 +180,19 @@ class Week:
         return f"killed: {' '.join(words)}"
 
     def _break_off(self) -> str:
-        """Begin to measure, and kill it when a part is recorded: so that there is something that goes on."""
+        """Begin to measure, and kill it when a part is recorded: so that there is something that goes on.
+
+        In every other case somebody edits the rig file, and then goes on.
+        """
         out = self.chance.choice(MODELS)
         before = self._sounds()
         words = ("vibrator", "--config", "rig.toml", "--out", out, *(["--again"] * (self.lab.path / out).is_file()))
 
         def recorded(process: BaseProcess) -> None:
-            until(lambda: not process.is_alive() or self._sounds() > before)
+            until(lambda: not process.is_alive() or self._sounds() > before + 1)
 
         self._begun_and_killed(recorded, calibrate, *words)
-        self.broken_off = out
+        self.broken_off, self.planned = out, [self._edit, self._calibrate] * (self.chance.random() < 0.5)
         return f"broken off: {' '.join(words)}"
 
     def _begun_and_killed(self, when: Callable[[BaseProcess], None], program: Callable[[], int], *words: str) -> None:
