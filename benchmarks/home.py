@@ -9,7 +9,6 @@ import contextlib
 import io
 import json
 import math
-import os
 import sys
 import tempfile
 from collections.abc import Mapping
@@ -92,19 +91,14 @@ again and fails where one is worse by more than 5 %; `make bench` keeps today's.
 
 def measured() -> dict[str, float]:
     """Run the commands in a folder of their own, and return the figures by their keys."""
-    here = os.getcwd()
-    with tempfile.TemporaryDirectory() as folder:
-        os.chdir(folder)
-        try:
-            for command in COMMANDS:
-                sys.stderr.write(f"{command}\n")
-                with contextlib.redirect_stdout(io.StringIO()):
-                    status = call(command.split())
-                if status:
-                    raise RuntimeError(f"{command}: status {status}")
-            told = {file: json.loads(Path(file).read_text()) for file in {each.file for each in FIGURES}}
-        finally:
-            os.chdir(here)
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        for command in COMMANDS:
+            sys.stderr.write(f"{command}\n")
+            with contextlib.redirect_stdout(io.StringIO()):
+                status = call(command.split())
+            if status:
+                raise RuntimeError(f"{command}: status {status}")
+        told = {file: json.loads(Path(file).read_text()) for file in {each.file for each in FIGURES}}
     return {each.key: float(value_at(told[each.file], each.path)) for each in FIGURES}
 
 

@@ -10,7 +10,7 @@ import re
 import shutil
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from benchmarks.page_table import put, table
@@ -130,6 +130,17 @@ def pruned_beside_a_run(lab: Lab) -> tuple[int, str]:
     return done
 
 
+def of_a_run(words: Sequence[str], beside_another: Cell | None) -> tuple[Cell | None, ...]:
+    """Return the row of a command that reads a run."""
+    return (
+        lambda lab: repeated(lab, vibractl, *words),
+        lambda lab: edited_run(lab, *words),
+        lambda lab: other_model(lab, "RUN/model.h5", *words),
+        lambda lab: moved(lab, vibractl, *words),
+        beside_another,
+    )
+
+
 CELLS: dict[str, tuple[Cell | None, ...]] = {
     "`vibractl run`": (
         lambda lab: repeated(lab, vibractl, *NEW),
@@ -145,27 +156,9 @@ CELLS: dict[str, tuple[Cell | None, ...]] = {
         lambda lab: moved(lab, vibractl, *RESUME),
         lambda lab: beside(lab, "RUN", vibractl, *RESUME),
     ),
-    "`vibractl replay`": (
-        lambda lab: repeated(lab, vibractl, *REPLAY),
-        lambda lab: edited_run(lab, *REPLAY),
-        lambda lab: other_model(lab, "RUN/model.h5", *REPLAY),
-        lambda lab: moved(lab, vibractl, *REPLAY),
-        lambda lab: beside(lab, "RUN", vibractl, *REPLAY),
-    ),
-    "`vibractl report`": (
-        lambda lab: repeated(lab, vibractl, *REPORT),
-        lambda lab: edited_run(lab, *REPORT),
-        lambda lab: other_model(lab, "RUN/model.h5", *REPORT),
-        lambda lab: moved(lab, vibractl, *REPORT),
-        lambda lab: beside_a_run(lab, *REPORT),
-    ),
-    "`vibractl export`": (
-        lambda lab: repeated(lab, vibractl, *EXPORT),
-        lambda lab: edited_run(lab, *EXPORT),
-        lambda lab: other_model(lab, "RUN/model.h5", *EXPORT),
-        lambda lab: moved(lab, vibractl, *EXPORT),
-        lambda lab: beside_a_run(lab, *EXPORT),
-    ),
+    "`vibractl replay`": of_a_run(REPLAY, lambda lab: beside(lab, "RUN", vibractl, *REPLAY)),
+    "`vibractl report`": of_a_run(REPORT, lambda lab: beside_a_run(lab, *REPORT)),
+    "`vibractl export`": of_a_run(EXPORT, lambda lab: beside_a_run(lab, *EXPORT)),
     "`vibractl prune`": (
         lambda lab: (stored(lab), repeated(lab, vibractl, *PRUNE))[1],
         None,
@@ -180,13 +173,7 @@ CELLS: dict[str, tuple[Cell | None, ...]] = {
         lambda lab: moved(lab, vibractl, *PREDICT),
         None,
     ),
-    "`vibractl library add`": (
-        lambda lab: repeated(lab, vibractl, *KEEP),
-        lambda lab: edited_run(lab, *KEEP),
-        lambda lab: other_model(lab, "RUN/model.h5", *KEEP),
-        lambda lab: moved(lab, vibractl, *KEEP),
-        None,
-    ),
+    "`vibractl library add`": of_a_run(KEEP, None),
     "`calibrate vibrator`": (
         lambda lab: lab.call(calibrate, *VIBRATOR),
         lambda lab: stopped_then_rewired(lab, "model.h5", RigConfig, "rig.toml", WIDER, *VIBRATOR),
