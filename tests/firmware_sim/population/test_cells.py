@@ -16,19 +16,18 @@ from rigkit.config import load
 from rigkit.named_code import named_block
 from rigkit.toml_text import value_text
 from stagectl.robot.config import CellConfig
-from tests.firmware_sim.population.census import checksum, fills, numbers, words
+from tests.firmware_sim.population.census import all_draws, checksum, fills, numbers, words
 from tests.firmware_sim.tooth_runs import path
 
 SEEDS = range(200)
-DRAWS = [CELLS.draw(seed) for seed in SEEDS]
 RATE = 2_000.0
 
 
 def test_every_family_and_every_kind_of_friction_is_drawn() -> None:
-    assert {draw.family for draw in DRAWS} == set(cuts.FAMILIES)
-    assert words(DRAWS, "friction") == set(robots.FRICTIONS)
-    assert set(numbers(DRAWS, "teeth")) == {2, 3, 4}
-    assert set(numbers(DRAWS, "delay of guided motion")) == {1, 2, 3, 4}
+    assert {draw.family for draw in all_draws(CELLS, len(SEEDS))} == set(cuts.FAMILIES)
+    assert words(all_draws(CELLS, len(SEEDS)), "friction") == set(robots.FRICTIONS)
+    assert set(numbers(all_draws(CELLS, len(SEEDS)), "teeth")) == {2, 3, 4}
+    assert set(numbers(all_draws(CELLS, len(SEEDS)), "delay of guided motion")) == {1, 2, 3, 4}
 
 
 @pytest.mark.parametrize(
@@ -57,16 +56,16 @@ def test_every_family_and_every_kind_of_friction_is_drawn() -> None:
     ],
 )
 def test_what_is_drawn_fills_its_range(name: str, low: float, high: float) -> None:
-    assert fills(numbers(DRAWS, name), low, high)
+    assert fills(numbers(all_draws(CELLS, len(SEEDS)), name), low, high)
 
 
 def test_backlash_and_hardness_reach_from_nothing_to_their_most() -> None:
     backlash = max(RobotPlant(**draw_cell(seed, "linear").robot.arm).joints[BACKLASH].max() for seed in SEEDS[::10])
     assert 2e-4 < backlash <= 0.5e-3
-    assert 0.1 < np.mean(numbers(DRAWS, "backlash, over 0.1 mrad") == 0.0) < 0.35
-    assert np.all(numbers(DRAWS, "backlash, over 0.1 mrad") <= robots.BACKLASH[1])
-    assert fills(numbers(DRAWS, "boards harder than the first by"), *cuts.HARDER)
-    forces = numbers(DRAWS, "slot of 2 mm at 10 mm/s")
+    assert 0.1 < np.mean(numbers(all_draws(CELLS, len(SEEDS)), "backlash, over 0.1 mrad") == 0.0) < 0.35
+    assert np.all(numbers(all_draws(CELLS, len(SEEDS)), "backlash, over 0.1 mrad") <= robots.BACKLASH[1])
+    assert fills(numbers(all_draws(CELLS, len(SEEDS)), "boards harder than the first by"), *cuts.HARDER)
+    forces = numbers(all_draws(CELLS, len(SEEDS)), "slot of 2 mm at 10 mm/s")
     assert cuts.FORCE[0] <= forces.min() < 3.0 < 30.0 < forces.max() <= cuts.FORCE[1] * 1.01
 
 
@@ -172,7 +171,7 @@ def test_drawn_tools_chatter_beyond_their_limit_and_not_well_below() -> None:
 
 
 def test_every_rig_file_is_one_that_stagectl_takes_and_all_of_its_plants_can_be_built() -> None:
-    for draw in DRAWS[:6]:
+    for draw in all_draws(CELLS, len(SEEDS))[:6]:
         config = load(None, CellConfig, [f"{key}={value_text(value)}" for key, value in draw.keys.items()])
         plants, options = config.plants, config.simulator.options
         assert options == {"seed": draw.seed, "family": draw.family}
@@ -207,11 +206,11 @@ def test_a_robot_may_be_softer_than_it_is_drawn() -> None:
 
 
 def test_a_draw_is_the_same_wherever_it_is_made() -> None:
-    assert checksum(DRAWS[:50]) == "9cb70491f4430e88"
+    assert checksum(all_draws(CELLS, len(SEEDS))[:50]) == "9cb70491f4430e88"
 
 
 def test_a_seed_has_the_same_cell_each_time() -> None:
     assert checksum([CELLS.draw(11)]) == checksum([CELLS.draw(11)])
-    assert len({checksum([draw]) for draw in DRAWS}) == len(SEEDS)
+    assert len({checksum([draw]) for draw in all_draws(CELLS, len(SEEDS))}) == len(SEEDS)
     first, again = (cut_along("chatter", (10e-3, 0.0)) for _ in range(2))
     assert all(np.array_equal(first[name], again[name]) for name in first)
