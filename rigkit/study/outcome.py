@@ -26,7 +26,7 @@ class Outcome:
     failed : int
         Which command that was, from 1, where its status is not 0; else 0.
     message : str
-        The last line of its standard error, where its status is not 0.
+        What it told last, where its status is not 0: an error, or the verdict that it printed.
     figures : mapping of str to number, bool, text or None
         None where there is none.
     wall, cpu : float, s

@@ -48,7 +48,7 @@ def perform(task: Task, files: Path, scratch: Path) -> Outcome:
     with _living_in(place):
         status, failed = _run(task.commands, place, given)
     wall, cpu = time.monotonic() - began, _processor_time() - used
-    message = _message(place) if status else ""
+    message = _message(place, status) if status else ""
     figures, notes = _figures(task, place)
     if task.keep == "nothing" or (task.keep == "failed" and not status):
         shutil.rmtree(place, ignore_errors=True)
@@ -111,11 +111,21 @@ def _living_in(place: Path) -> Iterator[None]:
             os.environ.pop(name) if value is None else os.environ.update({name: value})
 
 
-def _message(place: Path) -> str:
-    """Return the last line that was told, the same in whichever folder."""
-    lines = (place / TOLD).read_text(errors="replace").split("\n")
-    told = [line.strip() for line in lines if line.strip()]
-    return told[-1].replace(f"{place}/", "").replace(str(place), ".")[:_LONGEST_MESSAGE] if told else ""
+def _message(place: Path, status: int) -> str:
+    """Return the last line that was told, the same in whichever folder.
+
+    A command that was performed, and whose result is not good, says so in what it prints, not among its progress.
+    """
+    for name in (PRINTED, TOLD) if status == FAULT and not _is_traceback(place) else (TOLD,):
+        told = [line.strip() for line in (place / name).read_text(errors="replace").split("\n") if line.strip()]
+        if told:
+            return told[-1].replace(f"{place}/", "").replace(str(place), ".")[:_LONGEST_MESSAGE]
+    return ""
+
+
+def _is_traceback(place: Path) -> bool:
+    """Say whether a program ended by a fault of its own."""
+    return "Traceback (most recent call last):" in (place / TOLD).read_text(errors="replace")
 
 
 def _figures(task: Task, place: Path) -> tuple[dict[str, Any], list[str]]:
