@@ -221,3 +221,8 @@ def _tell(found: dict[str, Any], out: Path | None, task: str, json: str | None) 
     if out is not None:
         print(f"report: {out / PAGE}", file=stream)  # noqa: T201
     write_json(json, found)
+    held = [row for row in found["pockets"] if row["fault"]]
+    for row in held:
+        print(f"{row['name']} was held: {row['fault']}", file=stream)  # noqa: T201
+    if held:
+        raise typer.Exit(1)

@@ -44,6 +44,16 @@ def test_a_pocket_is_milled_compared_kept_replayed_and_reported(
     assert json.loads(figures.read_text()) == found
 
 
+def test_a_pocket_that_is_held_is_kept_and_said_by_the_status(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, pocket: str
+) -> None:
+    run = tmp_path / "run"
+    words = ("force", "--task", pocket, "--out", str(run), *WORDS, "--set", "force.overload=5", "--force", "9")
+    assert stagectl(monkeypatch, *words) == 1
+    assert "force-1 was held: the force is beyond force.overload, 5 N" in capsys.readouterr().out
+    assert (run / "report.html").exists()
+
+
 def test_the_figure_of_the_thesis_is_made_kept_replayed_and_reported(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
