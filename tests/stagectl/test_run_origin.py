@@ -17,7 +17,7 @@ from tests.stagectl.simulated_models import write_models
 
 SHORT = {
     "cell runs": "cell --setup A --set toroid.lead=1.0 --set toroid.turn=0.005 --set toroid.ramp=0.1",
-    "force run": "force --task slot --set segments.travel=0.2 --set segments.plunge=0.1 --set segments.stationary=0.2"
+    "force run": "force --task slot --set segments.travel=0.1 --set segments.plunge=0.1 --set segments.stationary=0.2"
     " --set segments.slowest=0.1 --set feed_plants.cut_options.knots=0",
     "mid-ranging run": "midrange --scenario thesis-2",
 }
