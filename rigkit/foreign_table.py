@@ -79,16 +79,19 @@ def _timed(path: Path, head: Head, column: int) -> tuple[float, int]:
     if scale is None:
         raise RecordingError(f"{path}: {name!r} is in {unit}, must be in s, ms, us or ns")
     time = EvenTime(f"{path}: {name!r}", scale, "row")
-    for places, rows in _rows(path, head):
-        time.follow(places, rows[:, column])
+    for places, rows in _rows(path, head, column):
+        time.follow(places, rows[:, 0])
     return time.rate(), time.frames
 
 
-def _rows(path: Path, head: Head) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Read the rows of numbers in blocks: their places in the file and their values, shape (rows, columns)."""
+def _rows(path: Path, head: Head, column: int | None = None) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Read the rows of numbers in blocks: their places in the file and their values, shape (rows, columns).
+
+    Of one `column` alone, where that is all that is wanted.
+    """
     for first, block in text_blocks(path):
         skipped = head.first - first
         if skipped > 0:
             block = block.split(b"\n", skipped)[-1] if block.count(b"\n") > skipped else b""
         if block.strip():
-            yield parsed(path, max(first, head.first), block, head.cells)
+            yield parsed(path, max(first, head.first), block, head.cells, column)

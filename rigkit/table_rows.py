@@ -1,8 +1,7 @@
-"""Rows of numbers in a text file, block by block: by numpy's parser in C where a block is clean, else cell by cell."""
+"""Rows of numbers in a text file, block by block: at once where a block is clean, else cell by cell."""
 
 import csv
 import re
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ctlblocks.recording import RecordingError
+from rigkit.number_rows import number_rows
 from rigkit.text_file import TextFault, decoded
 
 BLOCK = 2**21
@@ -20,7 +20,6 @@ MARK = "\ufeff".encode()
 """What some programs begin a file with that is UTF-8."""
 COMMENT = ("#", "%")
 """What a line begins with that is none."""
-_PLAIN = b"0123456789+-.eE \n"
 
 
 @dataclass(frozen=True)
@@ -112,7 +111,9 @@ def lines_of(path: Path) -> Iterator[tuple[int, str]]:
         yield from _kept(path, first, block)
 
 
-def parsed(path: Path, first: int, block: bytes, cells: Cells) -> tuple[np.ndarray, np.ndarray]:
+def parsed(
+    path: Path, first: int, block: bytes, cells: Cells, column: int | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the rows of a block: their numbers in the file, shape (rows,), and their values, shape (rows, width).
 
     Parameters
@@ -123,6 +124,8 @@ def parsed(path: Path, first: int, block: bytes, cells: Cells) -> tuple[np.ndarr
         Number of the block's first line.
     block : bytes
     cells : Cells
+    column : int, optional
+        The only one whose values, shape (rows, 1), are wanted.
 
     Raises
     ------
@@ -130,14 +133,15 @@ def parsed(path: Path, first: int, block: bytes, cells: Cells) -> tuple[np.ndarr
     """
     if cells.open_ended and cells.between:
         block = re.sub(rb"^%b|%b+$" % (cells.between.encode(), cells.between.encode()), b"", block, flags=re.MULTILINE)
-    data = _at_once(block, cells)
+    wanted = range(cells.width) if column is None else range(column, column + 1)
+    data = number_rows(block.rstrip(b"\n") + b"\n", cells.between, cells.width, cells.decimal, wanted)
     if data is not None:
         return np.arange(first, first + len(data)), data
     rows, numbers = [], []
     for row, line in _kept(path, first, block):
         rows.append(row)
         numbers.append(_numbers(path, row, line, cells))
-    return np.array(rows, dtype=int), np.array(numbers).reshape(-1, cells.width)
+    return np.array(rows, dtype=int), np.array(numbers).reshape(-1, cells.width)[:, wanted]
 
 
 def as_text(path: Path, first: int, block: bytes) -> str:
@@ -152,44 +156,6 @@ def _kept(path: Path, first: int, block: bytes) -> Iterator[tuple[int, str]]:
     for number, line in enumerate(as_text(path, first, block).removesuffix("\n").split("\n"), start=first):
         if line.strip() and not line.startswith(COMMENT):
             yield number, line
-
-
-def _at_once(block: bytes, cells: Cells) -> np.ndarray | None:
-    """Return the numbers of a block of nothing but full rows of finite numbers, (rows, width); None of another."""
-    block = block.rstrip(b"\n") + b"\n"
-    between = (cells.between or " ").encode()
-    if cells.decimal == ",":
-        if b"." in block:
-            return None
-        block = block.replace(b",", b".")
-    if block.translate(None, _PLAIN + between):
-        return None
-    data: np.ndarray | None
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")  # so numpy < 2.3 says that it stopped
-            if cells.between is None:
-                data = _between_spaces(block, cells.width)
-            else:
-                data = _between_marks(block, between, cells.width)
-    except (ValueError, Warning):
-        return None
-    return data if data is not None and np.isfinite(data).all() else None
-
-
-def _between_spaces(block: bytes, width: int) -> np.ndarray | None:
-    data = np.loadtxt(block.decode().split("\n"), comments=None, ndmin=2)
-    return data if data.shape == (block.count(b"\n"), width) else None
-
-
-def _between_marks(block: bytes, between: bytes, width: int) -> np.ndarray | None:
-    codes = np.frombuffer(block, np.uint8)
-    ends = codes[(codes == between[0]) | (codes == ord("\n"))]
-    row = np.frombuffer(between * (width - 1) + b"\n", np.uint8)
-    if len(ends) % width or not (ends.reshape(-1, width) == row).all():
-        return None
-    data: np.ndarray = np.fromstring(block[:-1].replace(between, b",").replace(b"\n", b",").decode(), sep=",")
-    return data.reshape(-1, width) if len(data) == len(ends) else None
 
 
 def _numbers(path: Path, row: int, line: str, cells: Cells) -> list[float]:
