@@ -12,7 +12,7 @@ from benchmarks.learning_seeds import identified
 from firmware_sim.plants.vibrator import VibratorPlant
 from rigkit import config as rig_file
 from vibractl.config import RigConfig
-from vibractl.law import reference_level
+from vibractl.learning.law import reference_level
 from vibractl.predict.plant import DrawnPlant
 from vibractl.setup import Setup, setup
 from vibractl.spectrum import LineSpectrum

@@ -32,10 +32,10 @@ SERVICE, WIRE = "tests/rigkit/service", "tests/stagectl/wire"
 TESTS = {
     "vibractl/guard.py": "tests/vibractl/test_guard.py",
     "vibractl/guard_kernel.py": "tests/vibractl/test_guard.py",
-    "vibractl/law.py": "tests/vibractl/test_law.py",
-    "vibractl/line_filter.py": "tests/vibractl/test_line_filter.py",
-    "vibractl/watch.py": "tests/vibractl/test_watch.py",
-    "vibractl/rollback.py": "tests/vibractl/test_rollback.py",
+    "vibractl/learning/law.py": "tests/vibractl/learning/test_law.py",
+    "vibractl/learning/line_filter.py": "tests/vibractl/learning/test_line_filter.py",
+    "vibractl/learning/watch.py": "tests/vibractl/learning/test_watch.py",
+    "vibractl/learning/rollback.py": "tests/vibractl/learning/test_rollback.py",
     "vibractl/session.py": " ".join(
         f"tests/vibractl/test_{name}.py" for name in ("session", "command_line", "run_origin", "faults_on_purpose")
     ),

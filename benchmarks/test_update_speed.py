@@ -8,7 +8,7 @@ import numpy as np
 import pyfftw
 
 from vibractl.fft_plans import Plans
-from vibractl.learning import update
+from vibractl.learning.update import update
 from vibractl.spectrum import LineSpectrum
 from vibractl.transfer_matrix import regularized_inverse
 

@@ -16,7 +16,7 @@ from calibration import subspace
 from calibration.fit_measures import vaf
 from firmware_sim.plants.vibrator import VibratorPlant
 from stagectl.models import InnovationModel
-from vibractl.law import reference_level
+from vibractl.learning.law import reference_level
 
 STEP = 40
 RATE = 44_100 / STEP

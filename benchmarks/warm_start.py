@@ -16,9 +16,9 @@ from benchmarks.on_all_cores import over_seeds
 from benchmarks.page_table import put, spread, table, told, words
 from rigkit import config as rig_file
 from vibractl.config import RigConfig
+from vibractl.learning.warm_start import KnownDrive
 from vibractl.quality import holds_from
 from vibractl.setup import Setup, judged_lines, setup
-from vibractl.warm_start import KnownDrive
 
 SEEDS = range(1, 11)
 LEARNED = {"kalman": 12, "thesis": 30}

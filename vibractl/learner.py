@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibractl.algorithm import Algorithm
 from vibractl.config import RigConfig
-from vibractl.disturbance import noise_power
 from vibractl.fft_plans import Plans
+from vibractl.learning.algorithm import Algorithm
+from vibractl.learning.disturbance import noise_power
+from vibractl.learning.shot import Shot
 from vibractl.place import Place
-from vibractl.shot import Shot
 from vibractl.spectrum import Decimator, LineSpectrum
 from vibractl.trial import Trial
 

@@ -9,7 +9,7 @@ from scipy.signal.windows import blackmanharris
 
 from vibractl.config import Limits, Quality
 from vibractl.judging import Judged
-from vibractl.law import SIGNIFICANT, reference_level, settled_window
+from vibractl.learning.law import SIGNIFICANT, reference_level, settled_window
 from vibractl.place import Place
 from vibractl.spectrum import Decimator, LineSpectrum
 

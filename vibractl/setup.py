@@ -4,21 +4,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vibractl.algorithm import Algorithm
 from vibractl.config import RigConfig
 from vibractl.far_field import FarField
-from vibractl.far_field_law import far_field_law, shared_text
 from vibractl.fft_plans import Plans, Transform
 from vibractl.guard import Violation, violation
-from vibractl.law import Law, learning_law
 from vibractl.learner import Learner, Timeline, timeline
+from vibractl.learning.algorithm import Algorithm
+from vibractl.learning.far_field_law import far_field_law, shared_text
+from vibractl.learning.law import Law, learning_law
+from vibractl.learning.warm_start import KnownDrive
 from vibractl.library.entry import Entry
 from vibractl.library.fit import misfit
 from vibractl.place import Place, Where, at_accelerometers, in_far_field
 from vibractl.reference import Reference, reference_from
 from vibractl.spectrum import Decimator
 from vibractl.transfer_matrix import TransferMatrix
-from vibractl.warm_start import KnownDrive
 
 LEAST_WITHIN = 0.99
 """Part of a reference's energy that the learned lines must hold."""

@@ -76,13 +76,13 @@ from tests.contract.live_examples import LIVE_EXAMPLES
 from tests.contract.population_examples import POPULATION_EXAMPLES
 from tests.contract.stage_daemon_examples import STAGE_DAEMON_EXAMPLES
 from tests.stagectl.robot.milling.torque_models import wide_model
-from vibractl.algorithm import Algorithm
 from vibractl.config import Adaptation, Learning, Limits, Watch
 from vibractl.fft_plans import Plans
 from vibractl.guard import Guard
-from vibractl.law import Law
 from vibractl.learner import Learner, Timeline
-from vibractl.learning import Gains
+from vibractl.learning.algorithm import Algorithm
+from vibractl.learning.gains import Gains
+from vibractl.learning.law import Law
 from vibractl.place import at_accelerometers
 from vibractl.spectrum import LineSpectrum
 from vibractl.transfer_matrix import TransferMatrix

@@ -8,7 +8,7 @@ from scipy.signal import welch
 from scipy.signal.windows import blackmanharris
 
 from vibractl.config import RigConfig
-from vibractl.law import SIGNIFICANT
+from vibractl.learning.law import SIGNIFICANT
 from vibractl.quality import FAINT, decibels
 from vibractl.setup import reference_of
 

@@ -11,10 +11,10 @@ from vibractl.foreign.signals import drives_of, read_kind, responses_of
 from vibractl.foreign.step_state import Step, StepState, checksum
 from vibractl.guard import violation
 from vibractl.learner import Learner
+from vibractl.learning.shot import Shot
 from vibractl.proof import SLIP
 from vibractl.quality import FAINT, Judge, Marks
 from vibractl.setup import Setup
-from vibractl.shot import Shot
 
 UNRELATED = 0.2
 """Correlation of a response with what the model expects, below which they have nothing to do with each other."""

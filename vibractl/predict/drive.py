@@ -7,7 +7,7 @@ from scipy.signal import lfilter
 
 from vibractl.config import Limits
 from vibractl.guard import violation
-from vibractl.law import bounded_inverse
+from vibractl.learning.law import bounded_inverse
 from vibractl.predict.plant import drawn_response
 from vibractl.quality import FAINT, decibels
 from vibractl.setup import Setup

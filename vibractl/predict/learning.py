@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibractl.law import reference_level
+from vibractl.learning.law import reference_level
+from vibractl.learning.shot import Shot
 from vibractl.predict.plant import DrawnPlant
 from vibractl.quality import decibels, holds_from
 from vibractl.setup import Setup, judged_lines
-from vibractl.shot import Shot
 from vibractl.spectrum import LineSpectrum
 
 HELD = 5

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibractl.algorithm import DEVIATIONS
+from vibractl.learning.algorithm import DEVIATIONS
 from vibractl.setup import Setup, judged_lines
 from vibractl.transfer_matrix import contraction
 

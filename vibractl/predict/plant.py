@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.signal import hilbert
 
-from vibractl.law import SIGNIFICANT, Law, reference_level
+from vibractl.learning.law import SIGNIFICANT, Law, reference_level
 from vibractl.spectrum import LineSpectrum
 from vibractl.transfer_matrix import TransferMatrix
 

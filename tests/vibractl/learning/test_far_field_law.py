@@ -6,10 +6,10 @@ import pytest
 from rigkit import config as rig_file
 from rigkit.config import ConfigError
 from tests.vibractl.far_field_plant import far_config, far_model
-from tests.vibractl.line_plant import LinePlant, law_of, matrix_of, modal
-from vibractl.algorithm import Algorithm
+from tests.vibractl.learning.line_plant import LinePlant, law_of, matrix_of, modal
 from vibractl.config import Adaptation, Learning, RigConfig, Watch
-from vibractl.law import bounded_inverse
+from vibractl.learning.algorithm import Algorithm
+from vibractl.learning.law import bounded_inverse
 from vibractl.setup import Setup, setup
 
 FAR = "learning.sensors=far-field"

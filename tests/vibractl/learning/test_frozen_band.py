@@ -3,11 +3,11 @@
 import numpy as np
 from scipy.ndimage import binary_dilation
 
-from tests.vibractl.line_plant import LinePlant, law_of, matrix_of, modal
-from vibractl.algorithm import Algorithm, Decision
+from tests.vibractl.learning.line_plant import LinePlant, law_of, matrix_of, modal
 from vibractl.config import Adaptation, Watch
-from vibractl.law import Law
-from vibractl.shot import Shot
+from vibractl.learning.algorithm import Algorithm, Decision
+from vibractl.learning.law import Law
+from vibractl.learning.shot import Shot
 
 BAND = (300.0, 310.0)
 NEAR = 15

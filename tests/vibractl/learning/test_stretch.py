@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from tests.vibractl.line_plant import LinePlant, law_of, matrix_of, modal
-from vibractl.algorithm import Algorithm
+from tests.vibractl.learning.line_plant import LinePlant, law_of, matrix_of, modal
 from vibractl.config import Adaptation, Watch
-from vibractl.shot import Shot
-from vibractl.stretch import Stretch
+from vibractl.learning.algorithm import Algorithm
+from vibractl.learning.shot import Shot
+from vibractl.learning.stretch import Stretch
 
 FREQUENCY = np.arange(15.0, 650.0, 0.2)
 OWN = np.array([45.0, 62.0, 80.0, 130.0, 240.0, 420.0])

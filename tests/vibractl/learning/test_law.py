@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from tests.vibractl.line_plant import FREQUENCY, law_of, matrix_of, modal
-from vibractl.law import SIGNIFICANT, reference_level, settled_window
-from vibractl.learning import CHIRP_GAINS, KALMAN_GAINS, SINE_GAINS
+from tests.vibractl.learning.line_plant import FREQUENCY, law_of, matrix_of, modal
+from vibractl.learning.gains import CHIRP_GAINS, KALMAN_GAINS, SINE_GAINS
+from vibractl.learning.law import SIGNIFICANT, reference_level, settled_window
 from vibractl.reference import reference_from
 from vibractl.transfer_matrix import norm, regularized_inverse
 

@@ -8,14 +8,14 @@ import pytest
 from benchmarks.direct import shots
 from benchmarks.learning_seeds import ARRAY, identified, learned
 from rigkit import config as rig_file
-from tests.vibractl.line_plant import LinePlant, law_of, matrix_of, modal
+from tests.vibractl.learning.line_plant import LinePlant, law_of, matrix_of, modal
 from tests.vibractl.linear_rig import linear_matrix
-from vibractl.algorithm import Algorithm
 from vibractl.config import Adaptation, RigConfig, Watch
-from vibractl.law import Law
 from vibractl.learner import Learner
+from vibractl.learning.algorithm import Algorithm
+from vibractl.learning.law import Law
+from vibractl.learning.shot import Shot
 from vibractl.setup import setup
-from vibractl.shot import Shot
 from vibractl.transfer_matrix import norm
 
 OFF = ("model=false", "doubt=0.0", "cautious=false", "rollback=false")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vibractl.disturbance import smoothed
+from vibractl.learning.disturbance import smoothed
 
 SLOPE_REACH = 8
 """Lines to each side from which dG/df is read."""

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from tests.vibractl.line_plant import LinePlant, law_of, matrix_of, modal
-from vibractl.algorithm import Algorithm
+from tests.vibractl.learning.line_plant import LinePlant, law_of, matrix_of, modal
 from vibractl.config import Adaptation, Watch
-from vibractl.line_filter import LineFilter
-from vibractl.shot import Shot
-from vibractl.variation import Variation, solved
+from vibractl.learning.algorithm import Algorithm
+from vibractl.learning.line_filter import LineFilter
+from vibractl.learning.shot import Shot
+from vibractl.learning.variation import Variation, solved
 
 FREQUENCY = np.arange(15.0, 215.0)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vibractl.rollback import Best, Rollback
+from vibractl.learning.rollback import Best, Rollback
 
 NOTHING = 0.0
 """m/s^2 s: an error that was not expected at all."""

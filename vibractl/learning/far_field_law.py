@@ -6,7 +6,7 @@ import numpy as np
 
 from vibractl.far_field import FarField
 from vibractl.fft_plans import Plans
-from vibractl.law import Law, bounded_inverse, first_drive
+from vibractl.learning.law import Law, bounded_inverse, first_drive
 from vibractl.place import Place
 from vibractl.spectrum import LineSpectrum
 from vibractl.transfer_matrix import TransferMatrix

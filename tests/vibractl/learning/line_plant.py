@@ -4,9 +4,9 @@ import numpy as np
 
 from vibractl.config import Learning
 from vibractl.fft_plans import Plans
-from vibractl.law import Law, learning_law
+from vibractl.learning.law import Law, learning_law
+from vibractl.learning.shot import Shot
 from vibractl.reference import reference_from
-from vibractl.shot import Shot
 from vibractl.transfer_matrix import TransferMatrix
 
 RATE = 44_100.0

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 from scipy.signal.windows import tukey
 
-from vibractl.shot import Shot
+from vibractl.learning.shot import Shot
 
 LEAST = 0.3
 """Part of the limit that a probe is given even where the error takes up all of it."""

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from vibractl.config import Watch as Settings
-from vibractl.disturbance import smoothed
-from vibractl.law import Law
+from vibractl.learning.disturbance import smoothed
+from vibractl.learning.law import Law
 
 GROWN = 2.0
 """Times the least error that a band has had: less is chance."""

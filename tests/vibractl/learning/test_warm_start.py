@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.vibractl.line_plant import LinePlant, law_of, matrix_of, modal
-from vibractl.algorithm import Algorithm
+from tests.vibractl.learning.line_plant import LinePlant, law_of, matrix_of, modal
 from vibractl.config import Adaptation, Watch
-from vibractl.law import Law
-from vibractl.shot import Shot
-from vibractl.warm_start import Check, KnownDrive
+from vibractl.learning.algorithm import Algorithm
+from vibractl.learning.law import Law
+from vibractl.learning.shot import Shot
+from vibractl.learning.warm_start import Check, KnownDrive
 
 LEVELS = (-12.0, -6.0, 0.0)
 DISTORTION = 0.2

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from vibractl.reidentify import Probe, Reidentification, probe
-from vibractl.shot import Shot
+from vibractl.learning.reidentify import Probe, Reidentification, probe
+from vibractl.learning.shot import Shot
 
 FREQUENCY = np.arange(75, 3_251) / 5
 ROOM = np.full(len(FREQUENCY), 0.02)

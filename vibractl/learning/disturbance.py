@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vibractl.law import SIGNIFICANT
+from vibractl.learning.law import SIGNIFICANT
 
 QUIET_REACH = 15
 """Bins to each side over which the noise in the silence is a median: hum is left out."""

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from vibractl.learning import Gains, update
+from vibractl.learning.gains import Gains
+from vibractl.learning.update import update
 from vibractl.transfer_matrix import regularized_inverse
 
 RNG = np.random.default_rng(5)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from vibractl.disturbance import FLOOR, MOST, Disturbance, noise_power, smoothed
+from vibractl.learning.disturbance import FLOOR, MOST, Disturbance, noise_power, smoothed
 
 RATE, SILENCE, FRAMES = 11_025.0, 2_205, 55_125
 """Of the default shot, decimated by 4: 0.2 s of silence before 5 s."""

@@ -7,18 +7,18 @@ import numpy as np
 
 from vibractl import config
 from vibractl.config import Adaptation
-from vibractl.disturbance import Disturbance, smoothed
-from vibractl.law import Law, bounded_inverse, reference_level
-from vibractl.learning import update
-from vibractl.line_filter import LineFilter
-from vibractl.reidentify import LEAST, Reidentification, probe
-from vibractl.rollback import Rollback
-from vibractl.shot import Shot
-from vibractl.stretch import Stretch
+from vibractl.learning.disturbance import Disturbance, smoothed
+from vibractl.learning.law import Law, bounded_inverse, reference_level
+from vibractl.learning.line_filter import LineFilter
+from vibractl.learning.reidentify import LEAST, Reidentification, probe
+from vibractl.learning.rollback import Rollback
+from vibractl.learning.shot import Shot
+from vibractl.learning.stretch import Stretch
+from vibractl.learning.update import update
+from vibractl.learning.variation import Variation, swings_of
+from vibractl.learning.warm_start import Check, KnownDrive
+from vibractl.learning.watch import Trouble, Watch
 from vibractl.transfer_matrix import contraction, norm
-from vibractl.variation import Variation, swings_of
-from vibractl.warm_start import Check, KnownDrive
-from vibractl.watch import Trouble, Watch
 
 DEVIATIONS = 2.0
 """Standard deviations that a bound allows for."""

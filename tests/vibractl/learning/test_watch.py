@@ -3,9 +3,9 @@ import pytest
 
 from tests.vibractl.linear_rig import linear_config, linear_matrix
 from vibractl.config import Watch as Settings
-from vibractl.law import Law
+from vibractl.learning.law import Law
+from vibractl.learning.watch import Trouble, Watch
 from vibractl.setup import setup
-from vibractl.watch import Trouble, Watch
 
 LIMIT = 0.01
 

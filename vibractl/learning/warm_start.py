@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibractl.law import SIGNIFICANT
+from vibractl.learning.law import SIGNIFICANT
 
 ORDER = 2
 """By which power of the level that part of a drive rises which makes up for distortion, and an error as well."""

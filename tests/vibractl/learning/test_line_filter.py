@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from vibractl.line_filter import SURE, LineFilter
-from vibractl.variation import Variation
+from vibractl.learning.line_filter import SURE, LineFilter
+from vibractl.learning.variation import Variation
 
 LINES = 400
 SHAPES = [(1, 1), (2, 2), (4, 4), (2, 1), (1, 2), (3, 4)]

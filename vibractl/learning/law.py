@@ -7,7 +7,7 @@ from scipy.signal.windows import hann
 
 from vibractl.config import Learning
 from vibractl.fft_plans import Plans
-from vibractl.learning import CHIRP_GAINS, KALMAN_GAINS, SINE_GAINS, Gains
+from vibractl.learning.gains import CHIRP_GAINS, KALMAN_GAINS, SINE_GAINS, Gains
 from vibractl.reference import Reference
 from vibractl.spectrum import Decimator, LineSpectrum
 from vibractl.transfer_matrix import TransferMatrix, line_weights, regularized_inverse

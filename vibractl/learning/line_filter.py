@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from vibractl.disturbance import smoothed
-from vibractl.variation import Variation, solved
+from vibractl.learning.disturbance import smoothed
+from vibractl.learning.variation import Variation, solved
 
 SURE = 1e-6
 """Of its size: no model is surer of G."""
