@@ -124,7 +124,7 @@ def learned(matrix: TransferMatrix, settings: tuple[str, ...], count: int) -> Ru
         over.append(heard.over)
         left = np.linalg.norm(made.law.reference - heard.learner.heard, axis=1)
         held.append(float(np.mean((left <= bound)[active])))
-        bound = heard.learner.algorithm.error_bound
+        bound = heard.learner.algorithm.daring.error_bound
     refused = len(over) < count
     return Run(iae, np.inf if refused else met(over), refused, float(np.mean(held[1:] or [np.nan])))
 

@@ -80,7 +80,7 @@ def learned(made: Setup, count: int) -> tuple[Run, KnownDrive]:
         last, level, lines = lines, learner.algorithm.level, learner.lines.copy()
     first = holds_from([worst <= 0 and level == 1.0 for worst, level in zip(over, levels, strict=True)])
     judged, checked = judged_lines(made.law, made.reference, made.config), made.config.learning.check_levels
-    known = KnownDrive("kept", last, learner.heard.copy(), learner.algorithm.response, judged, checked)
+    known = KnownDrive("kept", last, learner.heard.copy(), learner.algorithm.belief.response, judged, checked)
     return Run(np.inf if first is None else first, over, levels, events), known
 
 

@@ -141,7 +141,7 @@ class Session:
         if write:
             self._write_lines(number)
             told = dict(zip(self._made.places, every, strict=True))
-            gain = algorithm.nominal
+            gain = algorithm.daring.nominal
             row = row_of(number, purpose, gain, marks, told, record.provenance, repeatability)
             self.folder.quality(row | reduced(level))
             for decision in algorithm.decisions:
@@ -155,7 +155,7 @@ class Session:
         if before is None:
             return float("nan")
         algorithm, law = self.learner.algorithm, self.learner.algorithm.law
-        unexplained = (heard - before[1] - algorithm.explained(lines - before[0]))[law.active > 0]
+        unexplained = (heard - before[1] - algorithm.belief.explained(lines - before[0]))[law.active > 0]
         size = max(float(np.linalg.norm(heard[law.active > 0])), FAINT)
         return float(decibels(float(np.linalg.norm(unexplained)) / size))
 
@@ -166,9 +166,9 @@ class Session:
         with sealed(self.folder.path / f"shots/{number:04d}.h5") as file:
             for name, unit, value in (
                 ("frequency", "Hz", law.matrix.frequency),
-                ("gain", "1", algorithm.gain),
-                ("certificate", "1", algorithm.certificate),
-                ("error_bound", "m/s^2 s", algorithm.error_bound),
+                ("gain", "1", algorithm.daring.gain),
+                ("certificate", "1", algorithm.daring.certificate),
+                ("error_bound", "m/s^2 s", algorithm.daring.error_bound),
                 ("error", "m/s^2 s", law.reference - self.learner.heard),
             ):
                 file.create_dataset(name, data=value).attrs["unit"] = unit

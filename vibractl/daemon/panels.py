@@ -97,7 +97,7 @@ class Panels:
             self._desk.show(f"spectrum_{side}", Curves(title, *axes, (*before, last, limit)))
 
     def _certificate(self, algorithm: Algorithm) -> None:
-        at, largest = largest_by_span(algorithm.law.matrix.frequency, algorithm.certificate)
+        at, largest = largest_by_span(algorithm.law.matrix.frequency, algorithm.daring.certificate)
         limit = Trace("1: it converges below", at[[0, -1]], np.ones(2), "limit")
         bound = Axis("bound on the error map", "1")
         traces = Trace("certificate", at, largest), limit
@@ -109,7 +109,7 @@ class Panels:
         bands = [np.flatnonzero(frequency // BAND == band) for band in np.unique(frequency // BAND)]
         found = [(lines[level[lines, n].argmax()], n) for lines in bands for n in range(level.shape[1])]
         worst = sorted(found, key=lambda place: -level[place])[:WORST]
-        certificate = np.interp(frequency, algorithm.law.matrix.frequency, algorithm.certificate)
+        certificate = np.interp(frequency, algorithm.law.matrix.frequency, algorithm.daring.certificate)
         rows = tuple(
             (
                 self._sides[n + 1],

@@ -51,7 +51,7 @@ def trust_plot(model: TransferMatrix, made: Setup) -> Plot:
     legend_above(above)
     law = made.law
     learned = law.active > 0
-    frequency, bound = law.matrix.frequency[learned], made.learner().algorithm.certificate[learned]
+    frequency, bound = law.matrix.frequency[learned], made.learner().algorithm.daring.certificate[learned]
     below.plot(frequency, bound, "o" if learned.sum() < 100 else "-", linewidth=1.0, markersize=5)
     below.axhline(1.0, **BOUND, label="certified below 1")
     below.set_ylim(0.0, max(1.1, 1.05 * bound.max()))

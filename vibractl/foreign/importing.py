@@ -207,7 +207,7 @@ class _Repeats:
         before, self._before = self._before, (lines, heard)
         if before is None:
             return float("nan")
-        unexplained = (heard - before[1] - algorithm.explained(lines - before[0]))[law.active > 0]
+        unexplained = (heard - before[1] - algorithm.belief.explained(lines - before[0]))[law.active > 0]
         return float(
             decibels(float(np.linalg.norm(unexplained)) / max(float(np.linalg.norm(heard[law.active > 0])), FAINT))
         )

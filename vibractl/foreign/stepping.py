@@ -135,7 +135,7 @@ class Stepper:
 
     def _refuse_unrelated(self, shot: Shot, heard: Path) -> None:
         """Refuse a response that is nothing like what the model expects of this drive."""
-        expected = self._learner.algorithm.explained(shot.drive)
+        expected = self._learner.algorithm.belief.explained(shot.drive)
         size = float(np.linalg.norm(expected)) * float(np.linalg.norm(shot.response))
         spacing = self._made.law.matrix.frequency
         cross = np.sum(expected.conj() * shot.response, axis=1)

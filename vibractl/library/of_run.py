@@ -58,7 +58,7 @@ def entry_of(path: Path, shot: int | None, tags: Mapping[str, str]) -> Entry:
     algorithm = learner.algorithm
     about = _about(path, made, rows[number])
     frequency, reference = made.law.matrix.frequency, made.law.reference
-    return Entry(frequency, lines, reference, error, algorithm.response, algorithm.variance, about, tags)
+    return Entry(frequency, lines, reference, error, algorithm.belief.response, algorithm.belief.variance, about, tags)
 
 
 def _chosen(path: Path, rows: Rows, shot: int | None) -> int:

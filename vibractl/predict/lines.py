@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibractl.learning.algorithm import DEVIATIONS
+from vibractl.learning.daring import DEVIATIONS
 from vibractl.setup import Setup, judged_lines
 from vibractl.transfer_matrix import contraction
 
@@ -72,9 +72,9 @@ def certificates(made: Setup) -> Certificates:
     """
     algorithm, law = made.algorithm(), made.law
     learned = law.active > 0
-    bound = algorithm.certificate[learned]
+    bound = algorithm.daring.certificate[learned]
     response, inverse = law.matrix.response[learned], law.inverse[learned]
-    reason = _reasons(response, inverse, law.matrix.variance[learned], algorithm.gain[learned])
+    reason = _reasons(response, inverse, law.matrix.variance[learned], algorithm.daring.gain[learned])
     reason[bound < 1] = ""
     beyond = _beyond(made)
     frequency = np.concatenate([law.matrix.frequency[learned], beyond])

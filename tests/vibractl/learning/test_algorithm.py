@@ -65,7 +65,7 @@ def test_shots_in_which_nothing_is_heard_leave_drives_that_are_numbers() -> None
     for _ in range(4):
         algorithm.step(Shot(algorithm.lines, silence, np.abs(silence)))
         assert np.isfinite(algorithm.lines).all()
-        assert np.isfinite(algorithm.error_bound).all()
+        assert np.isfinite(algorithm.daring.error_bound).all()
 
 
 @pytest.mark.parametrize("part", ["model", "cautious", "stretch", "variation"])
@@ -97,7 +97,7 @@ def test_what_a_step_is_known_to_be_disturbed_by_leaves_g_less_certain(cause: st
     for part in (0.0, 0.3):
         algorithm = algorithm_of(law, **{"drift": 0.0, "spill": 0.0, "coupling": 0.0, cause: part})
         errors(algorithm, LinePlant(true, law), 2)
-        certificates.append(algorithm.certificate)
+        certificates.append(algorithm.daring.certificate)
     driven = (law.matrix.frequency >= 40) & (law.matrix.frequency <= 90)
     assert np.median(certificates[1][driven]) > 1.02 * np.median(certificates[0][driven])
 
@@ -111,7 +111,7 @@ def test_what_follows_the_strong_lines_is_not_taken_for_g() -> None:
     for coupling in (0.0, 4.0):
         algorithm, plant = algorithm_of(law, coupling=coupling, rollback=False), LinePlant(true, law, distortion=0.05)
         errors(algorithm, plant, 8)
-        missed, believed = algorithm.response - plant.response, norm(algorithm.response)
+        missed, believed = algorithm.belief.response - plant.response, norm(algorithm.belief.response)
         within[coupling] = float(np.mean((norm(missed) / believed)[weak] < 0.125))
     assert within[4.0] > 0.95
     assert within[0.0] < 0.05
@@ -129,7 +129,7 @@ def test_a_machine_that_changes_by_itself_does_not_spoil_g() -> None:
         for _ in range(12):
             plant.response = steady * (1 + 0.01 * rng.standard_normal((len(steady), 1, 1)))
             algorithm.step(plant.shot(algorithm.lines))
-        missed[drift] = float(np.median(norm(algorithm.response - steady)[strong] / norm(steady)[strong]))
+        missed[drift] = float(np.median(norm(algorithm.belief.response - steady)[strong] / norm(steady)[strong]))
     assert missed[0.01] < 0.5 * missed[0.0]
 
 
@@ -139,11 +139,11 @@ def test_a_line_whose_error_is_noise_is_learned_from_less() -> None:
     algorithm = algorithm_of(law)
     weak = law.matrix.frequency > 100
     errors(algorithm, LinePlant(true, law, noise=1e-3), 8)
-    assert np.median(algorithm.gain[weak]) < 0.7 * algorithm.nominal
-    assert np.all(algorithm.gain <= algorithm.nominal)
+    assert np.median(algorithm.daring.gain[weak]) < 0.7 * algorithm.daring.nominal
+    assert np.all(algorithm.daring.gain <= algorithm.daring.nominal)
     loud = algorithm_of(law_of(matrix_of(true), start="reference"))
     errors(loud, LinePlant(true, law, noise=1e-6), 1)
-    assert np.median(loud.gain[~weak]) > 0.9 * loud.nominal
+    assert np.median(loud.daring.gain[~weak]) > 0.9 * loud.daring.nominal
 
 
 def test_caution_leaves_less_of_the_noise_in_the_drive() -> None:
@@ -170,7 +170,7 @@ def test_it_goes_back_to_the_best_drive_as_a_whole_and_says_so() -> None:
     assert decision.fields["error_db"] > 12
     np.testing.assert_array_equal(algorithm.lines, law.start)
     errors(algorithm, plant, 1)
-    assert algorithm.nominal == 0.4
+    assert algorithm.daring.nominal == 0.4
 
 
 def test_from_the_start_again_it_does_the_same_again() -> None:
@@ -201,7 +201,7 @@ def test_bounds_that_did_not_hold_are_widened_until_they_do() -> None:
     for _ in range(20):
         shot = plant.shot(algorithm.lines)
         error = np.linalg.norm(law.reference - shot.response, axis=1)
-        held.append(float(np.mean(error <= algorithm.error_bound)))
+        held.append(float(np.mean(error <= algorithm.daring.error_bound)))
         algorithm.step(type(shot)(shot.drive, shot.response, 1e-2 * shot.noise))
     assert min(held[1:4]) < 0.95
     assert np.mean(held[10:]) > 0.95

@@ -5,7 +5,8 @@ from scipy.ndimage import binary_dilation
 
 from tests.vibractl.learning.line_plant import LinePlant, law_of, matrix_of, modal
 from vibractl.config import Adaptation, Watch
-from vibractl.learning.algorithm import Algorithm, Decision
+from vibractl.learning.algorithm import Algorithm
+from vibractl.learning.decision import Decision
 from vibractl.learning.law import Law
 from vibractl.learning.shot import Shot
 

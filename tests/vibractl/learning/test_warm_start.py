@@ -29,7 +29,7 @@ def learned(law: Law, plant: LinePlant) -> KnownDrive:
         shot = plant.shot(algorithm.lines)
         algorithm.step(shot)
     judged = law.matrix.frequency >= 100
-    return KnownDrive("known", shot.drive, shot.response, algorithm.response, judged, LEVELS)
+    return KnownDrive("known", shot.drive, shot.response, algorithm.belief.response, judged, LEVELS)
 
 
 def algorithm_of(law: Law, known: KnownDrive | None = None) -> Algorithm:
@@ -62,12 +62,12 @@ def test_strong_lines_are_scaled_by_the_level_and_others_by_its_square(law: Law,
 
 def test_on_the_same_machine_it_is_accepted_and_learned_from_at_full_level_only(law: Law, known: KnownDrive) -> None:
     algorithm, plant = algorithm_of(law, known), LinePlant(modal(2, 2), law, distortion=DISTORTION)
-    model = algorithm.response.copy()
+    model = algorithm.belief.response.copy()
     levels, purposes = [], []
     for level in LEVELS:
         levels.append(20 * np.log10(algorithm.level))
         purposes.append(algorithm.purpose)
-        np.testing.assert_array_equal(algorithm.response, model)
+        np.testing.assert_array_equal(algorithm.belief.response, model)
         assert algorithm.decisions == []
         (shot,) = stepped(algorithm, plant, 1)
         if level < 0:
@@ -78,7 +78,7 @@ def test_on_the_same_machine_it_is_accepted_and_learned_from_at_full_level_only(
     assert accepted.event == "library_accepted"
     assert accepted.fields["entry"] == "known"
     assert accepted.fields["worst_db"] < 0
-    assert algorithm.nominal == law.gains.gains[-1]  # met already: no haste
+    assert algorithm.daring.nominal == law.gains.gains[-1]  # met already: no haste
     assert algorithm.purpose == "learn"
     assert algorithm.level == 1.0
     assert np.abs(law.reference - stepped(algorithm, plant, 1)[0].response).max() < 0.02 * np.abs(law.reference).max()
@@ -90,7 +90,7 @@ def test_where_the_objective_is_not_met_at_once_it_learns_with_the_first_gain(la
     (accepted,) = algorithm.decisions
     assert accepted.event == "library_accepted"
     assert accepted.fields["worst_db"] > 0
-    assert algorithm.nominal == law.gains.gains[0]
+    assert algorithm.daring.nominal == law.gains.gains[0]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,150 @@
+"""What is believed of the vibrator: G with its uncertainty, how it moves, and what else changes a response."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from vibractl.config import Adaptation
+from vibractl.learning.disturbance import Disturbance, smoothed
+from vibractl.learning.law import Law, bounded_inverse
+from vibractl.learning.line_filter import LineFilter
+from vibractl.learning.shot import Shot
+from vibractl.learning.stretch import Stretch
+from vibractl.learning.update import update
+from vibractl.learning.variation import Variation, swings_of
+
+REACH = 10
+"""Lines to each side over which powers are averaged."""
+
+Evidence = Iterable[tuple[np.ndarray, np.ndarray, np.ndarray]]
+"""Steps of the drive (lines, inputs), V s; changes of the response (lines, outputs), m/s^2 s; E |v|^2 of those."""
+
+
+class Belief:
+    """The transfer matrix as it is believed now, and the drive that it asks for.
+
+    With every part of `parts` off it stays the model, and the drive is the thesis' update.
+
+    Parameters
+    ----------
+    law : Law
+        Its matrix is believed at first.
+    parts : Adaptation
+
+    Attributes
+    ----------
+    inverse : complex array, shape (lines, inputs, outputs), V per m/s^2
+        G^+.
+    reach : int, lines
+        To each side, over which powers are averaged; 0 where lines stand apart and say nothing of their neighbours.
+    """
+
+    def __init__(self, law: Law, parts: Adaptation) -> None:
+        is_tonal, model = bool(np.any(law.active == 0.0)), law.matrix
+        neighbours = 0 if is_tonal else parts.neighbours
+        linked = parts.model and neighbours > 0
+        swings = swings_of(model.inputs) if parts.variation and linked else None
+        variation = None if swings is None else Variation(model.frequency, swings)
+        self._settings, self._parts = law.settings, parts
+        self._filter = LineFilter(model.response, model.variance, parts.walk, parts.doubt, neighbours, variation)
+        self._stretch = Stretch(model.frequency, model.response) if parts.stretch and linked else None
+        self.reach = 0 if is_tonal else REACH
+        self._disturbance = Disturbance(law.reference, parts.coupling, self.reach)
+        self.inverse, self._weight = law.inverse, np.array(law.settings.weights or np.ones(model.outputs))
+        self._before: Shot | None = None
+
+    @property
+    def response(self) -> np.ndarray:
+        """G, (lines, outputs, inputs), m/s^2 per V."""
+        return self._filter.response
+
+    @property
+    def variance(self) -> np.ndarray:
+        """E |G_hat - G|^2, (lines, outputs, inputs), (m/s^2 per V)^2."""
+        return self._filter.variance
+
+    def explained(self, drive: np.ndarray) -> np.ndarray:
+        """Return G U (lines, outputs), m/s^2 s, of lines U (lines, inputs), V s."""
+        return self._filter.explained(drive)
+
+    def disturbance(self, shot: Shot, change: np.ndarray) -> np.ndarray:
+        """Return E |v|^2 (lines,), (m/s^2 s)^2, of what changes a response by itself when G U changes by so much.
+
+        Parameters
+        ----------
+        shot : Shot
+            The last one.
+        change : complex array, shape (lines, outputs), m/s^2 s
+        """
+        share = self._disturbance.change(change, shot.response)
+        power: np.ndarray = self._disturbance.power(shot.noise, np.abs(self._unexplained(shot)) ** 2, share).sum(axis=1)
+        return power
+
+    def follow(self, shot: Shot) -> None:
+        """Correct G by what a shot shows beside the last one that was kept."""
+        if not self._parts.model or self._before is None:
+            return
+        before = self._before
+        step, change = shot.drive - before.drive, shot.response - before.response
+        noise = self._noise_of(shot, before, step, change)
+        if self._stretch is not None:
+            surprise = change - self.explained(step)
+            shift = self._stretch.observe(before.drive, surprise, noise + self._filter.spread(step))
+            self._filter.shift(shift)
+            change = change - (shift @ before.drive[..., None])[..., 0]
+        self._filter.observe(step, change, noise)
+        self.inverse = bounded_inverse(self.response, self._settings)
+
+    def keep(self, shot: Shot) -> None:
+        """Keep a shot, for the next one to be compared with."""
+        self._before = shot
+
+    def relearn(self, lines: np.ndarray, doubt: float, evidence: Evidence) -> None:
+        """Doubt G on some lines, bool (lines,), by a part `doubt` of its size, and learn it from experiments."""
+        self._filter.forget(lines, doubt)
+        for step, change, noise in evidence:
+            self._filter.observe(step, change, noise)
+        self.inverse = bounded_inverse(self.response, self._settings)
+
+    def next_drive(self, drive: np.ndarray, error: np.ndarray, gain: np.ndarray, is_open: np.ndarray) -> np.ndarray:
+        """Return the drive that is believed to take `gain` of the error away, and what the modes will do until then.
+
+        Parameters
+        ----------
+        drive : complex array, shape (lines, inputs), V s
+            That left the error.
+        error : complex array, shape (lines, outputs), m/s^2 s
+        gain : array, shape (lines,), 1
+            Q2.
+        is_open : array, shape (lines,), 1
+            0 on lines whose drive stays.
+
+        Source
+        ------
+        Sörnmo 2015, eq. (6.16), where G is steady.
+        """
+        coming = np.zeros_like(error)
+        if self._stretch is not None:
+            coming = (self._stretch.coming() @ drive[..., None])[..., 0]
+        if self._before is None or not self._filter.varies:
+            following = update(drive, self.inverse, error, gain)
+            return following if self._stretch is None else update(following, self.inverse, -coming, is_open)
+        wanted, inverse = gain[:, None] * error - coming, self.inverse * is_open[:, None, None]
+        changed: np.ndarray = drive + self._filter.step_for(wanted, inverse, self._weight)
+        return changed
+
+    def _noise_of(self, shot: Shot, before: Shot, step: np.ndarray, change: np.ndarray) -> np.ndarray:
+        """Return E |v|^2 (lines, outputs) of what changed the response beside the step, G's own drift included."""
+        power = np.abs(self._unexplained(shot)) ** 2 + np.abs(self._unexplained(before)) ** 2
+        share = self._disturbance.change(change, shot.response)
+        moved = (self._parts.drift * np.abs(self.explained(shot.drive))) ** 2
+        spilt = (self._parts.spill * np.abs(self.explained(step))) ** 2
+        spilt = spilt + self._parts.scatter**2 * self._filter.around(step)
+        noise = self._disturbance.power(shot.noise + before.noise, power, share)
+        total: np.ndarray = noise + smoothed(moved + spilt, self.reach)
+        return total
+
+    def _unexplained(self, shot: Shot) -> np.ndarray:
+        """Return what G does not explain of a response, (lines, outputs): distortion and noise."""
+        left: np.ndarray = shot.response - self.explained(shot.drive)
+        return left

@@ -1,0 +1,101 @@
+"""How much is dared: the gain of each line, and the bounds on what it leaves of the error."""
+
+import numpy as np
+
+from vibractl.learning.belief import Belief
+from vibractl.learning.disturbance import smoothed
+from vibractl.learning.law import Law
+from vibractl.learning.shot import Shot
+from vibractl.transfer_matrix import contraction
+
+DEVIATIONS = 2.0
+"""Standard deviations that a bound allows for."""
+CONFIDENCE = 0.97
+"""Part of the lines whose last error should have been within its bound; bounds widen until it is."""
+
+
+class Daring:
+    """The gains of a run, and what they promise.
+
+    Without caution a line's gain is that of the schedule, as in the thesis.
+
+    Parameters
+    ----------
+    law : Law
+    is_cautious : bool
+        Learn less where the error is mostly noise, or follows the strong lines.
+    belief : Belief
+
+    Attributes
+    ----------
+    updates : int
+        Made so far: what the schedule of the gains counts.
+    nominal : float, 1
+        Gain of the schedule.
+    gain : array, shape (lines,), 1
+        Q2, at most `nominal`.
+    is_open : array, shape (lines,), 1
+        0 on lines that are frozen, or are not learned.
+    certificate : array, shape (lines,), 1
+        Bound on the norm of the error map, with the uncertainty of G.
+    error_bound : array, shape (lines,), m/s^2 s
+        How large the next error may be, with noise and the distortion that follows the strong lines.
+
+    Source
+    ------
+    Sörnmo 2015, eq. (6.11), (6.18).
+    """
+
+    def __init__(self, law: Law, is_cautious: bool, belief: Belief) -> None:
+        self._law, self._is_cautious, self._learned = law, is_cautious, law.active > 0
+        self.updates, self._widened = 0, 1.0
+        self.is_open = law.active.copy()
+        self.nominal = law.gains.at(0)
+        self.gain = self.nominal * law.active
+        self.certificate = contraction(belief.response, belief.variance, belief.inverse, self.gain, DEVIATIONS)
+        self.error_bound = self.certificate * np.linalg.norm(law.reference, axis=1)
+
+    @property
+    def computed_bound(self) -> np.ndarray:
+        """`error_bound` without what it was widened by because earlier ones did not hold."""
+        bound: np.ndarray = self.error_bound / self._widened
+        return bound
+
+    @property
+    def expected(self) -> float:
+        """How large the norm of the next error may be over the lines that are open, m/s^2 s."""
+        return float(np.linalg.norm(self.error_bound[self.is_open > 0]))
+
+    def freeze(self, lines: np.ndarray) -> None:
+        """Learn on some lines, bool (lines,), no more."""
+        self.is_open = np.where(lines, 0.0, self.is_open)
+
+    def choose(self, belief: Belief, shot: Shot, error: np.ndarray, pace: float) -> None:
+        """Choose the gain of the coming update, and bound what it leaves.
+
+        Parameters
+        ----------
+        belief : Belief
+        shot : Shot
+            To be learned from.
+        error : complex array, shape (lines, outputs), m/s^2 s
+            That it left.
+        pace : float, 1
+            Part of the schedule's gain.
+        """
+        self.nominal = self._law.gains.at(self.updates) * pace
+        self.gain = self.nominal * self.is_open
+        coming = belief.disturbance(shot, self.nominal * error)
+        if self._is_cautious:
+            power = smoothed(np.abs(error) ** 2, belief.reach).sum(axis=1)
+            self.gain = self.gain * power / (power + coming)
+        self.certificate = contraction(belief.response, belief.variance, belief.inverse, self.gain, DEVIATIONS)
+        size = np.linalg.norm(error, axis=1)
+        self._widened = self._outcome(size) if self.updates else 1.0
+        self.error_bound = self._widened * (self.certificate * size + DEVIATIONS * np.sqrt(coming))
+
+    def _outcome(self, size: np.ndarray) -> float:
+        """Return by how much bounds are to be wider than computed, from how the last one, (lines,), has held."""
+        held = size[self._learned] / np.maximum(self.error_bound[self._learned], np.finfo(float).tiny)
+        needed = self._widened * float(np.quantile(held, CONFIDENCE))
+        return max(1.0, needed, (needed + self._widened) / 2)
