@@ -7,10 +7,10 @@ def main() -> int:
     """Run the command line and return its exit status."""
     try:
         # Here and not above: each process that the program starts imports this file anew, as the audio's does.
-        from calibration.commands import app
-        from rigkit.command import run
+        from calibration.application import application
+        from rigkit.command import run_called
 
-        return run(app, "calibration", "vibractl", "stagectl", "firmware_sim")
+        return run_called(application, "calibration", "vibractl", "stagectl", "firmware_sim")
     except KeyboardInterrupt:  # while it imports; later on a command sees to it
         return 130
 

@@ -1,7 +1,7 @@
 """What every command line shares: settings, figures as JSON, tables, and an end that says what went wrong."""
 
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dis import opname
 from pathlib import Path
 from typing import Annotated, Any, TextIO
@@ -37,9 +37,8 @@ JsonOption = Annotated[
     str | None,
     typer.Option("--json", metavar="FILE", help="Write the figures as JSON; - for the standard output."),
 ]
-
-
 PngOption = Annotated[Path | None, made_folder("DIR", "Write the figures as PNG files as well.", "--png")]
+RunArgument = Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")]
 
 
 def application(purpose: str) -> typer.Typer:
@@ -78,6 +77,11 @@ def run(app: typer.Typer, *packages: str) -> int:
         if not _is_raised_by(fault, {"rigkit", "ctlblocks", *packages}):
             raise
         return _end(f"error: {fault.args[0]}", USER_ERROR)
+
+
+def run_called(made: Callable[[str], typer.Typer], *packages: str) -> int:
+    """Run the command line that is made for the command that was called, as `run` does."""
+    return run(made(next(iter(sys.argv[1:]), "")), *packages)
 
 
 def write_json(target: str | None, figures: Mapping[str, Any]) -> None:

@@ -7,10 +7,10 @@ def main() -> int:
     """Run the command line and return its exit status."""
     try:
         # Here and not above: each process that the program starts imports this file anew, as the web's does.
-        from rigkit.service.command import run_application
-        from stagectl.application import app
+        from rigkit.command import run_called
+        from stagectl.application import application
 
-        return run_application(app, "stagectl.commands", "stagectl", "firmware_sim")
+        return run_called(application, "stagectl", "firmware_sim")
     except KeyboardInterrupt:  # while it imports; later on a command sees to it
         return 130
 

@@ -7,10 +7,10 @@ def main() -> int:
     """Run the command line and return its exit status."""
     try:
         # Here and not above: each process that the program starts imports this file anew, as the audio's does.
-        from rigkit.service.command import run_application
-        from vibractl.application import app
+        from rigkit.command import run_called
+        from vibractl.application import application
 
-        return run_application(app, "vibractl.commands", "vibractl")
+        return run_called(application, "vibractl")
     except KeyboardInterrupt:  # while it imports; later on a command sees to it
         return 130
 

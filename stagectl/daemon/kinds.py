@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rigkit.config import ConfigError
 from rigkit.config_source import file_values
-from rigkit.service.command import Kind
+from rigkit.service.daemon_command import Kind
 from stagectl.config import StageConfig
 from stagectl.robot.config import CellConfig
 

@@ -7,18 +7,16 @@ from typing import Any
 
 from typer.main import get_command
 
-import stagectl.commands  # noqa: F401 (it adds its commands to the application)
-import vibractl.commands  # noqa: F401 (it adds its commands to the application)
-from calibration.commands import app as calibrate
+from calibration.application import application as calibrate
 from firmware_sim.commands import app as firmware_sim
-from stagectl.application import app as stagectl_app
-from vibractl.application import app as vibractl_app
+from stagectl.application import application as stagectl
+from vibractl.application import application as vibractl
 from vibrostage.application import app as vibrostage_app
 
 APPLICATIONS = {
-    "vibractl": vibractl_app,
-    "stagectl": stagectl_app,
-    "calibrate": calibrate,
+    "vibractl": vibractl(),
+    "stagectl": stagectl(),
+    "calibrate": calibrate(),
     "firmware-sim": firmware_sim,
     "vibrostage": vibrostage_app,
 }

@@ -13,7 +13,7 @@ LONG = 12
 @pytest.fixture(autouse=True)
 def no_reports(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out the reports, which are most of the time."""
-    monkeypatch.setattr("vibractl.commands.run_report", lambda *_: {})
+    monkeypatch.setattr("vibractl.run_command.run_report", lambda *_: {})
 
 
 def lived(folder: Path, seed: int, daemon_after: int | None = None) -> Week:

@@ -17,7 +17,7 @@ ELSEWHERE = {
     *("can", "fastapi", "google.protobuf", "h5py", "httpx", "jinja2", "matplotlib", "platformdirs"),
     *("prometheus_client", "pyfftw", "rich", "serial", "soundfile", "threadpoolctl", "typer", "uvicorn", "websockets"),
     *("scipy.fft", "scipy.optimize", "scipy.signal", "scipy.sparse", "scipy.special"),
-    *("vibractl.learner", "vibractl.session", "vibractl.commands", "calibration.commands"),
+    *("vibractl.learner", "vibractl.session", "vibractl.application", "calibration.application"),
 }
 
 

@@ -9,8 +9,8 @@ from rigkit.foreign_stream import Signals
 from rigkit.progress import told_to
 from tests.vibractl.linear_rig import linear_model
 from tests.vibractl.test_session import run
-from vibractl.commands import replay_command
 from vibractl.replay import replay
+from vibractl.replay_command import replay_command
 from vibractl.run_setup import setup_of, shot_files
 
 

@@ -22,7 +22,8 @@ import sys
 from pydantic import Field
 from rigkit.command import application, run
 from rigkit.config import Section
-from rigkit.service.command import Kind, add_daemon_commands
+from rigkit.service.command import status_command, stop_command
+from rigkit.service.daemon_command import Kind, daemon_of
 from rigkit.service.config import Daemon
 
 class Rig(Section):
@@ -30,7 +31,9 @@ class Rig(Section):
     daemon: Daemon = Field(default_factory=Daemon)
 
 app = application("A demonstration.")
-add_daemon_commands(app, lambda *_: Kind(Rig, "tests.rigkit.service.demo_rig:anew"))
+app.command("daemon")(daemon_of(lambda *_: Kind(Rig, "tests.rigkit.service.demo_rig:anew")))
+app.command("status")(status_command)
+app.command("stop")(stop_command)
 sys.exit(run(app))
 """
 

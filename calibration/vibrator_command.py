@@ -1,4 +1,4 @@
-"""The commands of `calibrate`."""
+"""`calibrate vibrator`."""
 
 import sys
 from pathlib import Path
@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from calibration.comparison_report import comparison_figures, comparison_report
 from calibration.experiment import RawFolder, refuse_to_emit
 from calibration.far_field_report import HEAD as FAR_FIELD_HEAD
 from calibration.far_field_report import far_field_rows
@@ -17,43 +16,20 @@ from calibration.from_command import (
     model_from_files,
     refuse_measuring,
 )
-from calibration.hysteresis_command import hysteresis_command
-from calibration.identification.command import identify_command
-from calibration.joint_clamping.command import joints_command
-from calibration.milling.command import milling_command
-from calibration.milling.velocity_command import velocity_command
-from calibration.model_comparison import (
-    COMPARED_HEAD,
-    DIFFERING_HEAD,
-    compare,
-    compare_far_fields,
-    compared_rows,
-    differing_rows,
-)
 from calibration.multisine_report import level_table
 from calibration.output import AgainOption, Output, RecomputeOption, Wish, output
-from calibration.stage_axes.command import stage_command
 from calibration.sweep_report import sweep_report
 from calibration.sweep_summary import BAND_HEAD, WORST_HEAD, band_rows, sweep_figures, worst_rows
 from calibration.vibrator import KEPT, KIND, Calibration, LiveLine, calibrate, refuse_unfit, require_room
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
-from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, application, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
 from rigkit.stop import Stopped, stoppable
-from rigkit.written import made_folder, written_file
+from rigkit.written import written_file
 from vibractl.config import RigConfig
-from vibractl.model_file import read_far_field, read_model, write_model
-
-app = application("Experiments that end in a model file.")
-app.command("identify")(identify_command)
-app.command("hysteresis")(hysteresis_command)
-app.command("joints")(joints_command)
-app.command("milling")(milling_command)
-app.command("stage")(stage_command)
-app.command("velocity")(velocity_command)
+from vibractl.model_file import write_model
 
 
-@app.command("vibrator")
 def vibrator_command(
     out: Annotated[Path, written_file("FILE", "Model file to write; recordings and report go beside it.")],
     config: ConfigOption = None,
@@ -127,37 +103,6 @@ def _measured(writes: Output[RigConfig], recompute: bool) -> Calibration:
         write_model(writes.out, found.matrix.described(seconds=f"{found.seconds:.1f}"), found.far)
         writes.finish()
     return found
-
-
-@app.command("compare")
-def compare_command(
-    first: Annotated[Path, typer.Argument(metavar="A.h5")],
-    second: Annotated[Path, typer.Argument(metavar="B.h5")],
-    out: Annotated[Path | None, written_file("FILE", "Write a report (HTML).")] = None,
-    png: Annotated[Path | None, made_folder("DIR", "Write the figures as PNG files.")] = None,
-    json: JsonOption = None,
-) -> None:
-    """Say how two models of one rig differ, line by line, against their uncertainty.
-
-    Example: `calibrate compare tank.h5 sea.h5 --out difference.html`
-    """
-    names = str(first), str(second)
-    found = compare(read_model(first), read_model(second), *names)
-    afar = read_far_field(first), read_far_field(second)
-    far = None if afar[0] is None or afar[1] is None else compare_far_fields(afar[0], afar[1], *names)
-    if out is not None or png is not None:
-        report = comparison_report(found, far)
-        if out is not None:
-            report.write(out)
-        if png is not None:
-            report.png(png)
-    stream = words(json)
-    title = f"{found.first_name} and {found.second_name}: {len(found.frequency)} lines in common"
-    print_table(title, COMPARED_HEAD, compared_rows(found), stream)
-    print_table("farthest apart", DIFFERING_HEAD, differing_rows(found), stream)
-    if far is not None:
-        print_table("far field", COMPARED_HEAD, compared_rows(far), stream)
-    write_json(json, comparison_figures(found, far))
 
 
 def _calibrated(writes: Output[RigConfig], raw: RawFolder) -> Calibration:

@@ -1,0 +1,27 @@
+"""`stagectl acknowledge`."""
+
+from typing import Annotated
+
+import typer
+
+from rigkit import config as rig_file
+from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
+from stagectl.config import StageConfig
+from stagectl.link.stage_link import StageLink
+
+
+def acknowledge_command(
+    by: Annotated[str, typer.Option(metavar="NAME", help="The person who found out why it happened.")],
+    config: ConfigOption = None,
+    settings: SetOption = None,
+    json: JsonOption = None,
+) -> None:
+    """End a fault of the stage behind its CAN adapter, so that it can be started again.
+
+    Example: `stagectl acknowledge --config stage.toml --by "A. Person"`
+    """
+    made = rig_file.load(config, StageConfig, settings or [])
+    with StageLink(made.link) as link:
+        reason = link.acknowledge(by)
+    print(f"{by} has acknowledged: {reason}", file=words(json))
+    write_json(json, {"by": by, "fault": reason})
