@@ -39,8 +39,7 @@ def server() -> Iterator["subprocess.Popen[bytes]"]:
 
 
 def rig(**audio: Any) -> RigConfig:
-    # In that mode a flag means late, not lost.  It discards a shot all the same, so there are attempts without end.
-    wanted = {"stream": "sounddevice:Stream", "device": "shaker", "blocksize": PERIOD, "attempts": 1000}
+    wanted = {"stream": "sounddevice:Stream", "device": "shaker", "blocksize": PERIOD}
     return RigConfig(audio=Audio(**(wanted | audio)))
 
 
@@ -54,6 +53,13 @@ def offline(plant: Block, drive: np.ndarray) -> np.ndarray:
     response = np.empty_like(drive)
     plant.process(drive, response)
     return response
+
+
+def emitted(line: Line) -> Capture:
+    """Emit until this machine is not late: in that mode a flag means late, not lost, and discards all the same."""
+    while True:
+        with suppress(ShotAbandoned):
+            return line.emit(sweep())
 
 
 def first_capture(settings: list[str]) -> Capture:
@@ -88,7 +94,7 @@ def test_shot_after_shot_and_stream_after_stream_the_round_trip_is_the_same(bloc
         for _ in range(2):
             with Line(rig(blocksize=blocksize, **crossed)) as line:
                 for _ in range(2):
-                    capture = line.emit(sweep())
+                    capture = emitted(line)
                     assert capture.delay == pytest.approx(PERIOD + blocksize, abs=1e-6)
                     assert abs(capture.residual) < 1e-6
                     np.testing.assert_allclose(capture.response, expected, atol=1e-6 * np.abs(expected).max())
@@ -109,13 +115,13 @@ def test_a_device_or_rate_that_is_not_there_is_one_error_that_says_what_is() -> 
 
 def emit_for_ever(line: Line) -> None:
     while True:
-        line.emit(sweep())
+        emitted(line)
 
 
 def test_a_server_that_dies_in_mid_session_is_one_error_and_nothing_hangs(server: "subprocess.Popen[bytes]") -> None:
     with vibrator_client([]) as client:
         with Line(rig()) as line:
-            line.emit(sweep())
+            emitted(line)
             server.terminate()  # a killed one leaves its place in the list of servers, which has eight
             with pytest.raises(AudioError, match="the audio stream has ended by itself|stands still"):
                 emit_for_ever(line)  # a busy machine may let it live for a shot or two
