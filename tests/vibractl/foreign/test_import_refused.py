@@ -80,17 +80,21 @@ def test_a_sound_that_is_none(recordings: LabOfRecordings, content: Callable[[by
     assert reason in recordings.import_refused("d0.wav", "r0.wav")
 
 
+WHOLE = 70_560
+"""Samples of a shot."""
+
+
 def lines(rows: int = 400) -> list[str]:
-    """Return a table of a short recording."""
+    """Return a table of a recording, by default a short one."""
     _, response = recorded_shots()[0]
     time = np.arange(rows) / RATE
-    data = np.column_stack((time, response[9_000 : 9_000 + rows]))
+    data = np.column_stack((time, np.resize(response[9_000:], (rows, 2))))
     return ["time,response_1,response_2", *(",".join(f"{value:.9g}" for value in row) for row in data)]
 
 
-def replaced(row: int, column: int, text: str) -> list[str]:
+def replaced(row: int, column: int, text: str, rows: int = 400) -> list[str]:
     """Return that table with another cell; rows count from 1."""
-    found = lines()
+    found = lines(rows)
     cells = found[row - 1].split(",")
     cells[column - 1] = text
     found[row - 1] = ",".join(cells)
@@ -100,18 +104,18 @@ def replaced(row: int, column: int, text: str) -> list[str]:
 @pytest.mark.parametrize(
     ("rows", "reason"),
     [
-        (replaced(100, 2, "nan"), "r0.csv: row 100, column 2"),
-        (replaced(100, 3, "broken"), "r0.csv: row 100, column 3"),
-        (replaced(100, 1, replaced(99, 2, "0")[98].split(",")[0]), "row 100 "),
-        (replaced(100, 1, "0.001"), "row 100 "),
-        (replaced(100, 1, f"{98.9 / RATE:.9g}"), "row 100 "),
-        ([*lines()[:50], *lines()[60:]], "row 51 "),
-        ([*lines()[:50], lines()[50] + ",1"], "r0.csv: row 51 has 4 cells, must have 3"),
-        (lines()[:1], "r0.csv: "),
+        (lambda: replaced(100, 2, "nan", WHOLE), "r0.csv: row 100, column 2"),
+        (lambda: replaced(100, 3, "broken", WHOLE), "r0.csv: row 100, column 3"),
+        (lambda: replaced(100, 1, replaced(99, 2, "0")[98].split(",")[0]), "row 100 "),
+        (lambda: replaced(100, 1, "0.001"), "row 100 "),
+        (lambda: replaced(100, 1, f"{98.9 / RATE:.9g}"), "row 100 "),
+        (lambda: [*lines()[:50], *lines()[60:]], "row 51 "),
+        (lambda: [*lines()[:50], lines()[50] + ",1"], "r0.csv: row 51 has 4 cells, must have 3"),
+        (lambda: lines()[:1], "r0.csv: "),
     ],
 )
-def test_a_table_that_is_none(recordings: LabOfRecordings, rows: list[str], reason: str) -> None:
-    Path("r0.csv").write_text("\n".join(rows) + "\n")
+def test_a_table_that_is_none(recordings: LabOfRecordings, rows: Callable[[], list[str]], reason: str) -> None:
+    Path("r0.csv").write_text("\n".join(rows()) + "\n")
     assert reason in recordings.import_refused("d0.wav", "r0.csv")
 
 
