@@ -26,6 +26,7 @@ SHORT = (
 )
 
 
+@pytest.mark.slow
 def test_a_calibration_killed_at_random_moments_gives_the_undisturbed_model(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "tests.calibration.killed_calibration", str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=EVER, check=False)

@@ -51,6 +51,7 @@ def test_whichever_call_fails_no_part_of_a_file_is_left_and_the_run_goes_on(
     assert fail_and_take_up(tmp_path, monkeypatch, 1) >= 100
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "fewest"), [("size", 8), ("files", 3)])
 def test_a_limit_of_the_system_leaves_no_part_of_a_file_and_the_run_goes_on(
     kind: str, fewest: int, tmp_path: Path

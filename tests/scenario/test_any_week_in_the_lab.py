@@ -27,6 +27,7 @@ def lived(folder: Path, seed: int, daemon_after: int | None = None) -> Week:
     return week
 
 
+@pytest.mark.slow
 def test_a_week_of_any_steps(tmp_path: Path) -> None:
     lived(tmp_path, 2)
 

@@ -60,6 +60,7 @@ def results(out: str) -> list[Row]:
     return read_rows(Path(out) / "results")[1]
 
 
+@pytest.mark.slow
 def test_the_result_is_the_same_with_one_worker_with_three_and_with_workers_that_are_killed(call: Call) -> None:
     _, alone, _ = call("run", "study.toml", "--out", "one", "--workers", "1")
     with killed_after(4, Path("three/tasks"), os.getpid()) as killed:

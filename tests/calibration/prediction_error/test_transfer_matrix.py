@@ -52,6 +52,7 @@ def miss(found: Quotient, truth: Quotient) -> float:
     return float(np.linalg.norm(one - other) / np.linalg.norm(other))
 
 
+@pytest.mark.slow
 def test_a_matrix_of_orders_2_to_6_is_found_under_coloured_noise() -> None:
     truth = matrix(ORDERS)
     u, y = measured(truth, 10_000, seed=1)

@@ -75,6 +75,7 @@ def test_a_seed_is_the_same_machine_everywhere(family: str, seed: int) -> None:
     assert fingerprint(family, seed) == CHECKSUMS[family, seed]
 
 
+@pytest.mark.slow
 def test_all_seeds_are_the_same_machines_everywhere() -> None:
     """To three digits, which linear algebra of any processor agrees in."""
     whole = hashlib.sha256()

@@ -31,6 +31,7 @@ def daemon_of(file: Path) -> Iterator[Served]:
         yield made
 
 
+@pytest.mark.slow
 def test_a_daemon_killed_while_the_stage_follows_leaves_a_whole_recording_and_comes_back_disarmed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -13,6 +13,7 @@ from stagectl.planning.pocket import check, plan
 from tests.stagectl.planning.pockets import check_random_paths, figure_8_8, random_pocket
 
 
+@pytest.mark.slow
 def test_random_tables_are_milled_nearly_in_the_least_time() -> None:
     rng = np.random.default_rng(9)
     gaps = []
