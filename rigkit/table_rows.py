@@ -89,7 +89,9 @@ def text_blocks(path: Path) -> Iterator[tuple[int, bytes]]:
         while fresh := file.read(BLOCK):
             if fresh.endswith(b"\r"):
                 fresh += file.read(1)
-            whole, end, rest = (rest + fresh.replace(b"\r\n", b"\n").replace(b"\r", b"\n")).rpartition(b"\n")
+            if b"\r" in fresh:
+                fresh = fresh.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+            whole, end, rest = (rest + fresh).rpartition(b"\n")
             if len(rest) > LONGEST_LINE:
                 row = number + whole.count(b"\n") + len(end)
                 raise RecordingError(f"{path}: row {row} is no row of a table: more than {LONGEST_LINE} bytes")
