@@ -24,6 +24,8 @@ PRINTED, TOLD = "stdout.txt", "stderr.txt"
 _OWN = {"XDG_CACHE_HOME": ".cache", "XDG_DATA_HOME": ".data", "XDG_STATE_HOME": ".state"}
 """Folders of a user: those of a task are empty, so that nothing depends on whose machine it is."""
 _LONGEST_MESSAGE = 400
+_TRACEBACK = "Traceback (most recent call last):"
+"""Line by which Python begins to tell a fault of a program."""
 _STREAMS = {1: PRINTED, 2: TOLD}
 
 
@@ -116,16 +118,15 @@ def _message(place: Path, status: int) -> str:
 
     A command that was performed, and whose result is not good, says so in what it prints, not among its progress.
     """
-    for name in (PRINTED, TOLD) if status == FAULT and not _is_traceback(place) else (TOLD,):
-        told = [line.strip() for line in (place / name).read_text(errors="replace").split("\n") if line.strip()]
-        if told:
-            return told[-1].replace(f"{place}/", "").replace(str(place), ".")[:_LONGEST_MESSAGE]
-    return ""
+    told, printed = (_lines(place / name) for name in (TOLD, PRINTED))
+    is_verdict = status == FAULT and printed and _TRACEBACK not in told
+    lines = printed if is_verdict else told
+    return lines[-1].replace(f"{place}/", "").replace(str(place), ".")[:_LONGEST_MESSAGE] if lines else ""
 
 
-def _is_traceback(place: Path) -> bool:
-    """Say whether a program ended by a fault of its own."""
-    return "Traceback (most recent call last):" in (place / TOLD).read_text(errors="replace")
+def _lines(file: Path) -> list[str]:
+    """Return the lines of a file that are not empty, without the spaces around them."""
+    return [line.strip() for line in file.read_text(errors="replace").split("\n") if line.strip()]
 
 
 def _figures(task: Task, place: Path) -> tuple[dict[str, Any], list[str]]:
