@@ -1,7 +1,7 @@
 """What every command line shares: settings, figures as JSON, tables, and an end that says what went wrong."""
 
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dis import opname
 from pathlib import Path
 from typing import Annotated, Any, TextIO
@@ -77,11 +77,6 @@ def run(app: typer.Typer, *packages: str) -> int:
         if not _is_raised_by(fault, {"rigkit", "ctlblocks", *packages}):
             raise
         return _end(f"error: {fault.args[0]}", USER_ERROR)
-
-
-def run_called(made: Callable[[str], typer.Typer], *packages: str) -> int:
-    """Run the command line that is made for the command that was called, as `run` does."""
-    return run(made(next(iter(sys.argv[1:]), "")), *packages)
 
 
 def write_json(target: str | None, figures: Mapping[str, Any]) -> None:

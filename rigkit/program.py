@@ -1,7 +1,9 @@
-"""Command lines of which only the command that is called is imported: the others are known by their help alone."""
+"""A program of several commands, of which only the one that is called is imported."""
 
 import ast
+import sys
 from collections.abc import Mapping
+from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -9,32 +11,55 @@ from typing import Any
 
 import typer
 
-from rigkit.command import application
-
-Commands = Mapping[str, str | tuple[str, str]]
-"""By name, "package.module:function", or a `Typer` of several; where the help stands elsewhere, that as well."""
+from rigkit.command import application, run
 
 
-def program(purpose: str, commands: Commands, called: str | None) -> typer.Typer:
-    """Make the command line of a program.
+@dataclass(frozen=True)
+class Program:
+    """What a program is for, and its commands.
 
     Parameters
     ----------
     purpose : str
         Said in its help.
-    commands : Commands
-    called : str, optional
-        The first word of the command line; its command alone is imported.  All of them without it.
+    commands : mapping of str
+        By name, "package.module:function", or a `Typer` of several; where the help stands elsewhere, that as well.
+    packages : tuple of str
+        As of `rigkit.command.run`.
     """
-    app = application(purpose)
-    for name, code in commands.items():
-        where, told = (code, code) if isinstance(code, str) else code
-        if called in (None, name):
-            module, _, attribute = where.partition(":")
-            _add(app, name, getattr(import_module(module), attribute))
-        else:
-            app.command(name)(_named(help_of(told)))
-    return app
+
+    purpose: str
+    commands: Mapping[str, str | tuple[str, str]]
+    packages: tuple[str, ...]
+
+    def run(self) -> int:
+        """Run the command line that this process was called with, and return its exit status."""
+        called = next(iter(sys.argv[1:]), "")
+        return run(self.only(called) if called in self.commands else self.described(), *self.packages)
+
+    def only(self, *names: str) -> typer.Typer:
+        """Make a command line of these commands alone, or of all where none is named."""
+        app = application(self.purpose)
+        for name in names or self.commands:
+            module, _, attribute = self._places(name)[0].partition(":")
+            command = getattr(import_module(module), attribute)
+            if isinstance(command, typer.Typer):
+                app.add_typer(command, name=name)
+            else:
+                app.command(name)(command)
+        return app
+
+    def described(self) -> typer.Typer:
+        """Make a command line that knows each command by its help, and imports none."""
+        app = application(self.purpose)
+        for name in self.commands:
+            app.command(name)(_described(help_of(self._places(name)[1])))
+        return app
+
+    def _places(self, name: str) -> tuple[str, str]:
+        """Return where a command stands, and where its help does."""
+        code = self.commands[name]
+        return (code, code) if isinstance(code, str) else code
 
 
 def help_of(code: str) -> str:
@@ -52,18 +77,11 @@ def help_of(code: str) -> str:
     raise LookupError(f"{code}: there is no such function")
 
 
-def _add(app: typer.Typer, name: str, command: Any) -> None:
-    if isinstance(command, typer.Typer):
-        app.add_typer(command, name=name)
-    else:
-        app.command(name)(command)
-
-
-def _named(text: str) -> Any:
+def _described(text: str) -> Any:
     """Return a command that stands in the help alone."""
 
     def command() -> None:
-        raise AssertionError("another command was called")
+        raise AssertionError("a command that is there was not imported")
 
     command.__doc__ = text
     return command

@@ -7,10 +7,9 @@ def main() -> int:
     """Run the command line and return its exit status."""
     try:
         # Here and not above: each process that the program starts imports this file anew, as the web's does.
-        from rigkit.command import run_called
-        from stagectl.application import application
+        from stagectl.application import PROGRAM
 
-        return run_called(application, "stagectl", "firmware_sim")
+        return PROGRAM.run()
     except KeyboardInterrupt:  # while it imports; later on a command sees to it
         return 130
 

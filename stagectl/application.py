@@ -1,32 +1,28 @@
 """The command line `stagectl`: its commands, each in a module of its own."""
 
-import typer
+from rigkit.program import Program
 
-from rigkit.lazy_commands import Commands, program
-
-PURPOSE = "The piezo stage follows its reference, and takes back what pushes it away."
-COMMANDS: Commands = {
-    "example-config": "stagectl.example_commands:example_config",
-    "example-cell": "stagectl.example_commands:example_cell",
-    "example-pocket": "stagectl.example_commands:example_pocket",
-    "run": "stagectl.run_command:run_command",
-    "midrange": "stagectl.robot.midranging.command:midrange",
-    "cell": "stagectl.machining.command:cell",
-    "ilc": "stagectl.trials.command:ilc",
-    "force": "stagectl.feed.command:force",
-    "plan": "stagectl.planning.command:plan",
-    "estimate-force": "stagectl.robot.milling.force_command:estimate_force_command",
-    "replay": "stagectl.replay_command:replay_command",
-    "report": "stagectl.report_command:report_command",
-    "export": "stagectl.export:export",
-    "prune": "rigkit.retention_command:prune_command",
-    "acknowledge": "stagectl.acknowledge_command:acknowledge_command",
-    "daemon": ("stagectl.daemon.command:daemon_command", "rigkit.service.daemon_command:daemon_command"),
-    "status": "rigkit.service.command:status_command",
-    "stop": "rigkit.service.command:stop_command",
-}
-
-
-def application(called: str | None = None) -> typer.Typer:
-    """Make the command line; of its commands only the one that is `called` is imported, or all."""
-    return program(PURPOSE, COMMANDS, called)
+PROGRAM = Program(
+    "The piezo stage follows its reference, and takes back what pushes it away.",
+    {
+        "example-config": "stagectl.example_commands:example_config",
+        "example-cell": "stagectl.example_commands:example_cell",
+        "example-pocket": "stagectl.example_commands:example_pocket",
+        "run": "stagectl.run_command:run_command",
+        "midrange": "stagectl.robot.midranging.command:midrange",
+        "cell": "stagectl.machining.command:cell",
+        "ilc": "stagectl.trials.command:ilc",
+        "force": "stagectl.feed.command:force",
+        "plan": "stagectl.planning.command:plan",
+        "estimate-force": "stagectl.robot.milling.force_command:estimate_force_command",
+        "replay": "stagectl.replay_command:replay_command",
+        "report": "stagectl.report_command:report_command",
+        "export": "stagectl.export:export",
+        "prune": "rigkit.retention_command:prune_command",
+        "acknowledge": "stagectl.acknowledge_command:acknowledge_command",
+        "daemon": ("stagectl.daemon.command:daemon_command", "rigkit.service.daemon_command:daemon_command"),
+        "status": "rigkit.service.command:status_command",
+        "stop": "rigkit.service.command:stop_command",
+    },
+    ("stagectl", "firmware_sim"),
+)

@@ -9,7 +9,7 @@ import typer
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import atomic
-from rigkit.command import JsonOption, print_table, words, write_json
+from rigkit.command import JsonOption, RunArgument, print_table, words, write_json
 from rigkit.export.mcap_file import write_mcap
 from rigkit.export.optional import refuse_missing
 from rigkit.export.parquet_file import write_recording
@@ -27,7 +27,7 @@ BESIDE = (CONFIG, "stage.toml", EVENTS, SUMMARY)
 
 
 def export(
-    path: Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")],
+    path: RunArgument,
     formats: Annotated[
         list[str] | None,
         typer.Option("--to", "--format", help="mcap or parquet; may be given many times; both without."),

@@ -1,30 +1,26 @@
 """The command line `vibractl`: its commands, each in a module of its own."""
 
-import typer
+from rigkit.program import Program
 
-from rigkit.lazy_commands import Commands, program
-
-PURPOSE = "The marine vibrator learns, shot by shot, to emit the reference and nothing else."
-COMMANDS: Commands = {
-    "example-config": "vibractl.example_command:example_config",
-    "run": "vibractl.run_command:run_command",
-    "replay": "vibractl.replay_command:replay_command",
-    "report": "vibractl.report_command:report_command",
-    "judge": "vibractl.foreign.judge_command:judge_command",
-    "import": "vibractl.foreign.import_command:import_command",
-    "step": "vibractl.foreign.step_command:step_command",
-    "predict": "vibractl.predict.command:predict_command",
-    "library": "vibractl.library.command:library_app",
-    "export": "vibractl.export.command:export_command",
-    "prune": "rigkit.retention_command:prune_command",
-    "doctor": "vibractl.doctor.command:doctor_command",
-    "plan-ffts": "vibractl.fft_command:plan_command",
-    "daemon": ("vibractl.daemon.command:daemon_command", "rigkit.service.daemon_command:daemon_command"),
-    "status": "rigkit.service.command:status_command",
-    "stop": "rigkit.service.command:stop_command",
-}
-
-
-def application(called: str | None = None) -> typer.Typer:
-    """Make the command line; of its commands only the one that is `called` is imported, or all."""
-    return program(PURPOSE, COMMANDS, called)
+PROGRAM = Program(
+    "The marine vibrator learns, shot by shot, to emit the reference and nothing else.",
+    {
+        "example-config": "vibractl.example_command:example_config",
+        "run": "vibractl.run_command:run_command",
+        "replay": "vibractl.replay_command:replay_command",
+        "report": "vibractl.report_command:report_command",
+        "judge": "vibractl.foreign.judge_command:judge_command",
+        "import": "vibractl.foreign.import_command:import_command",
+        "step": "vibractl.foreign.step_command:step_command",
+        "predict": "vibractl.predict.command:predict_command",
+        "library": "vibractl.library.command:library_app",
+        "export": "vibractl.export.command:export_command",
+        "prune": "rigkit.retention_command:prune_command",
+        "doctor": "vibractl.doctor.command:doctor_command",
+        "plan-ffts": "vibractl.fft_command:plan_command",
+        "daemon": ("vibractl.daemon.command:daemon_command", "rigkit.service.daemon_command:daemon_command"),
+        "status": "rigkit.service.command:status_command",
+        "stop": "rigkit.service.command:stop_command",
+    },
+    ("vibractl",),
+)

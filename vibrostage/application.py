@@ -1,7 +1,9 @@
 """The command line `vibrostage`: groups of commands that belong to no single rig."""
 
-from rigkit.command import application
-from vibrostage.study_command import study_app
+from rigkit.program import Program
 
-app = application("What goes beyond one rig: studies over many machines, on every core or a cluster.")
-app.add_typer(study_app, name="study")
+PROGRAM = Program(
+    "What goes beyond one rig: studies over many machines, on every core or a cluster.",
+    {"study": "vibrostage.study_command:study_app"},
+    ("vibrostage", "calibration", "vibractl", "stagectl"),
+)

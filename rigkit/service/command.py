@@ -1,6 +1,5 @@
 """The commands `status` and `stop` of a rig's command line: they wait for nothing that a daemon imports."""
 
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -86,10 +85,6 @@ def _client(table: Daemon, token: Path | None) -> Client:
     except OSError as fault:
         there = "something answers" if is_answered(table) else "nothing answers"
         raise ValueError(f"{fault.filename}: {fault.strerror}; {there} at {table.address}") from None
-
-
-def _say(text: str) -> None:
-    sys.stderr.write(f"{text}\n")
 
 
 def _watch(client: Client) -> None:

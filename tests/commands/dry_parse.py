@@ -7,18 +7,18 @@ from typing import Any
 
 from typer.main import get_command
 
-from calibration.application import application as calibrate
+from calibration.application import PROGRAM as CALIBRATE
 from firmware_sim.commands import app as firmware_sim
-from stagectl.application import application as stagectl
-from vibractl.application import application as vibractl
-from vibrostage.application import app as vibrostage_app
+from stagectl.application import PROGRAM as STAGECTL
+from vibractl.application import PROGRAM as VIBRACTL
+from vibrostage.application import PROGRAM as VIBROSTAGE
 
 APPLICATIONS = {
-    "vibractl": vibractl(),
-    "stagectl": stagectl(),
-    "calibrate": calibrate(),
+    "vibractl": VIBRACTL.only(),
+    "stagectl": STAGECTL.only(),
+    "calibrate": CALIBRATE.only(),
     "firmware-sim": firmware_sim,
-    "vibrostage": vibrostage_app,
+    "vibrostage": VIBROSTAGE.only(),
 }
 
 

@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 import typer
 
-from stagectl.application import application as stagectl
+from stagectl.application import PROGRAM as STAGECTL
 from tests.contract.source_tree import ROOT
 from tests.until import EVER
-from vibractl.application import application as vibractl
+from vibractl.application import PROGRAM as VIBRACTL
 
 UNITS = sorted((ROOT / "packaging" / "systemd").iterdir())
 SERVICES = {
@@ -54,7 +54,7 @@ def test_a_service_is_exposed_to_little(name: str) -> None:
 
 
 @pytest.mark.parametrize("command", ["daemon", "prune"])
-@pytest.mark.parametrize(("program", "app"), [("vibractl", vibractl()), ("stagectl", stagectl())])
+@pytest.mark.parametrize(("program", "app"), [("vibractl", VIBRACTL.only()), ("stagectl", STAGECTL.only())])
 def test_what_the_units_call_exists(program: str, app: typer.Typer, command: str) -> None:
     calls = [
         shlex.split(line.partition("=")[2])

@@ -1,4 +1,4 @@
-"""Command lines of which only the command that is called is imported."""
+"""Programs of which only the command that is called is imported."""
 
 import subprocess
 import sys
@@ -6,17 +6,18 @@ import sys
 import pytest
 import typer
 
-from calibration import application as calibrate
-from rigkit.lazy_commands import help_of, program
-from stagectl import application as stagectl
-from vibractl import application as vibractl
+from calibration.application import PROGRAM as CALIBRATE
+from rigkit.program import help_of
+from stagectl.application import PROGRAM as STAGECTL
+from vibractl.application import PROGRAM as VIBRACTL
 
-PROGRAMS = {"vibractl": vibractl, "stagectl": stagectl, "calibration": calibrate}
+PROGRAMS = {"vibractl": VIBRACTL, "stagectl": STAGECTL, "calibration": CALIBRATE}
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_what_stands_in_the_help_is_what_each_command_says_of_itself(name: str) -> None:
-    called, known = (typer.main.get_command(PROGRAMS[name].application(one)) for one in (None, "no such command"))
+    made = PROGRAMS[name].only(), PROGRAMS[name].described()
+    called, known = (typer.main.get_command(each) for each in made)
     assert {each: command.help for each, command in known.commands.items()} == {  # type: ignore[attr-defined]
         each: command.help
         for each, command in called.commands.items()  # type: ignore[attr-defined]
@@ -35,13 +36,15 @@ def test_what_stands_in_the_help_is_what_each_command_says_of_itself(name: str) 
     ],
 )
 def test_a_command_imports_nothing_that_is_not_its_own(name: str, command: str, unwanted: set[str]) -> None:
-    code = f"import sys; from {name}.application import application; application({command!r}); print(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert unwanted & set(done.stdout.split()) == set()
+    code = f"import sys; sys.argv[1:] = {[command, '--help']}; from {name}.application import PROGRAM; PROGRAM.run(); "
+    done = subprocess.run(
+        [sys.executable, "-c", f"{code} print('modules', *sys.modules)"], capture_output=True, text=True, check=True
+    )
+    assert unwanted & set(done.stdout.rpartition("modules")[2].split()) == set()
 
 
 def test_a_command_that_is_not_there_is_told_with_those_that_are() -> None:
-    app = program("A rig.", vibractl.COMMANDS, "jugde")
+    app = VIBRACTL.described()
     with pytest.raises(typer.TyperException, match="No such command 'jugde'. Did you mean 'judge'"):
         app(["jugde"], standalone_mode=False)
 

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from rigkit.command import JsonOption, print_table, words, write_json
+from rigkit.command import JsonOption, RunArgument, print_table, words, write_json
 from rigkit.run_folder import CONFIG
 from rigkit.run_origin import say_at_work
 from rigkit.written import say_over
@@ -14,7 +14,7 @@ from vibractl.run_setup import say_changed
 
 
 def export_command(
-    path: Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")],
+    path: RunArgument,
     formats: Annotated[
         list[str] | None,
         typer.Option(

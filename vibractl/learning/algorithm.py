@@ -37,9 +37,6 @@ class Algorithm:
     Sörnmo 2015, Algorithm 1.
     """
 
-    belief: Belief
-    daring: Daring
-
     def __init__(
         self,
         law: Law,

@@ -9,7 +9,7 @@ import typer
 
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
-from rigkit.command import ConfigOption, JsonOption, SetOption, application, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, RunArgument, SetOption, application, print_table, words, write_json
 from vibractl.config import RigConfig
 from vibractl.library.entry import Entry, EntryError
 from vibractl.library.folder import Candidate, Library, user_library
@@ -62,7 +62,7 @@ def chosen_entry(
 
 @library_app.command("add")
 def add_command(
-    run: Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")],
+    run: RunArgument,
     name: Annotated[str | None, typer.Option(help="Name of the entry; without one, the run's and the shot's.")] = None,
     tag: TagOption = None,
     accept: AcceptOption = None,

@@ -12,6 +12,7 @@ from firmware_sim.population import cells, cuts, robots
 from firmware_sim.population.cell_blocks import Cut, Robot
 from firmware_sim.population.cell_population import CELLS
 from firmware_sim.population.cells import draw_cell
+from firmware_sim.population.draw import Draw
 from rigkit.config import load
 from rigkit.named_code import named_block
 from rigkit.toml_text import value_text
@@ -23,11 +24,16 @@ SEEDS = range(200)
 RATE = 2_000.0
 
 
+def draws() -> list[Draw]:
+    """Return the cells of all seeds."""
+    return all_draws(CELLS, len(SEEDS))
+
+
 def test_every_family_and_every_kind_of_friction_is_drawn() -> None:
-    assert {draw.family for draw in all_draws(CELLS, len(SEEDS))} == set(cuts.FAMILIES)
-    assert words(all_draws(CELLS, len(SEEDS)), "friction") == set(robots.FRICTIONS)
-    assert set(numbers(all_draws(CELLS, len(SEEDS)), "teeth")) == {2, 3, 4}
-    assert set(numbers(all_draws(CELLS, len(SEEDS)), "delay of guided motion")) == {1, 2, 3, 4}
+    assert {draw.family for draw in draws()} == set(cuts.FAMILIES)
+    assert words(draws(), "friction") == set(robots.FRICTIONS)
+    assert set(numbers(draws(), "teeth")) == {2, 3, 4}
+    assert set(numbers(draws(), "delay of guided motion")) == {1, 2, 3, 4}
 
 
 @pytest.mark.parametrize(
@@ -56,16 +62,16 @@ def test_every_family_and_every_kind_of_friction_is_drawn() -> None:
     ],
 )
 def test_what_is_drawn_fills_its_range(name: str, low: float, high: float) -> None:
-    assert fills(numbers(all_draws(CELLS, len(SEEDS)), name), low, high)
+    assert fills(numbers(draws(), name), low, high)
 
 
 def test_backlash_and_hardness_reach_from_nothing_to_their_most() -> None:
     backlash = max(RobotPlant(**draw_cell(seed, "linear").robot.arm).joints[BACKLASH].max() for seed in SEEDS[::10])
     assert 2e-4 < backlash <= 0.5e-3
-    assert 0.1 < np.mean(numbers(all_draws(CELLS, len(SEEDS)), "backlash, over 0.1 mrad") == 0.0) < 0.35
-    assert np.all(numbers(all_draws(CELLS, len(SEEDS)), "backlash, over 0.1 mrad") <= robots.BACKLASH[1])
-    assert fills(numbers(all_draws(CELLS, len(SEEDS)), "boards harder than the first by"), *cuts.HARDER)
-    forces = numbers(all_draws(CELLS, len(SEEDS)), "slot of 2 mm at 10 mm/s")
+    assert 0.1 < np.mean(numbers(draws(), "backlash, over 0.1 mrad") == 0.0) < 0.35
+    assert np.all(numbers(draws(), "backlash, over 0.1 mrad") <= robots.BACKLASH[1])
+    assert fills(numbers(draws(), "boards harder than the first by"), *cuts.HARDER)
+    forces = numbers(draws(), "slot of 2 mm at 10 mm/s")
     assert cuts.FORCE[0] <= forces.min() < 3.0 < 30.0 < forces.max() <= cuts.FORCE[1] * 1.01
 
 
@@ -171,7 +177,7 @@ def test_drawn_tools_chatter_beyond_their_limit_and_not_well_below() -> None:
 
 
 def test_every_rig_file_is_one_that_stagectl_takes_and_all_of_its_plants_can_be_built() -> None:
-    for draw in all_draws(CELLS, len(SEEDS))[:6]:
+    for draw in draws()[:6]:
         config = load(None, CellConfig, [f"{key}={value_text(value)}" for key, value in draw.keys.items()])
         plants, options = config.plants, config.simulator.options
         assert options == {"seed": draw.seed, "family": draw.family}
@@ -206,11 +212,11 @@ def test_a_robot_may_be_softer_than_it_is_drawn() -> None:
 
 
 def test_a_draw_is_the_same_wherever_it_is_made() -> None:
-    assert checksum(all_draws(CELLS, len(SEEDS))[:50]) == "9cb70491f4430e88"
+    assert checksum(draws()[:50]) == "9cb70491f4430e88"
 
 
 def test_a_seed_has_the_same_cell_each_time() -> None:
     assert checksum([CELLS.draw(11)]) == checksum([CELLS.draw(11)])
-    assert len({checksum([draw]) for draw in all_draws(CELLS, len(SEEDS))}) == len(SEEDS)
+    assert len({checksum([draw]) for draw in draws()}) == len(SEEDS)
     first, again = (cut_along("chatter", (10e-3, 0.0)) for _ in range(2))
     assert all(np.array_equal(first[name], again[name]) for name in first)

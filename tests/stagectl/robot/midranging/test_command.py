@@ -12,7 +12,7 @@ from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording, read, write
 from rigkit import config as rig_file
 from rigkit.stop import Stopped, StopRequest
-from stagectl.application import application
+from stagectl.application import PROGRAM
 from stagectl.link.bus import LinkError
 from stagectl.robot.midranging import command
 from stagectl.robot.midranging.config import MidrangeConfig
@@ -23,7 +23,7 @@ from stagectl.robot.midranging.simulation import simulate
 
 
 def _run(*arguments: str) -> None:
-    application("midrange")(["midrange", *arguments], standalone_mode=False)
+    PROGRAM.only("midrange")(["midrange", *arguments], standalone_mode=False)
 
 
 def test_a_run_is_recorded_and_reported(tmp_path: Path) -> None:
