@@ -25,7 +25,7 @@ DrivesOption = Annotated[
 ]
 ResponsesArgument = Annotated[list[Path] | None, typer.Argument(metavar="", help="The second file of each --from.")]
 CorrectClockOption = Annotated[
-    bool, typer.Option("--correct-clock", help="With --from: take out a difference of the devices' clocks.")
+    bool, typer.Option("--correct-clock", help="With --from: take out how devices' clocks and beginnings differ.")
 ]
 
 

@@ -1,5 +1,6 @@
 """The variables of MATLAB's files up to version 7, which scipy reads whole."""
 
+import re
 from math import prod
 from pathlib import Path
 
@@ -12,6 +13,8 @@ from rigkit.array_variables import Contents, RefusedError, Variable
 
 COPIES = 3
 """Of what is read, in memory at once."""
+_NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
+"""What MATLAB calls a variable."""
 _NUMBERS = ("double", "single", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64")
 
 
@@ -30,6 +33,8 @@ def mat_contents(path: Path) -> Contents:
         listed = scipy.io.whosmat(str(path))
         size, declared = path.stat().st_size, 0
         for name, shape, kind in listed:
+            if not _NAME.fullmatch(name):
+                raise RefusedError(f"is damaged: a variable is called {name!r}, must be letters, digits and _")
             declared += 8 * prod(shape) if kind in _NUMBERS else 0
             if declared > COMPRESSED * size:
                 raise RefusedError(f"{name} has {8 * prod(shape)} bytes, in a file of {size}")

@@ -8,6 +8,8 @@ from typing import Annotated, cast
 
 import typer
 
+from calibration.from_command import CorrectClockOption
+from calibration.identification.beginnings import begun_together
 from calibration.identification.excitation import excitation_notes
 from calibration.identification.recordings import Measured, from_file, from_pairs
 from calibration.identification.report import (
@@ -63,6 +65,7 @@ def identify_command(
     method: Annotated[str, typer.Option(metavar="moesp|n4sid|pem", help="pem: moesp, then refined.")] = "moesp",
     rate: Annotated[float | None, typer.Option(help="Samples a second, where a file does not say.")] = None,
     decimate: Annotated[int, typer.Option(metavar="N", help="Keep every N-th sample behind a low-pass.")] = 1,
+    correct_clock: CorrectClockOption = False,
     horizon: Annotated[int | None, typer.Option(help="Samples that the singular values look back and ahead.")] = None,
     hold_back: Annotated[float, typer.Option("--hold-back", help="Share kept, at the end, to judge by.")] = 0.3,
     out: Annotated[Path | None, written_file("FILE", "Model file; the report goes beside it.")] = None,
@@ -83,7 +86,7 @@ def identify_command(
         raw_folder(out)  # refuses what is no name of a model
         refuse_inputs(made, [*(data or []), *(drives or [])])
     measured = _read(data or [], drives or [], (inputs, outputs, channels), rate)
-    measured = _thinned(measured, decimate)
+    measured = _made_ready(measured, decimate, correct_clock)
     with _watched(measured) as show:
         files, way = (measured.recordings, measured.inputs), cast(Method, method)
         found = identify_recordings(*files, order=states, method=way, horizon=horizon, hold_back=hold_back, show=show)
@@ -154,10 +157,14 @@ def _labelled(measured: Measured) -> Measured:
     return replace(measured, recordings=tuple(labelled))
 
 
-def _thinned(measured: Measured, factor: int) -> Measured:
+def _made_ready(measured: Measured, factor: int, correct_clock: bool) -> Measured:
+    """Lower the rate, and look at how responses lie beside drives at that."""
     thin = thinned_recordings(measured.recordings, measured.names, factor)
+    beside = begun_together(measured, thin, factor, correct_clock)
+    if beside.recordings != measured.recordings:
+        thin = thinned_recordings(beside.recordings, measured.names, factor)
     notes = [thinning_note(thin[0].rate, factor, len(thin))] if factor > 1 else []
-    return replace(measured, recordings=tuple(thin), notes=(*measured.notes, *notes))
+    return replace(measured, recordings=tuple(thin), notes=(*beside.notes, *notes))
 
 
 def _print(found: Identification, measured: Measured, out: Path | None, json: str | None) -> None:

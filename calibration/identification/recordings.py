@@ -25,6 +25,8 @@ class Measured:
     names : tuple of str
         Of each, for people: its file or files.
     inputs : int
+    is_apart : tuple of bool
+        Of each, whether inputs and outputs come from two files.
     notes : tuple of str
         What a person should know of them.
     """
@@ -32,6 +34,7 @@ class Measured:
     recordings: tuple[Recording, ...]
     names: tuple[str, ...]
     inputs: int
+    is_apart: tuple[bool, ...]
     notes: tuple[str, ...] = ()
 
     @property
@@ -63,7 +66,7 @@ def from_file(path: Path, inputs: Sequence[str], outputs: Sequence[str], rate: f
     """
     if both := set(inputs) & set(outputs):
         raise ValueError(f"{', '.join(sorted(both))}: cannot be input and output at once")
-    return Measured((read_channels(path, [*inputs, *outputs], rate),), (str(path),), len(inputs))
+    return Measured((read_channels(path, [*inputs, *outputs], rate),), (str(path),), len(inputs), (False,))
 
 
 def from_pairs(
@@ -110,7 +113,8 @@ def from_pairs(
             _refuse_unlike(recording, read[0], f"{drive} and {response}", str(drives[0]))
         read.append(replace(recording, names=read[0].names) if read else recording)
     names = tuple(_name(*pair) for pair in zip(drives, responses, strict=True))
-    return Measured(tuple(read), names, inputs, tuple(notes))
+    apart = tuple(drive != response for drive, response in zip(drives, responses, strict=True))
+    return Measured(tuple(read), names, inputs, apart, tuple(notes))
 
 
 def _side(path: Path, kind: str, given: Mapping[str, str], rate: float | None) -> Recording:

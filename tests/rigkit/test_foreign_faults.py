@@ -106,6 +106,12 @@ def _array(path: Path, **content: object) -> bytes:
     return path.read_bytes()
 
 
+def _renamed(path: Path) -> bytes:
+    """Damage the byte that ends a variable's name."""
+    scipy.io.savemat(path, {"t": TIME[:, None]}, format="4")
+    return path.read_bytes().replace(b"t\0", b"t\xc4", 1)
+
+
 def _nan(path: Path) -> bytes:
     return _array(path, u=np.where(np.arange(400) == 30, np.nan, 0.0), fs=100.0)
 
@@ -127,6 +133,7 @@ def _half(path: Path) -> bytes:
 ARRAYS: dict[str, tuple[str, Callable[[Path], bytes], str]] = {
     "no numbers": ("a.mat", lambda path: _array(path, note="words", z=np.array([1j, 2])),
                    r"no arrays of real numbers, but note \(1 x 1 char\), z \(1 x 2 double\)|holds no signals"),
+    "a name": ("a.mat", _renamed, "is damaged: a variable is called 't\xc4', must be letters"),
     "two lengths": ("a.mat", lambda path: _array(path, u=TIME, y=TIME[:7], fs=1.0), "different lengths, u 400, y 7"),
     "turned": ("a.mat", lambda path: _array(path, y=DATA.T, fs=1.0), "y is 3 x 400, must have time along its first"),
     "two rates": ("a.mat", lambda path: _array(path, u=TIME, t=TIME, Fs=900.0),
