@@ -1,7 +1,7 @@
 """Speed and memory of what reads recordings: the tables of docs/own-recordings.md.
 
 `python -m benchmarks.recordings [reading] [commands] [hour] [--write]`, the first two by default: some minutes and
-3 GB of disk; `hour` adds a run of 700 shots of 8 channels: half an hour, 6 GB.
+3 GB of disk; `hour` adds a run of 700 shots and noise of an hour, of 8 channels each: half an hour, 6 GB.
 
 Each is a process of its own, with one thread for linear algebra.  Times real time are by the processor's time, starting
 and loading included; memory is the most that was resident, that of processes which it started not counted.
@@ -18,6 +18,7 @@ import h5py
 import numpy as np
 import scipy.io
 import soundfile
+from scipy.signal import butter, sosfilt
 
 from benchmarks.page_table import put, table, words
 from rigkit.foreign_record import open_signals
@@ -27,6 +28,13 @@ MINUTES = 2
 """Of the file that is read in each format."""
 REFERENCE = "chirp:40:90:5"
 PROGRAMS = Path(sys.executable).parent
+FOUR = """
+[audio]
+drive_channels = [1, 2, 3, 4]
+response_channels = [1, 2, 3, 4]
+loopback_output = 5
+loopback_input = 5
+"""
 WATER = """
 [audio]
 far_field_channels = [4, 5, 6]
@@ -85,6 +93,7 @@ def commands() -> None:
     rows = []
     with TemporaryDirectory() as folder:
         rows += _judged(Path(folder))
+        rows += _modelled(Path(folder))
         rows += _replayed(Path(folder))
     put(table(["command", "recording", "times real time", "peak, MB"], rows), "own-recordings.md", "commands")
 
@@ -123,6 +132,35 @@ def _replayed(folder: Path) -> list[list[str]]:
             for file in (run / "shots").iterdir():
                 file.unlink()
     return rows
+
+
+def _modelled(folder: Path) -> list[list[str]]:
+    """Estimate a transfer matrix from noise on four coils, heard by four sensors."""
+    (folder / "four.toml").write_text(FOUR)
+    files, rows = [str(folder / name) for name in ("drive.wav", "response.wav")], []
+    for minutes in (10, 60) if "hour" in words() else (10,):
+        _shake(files, 60 * minutes)
+        made = "--config", str(folder / "four.toml"), "--out", str(folder / f"{minutes}.h5")
+        rows.append(
+            row("`calibrate vibrator --from`", f"WAV, 8 channels, {minutes} min", 60.0 * minutes, "calibrate",
+                "vibrator", "--from", *files, *made)
+        )  # fmt: skip
+    for file in files:
+        Path(file).unlink()
+    return rows
+
+
+def _shake(files: Sequence[str], seconds: int) -> None:
+    """Write noise of so many s, and what comes of it."""
+    rng, band = np.random.default_rng(3), butter(2, [20, 700], "bandpass", fs=RATE, output="sos")
+    mixed, first, second = rng.normal(size=(4, 4)) / 4, np.zeros((2, 2, 4)), np.zeros((2, 2, 4))
+    drive, response = (soundfile.SoundFile(file, "w", RATE, 4, "PCM_16") for file in files)
+    with drive, response:
+        for _ in range(seconds // 20):
+            sent, first = sosfilt(band, 0.1 * rng.normal(size=(20 * RATE, 4)), axis=0, zi=first)
+            heard, second = sosfilt(band, sent @ mixed, axis=0, zi=second)
+            drive.write(sent)
+            response.write(heard + 1e-4 * rng.normal(size=heard.shape))
 
 
 def _hear(path: Path, seconds: int) -> None:

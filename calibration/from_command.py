@@ -14,6 +14,7 @@ from calibration.names import oldest, raw_folder, refuse_inputs, refuse_taken
 from calibration.output import provenance
 from calibration.recorded_signals import Recorded
 from rigkit.command import print_table, words, write_json
+from rigkit.large_arrays import give_back_large_arrays
 from rigkit.progress import Meter, progress
 from vibractl.config import RigConfig
 from vibractl.foreign.signals import drives_of, open_kind, responses_of
@@ -86,6 +87,7 @@ def model_from_files(
     records = [_opened(*pair, rig) for pair in zip(drives, responses, strict=True)]
     about = provenance(rig, min(oldest(path) for path in responses), {})
     about |= {"recording": ", ".join(each.name for each in records)}
+    give_back_large_arrays()
     seconds = sum((each.response.frames or 0) / each.rate for each in records)
     with progress("from recordings", seconds) as meter:
         tell = _telling(meter, seconds)

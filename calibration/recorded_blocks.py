@@ -65,7 +65,7 @@ class Blocks:
 
     def __init__(self, wanted: Wanted) -> None:
         self._wanted = wanted
-        self._cuts: tuple[list[Sum], list[Sum]] = [], []
+        self._cuts: tuple[dict[int, Sum], dict[int, Sum]] = {}, {}
         self._few: list[Evidence] = []
         self._middles: list[float] = []
         self._power: list[tuple[np.ndarray, np.ndarray]] = []
@@ -78,14 +78,16 @@ class Blocks:
         """Take a block of the first cut, 0, or of the second, 1; the mean of periods that were looked at before."""
         if cut == 0 and not block.is_steady:
             self.look(block)
-        sums = self._cuts[cut]
-        found = [evidence(block, self._wanted.frequency, reach) for reach in REACHES]
-        for place, (one, noise) in enumerate(zip(found, noise_of(found), strict=True)):
-            if place == len(sums):
-                lines, coefficients, outputs = one.right.shape
-                sums.append(Sum.empty(lines, outputs, coefficients))
-            sums[place].take(one, noise)
-        self.excited = np.maximum(self.excited, found[0].excited * np.sqrt(block.spacing))
+        sums, noise = self._cuts[cut], None
+        for place, reach in reversed(list(enumerate(REACHES))):
+            found = evidence(block, self._wanted.frequency, reach)
+            noise = noise_of(found, REACHES[-1].width / reach.width, noise)
+            if place not in sums:
+                lines, coefficients, outputs = found.right.shape
+                sums[place] = Sum.empty(lines, outputs, coefficients)
+            sums[place].take(found, noise)
+            excited = found.excited  # in the end those of the narrowest
+        self.excited = np.maximum(self.excited, excited * np.sqrt(block.spacing))
 
     def look(self, block: Spectrum) -> None:
         """Take a block for the clock and the levels alone."""
@@ -111,17 +113,16 @@ class Blocks:
         """Find by how much the recorder's clock is faster."""
 
         def parts(count: int) -> Iterator[Sum]:
-            return (Sum.of(each, noise_of([each], [CLOCK_REACH])[0]) for each in self._few[:count])
+            return (Sum.of(each, noise_of(each)) for each in self._few[:count])
 
         return clock(parts, np.array(self._middles), self._wanted.frequency[self._wanted.few])
 
     def sums(self) -> list[Sum]:
         """Return the equations at each of `REACHES`."""
         first, second = self._cuts
-        for one in first:
-            if second:
-                one.improve(second.pop(0), self._wanted.inputs)
-        return first
+        for place in list(second):
+            first[place].improve(second.pop(place), self._wanted.inputs)
+        return [first[place] for place in sorted(first)]
 
 
 def read_periods(spectra: Iterator[Spectrum], period: float, wanted: Wanted) -> tuple[Blocks, Multisine] | None:
@@ -196,7 +197,7 @@ def lead_of(head: Head, late: float, wanted: Wanted) -> float:
     left = []
     for drive, response in (plain, silent):
         found = evidence(lines_of(drive, response, head.rate, wanted.band, 0.0), few, CLOCK_REACH)
-        left.append(float(np.mean(np.log(noise_of([found], [CLOCK_REACH])[0]))))
+        left.append(float(np.mean(np.log(noise_of(found)))))
     return LEAD if left[1] <= left[0] + AT_REST else 0.0
 
 

@@ -5,7 +5,7 @@ did not hear the end of, is another polynomial, of each block its own; a periodi
 Blocks are added up as normal equations, so that the length of a recording takes no memory.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -112,35 +112,38 @@ def evidence(record: Spectrum, wanted: np.ndarray, reach: Reach) -> Evidence:
     reach : Reach
     """
     place, rows = _windows(record, wanted, reach)
-    parts = []
+    whole: list[np.ndarray] = []
     for first in range(0, len(wanted), CHUNK):
         lines = slice(first, first + CHUNK)
-        parts.append(_of_lines(record, wanted[lines], place[lines], reach))
-    square, right, power, excited = (np.concatenate(each) for each in zip(*parts, strict=True))
-    square, right, power = (record.fresh * each for each in (square, right, power))
-    rank, left = _own_fit(square, right, power)
+        *told, excited = _of_lines(record, wanted[lines], place[lines], reach)
+        square, right, power = (record.fresh * each for each in told)
+        parts = (square, right, power, *_own_fit(square, right, power), excited)
+        whole = whole or [np.empty((len(wanted), *part.shape[1:]), part.dtype) for part in parts]
+        for each, part in zip(whole, parts, strict=True):
+            each[lines] = part
+    square, right, power, rank, left, excited = whole
     return Evidence(square, right, power, rows, rank, left, excited)
 
 
-def noise_of(of_reaches: Sequence[Evidence], reaches: Sequence[Reach] = REACHES) -> list[np.ndarray]:
-    """Return the power of a row that a block's own fit leaves at each reach, (lines, outputs), averaged over lines.
+def noise_of(found: Evidence, windows: float = 1.0, wider: np.ndarray | None = None) -> np.ndarray:
+    """Return the power of a row that a block's own fit leaves, (lines, outputs), averaged over lines.
 
     Parameters
     ----------
-    of_reaches : sequence of Evidence
-        From narrow to wide; where one leaves too few rows to tell, the next wider one that does not stands for it.
-    reaches : sequence of Reach
-        As many.
+    found : Evidence
+    windows : float
+        How many of its windows the widest one holds.
+    wider : array, optional
+        The same of the next wider reach: it stands for one that leaves too few rows to tell.
     """
-    found: list[np.ndarray] = []
-    for each, reach in zip(reversed(of_reaches), reversed(reaches), strict=True):
-        free, windows = each.rows - each.rank, reaches[-1].width / reach.width
-        least = LEAST * each.power.mean() / max(each.rows, 1.0) + 1e-60
-        noise = np.maximum(
-            uniform_filter1d(each.left / np.maximum(free, 1.0)[:, None], 2 * AROUND + 1, axis=0, mode="mirror"), least
-        )
-        found.append(found[-1] if found and np.median(free) * windows < FREE else noise)
-    return found[::-1]
+    free = found.rows - found.rank
+    if wider is not None and np.median(free) * windows < FREE:
+        return wider
+    least = LEAST * found.power.mean() / max(found.rows, 1.0) + 1e-60
+    left = found.left / np.maximum(free, 1.0)[:, None]
+    smooth = uniform_filter1d(left, 2 * AROUND + 1, axis=0, mode="mirror")
+    noise: np.ndarray = np.maximum(smooth, least)
+    return noise
 
 
 def around(value: np.ndarray, how: Callable[..., np.ndarray], lines: int = 2) -> np.ndarray:

@@ -139,6 +139,7 @@ def blocks_of(record: Recorded, course: Course) -> Iterator[Spectrum]:
         there = there if course.is_whole or there == course.length else int(prev_fast_len(there))
         moved = _stretched(heard, place - begin, stretch, there)
         found = lines_of(drive.window(first, there), moved, rate, course.band, (first + there / 2) / rate)
+        del heard, moved  # nothing of a block is held while its lines are looked at
         yield replace(found, fresh=1 + min(first, 0) / there if course.lead else 1.0)
         first += course.hop
     response.refuse_still()
@@ -209,18 +210,20 @@ class _Reader:
 
 def _beginning(signals: Signals, samples: int, factor: int) -> np.ndarray:
     """Read the first samples and lower their rate, channel by channel, without a shift in time."""
-    parts, count = [], 0
+    longest = samples if signals.frames is None else min(samples, signals.frames)
+    whole, count = np.empty((longest, len(signals.names)), np.float32), 0
     for part in signals.blocks(READ):
-        parts.append(part.astype(np.float32))
-        count += len(part)
-        if count >= samples:
+        taken = part[: longest - count]
+        whole[count : count + len(taken)] = taken
+        count += len(taken)
+        if count == longest:
             break
-    whole = np.concatenate(parts)[:samples]
+    whole = whole[:count]
     kept = -(-len(whole) // factor)
     points = next_fast_len(kept + ROOM, real=True)
     fade = np.clip((1 - np.arange(points // 2 + 1) * 2 / points) / (1 - PASSED), 0, 1)
     weight = (0.5 - 0.5 * np.cos(np.pi * fade)) / factor
-    lines = (rfft(channel.astype(float), factor * points)[: len(weight)] for channel in whole.T)
+    lines = (rfft(channel, factor * points)[: len(weight)] for channel in whole.T)
     return np.column_stack([irfft(each * weight, points)[:kept] for each in lines])
 
 

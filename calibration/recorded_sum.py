@@ -80,8 +80,9 @@ class Sum:
     def take(self, block: Evidence, noise: np.ndarray) -> None:
         """Add a block, divided by its noise, (lines, outputs), (m/s^2 s)^2."""
         weight = 1 / noise
-        for output in range(noise.shape[1]):
-            self.square[:, output] += weight[:, output, None, None] * block.square
+        for first in range(0, len(weight), CHUNK):
+            lines = slice(first, first + CHUNK)
+            self.square[lines] += weight[lines, :, None, None] * block.square[lines, None]
         self.right[:] += weight[:, :, None] * block.right.swapaxes(1, 2)
         self.power[:] += weight * block.power
         self.own_left[:] += weight * block.left
