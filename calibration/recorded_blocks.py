@@ -18,6 +18,8 @@ PIECES = (4, 16)
 """Blocks, at least and at most, that the beginning is cut into for its clock ..."""
 PIECE = 2.5
 """... and s of each, about."""
+MOST = 64
+"""Blocks that a clock is found from; of more every other one is left out, again and again."""
 LEAD = 2.0
 """s of silence put before a recording that begins at rest: a sweep's first lines are told from a transient by it."""
 AT_REST = 0.2
@@ -69,8 +71,11 @@ class Blocks:
         self._few: list[Evidence] = []
         self._middles: list[float] = []
         self._power: list[tuple[np.ndarray, np.ndarray]] = []
+        self._every = 1
+        self.count = 0
+        """Blocks of the first cut."""
         self.seconds = 0.0
-        """Of the first cut."""
+        """Of it."""
         self.excited = np.zeros((len(wanted.frequency), wanted.inputs))
         """RMS of each drive around a line, V sqrt(s), of the block in which that is largest."""
 
@@ -91,17 +96,17 @@ class Blocks:
 
     def look(self, block: Spectrum) -> None:
         """Take a block for the clock and the levels alone."""
-        self._few.append(evidence(block, self._wanted.frequency[self._wanted.few], CLOCK_REACH))
-        self._middles.append(block.middle)
+        if self.count % self._every == 0:
+            self._few.append(evidence(block, self._wanted.frequency[self._wanted.few], CLOCK_REACH))
+            self._middles.append(block.middle)
+        if len(self._few) == MOST:
+            del self._few[1::2], self._middles[1::2]
+            self._every *= 2
+        self.count += 1
         power = (2 * block.spacing * (np.abs(each) ** 2).sum(axis=0) for each in (block.drive, block.response))
         drive, response = power
         self._power.append((drive, response))
         self.seconds += block.fresh / block.spacing
-
-    @property
-    def count(self) -> int:
-        """Blocks of the first cut."""
-        return len(self._few)
 
     @property
     def levels(self) -> tuple[np.ndarray, np.ndarray]:

@@ -33,7 +33,8 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
     dict
         `shots`; `objective_met_shot`, the first from which the objective holds to the end, or None; `worst_line_db`
         of the last shot over the limit, dB; both where it is `judged`, and at all `places` where there are hydrophones;
-        `iae_ratio` per side, first shot of the whole reference over last; `reidentifications`, of bands;
+        `iae_ratio` per side, first shot of the whole reference over last; `first_worst_line_db` of that first shot;
+        `shots_over_limit`, of the whole reference; `reidentifications`, of bands;
         `identification_seconds`, s of signal emitted for the model and for them, None where the model does not say.
     """
     judged, prefix = rows[0].get("judged", "") if rows else "", prefix_of(rows)
@@ -46,6 +47,8 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
         "objective_met_shot": holds_from([row["verdict"] == "pass" for row in rows]),
         "worst_line_db": worst[-1] if worst else None,
         "iae_ratio": [float(whole[0][side]) / float(whole[-1][side]) for side in sides],
+        "first_worst_line_db": _worst(whole[0], prefix) if whole else None,
+        "shots_over_limit": sum(_worst(row, prefix) > 0 for row in whole),
         "reidentifications": sum(now and not before for before, now in pairwise([False, *probes])),
         "identification_seconds": _identification_seconds(made, sum(probes)),
     }

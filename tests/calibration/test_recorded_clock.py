@@ -60,8 +60,12 @@ def test_a_clock_that_differs_is_refused_or_taken_out(drive: np.ndarray, ppm: fl
     assert relative(found) < 0.01
 
 
-def test_sweeps_that_lie_elsewhere_in_their_blocks_show_their_clock_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("most", [64, 4])
+def test_sweeps_that_lie_elsewhere_in_their_blocks_show_their_clock_as_well(
+    monkeypatch: pytest.MonkeyPatch, most: int
+) -> None:
     """Coil after coil, at three levels: a pass shows less than half of what is left of the clock."""
+    monkeypatch.setattr("calibration.recorded_blocks.MOST", most)
     monkeypatch.setattr("calibration.recorded_signals.BLOCK", 5.0)
     drive = np.concatenate([level * alone(sweep(seconds=2.0), side) for side in (0, 1) for level in (0.5, 1.0, 2.0)])
     response = by_another_clock(heard(drive, 0.0), 20.0)
