@@ -9,7 +9,7 @@ BIN := .venv/bin
 STAMP := .venv/installed
 PACKAGES := ctlblocks rigkit vibractl stagectl calibration firmware_sim vibrostage
 STUDIES = $(basename $(notdir $(wildcard studies/*.toml)))
-TABLES := identification learning_seeds watch_seeds prediction warm_start planning force_control
+TABLES := identification measured_pairs planning force_control
 KEY = $(shell cat pyproject.toml | sha256sum | cut -c1-16) $(CURDIR)
 
 .PHONY: run test check soak bench studies peers mutants setup packages docs clean help
@@ -44,11 +44,11 @@ check: setup     ## ruff, mypy, import contracts
 soak: setup packages  ## the slow tests: about an hour, or SHARD=2/4 of them
 	$(BIN)/pytest -q -m slow --timeout=1800 --splits $(or $(word 2,$(subst /, ,$(SHARD))),1) --group $(or $(word 1,$(subst /, ,$(SHARD))),1)
 
-bench: setup packages ## speed beside peers, then the tables of docs/, made again on ten simulated machines each: hours
+bench: setup packages ## speed beside peers, then the tables of docs/ that no study makes: an hour
 	$(BIN)/pytest -q benchmarks --benchmark-only
 	for table in $(TABLES) home; do $(BIN)/python -m benchmarks.$$table --write || exit 1; done
 
-studies: setup   ## the studies of studies/ at full size, hours each, then docs/populations.md; goes on after a stop; STUDIES=stages, SCHEDULER=tcp://...
+studies: setup   ## the studies of studies/ at full size, up to hours each, then their tables in docs/; goes on after a stop; STUDIES=stages, SCHEDULER=tcp://...
 	@mkdir -p runs/studies
 	for study in $(STUDIES); do \
 	  $(BIN)/vibrostage study run studies/$$study.toml --out runs/studies/$$study $(if $(SCHEDULER),--scheduler $(SCHEDULER)) || exit 1; \

@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 
-from benchmarks.learning_seeds import identified
+from benchmarks.measured_pairs import identified
 from firmware_sim.plants.vibrator import VibratorPlant
 from rigkit import config as rig_file
 from vibractl.config import RigConfig

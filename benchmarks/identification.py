@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.direct import met, shots
-from benchmarks.learning_seeds import identified
+from benchmarks.measured_pairs import identified
 from benchmarks.on_all_cores import over_seeds
 from benchmarks.page_table import put, table, words
 from benchmarks.vibrator_truth import QUIET, RECORDS, linearised

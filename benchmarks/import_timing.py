@@ -27,7 +27,7 @@ import numpy as np
 import soundfile
 
 from benchmarks.direct import Machine
-from benchmarks.learning_seeds import identified
+from benchmarks.measured_pairs import identified
 from benchmarks.page_table import put, table, words
 from rigkit import config as rig_file
 from tests.vibractl.linear_rig import QUIET, linear_matrix

@@ -1,21 +1,28 @@
-"""The tables of docs/populations.md, from results of studies that are kept in docs/populations/.
+"""The tables of docs/ that studies have given, from their results, which are kept in docs/populations/.
 
 `python -m benchmarks.study_tables [FOLDER ...]` takes in the results of studies that have ended, such as
-runs/studies/stages, and writes the page again; without a folder it writes the page alone.
+runs/studies/stages, and writes the pages again; without a folder it writes the pages alone.  Studies of drawn machines
+have docs/populations.md to themselves; each of the others stands in the page of what it is about.
 """
 
+import math
 import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from benchmarks.page_table import DOCS
+from benchmarks.page_table import DOCS, replaced
 from rigkit.origin import checksum
 from rigkit.report import Table
 from rigkit.study.report import StudyReport
-from rigkit.study.results import write_rows
+from rigkit.study.results import Row, write_rows
 from rigkit.study.tables import endings_table, markdown
 
 KEPT = DOCS / "populations"
 PAGE = DOCS / "populations.md"
+PLACES = {"learning": "learning.md", "prediction": "predict.md", "warm-start": "library.md", "watch": "watch.md"}
+"""The page of each study that is not of drawn machines; between marks of the study's name."""
+NEAR = 3
+"""Shots by which a prediction may be off."""
 MOST_ENDS = 5
 LARGEST = 2_000_000
 """Bytes of all kept results together."""
@@ -29,13 +36,24 @@ refused or failed does not pass, and counts in N.  The intervals are Wilson's, 9
 """
 
 
-def page() -> str:
-    """Return the page that belongs to the kept results."""
-    return "\n".join([_HEAD, *(section(file) for file in sorted(KEPT.glob("*.parquet")))])
+def pages() -> dict[Path, str]:
+    """Return the text of every page, as it belongs to the kept results."""
+    kept = sorted(KEPT.glob("*.parquet"))
+    texts = {PAGE: "\n".join([_HEAD, *(section(file) for file in kept if file.stem not in PLACES)])}
+    for file in kept:
+        if file.stem in PLACES:
+            page = DOCS / PLACES[file.stem]
+            texts[page] = replaced(page.read_text(encoding="utf-8"), file.stem, tables(file))
+    return texts
 
 
 def section(file: Path) -> str:
-    """Return the part of one study, with the sum of the file that it belongs to."""
+    """Return the part of one study of drawn machines."""
+    return f"## {file.stem}\n\n{StudyReport.of(file).about.purpose}\n\n{tables(file)}"
+
+
+def tables(file: Path) -> str:
+    """Return the tables of one study, with the sum of the file that they belong to."""
     found = StudyReport.of(file)
     told = found.told()
     seeds = [row.seed for row in found.rows]
@@ -44,11 +62,36 @@ def section(file: Path) -> str:
         f"{told['finished'][:10]}; {'; '.join([*told['software'], *told['processors']])}; "
         f"study hash `{told['hash'][:16]}`; `docs/populations/{file.name}`, SHA-256 `{checksum(file)[:16]}`."
     )
-    tables = [f"**{text}**\n\n{markdown(table)}\n" for text, table in found.tables()]
+    texts = [f"**{text}**\n\n{markdown(table)}\n" for text, table in found.tables()]
     if ends := endings_table(found.rows).rows[:MOST_ENDS]:
         rows = tuple((text, count, name) for text, _, count, name, _ in ends)
-        tables.append(f"**not done**\n\n{markdown(Table(('last line', 'tasks', 'the first'), rows))}\n")
-    return "\n".join([f"## {file.stem}\n", f"{found.about.purpose}\n", *tables, f"{origin}\n"])
+        texts.append(f"**not done**\n\n{markdown(Table(('last line', 'tasks', 'the first'), rows))}\n")
+    if file.stem in BESIDE:
+        texts.append(f"{BESIDE[file.stem](found.rows)}\n")
+    return "\n".join([*texts, f"{origin}\n"])
+
+
+def predicted_beside_observed(rows: Sequence[Row]) -> str:
+    """Say of each law how often a prediction was right, shots beyond the run counted as one."""
+    said = []
+    for law in dict.fromkeys(row.case["learning.law"] for row in rows):
+        told = [_shots(row) for row in rows if row.case["learning.law"] == law and not row.status]
+        near = sum(middle == observed or abs(middle - observed) <= NEAR for _, middle, _, observed in told)
+        within = sum(low <= observed <= high for low, _, high, observed in told)
+        said.append(
+            f"- `{law}`: the median is within {NEAR} shots of what was observed on {near} of {len(told)}, and what was "
+            f"observed within 10 to 90 % of what was predicted on {within}."
+        )
+    return "\n".join(said)
+
+
+def _shots(row: Row) -> tuple[float, ...]:
+    names = ("low", "predicted", "high", "observed")
+    return tuple(math.inf if row.figures[name] is None else float(row.figures[name]) for name in names)
+
+
+BESIDE: dict[str, Callable[[Sequence[Row]], str]] = {"prediction": predicted_beside_observed}
+"""What else is said of a study."""
 
 
 def take_in(folder: Path) -> None:
@@ -61,5 +104,6 @@ def take_in(folder: Path) -> None:
 if __name__ == "__main__":
     for name in sys.argv[1:]:
         take_in(Path(name))
-    PAGE.write_text(page(), encoding="utf-8")
-    print(f"{PAGE}: {len(list(KEPT.glob('*.parquet')))} studies")
+    for page, text in pages().items():
+        page.write_text(text, encoding="utf-8")
+    print(f"{KEPT}: {len(list(KEPT.glob('*.parquet')))} studies")

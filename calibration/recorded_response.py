@@ -126,14 +126,14 @@ def evidence(record: Spectrum, wanted: np.ndarray, reach: Reach) -> Evidence:
 
 
 def noise_of(found: Evidence, windows: float = 1.0, wider: np.ndarray | None = None) -> np.ndarray:
-    """Return the power of a row that a block's own fit leaves, (lines, outputs), averaged over lines.
+    """Return the power of a row that a block's own fit leaves, (lines, outputs), (m/s^2 s)^2, averaged over lines.
 
     Parameters
     ----------
     found : Evidence
     windows : float
         How many of its windows the widest one holds.
-    wider : array, optional
+    wider : array, shape (lines, outputs), (m/s^2 s)^2, optional
         The same of the next wider reach: it stands for one that leaves too few rows to tell.
     """
     free = found.rows - found.rank

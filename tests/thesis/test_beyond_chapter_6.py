@@ -1,6 +1,6 @@
 """What the default law does beyond chapter 6, on the simulated vibrator of seed 1 and a model from 45 s of multisine.
 
-Ten seeds of each are in `benchmarks/learning_seeds.py`, their table in `docs/learning.md`.
+Ten seeds of each are in `studies/learning.toml`, their table in `docs/learning.md`.
 """
 
 from pathlib import Path
@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.learning_seeds import LAWS, SHOT, Run, identified, learned
+from benchmarks.measured_pairs import LAWS, SHOT, Run, identified, learned
 from tests.shared_data import measured_pair
 
 SEED = ("simulator.options.seed=1",)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.direct import shots
-from benchmarks.learning_seeds import ARRAY, identified, learned
+from benchmarks.measured_pairs import identified, learned
 from rigkit import config as rig_file
 from tests.vibractl.learning.line_plant import LinePlant, law_of, matrix_of, modal
 from tests.vibractl.linear_rig import linear_matrix
@@ -20,6 +20,13 @@ from vibractl.transfer_matrix import norm
 
 OFF = ("model=false", "doubt=0.0", "cautious=false", "rollback=false")
 CHIRP = "reference.signal=chirp:40:90:1"
+ARRAY = (
+    "simulator.plant=vibrator-array",
+    "audio.drive_channels=[1, 2, 3, 4]",
+    "audio.response_channels=[1, 2, 3, 4]",
+    "audio.loopback_output=5",
+    "audio.loopback_input=5",
+)
 
 
 def algorithm_of(law: Law, **adaptation: object) -> Algorithm:

@@ -1,12 +1,13 @@
-"""How fast each learning law gets there, on ten seeds of every kind of simulated vibrator.
+"""How fast each learning law gets there in front of measured impulse responses; and one run of learning, for others.
 
-`python -m benchmarks.learning_seeds [LAW ...] [SEED ...] [--write]`, a minute or two a seed; prints a line a run and
+`python -m benchmarks.measured_pairs [LAW ...] [SEED ...] [--write]`, a minute or two a seed; prints a line a run and
 then the table of `docs/learning.md`.  Every machine is measured by the product's own calibration, then it learns
 `SHOTS` shots of the default reference, without audio; a run whose next drive would break the guard's limits ends there.
 """
 
 import json
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -26,37 +27,18 @@ from vibractl.config import RigConfig
 from vibractl.setup import setup
 from vibractl.transfer_matrix import TransferMatrix
 
-SEEDS = range(1, 11)
-FEWER = 3
-"""Seeds of what is in front of a measured pair."""
+SEEDS = range(1, 4)
 SHOTS = 30
 EARLY = 5
 """The shot by which an early IAE is read."""
-TREND, SHOT = 0.02, 5.6
-"""Of all modal frequencies over the whole run; s, how long a shot lasts."""
-ARRAY = (
-    "simulator.plant=vibrator-array",
-    "audio.drive_channels=[1, 2, 3, 4]",
-    "audio.response_channels=[1, 2, 3, 4]",
-    "audio.loopback_output=5",
-    "audio.loopback_input=5",
-)
+SHOT = 5.6
+"""s, how long a shot lasts."""
 LAWS = {
     "kalman": (),
     "steady": ("adaptation.stretch=false", "adaptation.variation=false"),
     "thesis": ("learning.law=thesis",),
 }
 """`steady` is kalman without what moves in it: stretch and variation."""
-THE_THESIS = "thesis, its stepped sine"
-"""The thesis' law after the thesis' own half hour of characterisation; on the default plant only."""
-
-
-@dataclass(frozen=True)
-class Plant:
-    """A kind of plant: what stands in the rig file, and what changes only once it has been measured."""
-
-    settings: tuple[str, ...] = ()
-    afterwards: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -79,20 +61,13 @@ class Outcome:
     covered: float
 
 
-def plants(folder: Path) -> dict[str, Plant]:
-    """Return every kind; measured pairs only where ../shared/data is, their files in `folder`."""
-    drifting = tuple(f"simulator.options.{text}" for text in (f"trend={TREND}", f"trend_seconds={SHOTS * SHOT}"))
-    kinds = {
-        "default": Plant(),
-        "trend 2 %": Plant(afterwards=drifting),
-        "nonlinearity 1.6": Plant(("simulator.options.nonlinearity=1.6",)),
-        "side 1 alone": Plant(afterwards=("learning.side=1",)),
-        "4 x 4": Plant(ARRAY),
-    }
+def plants(folder: Path) -> dict[str, tuple[str, ...]]:
+    """Return the settings of each measured pair, their files in `folder`; none where ../shared/data is absent."""
+    kinds = {}
     for name in MEASURED_PAIRS if DATA.exists() else ():
         files = json.dumps([str(file) for file in measured_pair(name, folder)])
-        pair = ("simulator.plant=vibrator-impulse-response", f"simulator.options.files={files}", "shot.tail=1.0")
-        kinds[name] = Plant(pair)
+        plant = ("simulator.plant=vibrator-impulse-response", f"simulator.options.files={files}")
+        kinds[name] = (*plant, "shot.tail=1.0")
     return kinds
 
 
@@ -129,21 +104,20 @@ def learned(matrix: TransferMatrix, settings: tuple[str, ...], count: int) -> Ru
     return Run(iae, np.inf if refused else met(over), refused, float(np.mean(held[1:] or [np.nan])))
 
 
-def outcome(kind: Plant, seed: int, law: tuple[str, ...], method: tuple[str, ...]) -> Outcome:
+def outcome(kind: tuple[str, ...], seed: int, law: tuple[str, ...]) -> Outcome:
     """Measure a plant, and learn on it."""
-    own = (*kind.settings, f"simulator.options.seed={seed}")
-    found = identified((*own, *method))
-    at_work = (*own, *kind.afterwards)
-    run = learned(found.matrix, (*at_work, *law), SHOTS)
-    plain = learned(found.matrix, (*at_work, *LAWS["thesis"], "learning.start=reference"), 1)
+    own = (*kind, f"simulator.options.seed={seed}")
+    found = identified(own)
+    run = learned(found.matrix, (*own, *law), SHOTS)
+    plain = learned(found.matrix, (*own, *LAWS["thesis"], "learning.start=reference"), 1)
     early = np.min(run.iae[: EARLY + 1], axis=0)
     ratios = (float((start / end).min()) for start in (run.iae[0], plain.iae[0]) for end in (early, run.iae[-1]))
     return Outcome(found.seconds, run.shot, run.refused, *ratios, run.covered)
 
 
-def outcomes(seed: int, kind: Plant, laws: dict[str, tuple[tuple[str, ...], tuple[str, ...]]]) -> dict[str, Outcome]:
-    """Return the outcome of every law, given as its settings and those of its calibration."""
-    return {name: outcome(kind, seed, *settings) for name, settings in laws.items()}
+def outcomes(seed: int, kind: tuple[str, ...], laws: Sequence[str]) -> dict[str, Outcome]:
+    """Return the outcome of every law."""
+    return {name: outcome(kind, seed, LAWS[name]) for name in laws}
 
 
 def row(plant: str, law: str, runs: list[Outcome]) -> list[str]:
@@ -158,25 +132,21 @@ def row(plant: str, law: str, runs: list[Outcome]) -> list[str]:
     return [*cells, f"{np.mean(held):.1f} ({min(held):.1f})" if held else ""]
 
 
-def main(wanted: list[str], seeds: list[int]) -> None:
+def main(laws: list[str], seeds: list[int]) -> None:
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         for name, kind in plants(Path(folder)).items():
-            laws = {law: (LAWS[law], ()) for law in wanted}
-            if name == "default" and "thesis" in wanted:
-                laws[THE_THESIS] = (LAWS["thesis"], ("characterisation.method=stepped",))
-            asked = seeds[: FEWER if name in MEASURED_PAIRS else None]
-            of_seeds = list(over_seeds(outcomes, asked, kind=kind, laws=laws))
+            of_seeds = list(over_seeds(outcomes, seeds, kind=kind, laws=laws))
             for law in laws:
                 runs = [of_laws[law] for of_laws in of_seeds]
                 rows.append(row(name, law, runs))
-                runs_told = (f"{seed}: {told(run.shot)}" for seed, run in zip(asked, runs, strict=True))
+                runs_told = (f"{seed}: {told(run.shot)}" for seed, run in zip(seeds, runs, strict=True))
                 print(f"{name}, {law};", *runs_told, flush=True)
     head = ["plant", "law", "identified in, s", "shot, median", "worst", f"never in {SHOTS}"]
     head += [f"IAE: first / best by shot {EARLY}", "first / last", f"scaled reference / by {EARLY}", "... / last"]
-    put(table([*head, "errors within bound, %"], rows), "learning.md", "learning seeds")
+    put(table([*head, "errors within bound, %"], rows), "learning.md", "measured pairs")
 
 
 if __name__ == "__main__":
     numbers = [int(text) for text in words() if text not in LAWS]
-    main([text for text in words() if text in LAWS] or list(LAWS), numbers or list(SEEDS))
+    main([text for text in words() if text in LAWS] or ["kalman", "thesis"], numbers or list(SEEDS))
