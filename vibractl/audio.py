@@ -20,6 +20,7 @@ from vibractl.config import RigConfig
 from vibractl.guard import Violation, as_violation, violation
 from vibractl.levels import Levels, lately, levels
 from vibractl.loopback import Loopback
+from vibractl.loudness import too_loud
 from vibractl.marker import Marker
 from vibractl.proof import LARGEST_ROUND_TRIP, Emission, Proof
 from vibractl.supervision import ALONE, Supervision
@@ -150,7 +151,7 @@ class Line:
         AudioError : the stream has failed.
         """
         emission = self._proof.emission(self._checked(drive))
-        broken = violation(emission.drive, self._limits, self._audio.rate)
+        broken = too_loud(emission.drive, self._limits, self._audio.rate)
         if broken:
             raise ValueError(f"the drive is not played: {broken}")
         reasons = []

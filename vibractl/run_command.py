@@ -1,6 +1,7 @@
 """`vibractl run`."""
 
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
@@ -21,6 +22,10 @@ from vibractl.report import run_report
 from vibractl.run_setup import create, resumed_setup
 from vibractl.session import Session
 
+FitOption = Annotated[
+    bool, typer.Option("--fit-amplitude", help="Emit less of the reference where the limits leave it no room.")
+]
+
 
 def run_command(
     out: Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make for a new run.")] = None,
@@ -34,6 +39,7 @@ def run_command(
     watch: Annotated[bool, typer.Option("--watch", help="Reidentify bands that diverge, while it goes on.")] = False,
     law: Annotated[str | None, typer.Option(help="kalman, or thesis for the text's own law.")] = None,
     seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
+    fit_amplitude: FitOption = False,
     warm: Annotated[
         str | None, typer.Option(metavar="NAME", help="Start from this entry of the library, or from the nearest.")
     ] = None,
@@ -52,19 +58,24 @@ def run_command(
     flags |= {"watch.on": "true" if watch else None, "session.shots": shots}
     laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
     if resume is not None:
-        paths = {"--out": out, "--model": model, "--config": config, "--library": library}
-        given = [name for name, value in {**paths, "--warm": warm, "--tag": tag}.items() if value]
-        if given or [text for text in laid_over if not text.startswith("session.shots=")]:
-            raise ValueError(f"--resume {resume} has the run's own settings; only --shots and --accept may go with it")
+        _refuse_beside(resume, (out, model, config, library, warm, tag, fit_amplitude), laid_over)
         _go_on(resume, shots, accept or [], json)
         return
     if out is None or model is None:
         raise ValueError("a new run needs --model FILE and --out RUN/")
     settled = rig_file.load(config, RigConfig, laid_over)
     entry = chosen_entry(warm, settled, tag, library, accept or [])
-    folder, made = create(out, settled, model, entry, accept=accept or [])
+    if entry is not None and fit_amplitude:
+        raise ValueError("--warm and --fit-amplitude are given, must be one of them: an entry has a level of its own")
+    folder, made = create(out, settled, model, entry, accept=accept or [], fit_amplitude=fit_amplitude)
     with folder:
         _begin(Session(folder, made), json)
+
+
+def _refuse_beside(resume: Path, of_new: Iterable[object], laid_over: list[str]) -> None:
+    """Refuse what only a new run takes."""
+    if any(of_new) or [text for text in laid_over if not text.startswith("session.shots=")]:
+        raise ValueError(f"--resume {resume} has the run's own settings; only --shots and --accept may go with it")
 
 
 def _begin(session: Session, json: str | None) -> None:

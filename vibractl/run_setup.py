@@ -1,6 +1,6 @@
 """What a run is made of, in its folder: made new, or put together again to go on, to be replayed or reported."""
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from vibractl.config import RigConfig
 from vibractl.fft_plans import Plans
 from vibractl.judging import Judging
 from vibractl.library.entry import Entry, read_entry, write_entry
+from vibractl.loudness import ROOM, at_level, fitting_level, told_level, too_loud
 from vibractl.model_file import read_far_field, read_model
 from vibractl.model_origin import model_for
 from vibractl.reference import is_file
@@ -36,6 +37,7 @@ def create(
     entry: Entry | None = None,
     shots: int = 0,
     accept: Collection[str] = (),
+    fit_amplitude: bool = False,
 ) -> tuple[RunFolder, Setup]:
     """Check everything a run needs, and then make its folder.
 
@@ -52,19 +54,23 @@ def create(
         To be recorded; 0 for `session.shots`.
     accept : collection of str
         Keys in which the rig that the model was measured on may differ.
+    fit_amplitude : bool
+        Whether the reference is made quieter where its first drive takes more than `loudness.ROOM` of a limit.
 
     Raises
     ------
-    ValueError : settings, model and reference do not fit, or the folder is in use; nothing is written.
+    ValueError : settings, model and reference do not fit, a limit is broken, or the folder is in use; nothing is
+        written.
     DiskFault : the disk has no room for the shots; nothing is written.
     """
     matrix, notes = model_for(model, config, accept)
     far = read_far_field(model, len(config.audio.far_field_channels))
     if entry is None:
         made, broken = setup(config, matrix, far, plans=Plans.of_user()), None
+        made = _within_limits(made, lambda quieter: setup(quieter, matrix, far, plans=made.plans), fit_amplitude)
     else:
         made, broken = warm_setup(config, matrix, far, entry, Plans.of_user())
-    made, config = replace(made, said=tuple(notes)), made.config
+    made, config = replace(made, said=(*notes, *made.said)), made.config
     require_room(path, made, shots or config.session.shots)
     kept, source = with_own_reference(config)
     files = kept_files(kept, ["reference.signal"])
@@ -84,6 +90,23 @@ def create(
             if broken is not None:
                 folder.event("library_refused", {"entry": entry.name, "limit": str(broken)})
     return folder, made
+
+
+def _within_limits(made: Setup, again: Callable[[RigConfig], Setup], fit_amplitude: bool) -> Setup:
+    """Refuse a first drive that breaks a limit, or make the reference quieter, until there is room."""
+    config, rate = made.config, made.config.audio.rate
+    drive = made.learner().drive
+    level = ROOM * fitting_level(drive, config.limits, rate)
+    if fit_amplitude and level < 1:
+        quieter = at_level(config, level)
+        said = f"{told_level(quieter)}, {level:.3g} of that given, so that the first drive takes {ROOM:g} of a limit"
+        return replace(_within_limits(again(quieter), again, False), said=(said,))
+    if broken := too_loud(drive, config.limits, rate):
+        raise ValueError(
+            f"the first drive is not played: {broken} ({told_level(config)}); --fit-amplitude takes {level:.3g} of it, "
+            "with room to learn"
+        )
+    return made
 
 
 def with_own_reference(config: RigConfig) -> tuple[RigConfig, Path | None]:

@@ -9,9 +9,9 @@ from vibractl.capture import Capture, spoiled, unmoved
 from vibractl.foreign.pair import find_shot
 from vibractl.foreign.signals import drives_of, read_kind, responses_of
 from vibractl.foreign.step_state import Step, StepState, checksum
-from vibractl.guard import violation
 from vibractl.learner import Learner
 from vibractl.learning.shot import Shot
+from vibractl.loudness import too_loud
 from vibractl.proof import SLIP
 from vibractl.quality import FAINT, Judge, Marks
 from vibractl.setup import Setup
@@ -79,7 +79,7 @@ class Stepper:
         StepError : it would break a limit of the guard.
         """
         drive = self._learner.drive
-        broken = violation(drive, self._made.config.limits, self._made.config.audio.rate)
+        broken = too_loud(drive, self._made.config.limits, self._made.config.audio.rate)
         if broken:
             raise StepError(f"the next drive is not written: {broken}")
         return drive.copy()

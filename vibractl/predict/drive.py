@@ -3,11 +3,10 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.signal import lfilter
 
 from vibractl.config import Limits
-from vibractl.guard import violation
 from vibractl.learning.law import bounded_inverse
+from vibractl.loudness import drive_sizes, too_loud
 from vibractl.predict.plant import drawn_response
 from vibractl.quality import FAINT, decibels
 from vibractl.setup import Setup
@@ -15,8 +14,6 @@ from vibractl.setup import Setup
 DRAWS = 12
 """Of G, for the range of the drives."""
 SEED = 21
-QUANTITIES = (("peak", "V"), ("rms", "V"), ("slew", "V/s"))
-"""What the guard limits; rms is the root of its exponential mean at its largest."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +71,7 @@ def drive_needs(made: Setup, learned: np.ndarray) -> DriveNeeds:
     ]
     low, high = np.quantile(drawn, [0.1, 0.9], axis=0)
     last = np.quantile([_sizes(_emitted(made, lines), made) for lines in learned], 0.9, axis=0)
-    broken = next((str(found) for each in (first, wanted) if (found := violation(each, limits, rate))), "")
+    broken = next((found for each in (first, wanted) if (found := too_loud(each, limits, rate))), "")
     return DriveNeeds(_sizes(wanted, made), low, high, _sizes(first, made), last, broken)
 
 
@@ -90,8 +87,4 @@ def _emitted(made: Setup, lines: np.ndarray) -> np.ndarray:
 
 
 def _sizes(drive: np.ndarray, made: Setup) -> np.ndarray:
-    """Return peak, rms and slew of each coil, (coils, 3), as the guard sees them."""
-    forget = -np.expm1(-1.0 / (made.config.limits.rms_seconds * made.shot.rate))
-    mean = lfilter([forget], [1.0, forget - 1.0], drive**2, axis=0)
-    slew = np.abs(np.diff(drive, axis=0, prepend=0.0, append=0.0)).max(axis=0) * made.shot.rate
-    return np.stack([np.abs(drive).max(axis=0), np.sqrt(mean.max(axis=0)), slew], axis=-1)
+    return drive_sizes(drive, made.config.limits, made.shot.rate)

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from vibractl.predict.drive import QUANTITIES, DriveNeeds, drive_needs
+from vibractl.loudness import QUANTITIES
+from vibractl.predict.drive import DriveNeeds, drive_needs
 from vibractl.predict.learning import Forecast, forecast
 from vibractl.predict.lines import REASONS, Certificates, certificates
 from vibractl.setup import Setup

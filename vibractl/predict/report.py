@@ -11,7 +11,7 @@ from rigkit.figure_style import COLOURS, styled
 from rigkit.provenance import now, software
 from rigkit.report import Fact, Plot, Report, Section, Table
 from vibractl.figures.lines import BOUND, legend_above
-from vibractl.predict.drive import QUANTITIES
+from vibractl.loudness import QUANTITIES
 from vibractl.predict.lines import MEANINGS, REASONS
 from vibractl.predict.prediction import Prediction
 
