@@ -1,5 +1,6 @@
 """What holds for every test: random cases are the same ones each time, and what takes longest comes first."""
 
+import gc
 import os
 import tempfile
 
@@ -37,3 +38,9 @@ LONGEST = (
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Put those first; the rest stays in its order."""
     items.sort(key=lambda item: next((n for n, name in enumerate(LONGEST) if item.path.match(name)), len(LONGEST)))
+
+
+def pytest_collection_finish() -> None:
+    """Leave what was imported and collected out of the search for garbage: a twentieth of all processor time."""
+    gc.collect()
+    gc.freeze()

@@ -1,6 +1,9 @@
 """How loud a drive may be: what it needs of each limit of the guard, and the level at which it keeps all of them."""
 
+from typing import Annotated
+
 import numpy as np
+import typer
 from scipy.signal import lfilter
 
 from vibractl.config import Limits, RigConfig
@@ -11,6 +14,10 @@ QUANTITIES = (("peak", "V"), ("rms", "V"), ("slew", "V/s"))
 """What the guard limits; rms is the root of its exponential mean at its largest."""
 ROOM = 0.5
 """Of the limits, that a first drive takes of a run whose amplitude is fitted: distortion is made up for by more."""
+
+FitOption = Annotated[
+    bool, typer.Option("--fit-amplitude", help="Emit less of the reference where the limits leave it no room.")
+]
 
 
 def drive_sizes(drive: np.ndarray, limits: Limits, rate: float) -> np.ndarray:

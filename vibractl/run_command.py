@@ -16,15 +16,12 @@ from rigkit.stop import Stopped, stoppable
 from vibractl.audio_stream import AudioError
 from vibractl.config import RigConfig
 from vibractl.library.command import LibraryOption, TagOption, chosen_entry
+from vibractl.loudness import FitOption
 from vibractl.quality import Marks
 from vibractl.quality_table import prefix_of
 from vibractl.report import run_report
 from vibractl.run_setup import create, resumed_setup
 from vibractl.session import Session
-
-FitOption = Annotated[
-    bool, typer.Option("--fit-amplitude", help="Emit less of the reference where the limits leave it no room.")
-]
 
 
 def run_command(

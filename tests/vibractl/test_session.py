@@ -5,6 +5,7 @@ import multiprocessing
 import random
 import signal
 import threading
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -131,8 +132,9 @@ def test_what_does_not_fit_is_refused_and_nothing_is_written(
 
 
 def test_a_drive_beyond_the_limits_is_not_played_and_the_run_says_so(tmp_path: Path) -> None:
-    folder, made = create(tmp_path / "run", linear_config("limits.peak=0.1"), linear_model(tmp_path))
-    with folder, pytest.raises(ValueError, match=r"limits.peak is 0.1 V"):
+    folder, made = create(tmp_path / "run", linear_config(), linear_model(tmp_path))
+    made = replace(made, config=linear_config("limits.peak=0.1"))
+    with folder, pytest.raises(ValueError, match=r"limits.peak is 0.1 V; it needs .* V, and fits at"):
         Session(folder, made).run(2, lambda *_: None, lambda: False)
     assert shot_files(tmp_path / "run") == []
     assert read_events(tmp_path / "run")[-1]["event"] == "failed"

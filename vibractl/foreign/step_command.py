@@ -19,6 +19,7 @@ from vibractl.config import Audio, RigConfig
 from vibractl.foreign.sound_file import BITS, refuse_bits, write_sound
 from vibractl.foreign.step_state import StepState
 from vibractl.foreign.stepping import Stepped, Stepper
+from vibractl.loudness import FitOption
 from vibractl.reference import is_file
 from vibractl.run_setup import MODEL, UNCHANGED, create, settings_of, setup_of
 
@@ -35,6 +36,7 @@ def step_command(
     reference: Annotated[
         str | None, typer.Option(help="chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file.")
     ] = None,
+    fit_amplitude: FitOption = False,
     bits: Annotated[int, typer.Option(help=f"Of a sample: {', '.join(map(str, BITS))}; 32 and 64 are floats.")] = 64,
     accept: AcceptOption = None,
     settings: SetOption = None,
@@ -59,8 +61,10 @@ def step_command(
             raise ValueError(
                 f"{state}: there is no such state yet; begin with --model FILE and --reference, without --drive"
             )
-        begun = _begun(rig_file.load(config, RigConfig, laid_over), model, accept or [])
+        begun = _begun(rig_file.load(config, RigConfig, laid_over), model, accept or [], fit_amplitude)
     else:
+        if fit_amplitude:
+            raise ValueError(f"--fit-amplitude is given, and {state} has begun: its reference cannot change")
         begun = StepState.read(state)
         whole = rig_file.load(config, RigConfig, laid_over) if config is not None or settings else None
         _refuse_changed(begun, state, whole, reference, model, accept or [])
@@ -86,10 +90,10 @@ def _tell(out: Path, taken: Stepped | None, shot: int, wanted: np.ndarray, audio
     write_json(json, figures)
 
 
-def _begun(config: RigConfig, model: Path, accept: Collection[str]) -> StepState:
+def _begun(config: RigConfig, model: Path, accept: Collection[str], fit_amplitude: bool) -> StepState:
     """Check everything that a learning needs, and put it together."""
     with TemporaryDirectory(prefix="vibractl-step-") as place:
-        folder, made = create(Path(place) / "run", config, model, shots=1, accept=accept)
+        folder, made = create(Path(place) / "run", config, model, shots=1, accept=accept, fit_amplitude=fit_amplitude)
         with folder:
             sys.stderr.write("".join(f"{note}\n" for note in (*made.said, made.note) if note))
             return StepState.of_folder(folder.path)

@@ -141,23 +141,24 @@ def test_a_call_that_cannot_be_is_refused(lab: LabOfFiles, words: tuple[str, ...
     assert reason in lab.refused("vibractl", "step", "--state", "S.h5", "--out", "1.wav", *words)
 
 
-def test_a_drive_beyond_the_limits_is_not_written(lab: LabOfFiles) -> None:
+def test_a_first_drive_beyond_the_limits_is_not_written_or_fitted(lab: LabOfFiles) -> None:
     (lab.path / "S.h5").unlink()
-    words = (
-        "--config",
-        "rig.toml",
-        "--model",
-        "model.h5",
-        "--state",
-        "S.h5",
-        "--out",
-        "1.wav",
-        "--set",
-        "limits.peak=0.5",
-    )
-    said = lab.refused("vibractl", "step", *words)
-    assert "the next drive is not written: drive " in said
-    assert "limits.peak is 0.5 V" in said
+    begin = ("--config", "rig.toml", "--model", "model.h5", "--state", "S.h5", "--out", "1.wav")
+    said = lab.refused("vibractl", "step", *begin, "--set", "limits.peak=0.5")
+    assert "the first drive is not played: drive " in said
+    assert "limits.peak is 0.5 V; it needs " in said
+    fitted = lab.done("vibractl", "step", *begin, "--set", "limits.peak=0.5", "--fit-amplitude")
+    assert "reference.amplitude is " in fitted
+    assert np.abs(lab.volts(1)).max() == pytest.approx(0.25, rel=0.01)
+    again = lab.refused("vibractl", "step", "--state", "S.h5", "--out", "2.wav", "--fit-amplitude")
+    assert "S.h5 has begun: its reference cannot change" in again
+
+
+def test_a_next_drive_beyond_the_limits_is_not_written(lab: LabOfFiles, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibractl.foreign.stepping.too_loud", lambda *_: "drive 1 asks for 9.5 V")
+    lab.play(0)
+    said = lab.refused("vibractl", "step", *lab.recorded(0), "--state", "S.h5", "--out", "1.wav")
+    assert "the next drive is not written: drive 1 asks for 9.5 V" in said
 
 
 def test_fewer_bits_are_near_enough_to_learn_from(lab: LabOfFiles) -> None:
