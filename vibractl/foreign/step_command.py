@@ -51,8 +51,7 @@ def step_command(
     Example: `vibractl step --model model.h5 --reference chirp:40:90:5 --state S.h5 --out 0.wav`, then
     `vibractl step --drive 0.wav --response heard.wav --state S.h5 --out 1.wav`
     """
-    if (drive is None) != (response is None):
-        raise ValueError("--drive and --response go together: what was played, and what came back")
+    _refuse_half(drive, response)
     refuse_bits(bits)
     laid_over = [*(settings or []), *([f"reference.signal={reference}"] if reference else [])]
     is_new = not state.exists()
@@ -63,8 +62,7 @@ def step_command(
             )
         begun = _begun(rig_file.load(config, RigConfig, laid_over), model, accept or [], fit_amplitude)
     else:
-        if fit_amplitude:
-            raise ValueError(f"--fit-amplitude is given, and {state} has begun: its reference cannot change")
+        _refuse_fit(fit_amplitude, state)
         begun = StepState.read(state)
         whole = rig_file.load(config, RigConfig, laid_over) if config is not None or settings else None
         _refuse_changed(begun, state, whole, reference, model, accept or [])
@@ -77,6 +75,16 @@ def step_command(
     if taken is not None or is_new:
         stepper.state.write(state)
     _tell(out, taken, len(stepper.state.steps), wanted, audio, json)
+
+
+def _refuse_fit(fit_amplitude: bool, state: Path) -> None:
+    if fit_amplitude:
+        raise ValueError(f"--fit-amplitude is given, and {state} has begun: its reference cannot change")
+
+
+def _refuse_half(drive: Path | None, response: Path | None) -> None:
+    if (drive is None) != (response is None):
+        raise ValueError("--drive and --response go together: what was played, and what came back")
 
 
 def _tell(out: Path, taken: Stepped | None, shot: int, wanted: np.ndarray, audio: Audio, json: str | None) -> None:
