@@ -43,18 +43,18 @@ def pages() -> dict[Path, str]:
     for file in kept:
         if file.stem in PLACES:
             page = DOCS / PLACES[file.stem]
-            texts[page] = replaced(page.read_text(encoding="utf-8"), file.stem, tables(file))
+            texts[page] = replaced(page.read_text(encoding="utf-8"), file.stem, tables(file, StudyReport.of(file)))
     return texts
 
 
 def section(file: Path) -> str:
     """Return the part of one study of drawn machines."""
-    return f"## {file.stem}\n\n{StudyReport.of(file).about.purpose}\n\n{tables(file)}"
-
-
-def tables(file: Path) -> str:
-    """Return the tables of one study, with the sum of the file that they belong to."""
     found = StudyReport.of(file)
+    return f"## {file.stem}\n\n{found.about.purpose}\n\n{tables(file, found)}"
+
+
+def tables(file: Path, found: StudyReport) -> str:
+    """Return the tables of one study, with the sum of the file that they belong to."""
     told = found.told()
     seeds = [row.seed for row in found.rows]
     origin = (

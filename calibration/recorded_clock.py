@@ -59,6 +59,11 @@ class Turn:
         """Whether it stands out."""
         return abs(self.value) > SURE * self.error
 
+    @property
+    def ppm(self) -> str:
+        """A difference of clocks with its error, in words."""
+        return f"{1e6 * self.value:.2f} ppm (+- {1e6 * self.error:.2g})"
+
 
 UNKNOWN = Turn(0.0, float("inf"))
 

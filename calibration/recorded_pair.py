@@ -200,7 +200,7 @@ def _is_to_be_corrected(record: Recorded, drift: Turn, seconds: float, wanted: W
         return False
     if not wanted.correct_clock:
         raise FromRecordingsError(
-            f"{record.name}: the recorder's clock is {1e6 * drift.value:.2f} ppm (+- {1e6 * drift.error:.2g}) faster "
+            f"{record.name}: the recorder's clock is {drift.ppm} faster "
             "than the player's, must be the same: --correct-clock takes it out, or play and record by one device"
         )
     return True

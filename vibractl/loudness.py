@@ -36,6 +36,11 @@ def drive_sizes(drive: np.ndarray, limits: Limits, rate: float) -> np.ndarray:
     return np.stack([np.abs(drive).max(axis=0), np.sqrt(mean.max(axis=0)), slew], axis=-1)
 
 
+def allowed_sizes(limits: Limits) -> np.ndarray:
+    """Return the limits beside `drive_sizes`, (3,), V, V and V/s."""
+    return np.array([getattr(limits, name) for name, _ in QUANTITIES])
+
+
 def fitting_level(drive: np.ndarray, limits: Limits, rate: float) -> float:
     """Return by what a drive may be multiplied at most; infinite for silence.
 
@@ -45,9 +50,8 @@ def fitting_level(drive: np.ndarray, limits: Limits, rate: float) -> float:
     limits : Limits
     rate : float, samples/s
     """
-    allowed = np.array([limits.peak, limits.rms, limits.slew])
     with np.errstate(divide="ignore"):
-        return float((allowed / drive_sizes(drive, limits, rate)).min())
+        return float((allowed_sizes(limits) / drive_sizes(drive, limits, rate)).min())
 
 
 def too_loud(drive: np.ndarray, limits: Limits, rate: float) -> str:

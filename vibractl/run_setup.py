@@ -93,7 +93,7 @@ def create(
 
 
 def _within_limits(made: Setup, again: Callable[[RigConfig], Setup], fit_amplitude: bool) -> Setup:
-    """Refuse a first drive that breaks a limit, or make the reference quieter, until there is room."""
+    """Refuse a first drive that breaks a limit, or make the reference quieter first, so that there is room."""
     config, rate = made.config, made.config.audio.rate
     drive = made.learner().drive
     level = ROOM * fitting_level(drive, config.limits, rate)

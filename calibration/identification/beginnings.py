@@ -91,7 +91,7 @@ def begun_together(measured: Measured, thin: Sequence[Recording], factor: int, c
         late = first = first if number and abs(found.late - first) <= FEW else found.late
         taken = late - FEW if correct and abs(late) > FEW else 0
         notes += [_delay(name, late, rate, taken)] if abs(late) > FEW else []
-        notes += [f"{name}: the recorder's clock is {_ppm(found.drift)} faster, which is taken out"] if drift else []
+        notes += [f"{name}: the recorder's clock is {found.drift.ppm} faster, which is taken out"] if drift else []
         if taken or drift:
             recordings[number] = _beside(recordings[number], inputs, factor * taken, drift)
     return replace(measured, recordings=tuple(recordings), notes=tuple(notes))
@@ -104,14 +104,10 @@ def _refused_or_taken(found: Beginning, samples: int, name: str, correct: bool) 
         return 0.0
     if not correct:
         raise ValueError(
-            f"{name}: the recorder's clock is {_ppm(found.drift)} faster than the player's, {slip:.2g} samples in the "
+            f"{name}: the recorder's clock is {found.drift.ppm} faster than the player's, {slip:.2g} samples in the "
             f"end, must be within {SLIP:g}: --correct-clock takes it out, or play and record by one device"
         )
     return found.drift.value
-
-
-def _ppm(drift: Turn) -> str:
-    return f"{1e6 * drift.value:.2f} ppm (+- {1e6 * drift.error:.2g})"
 
 
 def _delay(name: str, late: int, rate: float, taken: int) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 
 from vibractl.config import Limits
 from vibractl.learning.law import bounded_inverse
-from vibractl.loudness import drive_sizes, too_loud
+from vibractl.loudness import allowed_sizes, drive_sizes, too_loud
 from vibractl.predict.plant import drawn_response
 from vibractl.quality import FAINT, decibels
 from vibractl.setup import Setup
@@ -44,8 +44,7 @@ class DriveNeeds:
     def headroom(self, limits: Limits) -> np.ndarray:
         """Return the room (coils, 3) that the largest of these leaves under the limits, dB; infinite where silent."""
         largest = np.max([self.needed, self.high, self.first, self.learned], axis=0)
-        allowed = np.array([limits.peak, limits.rms, limits.slew])
-        return np.where(largest > 0, decibels(allowed / np.maximum(largest, FAINT)), np.inf)
+        return np.where(largest > 0, decibels(allowed_sizes(limits) / np.maximum(largest, FAINT)), np.inf)
 
 
 def drive_needs(made: Setup, learned: np.ndarray) -> DriveNeeds:

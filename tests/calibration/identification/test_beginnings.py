@@ -15,6 +15,7 @@ from tests.calibration.identification.plain_scipy import RATE, off, response, wh
 
 FREQUENCY = np.linspace(10, 200, 100)
 SAMPLES, FULL_SCALE, PPM = 20_000, 32.0, 40.0
+NAMES = ["drive_1", "drive_2"], ["response_1", "response_2"]
 
 
 def recorded(heard: np.ndarray, ppm: float) -> np.ndarray:
@@ -101,9 +102,6 @@ def test_one_clock_and_one_beginning_are_left_as_they_are(
     assert identified(lab, tmp_path / "a", monkeypatch, "same", "--correct-clock") == 0
     one, other = ((folder / "m.h5") for folder in (tmp_path, tmp_path / "a"))
     np.testing.assert_array_equal(read_model(one, RATE, *NAMES).A, read_model(other, RATE, *NAMES).A)
-
-
-NAMES = ["drive_1", "drive_2"], ["response_1", "response_2"]
 
 
 def g_off(folder: Path) -> float:
