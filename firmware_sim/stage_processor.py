@@ -88,7 +88,7 @@ _LED = (State.FOLLOWING, State.EXCITED)
 _AT_ONCE = 10
 """Blocks it catches up with before it looks at the wire again."""
 _REMEMBERED = 1.0
-"""s for which a command that comes again is the same one, asked again."""
+"""s, at least, for which a command that comes again is the same one, asked again."""
 _LONGEST_TOLD = 0xFFFF
 """Of the silence in the status, 0.1 ms."""
 
@@ -214,9 +214,11 @@ class StageProcessor:
 
     def _answer(self, values: tuple[int, ...], now: float) -> None:
         command, token, argument = values
-        if values != self._answered or now - self._answered_at > _REMEMBERED:  # else its reply was lost
+        remembered = max(_REMEMBERED, self._settings.silence)
+        if values != self._answered or now - self._answered_at > remembered:  # else its reply was lost
             result, about = self._obey(Command(command), argument, now)
-            self._answered, self._answered_at, self._answer_given = values, now, (token, result, about)
+            self._answered, self._answer_given = values, (token, result, about)
+        self._answered_at = now
         self.frames.send(messages.REPLY, *self._answer_given)
 
     def _obey(self, command: Command, argument: int, now: float) -> tuple[Result, int]:

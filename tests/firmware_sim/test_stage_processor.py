@@ -192,6 +192,17 @@ def test_a_command_asked_twice_is_carried_out_once() -> None:
     assert bench.ask(Command.START, token=8)[1] == Result.WRONG_STATE
 
 
+def test_a_command_that_comes_again_while_its_host_may_be_silent_is_the_same_one() -> None:
+    """A machine that stands still for seconds has sent the command twice before it reads the answer."""
+    bench = Bench(silence=10.0)
+    first = bench.ask(Command.START, token=7)
+    for _ in range(2):
+        bench.now += 8.0
+        assert bench.ask(Command.START, token=7) == first
+    bench.now += 11.0
+    assert bench.ask(Command.START, token=7) != first
+
+
 def test_the_same_command_a_second_later_is_another_one() -> None:
     bench = following(ramp=0.01)
     assert bench.ask(Command.START, token=7)[1] == Result.WRONG_STATE
