@@ -11,6 +11,7 @@ from typing import Any
 
 import jinja2
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
@@ -139,5 +140,15 @@ def _rendered(figure: Figure, kind: str) -> bytes:
     content = io.BytesIO()
     metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {}  # the same figure gives the same bytes
     with styled():
+        _laid_out(figure)
         figure.savefig(content, format=kind, metadata=metadata)
     return content.getvalue()
+
+
+def _laid_out(figure: Figure) -> None:
+    """Lay a figure out once, however often it is rendered: `savefig` would draw it once more each time to do so."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+        with rc_context({"figure.constrained_layout.use": False}):
+            figure.set_layout_engine(None)

@@ -1,7 +1,4 @@
-"""The daemon is killed in mid-run, at random moments and in every state: nothing is broken, and the drive falls silent.
-
-`make soak` kills 200 times; each time the run goes on from what is there.
-"""
+"""The daemon is killed in mid-run, once and 200 times, in every state: the drive falls silent, and the run goes on."""
 
 from pathlib import Path
 
@@ -13,6 +10,7 @@ from tests.vibractl.daemon.killed import straight_daemon
 from tests.vibractl.daemon.kills import MUTE_AFTER, kills, whole
 
 
+@pytest.mark.slow
 @pytest.mark.deadline(0.3)
 def test_a_daemon_killed_while_it_plays_falls_silent_and_goes_on_where_it_was(tmp_path: Path) -> None:
     with straight_daemon(tmp_path) as daemon:
