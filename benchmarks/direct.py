@@ -8,9 +8,10 @@ import numpy as np
 
 from firmware_sim.laboratory import plant_block
 from vibractl.config import RigConfig
+from vibractl.decibels import decibels
 from vibractl.guard import violation
 from vibractl.learner import Learner
-from vibractl.quality import Judge, Marks, decibels, holds_from
+from vibractl.quality import Judge, Marks, holds_from
 from vibractl.setup import Setup
 
 LONGEST = 10.0

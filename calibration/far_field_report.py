@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 
 from rigkit.figure_style import COLOURS
 from rigkit.report import Plot, Section, Table
+from vibractl.decibels import decibels
 from vibractl.far_field import FarField
-from vibractl.quality import decibels
 
 HEAD = (
     "hydrophone",

@@ -9,6 +9,7 @@ from vibractl.fft_plans import Plans
 from vibractl.learning.algorithm import Algorithm
 from vibractl.learning.disturbance import noise_power
 from vibractl.learning.shot import Shot
+from vibractl.mains import Hum, Mains, Pieces
 from vibractl.place import Place
 from vibractl.spectrum import Decimator, LineSpectrum
 from vibractl.trial import Trial
@@ -66,6 +67,8 @@ class Learner(Trial):
     place : Place
         Of the sensors that are learned from.
     plans : Plans
+    mains : Mains or None
+        What follows the mains' hum in what the place's sensors hear, at the learner's rate, to be taken out.
     """
 
     def __init__(
@@ -77,10 +80,11 @@ class Learner(Trial):
         responses: int,
         place: Place,
         plans: Plans,
+        mains: Mains | None,
     ) -> None:
         law = algorithm.law
         super().__init__(np.zeros((shot.total, len(law.spread))), responses)
-        self.algorithm, self.shot, self._place = algorithm, shot, place
+        self.algorithm, self.shot, self._place, self.mains = algorithm, shot, place, mains
         self.far_field = np.zeros((shot.total, len(place.sensors) if place.is_far else 0))
         lines = law.matrix.frequency
         band = (lines[0], lines[-1])
@@ -95,6 +99,9 @@ class Learner(Trial):
     def restart(self) -> None:
         """Go back to the first drive."""
         self.algorithm.restart()
+        self.hum: Hum | None = None
+        if self.mains is not None:
+            self.mains.restart()
         self.heard = np.zeros_like(self.algorithm.law.reference)
         self._play()
 
@@ -121,9 +128,19 @@ class Learner(Trial):
         recorded = self.far_field if place.is_far else self.response[: self.shot.total]
         measured = self._decimator.apply(recorded[:, list(place.sensors)])
         first = self.shot.lead // self._decimator.factor
+        seen = () if self.mains is None else self.mains.measure(measured)
+        doubted = self._without_hum(measured, seen)
         heard = analysis.lines(law.window * place.frame(measured, first))
         noise = noise_power(measured[:first], analysis.rate, analysis.frequency, analysis.frames)
-        return Shot(self.lines, heard, noise)
+        return Shot(self.lines, heard, noise + doubted, seen)
+
+    def _without_hum(self, measured: np.ndarray, seen: Pieces) -> np.ndarray | float:
+        """Take the hum out of a response, and return what may be left of it in the lines, (lines, outputs)."""
+        if self.mains is None:
+            return 0.0
+        analysis, self.hum = self._analysis, self.mains.follow(seen)
+        measured -= self.hum.signal(len(measured), analysis.rate)
+        return self.hum.doubted(analysis.frequency, analysis.frames / analysis.rate)
 
     def played(self, drive: np.ndarray) -> None:
         """Take it that this drive (samples, coils), V, was played, which other software may have made."""

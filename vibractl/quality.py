@@ -4,33 +4,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import hilbert
-from scipy.signal.windows import blackmanharris
 
 from vibractl.config import Limits, Quality
+from vibractl.decibels import FAINT, decibels, rms
 from vibractl.judging import Judged
+from vibractl.learning.disturbance import noise_power
 from vibractl.learning.law import SIGNIFICANT, reference_level, settled_window
+from vibractl.mains import Hum, Mains
+from vibractl.overtones import Overtones
 from vibractl.place import Place
 from vibractl.spectrum import Decimator, LineSpectrum
 
 BAND_WIDTH = 50.0
 """Hz, of the bands whose level is reported beside the worst line."""
-OVERTONES = 4
-PERIODS = 5.0
-"""Of the reference's lowest frequency, over which an overtone's amplitude and the root's phase are averaged.
-
-From 4 on, the other orders lie outside the main lobe of a Blackman-Harris window: 92 dB down.
-"""
-FOLLOWED = 0.005
-"""s between the values of amplitude and phase."""
-FAINT = 1e-12
-"""Smallest amplitude that is given in dB, to keep silence finite."""
-
-
-def decibels(ratio: np.ndarray | float) -> np.ndarray:
-    """Return 20 log10 |ratio|, (6.1), dB, of the same shape as `ratio`: a number or an array of any shape."""
-    level: np.ndarray = 20 * np.log10(np.maximum(np.abs(ratio), FAINT))
-    return level
+CHANCE = 0.05
+"""With which the ambience alone goes beyond what is allowed for it on any line of a shot."""
+HIDDEN = 0.05
+"""1, of the judged lines: where the ambience hides more of them, a shot has not been judged."""
 
 
 def holds_from(met: Sequence[bool]) -> int | None:
@@ -52,18 +42,22 @@ class Marks:
     """The figures of one shot, arrays over the accelerometers controlled unless said otherwise.
 
     `iae` sum |e| at the learner's rate (6.26), m/s^2; `error_db` rms error re rms reference; `worst_line_db` and
-    `worst_line_hz` the line nearest to, or farthest above, the limit (dB over it: negative is good), `worst_band_db`
-    and `worst_band_hz` the same for bands of 50 Hz; `overtone_db` (4, accelerometers) re the root, followed along the
-    reference's phase; `thd_db` all energy from `quality.above` to `quality.judged_to` re the reference's; `phase_mean`
-    and `phase_peak` rad, of the response against the reference; `headroom_db` (coils,) peak limit over peak drive;
-    `outputs` the accelerometers controlled, or hydrophones, counted from 0; `sensor` is what one of them is called.
-    In the far field m/s^2 are Pa.
+    `worst_line_hz` the line nearest to, or farthest above, the limit (dB over it: negative is good); on `hidden` lines
+    of `judged` the ambience alone may be over the limit, and what it does not explain counts; `heard_line_db` the worst
+    line of what was heard, the mains' hum and all; `worst_band_db` and `worst_band_hz` as for lines, for bands of
+    50 Hz; `overtone_db` (4, accelerometers) re the root, followed along the reference's phase; `thd_db` all energy from
+    `quality.above` to `quality.judged_to` re the reference's; `phase_mean` and `phase_peak` rad, of the response
+    against the reference; `headroom_db` (coils,) peak limit over peak drive; `outputs` the accelerometers controlled,
+    or hydrophones, counted from 0; `sensor` is what one of them is called.  In the far field m/s^2 are Pa.
     """
 
     iae: np.ndarray
     error_db: np.ndarray
     worst_line_db: np.ndarray
     worst_line_hz: np.ndarray
+    heard_line_db: np.ndarray
+    hidden: np.ndarray
+    judged: int
     worst_band_db: np.ndarray
     worst_band_hz: np.ndarray
     overtone_db: np.ndarray
@@ -75,9 +69,16 @@ class Marks:
     sensor: str
 
     @property
+    def verdict(self) -> str:
+        """Whether the objective holds on every line and side: pass or fail, or hidden, if the ambience is too loud."""
+        if not np.all(self.worst_line_db <= 0):
+            return "fail"
+        return "pass" if self.hidden.max() <= HIDDEN * self.judged else "hidden"
+
+    @property
     def met(self) -> bool:
-        """Whether the objective holds on every line and side."""
-        return bool(np.all(self.worst_line_db <= 0))
+        """Whether the objective has been seen to hold on every line and side."""
+        return self.verdict == "pass"
 
     @property
     def reason(self) -> str:
@@ -85,7 +86,10 @@ class Marks:
         side = int(np.argmax(self.worst_line_db))
         level, place = self.worst_line_db[side], self.worst_line_hz[side]
         where = f"{abs(level):.1f} dB at {place:.1f} Hz, {self.sensor} {self.outputs[side] + 1}"
-        return f"met by {where}" if self.met else f"missed by {where}"
+        hidden = f"the ambience hides {self.hidden.max()} of {self.judged} lines"
+        if self.verdict == "hidden":
+            return f"not judged: {hidden}"
+        return (f"met by {where}" if self.met else f"missed by {where}") + f"; {hidden}" * bool(self.hidden.any())
 
 
 class Judge:
@@ -106,7 +110,8 @@ class Judge:
         self._shot, self._outputs = setup.shot, list(self.place.sensors)
         step = setup.config.learning.decimation
         self._decimator = Decimator(step)
-        rate, frames, width = setup.shot.rate / step, setup.shot.frames // step, len(self._outputs)
+        self._rate = rate = setup.shot.rate / step
+        frames, width = setup.shot.frames // step, len(self._outputs)
         low = min(setup.config.learning.band[0], self._quality.above)
         self._spectrum = LineSpectrum(frames, width, rate, (low, self._quality.judged_to), setup.plans)
         self.frequency = self._spectrum.frequency
@@ -115,12 +120,8 @@ class Judge:
         self._wanted = self.lines(self._reference)
         self._root = setup.reference.root
         self._judged = self._judged_lines(setup.config.learning.overtones)
-        analytic: np.ndarray = hilbert(self._reference, axis=0)
-        self._turn, self._hop = np.exp(-1j * np.angle(analytic)), max(1, round(FOLLOWED * rate))
-        self._window = self._averaging(rate)
-        loud = np.abs(analytic) > SIGNIFICANT * np.abs(self._reference).max(axis=0)
-        self._loud = loud.all(axis=1)[:: self._hop]
-        self._root_wanted = self._averaged(self._reference * self._turn)
+        size = np.abs(self._wanted).max(axis=1)
+        self._overtones = Overtones(self._reference, rate, self.frequency[np.argmax(size > SIGNIFICANT * size.max())])
 
     @property
     def reference_level(self) -> np.ndarray:
@@ -137,28 +138,39 @@ class Judge:
         """Which of the lines `frequency` are judged, (lines,) of bool: a sine's overtones, else all above 100 Hz."""
         return self._judged
 
-    def error(self, response: np.ndarray) -> np.ndarray:
-        """Return reference minus response, (frames, outputs) at the learner's rate, m/s^2."""
-        measured = self._decimator.apply(np.asarray(response[:, self._outputs], dtype=float))
-        first = self._shot.lead // self._decimator.factor
-        error: np.ndarray = self._reference - self.place.frame(measured, first)
-        return error
+    def error(self, response: np.ndarray, hum: Hum | None = None) -> np.ndarray:
+        """Return reference minus response, (frames, outputs) at the learner's rate, m/s^2, without the hum."""
+        return self._error(self._measured(response), hum)
+
+    def hum(self, response: np.ndarray, mains: Mains) -> Hum:
+        """Return the hum in the response of a whole shot, (samples, responses), m/s^2, with which `mains` goes on."""
+        return mains.observe(self._measured(response))
 
     def lines(self, signal: np.ndarray) -> np.ndarray:
         """Return the lines `frequency` of a signal as `error` gives it, (lines, outputs), m/s^2 s; a sine's settled."""
         return self._spectrum.lines(self._settled * signal)
 
-    def marks(self, response: np.ndarray, drive: np.ndarray) -> Marks:
-        """Judge one shot.
+    def marks(self, response: np.ndarray, drive: np.ndarray, hum: Hum | None = None) -> Marks:
+        """Judge one shot by what was emitted: the response less the ambience that its silences show.
 
         Parameters
         ----------
         response : array, shape (samples, responses), m/s^2, of the whole shot
         drive : array, shape (samples, drives), V
+        hum : Hum, optional
+            In the place's sensors, to be taken out.
         """
-        return self.marks_of(self.error(response), drive)
+        measured = self._measured(response)
+        heard = None if hum is None else self.lines(self._error(measured, None))
+        return self.marks_of(self._error(measured, hum), drive, self._ambience(measured, hum), heard)
 
-    def marks_of(self, error: np.ndarray, drive: np.ndarray) -> Marks:
+    def marks_of(
+        self,
+        error: np.ndarray,
+        drive: np.ndarray,
+        ambience: np.ndarray | float = 0.0,
+        heard: np.ndarray | None = None,
+    ) -> Marks:
         """Judge one shot by its error.
 
         Parameters
@@ -166,18 +178,28 @@ class Judge:
         error : array, shape (frames, outputs), m/s^2
             As of `error`.
         drive : array, shape (samples, drives), V
+        ambience : array, shape (lines, outputs), (m/s^2 s)^2
+            E |line|^2 of what would be there without a drive.
+        heard : array, shape (lines, outputs), m/s^2 s
+            Lines of the error with the hum in them, where it was taken out.
         """
         lines = self.lines(error)
-        over = decibels(lines / self.limit)[self._judged]
+        reach = np.sqrt(ambience * np.log(self._judged.sum() / CHANCE))
+        hidden = np.broadcast_to(reach >= self.limit, lines.shape)[self._judged]
+        left = np.where(reach >= self.limit, np.maximum(np.abs(lines) - reach, 0.0), lines)
+        over = decibels(left / self.limit)[self._judged]
         worst = over.argmax(axis=0)
         band_db, band_hz = self._bands(lines)
-        first, phase = self._followed(self._reference - error)
+        first, phase = self._overtones.follow(self._reference - error)
         peak = np.maximum(np.abs(drive).max(axis=0), FAINT)
         return Marks(
             iae=np.abs(error).sum(axis=0),
-            error_db=decibels(_rms(error) / _rms(self._reference)),
+            error_db=decibels(rms(error) / rms(self._reference)),
             worst_line_db=over.max(axis=0),
             worst_line_hz=self.frequency[self._judged][worst],
+            heard_line_db=decibels((lines if heard is None else heard) / self.limit)[self._judged].max(axis=0),
+            hidden=hidden.sum(axis=0),
+            judged=len(hidden),
             worst_band_db=band_db,
             worst_band_hz=band_hz,
             overtone_db=first,
@@ -189,6 +211,26 @@ class Judge:
             sensor=self.place.sensor,
         )
 
+    def _measured(self, response: np.ndarray) -> np.ndarray:
+        """Return what the place's sensors have heard, (samples, outputs), at the learner's rate."""
+        measured: np.ndarray = self._decimator.apply(np.asarray(response[:, self._outputs], dtype=float))
+        return measured
+
+    def _error(self, measured: np.ndarray, hum: Hum | None) -> np.ndarray:
+        if hum is not None:
+            measured = measured - hum.signal(len(measured), self._rate)
+        error: np.ndarray = self._reference - self.place.frame(measured, self._shot.lead // self._decimator.factor)
+        return error
+
+    def _ambience(self, measured: np.ndarray, hum: Hum | None) -> np.ndarray:
+        """Return E |line|^2, (lines, outputs), (m/s^2 s)^2, of noise as in the quieter silence, and the hum's rest."""
+        step, frames = self._decimator.factor, len(self._reference)
+        lead, tail = measured[: self._shot.lead // step], measured[-(self._shot.tail // step) // 2 :]
+        power = [noise_power(part, self._rate, self.frequency, frames) for part in (lead, tail)]
+        doubted = 0.0 if hum is None else hum.doubted(self.frequency, frames / self._rate)
+        ambience: np.ndarray = (np.minimum(*power) + doubted) * np.mean(np.square(self._settled))
+        return ambience
+
     def _judged_lines(self, overtones: int) -> np.ndarray:
         if self._root is None:
             return (self.frequency >= self._quality.above) & (self.frequency <= self._quality.judged_to)
@@ -199,7 +241,7 @@ class Judge:
     def _bands(self, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         number = ((self.frequency - self._quality.above) // BAND_WIDTH).astype(int)
         inside = np.unique(number[(self.frequency >= self._quality.above)])
-        level = np.stack([_rms(np.abs(lines[number == band])) / self.limit for band in inside])
+        level = np.stack([rms(np.abs(lines[number == band])) / self.limit for band in inside])
         worst = level.argmax(axis=0)
         return decibels(level.max(axis=0)), self._quality.above + (inside[worst] + 0.5) * BAND_WIDTH
 
@@ -207,39 +249,3 @@ class Judge:
         high = self.frequency >= self._quality.above
         energy = (np.abs(lines[high]) ** 2).sum(axis=0) / (np.abs(self._wanted) ** 2).sum(axis=0)
         return decibels(np.sqrt(energy))
-
-    def _followed(self, response: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Follow root and overtones along the reference's phase: levels (4, outputs) and the root's phase error."""
-        parts, turned, loud = [], response, self._loud
-        for _ in range(1, OVERTONES + 2):
-            turned = turned * self._turn
-            parts.append(self._averaged(turned))
-        root = np.maximum(_rms(np.abs(parts[0][loud])), FAINT)
-        levels = np.stack([decibels(_rms(np.abs(part[loud])) / root) for part in parts[1:]])
-        return levels, np.angle(parts[0] * self._root_wanted.conj())[loud]
-
-    def _averaged(self, signal: np.ndarray) -> np.ndarray:
-        """Return the mean of a complex signal (frames, outputs) under the window, every `FOLLOWED` seconds."""
-        reach, hop, spans = len(self._window) // 2, self._hop, len(self._loud)
-        parts = len(self._window) // hop + 1
-        weights = np.pad(self._window, (0, parts * hop - len(self._window))).reshape(parts, hop)
-        turned = np.zeros((signal.shape[1], (spans + parts - 1) * hop), complex)
-        turned[:, reach : reach + len(signal)] = signal.T
-        pieces = turned.view(float).reshape(signal.shape[1], -1, hop, 2)
-        sums = np.einsum("cshp,kh->pkcs", pieces, weights, optimize=True)  # by hop: BLAS does it
-        level = np.sum([sums[:, part, :, part : part + spans] for part in range(parts)], axis=0)
-        amplitude: np.ndarray = (level[0] + 1j * level[1]).T
-        return amplitude
-
-    def _averaging(self, rate: float) -> np.ndarray:
-        size = np.abs(self._wanted).max(axis=1)
-        lowest = self.frequency[np.argmax(size > SIGNIFICANT * size.max())]
-        reach = min(round(PERIODS * rate / lowest), len(self._reference)) // (2 * self._hop) * self._hop
-        window = blackmanharris(2 * reach + 1)
-        normalised: np.ndarray = window / window.sum()
-        return normalised
-
-
-def _rms(signal: np.ndarray) -> np.ndarray:
-    level: np.ndarray = np.sqrt(np.mean(np.abs(signal) ** 2, axis=0))
-    return level

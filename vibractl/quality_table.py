@@ -14,6 +14,12 @@ from vibractl.shot_file import EVIDENCE
 
 UNDRIVEN = 200.0
 """dB of head-room, from which a coil is silent."""
+_COLUMNS = (
+    *("iae", "error_db", "worst_line_db", "worst_line_hz", "heard_line_db", "hidden"),
+    *("worst_band_db", "worst_band_hz", "thd_db"),
+)
+HIDDEN = "hidden"
+"""Verdict on a shot that the ambience was too loud to judge."""
 CHECK = "check"
 """Verdict on a shot at reduced level."""
 
@@ -44,7 +50,7 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
     probes = [row.get("purpose") == "reidentify" for row in rows]
     figures: dict[str, Any] = {
         "shots": len(rows),
-        "objective_met_shot": holds_from([row["verdict"] == "pass" for row in rows]),
+        "objective_met_shot": holds_from(_seen([row["verdict"] for row in rows])),
         "worst_line_db": worst[-1] if worst else None,
         "iae_ratio": [float(whole[0][side]) / float(whole[-1][side]) for side in sides],
         "first_worst_line_db": _worst(whole[0], prefix) if whole else None,
@@ -55,6 +61,14 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
     if judged:
         figures |= {"judged": judged, "places": {name: _reached(rows, each) for name, each in PREFIXES.items()}}
     return figures
+
+
+def _seen(verdicts: list[str]) -> list[bool]:
+    """Return whether the objective held at each shot; where the ambience hid one, as at the last that was judged."""
+    held = [False]
+    for verdict in verdicts:
+        held.append(held[-1] if verdict == HIDDEN else verdict == "pass")
+    return held[1:]
 
 
 def prefix_of(rows: list[dict[str, str]]) -> str:
@@ -123,7 +137,7 @@ def row_of(
         NaN for the first shot.
     """
     row: dict[str, Any] = {"shot": shot, "purpose": purpose}
-    row |= {"verdict": "pass" if marks.met else "fail", "reason": marks.reason}
+    row |= {"verdict": marks.verdict, "reason": marks.reason}
     row["gain"] = f"{gain:g}" if np.isfinite(gain) else ""
     if len(told) > 1:
         row["judged"] = next(place.name for place, each in told.items() if each is marks)
@@ -139,7 +153,7 @@ def _sensor_cells(marks: Marks) -> dict[str, str]:
     """Return the cells of each sensor."""
     row: dict[str, str] = {}
     sides = range(len(marks.iae))
-    for name in ("iae", "error_db", "worst_line_db", "worst_line_hz", "worst_band_db", "worst_band_hz", "thd_db"):
+    for name in _COLUMNS:
         row |= {f"{name}_{side + 1}": f"{getattr(marks, name)[side]:.6g}" for side in sides}
     for side in sides:
         row |= {f"overtone_{n + 2}_db_{side + 1}": f"{level[side]:.2f}" for n, level in enumerate(marks.overtone_db)}

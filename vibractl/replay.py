@@ -9,9 +9,9 @@ import numpy as np
 from ctlblocks.graph import Graph
 from rigkit.foreign_record import open_signals
 from rigkit.foreign_stream import Signals
+from vibractl.decibels import FAINT, decibels
 from vibractl.guard import Guard
 from vibractl.learner import Learner
-from vibractl.quality import FAINT, decibels
 from vibractl.run_setup import is_imported, shot_files
 from vibractl.setup import Setup
 from vibractl.shot_file import channel_names, hydrophone_names

@@ -12,12 +12,14 @@ from rigkit.agreement import DRIVE, Difference, agreed
 from rigkit.provenance import software
 from rigkit.run_folder import RunFolder, read_quality
 from rigkit.run_origin import WAY_OUT
-from rigkit.sealed_file import sealed
 from vibractl.audio import Line
 from vibractl.capture import Discarded
+from vibractl.decibels import FAINT, decibels
 from vibractl.learner import ALIKE, Learner
+from vibractl.lines_file import lines_file, write_lines
+from vibractl.mains import Hum
 from vibractl.place import Place
-from vibractl.quality import FAINT, Judge, Marks, decibels
+from vibractl.quality import Judge, Marks
 from vibractl.quality_table import reduced, row_of, summary
 from vibractl.run_setup import require_room, shot_files
 from vibractl.setup import Setup
@@ -51,6 +53,7 @@ class Session:
         """While it is open, or after it has failed."""
         self.learner: Learner = made.learner()
         self._judges = [Judge(made, place) for place in made.places]
+        self._mains = {place.name: made.mains(place) for place in made.places if place is not made.learned}
         self._before: tuple[np.ndarray, np.ndarray] | None = None
         self._resume()
 
@@ -134,12 +137,13 @@ class Session:
         self.learner.response[: len(response)] = response
         if self._made.learned.is_far:
             self.learner.far_field[:] = heard[1]
-        every = [judge.marks(signals, drive) for judge, signals in zip(self._judges, heard, strict=False)]
-        marks = every[self._made.places.index(self._made.judged)]
         self.learner.advance()
+        pairs = zip(self._judges, heard, strict=False)
+        every = [judge.marks(signals, drive, self._hum(judge, signals)) for judge, signals in pairs]
+        marks = every[self._made.places.index(self._made.judged)]
         repeatability = self._repeatability(lines)
         if write:
-            self._write_lines(number)
+            write_lines(lines_file(self.folder.path, number), self.learner)
             told = dict(zip(self._made.places, every, strict=True))
             gain = algorithm.daring.nominal
             row = row_of(number, purpose, gain, marks, told, record.provenance, repeatability)
@@ -147,6 +151,13 @@ class Session:
             for decision in algorithm.decisions:
                 self.folder.event(decision.event, {"shot": number, **decision.fields})
         return marks
+
+    def _hum(self, judge: Judge, heard: np.ndarray) -> Hum | None:
+        """Return the mains' hum in what a judge's sensors have heard."""
+        if judge.place is self._made.learned:
+            return self.learner.hum
+        mains = self._mains[judge.place.name]
+        return None if mains is None else judge.hum(heard, mains)
 
     def _repeatability(self, lines: np.ndarray) -> float:
         """Return how much of the response's change since the last shot the model does not explain, dB re response."""
@@ -158,20 +169,6 @@ class Session:
         unexplained = (heard - before[1] - algorithm.belief.explained(lines - before[0]))[law.active > 0]
         size = max(float(np.linalg.norm(heard[law.active > 0])), FAINT)
         return float(decibels(float(np.linalg.norm(unexplained)) / size))
-
-    def _write_lines(self, number: int) -> None:
-        """Keep gain and certificate of every line beside the shot, (6.12)/(6.18)."""
-        algorithm = self.learner.algorithm
-        law = algorithm.law
-        with sealed(self.folder.path / f"shots/{number:04d}.h5") as file:
-            for name, unit, value in (
-                ("frequency", "Hz", law.matrix.frequency),
-                ("gain", "1", algorithm.daring.gain),
-                ("certificate", "1", algorithm.daring.certificate),
-                ("error_bound", "m/s^2 s", algorithm.daring.error_bound),
-                ("error", "m/s^2 s", law.reference - self.learner.heard),
-            ):
-                file.create_dataset(name, data=value).attrs["unit"] = unit
 
     def _resume(self) -> None:
         files = shot_files(self.folder.path)

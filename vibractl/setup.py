@@ -15,6 +15,7 @@ from vibractl.learning.law import Law, learning_law
 from vibractl.learning.warm_start import KnownDrive
 from vibractl.library.entry import Entry
 from vibractl.library.fit import misfit
+from vibractl.mains import Mains
 from vibractl.place import Place, Where, at_accelerometers, in_far_field
 from vibractl.reference import Reference, reference_from
 from vibractl.spectrum import Decimator
@@ -86,7 +87,16 @@ class Setup:
         if self.reference.root is not None:  # the overtones rise and fall with the root
             edge = max(edge, self.reference.taper * self.shot.frames / self.shot.rate)
         step = config.learning.decimation
-        return Learner(self.algorithm(), self.shot, step, edge, responses, self.learned, self.plans)
+        mains = self.mains(self.learned)
+        return Learner(self.algorithm(), self.shot, step, edge, responses, self.learned, self.plans, mains)
+
+    def mains(self, place: Place) -> Mains | None:
+        """Return what follows the mains' hum at a place; None where it is not to be taken out."""
+        if not self.config.quality.mains:
+            return None
+        step, shot = self.config.learning.decimation, self.shot
+        silences = shot.lead // step, shot.tail // step
+        return Mains(*silences, shot.total // step, shot.rate / step, self.config.learning.band[1])
 
     def _place(self, where: Where) -> Place:
         return next(place for place in self.places if place.name == where)

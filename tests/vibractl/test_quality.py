@@ -5,7 +5,9 @@ import pytest
 from scipy.signal import hilbert
 
 from vibractl.config import RigConfig
-from vibractl.quality import Judge, Marks, decibels, holds_from
+from vibractl.decibels import decibels
+from vibractl.mains import Hum
+from vibractl.quality import Judge, Marks, holds_from
 from vibractl.setup import Setup, setup
 from vibractl.transfer_matrix import TransferMatrix
 
@@ -136,3 +138,46 @@ def test_a_sine_is_judged_at_its_overtones_alone() -> None:
 )
 def test_the_objective_holds_from_the_first_shot_after_the_last_miss(met: list[bool], first: int | None) -> None:
     assert holds_from(met) == first
+
+
+def heard_in(judge: Judge, made: Setup, added: np.ndarray, hum: Hum | None = None) -> Marks:
+    """Judge the reference with something that is heard during the whole shot, silences and all."""
+    response = np.tile(added[:, None], (1, 2))
+    response[made.shot.window] += made.reference.signal
+    return judge.marks(response, SILENT, hum)
+
+
+def test_hum_that_is_known_counts_as_heard_but_not_as_emitted(judge: Judge, made: Setup) -> None:
+    size = 4 * judge.limit[0] / (SECONDS / 2)
+    amplitude = np.zeros((3, 2), complex)
+    amplitude[2] = size
+    hum = Hum(50.02, amplitude, np.full((3, 2), (0.02 * size) ** 2))
+    tones = size * np.cos(2 * np.pi * 150.06 * np.arange(made.shot.total) / RATE)
+    assert heard_in(judge, made, tones).verdict == "fail"
+    known = heard_in(judge, made, tones, hum)
+    assert known.verdict == "pass"
+    assert known.worst_line_db.max() < -20
+    assert known.heard_line_db.min() == pytest.approx(decibels(4.0), abs=1.0)
+
+
+def test_noise_over_the_limit_hides_what_it_may_explain_and_no_more(judge: Judge, made: Setup) -> None:
+    """A line of white noise of rms s has the power s^2 T / rate."""
+    noise = np.random.default_rng(5).standard_normal(made.shot.total)
+    noise *= 2 * judge.limit[0] / np.sqrt(SECONDS / RATE)
+    hidden = heard_in(judge, made, noise)
+    assert hidden.verdict == "hidden"
+    assert hidden.hidden.min() > 0.9 * hidden.judged
+    assert hidden.reason == f"not judged: the ambience hides {hidden.hidden.max()} of {hidden.judged} lines"
+    loud = np.zeros(made.shot.total)
+    loud[made.shot.window] = tone(310.0, 20 * judge.limit[0] / (SECONDS / 2))
+    proven = heard_in(judge, made, noise + loud)
+    assert proven.verdict == "fail"
+    assert proven.worst_line_hz == pytest.approx(310.0)
+
+
+def test_noise_under_the_limit_hides_nothing(judge: Judge, made: Setup) -> None:
+    noise = np.random.default_rng(6).standard_normal(made.shot.total)
+    noise *= 0.1 * judge.limit[0] / np.sqrt(SECONDS / RATE)
+    quiet = heard_in(judge, made, noise)
+    assert quiet.verdict == "pass"
+    assert not quiet.hidden.any()

@@ -11,7 +11,7 @@ from rigkit.service.rig import Desk
 from rigkit.service.show import Axis, Curves, Trace
 from vibractl.audio import Line
 from vibractl.config import RigConfig
-from vibractl.quality import decibels
+from vibractl.decibels import decibels
 
 SECONDS = 0.5
 """Of sound in one spectrum: lines 2 Hz apart."""

@@ -7,10 +7,11 @@ import numpy as np
 from rigkit.service.rig import Desk
 from rigkit.service.show import Axis, Curves, Image, Table, Trace
 from vibractl.daemon.history import History
+from vibractl.decibels import decibels
 from vibractl.figures.lines import largest_by_span
 from vibractl.figures.spectrogram import magnitudes
 from vibractl.learning.algorithm import Algorithm
-from vibractl.quality import Judge, Marks, decibels
+from vibractl.quality import Judge, Marks
 from vibractl.setup import Setup
 from vibractl.spectrum import Decimator
 

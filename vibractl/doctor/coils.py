@@ -6,7 +6,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 from scipy.optimize import linear_sum_assignment
 
-from vibractl.quality import FAINT, decibels
+from vibractl.decibels import FAINT, decibels
 
 LOW_END = 1.6
 """Polarity is compared from the lowest frequency of the sweep to so many times that."""

@@ -3,13 +3,13 @@
 import numpy as np
 
 from vibractl.config import RigConfig
+from vibractl.decibels import decibels
 from vibractl.doctor.chain import Cable, Clock
 from vibractl.doctor.coils import Answers, assignment, polarity
 from vibractl.doctor.silence import Hum
 from vibractl.doctor.verdict import Grade, Verdict, graded, unmeasured
 from vibractl.loopback import TRUST
 from vibractl.proof import SLIP
-from vibractl.quality import decibels
 
 WANTED, WORST = -20.0, -10.0
 """dB re the objective: a tenth of it is wanted, a third of it is the most that leaves room for the rest."""

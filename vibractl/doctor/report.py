@@ -10,12 +10,12 @@ from matplotlib.figure import Figure
 from rigkit.figure_style import styled
 from rigkit.provenance import now, software
 from rigkit.report import Fact, Plot, Report, Section, Table
+from vibractl.decibels import FAINT, decibels
 from vibractl.doctor.examination import Examination
 from vibractl.doctor.opinion import WANTED
 from vibractl.doctor.silence import line_density
 from vibractl.doctor.verdict import Verdict
 from vibractl.proof import SLIP
-from vibractl.quality import FAINT, decibels
 
 
 def write_report(path: Path, found: Examination) -> None:

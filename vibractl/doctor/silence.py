@@ -8,8 +8,8 @@ from scipy.signal import welch
 from scipy.signal.windows import blackmanharris
 
 from vibractl.config import RigConfig
+from vibractl.decibels import FAINT, decibels
 from vibractl.learning.law import SIGNIFICANT
-from vibractl.quality import FAINT, decibels
 from vibractl.setup import reference_of
 
 MAINS = (50.0, 60.0)

@@ -6,9 +6,9 @@ from scipy.signal import lfilter
 
 from rigkit.report import Plot, Table
 from vibractl.config import Limits
+from vibractl.decibels import FAINT, decibels
 from vibractl.figures.lines import draw_envelope, largest_by_span, legend_above, look
 from vibractl.figures.result import Result
-from vibractl.quality import FAINT, decibels
 
 SHOWN = 100.0
 """dB, of a drive's spectrum."""

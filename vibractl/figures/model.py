@@ -5,8 +5,8 @@ from matplotlib.figure import Figure
 
 from rigkit.figure_style import COLOURS
 from rigkit.report import Plot
+from vibractl.decibels import decibels
 from vibractl.figures.lines import BOUND, legend_above
-from vibractl.quality import decibels
 from vibractl.setup import Setup
 from vibractl.transfer_matrix import TransferMatrix
 

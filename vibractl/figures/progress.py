@@ -9,7 +9,7 @@ from rigkit.figure_style import COLOURS
 from rigkit.report import Plot
 from vibractl.figures.lines import BOUND, legend_above
 from vibractl.figures.result import Result
-from vibractl.quality import OVERTONES
+from vibractl.overtones import OVERTONES
 
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 

@@ -9,6 +9,7 @@ import numpy as np
 from ctlblocks import recording
 from rigkit.run_folder import read_quality
 from vibractl.judging import Judging
+from vibractl.lines_file import read_hum
 from vibractl.model_file import read_model
 from vibractl.quality import Judge
 from vibractl.quality_table import is_reduced
@@ -141,4 +142,5 @@ def _shot(number: int, path: Path, made: Setup | Judging, judge: Judge) -> Shot:
         raise ValueError(f"{path}: {len(record.data)} samples, must be {made.shot.total}")
     drive, response = split(record, made.config)
     heard = far_field_of(record, made.config) if judge.place.is_far else response
-    return Shot(number, drive[:, list(made.coils)], heard[:, list(judge.place.sensors)], judge.error(heard))
+    hum = read_hum(path.with_suffix(".h5")) if isinstance(made, Setup) and judge.place is made.learned else None
+    return Shot(number, drive[:, list(made.coils)], heard[:, list(judge.place.sensors)], judge.error(heard, hum))

@@ -6,8 +6,8 @@ from scipy.signal import ShortTimeFFT
 from scipy.signal.windows import blackmanharris
 
 from rigkit.report import Plot
+from vibractl.decibels import decibels
 from vibractl.figures.result import Result, Shot
-from vibractl.quality import decibels
 from vibractl.spectrum import Decimator
 
 WINDOW = 0.25

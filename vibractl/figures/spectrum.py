@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 
 from rigkit.figure_style import COLOURS
 from rigkit.report import Plot
+from vibractl.decibels import decibels
 from vibractl.figures.lines import BOUND, REFERENCE, largest_by_span, legend_above, look
 from vibractl.figures.result import Result
-from vibractl.quality import decibels
 
 FLOOR = -90.0
 """dB, lower end of the scale."""

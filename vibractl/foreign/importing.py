@@ -16,13 +16,14 @@ from rigkit.kept_files import kept_files
 from rigkit.origin import RUN, Origin
 from rigkit.provenance import now, software
 from rigkit.run_folder import RunFolder, read_quality
+from vibractl.decibels import FAINT, decibels
 from vibractl.foreign.estimate import Estimate
 from vibractl.foreign.import_plan import FoundShot, Scanned
 from vibractl.foreign.import_verdict import Remark
 from vibractl.foreign.judged import silent_lines
 from vibractl.foreign.shot_cut import CutShot, cut_shots
 from vibractl.judging import Judging
-from vibractl.quality import FAINT, Judge, Marks, decibels
+from vibractl.quality import Judge, Marks
 from vibractl.quality_table import row_of, summary
 from vibractl.run_setup import IMPORTED, MODEL, WISDOM, require_room, with_own_reference
 from vibractl.setup import Setup

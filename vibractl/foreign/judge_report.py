@@ -5,11 +5,11 @@ from matplotlib.figure import Figure
 
 from rigkit.figure_style import COLOURS
 from rigkit.report import Fact, Plot, Report, Section
+from vibractl.decibels import FAINT, decibels
 from vibractl.figures.lines import BOUND, largest_by_span
 from vibractl.figures.spectrogram import COLUMNS, ROW, TOP, magnitudes
 from vibractl.foreign.judged import Verdict
 from vibractl.judging import Judging
-from vibractl.quality import FAINT, decibels
 
 FLOOR = -100.0
 """dB, lower end of the scale."""

@@ -7,12 +7,13 @@ import numpy as np
 from ctlblocks.recording import RecordingError
 from rigkit.foreign_stream import Signals
 from rigkit.progress import progress
+from vibractl.decibels import decibels
 from vibractl.foreign.near import STILL, moved
 from vibractl.foreign.search import Found, find
 from vibractl.foreign.timing import Timing, timing
 from vibractl.judging import Judging
 from vibractl.learner import Timeline
-from vibractl.quality import Judge, Marks, decibels
+from vibractl.quality import Judge, Marks
 
 LIKE = 0.5
 """Least correlation with the reference: a response of which three quarters of the power is something else is found."""

@@ -15,7 +15,7 @@ import numpy as np
 from rigkit.sealed_file import UNREADABLE, opened, sealed, whole
 
 FORMAT = "vibrostage step state 1"
-_PARTS, _STEPS = "parts", "steps"
+_PARTS, _STEPS, _MAINS = "parts", "steps", "mains_"
 
 
 class StepStateError(ValueError):
@@ -34,12 +34,15 @@ class Step:
         SHA-256 of the response's samples.
     marks : mapping
         What it was worth, as JSON holds it.
+    mains : tuple of arrays
+        What its silences show of the mains; see `vibractl.mains.Pieces`.
     """
 
     heard: np.ndarray
     noise: np.ndarray
     recording: str
     marks: Mapping[str, Any]
+    mains: tuple[np.ndarray, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -98,6 +101,8 @@ class StepState:
                 group = steps.create_group(f"{number:06d}")
                 group.create_dataset("heard", data=step.heard).attrs["unit"] = "m/s^2 s"
                 group.create_dataset("noise", data=step.noise).attrs["unit"] = "(m/s^2 s)^2"
+                for place, pieces in enumerate(step.mains):
+                    group.create_dataset(f"{_MAINS}{place}", data=pieces).attrs["unit"] = "m/s^2"
                 group.attrs["recording"], group.attrs["marks"] = step.recording, json.dumps(dict(step.marks))
 
     @contextmanager
@@ -120,4 +125,5 @@ def checksum(samples: np.ndarray) -> str:
 
 def _step(group: h5py.Group) -> Step:
     marks = json.loads(group.attrs["marks"])
-    return Step(whole(group["heard"]), whole(group["noise"]), str(group.attrs["recording"]), marks)
+    mains = tuple(whole(group[name]) for name in sorted(group) if name.startswith(_MAINS))
+    return Step(whole(group["heard"]), whole(group["noise"]), str(group.attrs["recording"]), marks, mains)

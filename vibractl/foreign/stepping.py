@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from vibractl.capture import Capture, spoiled, unmoved
+from vibractl.decibels import FAINT
 from vibractl.foreign.pair import find_shot
 from vibractl.foreign.signals import drives_of, read_kind, responses_of
 from vibractl.foreign.step_state import Step, StepState, checksum
@@ -13,7 +14,7 @@ from vibractl.learner import Learner
 from vibractl.learning.shot import Shot
 from vibractl.loudness import too_loud
 from vibractl.proof import SLIP
-from vibractl.quality import FAINT, Judge, Marks
+from vibractl.quality import Judge, Marks
 from vibractl.setup import Setup
 
 UNRELATED = 0.2
@@ -68,6 +69,8 @@ class Stepper:
         self._learner: Learner = made.learner()
         self._judge = Judge(made, made.judged)
         for step in state.steps:
+            if self._learner.mains is not None and step.mains:
+                self._learner.mains.follow(step.mains)
             self._learner.follow(Shot(self._learner.lines, step.heard, step.noise))
 
     @property
@@ -117,12 +120,12 @@ class Stepper:
         if name in known:
             raise StepError(f"{heard}: was learned from before, as shot {known.index(name)}; record the drive anew")
         self._learner.response[: len(response)] = response
-        marks = self._judge.marks(response, drive[cut.first :])
         taken = self._learner.analysed()
+        marks = self._judge.marks(response, drive[cut.first :], self._learner.hum)
         self._refuse_unrelated(taken, heard)
         self._learner.follow(taken)
         figures = {"met": marks.met, "margin_db": -float(marks.worst_line_db.max()), "reason": marks.reason}
-        state = self.state.after(Step(taken.response, taken.noise, name, figures), cut.fraction)
+        state = self.state.after(Step(taken.response, taken.noise, name, figures, taken.mains), cut.fraction)
         self.state = state
         return Stepped(state, marks, number, cut.first)
 

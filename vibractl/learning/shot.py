@@ -15,8 +15,11 @@ class Shot:
     response : complex array, shape (lines, outputs), m/s^2 s
     noise : array, shape (lines, outputs), (m/s^2 s)^2
         E |N|^2 in the response.
+    mains : tuple of arrays
+        What its silences show of the mains; see `vibractl.mains.Pieces`.
     """
 
     drive: np.ndarray
     response: np.ndarray
     noise: np.ndarray
+    mains: tuple[np.ndarray, ...] = ()

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vibractl.config import Limits
+from vibractl.decibels import FAINT, decibels
 from vibractl.learning.law import bounded_inverse
 from vibractl.loudness import allowed_sizes, drive_sizes, too_loud
 from vibractl.predict.plant import drawn_response
-from vibractl.quality import FAINT, decibels
 from vibractl.setup import Setup
 
 DRAWS = 12

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vibractl.decibels import decibels
 from vibractl.learning.law import reference_level
 from vibractl.learning.shot import Shot
 from vibractl.predict.plant import DrawnPlant
-from vibractl.quality import decibels, holds_from
+from vibractl.quality import holds_from
 from vibractl.setup import Setup, judged_lines
 from vibractl.spectrum import LineSpectrum
 
