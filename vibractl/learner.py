@@ -67,8 +67,8 @@ class Learner(Trial):
     place : Place
         Of the sensors that are learned from.
     plans : Plans
-    mains : Mains or None
-        What follows the mains' hum in what the place's sensors hear, at the learner's rate, to be taken out.
+    mains : Mains, optional
+        Follows the mains' hum in what the place's sensors hear, at the learner's rate: it is taken out.
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class Learner(Trial):
         responses: int,
         place: Place,
         plans: Plans,
-        mains: Mains | None,
+        mains: Mains | None = None,
     ) -> None:
         law = algorithm.law
         super().__init__(np.zeros((shot.total, len(law.spread))), responses)

@@ -83,6 +83,7 @@ from vibractl.learner import Learner, Timeline
 from vibractl.learning.algorithm import Algorithm
 from vibractl.learning.gains import Gains
 from vibractl.learning.law import Law
+from vibractl.mains import Mains
 from vibractl.place import at_accelerometers
 from vibractl.spectrum import LineSpectrum
 from vibractl.transfer_matrix import TransferMatrix
@@ -123,7 +124,8 @@ def _learner() -> Block:
     start, active = np.full((len(lines), 2), 1e-3 + 0j), np.ones(len(lines))
     law = Law(matrix, response, Learning(), 2 * start, start, Gains((0.5,), ()), active, (0, 1), np.eye(2))
     place = at_accelerometers(np.zeros((shot.frames // 4, 2)), (0, 1))
-    return Learner(Algorithm(law, Adaptation(), Watch(), -40.0), shot, 4, 0.002, 2, place, plans)
+    mains = Mains(shot.lead // 4, shot.tail // 4, shot.total // 4, shot.rate / 4, 650.0)
+    return Learner(Algorithm(law, Adaptation(), Watch(), -40.0), shot, 4, 0.002, 2, place, plans, mains)
 
 
 STAGE_MODEL = InnovationModel(
