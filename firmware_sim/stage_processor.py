@@ -215,7 +215,7 @@ class StageProcessor:
     def _answer(self, values: tuple[int, ...], now: float) -> None:
         command, token, argument = values
         remembered = max(_REMEMBERED, self._settings.silence)
-        if values != self._answered or now - self._answered_at > remembered:  # else its reply was lost
+        if values != self._answered or now - self._answered_at > remembered:  # else its reply was lost, and comes again
             result, about = self._obey(Command(command), argument, now)
             self._answered, self._answer_given = values, (token, result, about)
         self._answered_at = now

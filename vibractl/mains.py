@@ -8,8 +8,8 @@ from scipy.special import fdtri
 
 NOMINAL = (50.0, 60.0)
 """Hz: what the mains may be."""
-OFF = 0.12
-"""Hz by which they may be off it."""
+OFF = 0.07
+"""Hz by which they may be off it, in operation: a tenth of a per cent and more."""
 PIECE = 0.2
 """s, of a silence, over which an amplitude is measured."""
 TAILS = 5
@@ -22,8 +22,13 @@ ROUNDS = 4
 """Times that phases and amplitudes are estimated from each other."""
 GRID = 512
 """Phases that are tried in a turn."""
+_PHASES = 2 * np.pi * np.arange(GRID) / GRID
 CHANCE = 1e-3
-"""With which noise alone would be taken for a harmonic; one that is not beyond it is not subtracted."""
+"""With which noise alone would be taken for a harmonic."""
+STEADY = 1.5
+"""1: so much louder may a harmonic be after the reference than before it; what is louder rings down."""
+DISTINCT = 10.0
+"""By which the logarithm of a phase's likelihood must be above that of any other which it may be mistaken for."""
 EVEN = 0.1
 """1, of the mean scatter of the harmonics, what is added to each where they are weighed: few pieces know it badly."""
 PRIOR = 2.0
@@ -64,7 +69,7 @@ class Hum:
                 heard += np.outer(tone.real, amplitude.real) - np.outer(tone.imag, amplitude.imag)
         return heard
 
-    def doubted(self, lines: np.ndarray, seconds: float) -> np.ndarray:
+    def doubted(self, lines: np.ndarray, seconds: float, settled: bool = False) -> np.ndarray:
         """Return what may be left of it in the lines of a window, shape (lines, responses), (m/s^2 s)^2.
 
         Parameters
@@ -72,10 +77,16 @@ class Hum:
         lines : array, shape (lines,), Hz
         seconds : float, s
             The window's length.
+        settled : bool
+            A Hann window of mean 1, over which a sine is judged; else a rectangle.
         """
         tones = self.frequency * np.arange(1, len(self.doubt) + 1)
-        kernel = (seconds / 2 * np.sinc((lines[:, None] - tones) * seconds)) ** 2
-        power: np.ndarray = kernel @ self.doubt
+        away = (lines[:, None] - tones) * seconds
+        # a phase that is wrong between its ends lies half a cycle to each side, too
+        kernel = 0.5 * np.sinc(away) ** 2 + 0.25 * (np.sinc(away - 1) ** 2 + np.sinc(away + 1) ** 2)
+        if settled:
+            kernel = (np.sinc(away) + 0.5 * np.sinc(away - 1) + 0.5 * np.sinc(away + 1)) ** 2
+        power: np.ndarray = (seconds / 2) ** 2 * kernel @ self.doubt
         return power
 
 
@@ -153,33 +164,38 @@ class _Track:
     def take(self, pieces: np.ndarray) -> Hum:
         """Take the pieces of a shot, see `Pieces`; return the hum in it."""
         self._shots.append(pieces)
-        every, orders = np.stack(self._shots), self._orders
+        every, orders, base = np.stack(self._shots), self._orders, self.frequency
         fit = aligned(every[:, :, 1::2], orders)
-        size = np.abs(fit.vector) ** 2
-        certain = (size > _threshold(fit.freedom) * fit.variance) & _stands_out(
-            every, 1 / np.maximum(fit.scatter, TINY)
-        )
-        ratio = np.where(certain, size / np.maximum(fit.variance, TINY), 0.0)
-        self.clear += float(np.log1p(ratio).sum())
-        kept = np.where(certain, fit.vector, 0.0)
-        squares = orders[:, None] ** 2
-        known = 1 / np.maximum(2 * (np.abs(kept) ** 2 * squares / np.maximum(fit.scatter, TINY)).sum(axis=(1, 2)), TINY)
-        end = 1 + int(np.argmin(known[1:] + self._wandered(self._times[1:] - self._times[0])))
-        base, span = self.frequency, float(self._times[end] - self._times[0])
+        loud = stands_out(every)
+        kept = np.where(loud, fit.vector, 0.0)
+        size, squares = np.abs(fit.vector) ** 2, orders[:, None] ** 2
+        ratio = np.abs(kept) ** 2 / np.maximum(fit.scatter, TINY)
+        self.clear = float(np.log1p(ratio[0] * len(every)).sum())
+        known = 1 / np.maximum(2 * (ratio * squares).sum(axis=(1, 2)), TINY)
+        spans = self._times - self._times[0]
+        end = 1 + int(np.argmin((known + self._wandered(spans))[1:] + np.where(2 * OFF * spans < 1, 0.0, np.inf)[1:]))
+        span = float(spans[end])
         turn = self._turned(fit.phase[-1, end] - fit.phase[-1, 0], span)
-        spread = (known[0] + known[end]) / 3 + self._wandered(span)
-        doubt = np.where(certain, np.minimum(size, size * squares * spread), size) + fit.variance
+        if turn is None or not all(_is_distinct(every[-1, at, 1::2], kept, fit.scatter[at], orders) for at in (0, end)):
+            return Hum(base, np.zeros_like(kept), np.where(loud, size, 0.0))
+        self._go_on(turn)
+        lost = squares * ((known[0] + known[end]) / 3 + self._wandered(span))
+        doubt = np.where(loud, size * -np.expm1(-lost) + fit.variance, 0.0)
         start = fit.phase[-1, 0] - turn * self._times[0]
-        return Hum(base + turn / (2 * np.pi), kept * np.exp(1j * orders * start)[:, None], doubt)
+        turned = kept * np.exp(1j * orders * start)[:, None] * np.exp(-lost / 2)
+        return Hum(base + turn / (2 * np.pi), turned, doubt)
 
-    def _turned(self, turn: float, span: float) -> float:
-        """Return how fast the phase turned beside the base, rad/s, and take that frequency for the next shot's."""
-        base = self.frequency - self.nominal
-        expected = self._offs[-1] if self._offs else 0.0
-        turn += 2 * np.pi * np.round((expected - base) * span - turn / (2 * np.pi))
-        self._offs.append(float(np.clip(base + turn / span / (2 * np.pi), -OFF, OFF)))
+    def _turned(self, turn: float, span: float) -> float | None:
+        """Return how fast the phase turned beside the base, rad/s; None where that cannot be told from another turn."""
+        off = self.frequency - self.nominal
+        turn += 2 * np.pi * np.round(-off * span - turn / (2 * np.pi))
+        is_told = span * 2 * OFF < 1 and abs(off + turn / span / (2 * np.pi)) <= OFF
+        return turn / span if is_told else None
+
+    def _go_on(self, turn: float) -> None:
+        """Take the frequency of this shot for the next one's."""
+        self._offs.append(self.frequency - self.nominal + turn / (2 * np.pi))
         self.frequency = self.nominal + self._offs[-1]
-        return turn / span
 
     def _wandered(self, span: np.ndarray | float) -> np.ndarray | float:
         """Return the mean square, rad^2, by which a phase leaves the line between its ends when its frequency walks."""
@@ -200,28 +216,24 @@ class Fit:
         Variance of a piece about it.
     variance : array, shape (harmonics, responses), (m/s^2)^2
         Of the vector.
-    freedom : array, shape (harmonics, responses), >= 1
-        Complex degrees, by which the variance is known.
     """
 
     phase: np.ndarray
     vector: np.ndarray
     scatter: np.ndarray
     variance: np.ndarray
-    freedom: np.ndarray
 
 
 def aligned(pieces: np.ndarray, orders: np.ndarray) -> Fit:
-    """Fit pieces by one vector, turned by a phase in each.
+    """Fit pieces by one vector, turned by a phase in each; the vector is that of the first place, before the reference.
 
     Parameters
     ----------
     pieces : complex array, shape (shots, places, harmonics, responses), m/s^2
     orders : int array, shape (harmonics,)
     """
-    grid = 2 * np.pi * np.arange(GRID) / GRID
-    turns = np.exp(-1j * np.outer(orders, grid))
-    shots, places = pieces.shape[:2]
+    turns = np.exp(-1j * np.outer(orders, _PHASES))
+    shots = len(pieces)
     vector = pieces[-1, 0]
     scatter = np.full(pieces.shape[1:], np.mean(np.abs(pieces) ** 2))
     for _ in range(ROUNDS):
@@ -229,29 +241,38 @@ def aligned(pieces: np.ndarray, orders: np.ndarray) -> Fit:
         match = np.einsum("spho,pho->sph", pieces, vector.conj() * weight)
         phase = _peak((match @ turns).real)
         turned = pieces * np.exp(-1j * phase[..., None] * orders)[..., None]
-        vector = np.einsum("spho,pho->ho", turned, weight) / (shots * weight.sum(axis=0))
+        vector = turned[:, 0].mean(axis=0)
         square = (np.abs(turned - vector) ** 2).sum(axis=0)
-        pooled = square.sum(axis=0) / max(shots * places - 1, 1)
-        scatter = (square + PRIOR * pooled) / (shots + PRIOR - 1 / places)
-    weight = 1 / np.maximum(scatter, TINY)
-    counting = weight.sum(axis=0) ** 2 / (weight**2).sum(axis=0)
-    return Fit(phase, vector, scatter, 1 / (shots * weight.sum(axis=0)), np.maximum(shots * counting - 1, 1))
+        scatter = (square + PRIOR * square.mean(axis=0)) / (shots + PRIOR - 1 / len(square))
+    return Fit(phase, vector, scatter, scatter[0] / shots)
 
 
-def _stands_out(every: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Say which harmonics are louder than chance makes them beside what lies between, (harmonics, responses) of bool.
+def stands_out(every: np.ndarray) -> np.ndarray:
+    """Say which harmonics are hum before the reference, and not a mode that rings down: (harmonics, responses) of bool.
+
+    There they are louder than chance makes them beside what lies half-way to the next, and no weaker than at the
+    end of the shot before.
 
     Parameters
     ----------
     every : complex array, shape (shots, places, 2 harmonics + 1, responses), m/s^2
-    weight : array, shape (places, harmonics, responses), (m/s^2)^-2
     """
     power = (np.abs(every) ** 2).mean(axis=0)
     between = (power[:, :-1:2] + power[:, 2::2]) / 2
-    count = 2 * every.shape[0] * every.shape[1]
-    ratio = (weight * power[:, 1::2]).sum(axis=0) / np.maximum((weight * between).sum(axis=0), TINY)
-    loud: np.ndarray = ratio > fdtri(count, 2 * count, 1 - CHANCE)
-    return loud
+    before, last = power[0, 1::2], power[-1, 1::2]
+    shots = len(every)
+    loud = before > fdtri(2 * shots, 4 * shots, 1 - CHANCE) * between[0]
+    lasting: np.ndarray = loud & (last - between[-1] < STEADY**2 * before)
+    return lasting
+
+
+def _is_distinct(piece: np.ndarray, vector: np.ndarray, scatter: np.ndarray, orders: np.ndarray) -> bool:
+    """Say whether a piece (harmonics, responses) tells its phase from all that fewer harmonics could not tell apart."""
+    match = (piece * vector.conj() / np.maximum(scatter, TINY)).sum(axis=1)
+    likelihood = 2 * (match @ np.exp(-1j * np.outer(orders, _PHASES))).real
+    best = int(likelihood.argmax())
+    others = {round(GRID * k / n) % GRID for n in range(2, len(orders) + 1) for k in range(1, n)}
+    return bool(likelihood[best] - likelihood[[(best + other) % GRID for other in others]].max() > DISTINCT)
 
 
 def _peak(score: np.ndarray) -> np.ndarray:
@@ -262,9 +283,3 @@ def _peak(score: np.ndarray) -> np.ndarray:
     shift = np.where(bend < 0, 0.5 * (before - after) / np.where(bend < 0, bend, 1.0), 0.0)
     place: np.ndarray = 2 * np.pi * (best[..., 0] + np.clip(shift, -0.5, 0.5)) / GRID
     return place
-
-
-def _threshold(freedom: np.ndarray) -> np.ndarray:
-    """Return what |a|^2 re its variance exceeds with `CHANCE` for noise: the F distribution of 2 and 2 `freedom`."""
-    bound: np.ndarray = freedom * (CHANCE ** (-1 / freedom) - 1)
-    return bound

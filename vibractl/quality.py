@@ -19,8 +19,6 @@ BAND_WIDTH = 50.0
 """Hz, of the bands whose level is reported beside the worst line."""
 CHANCE = 0.05
 """With which the ambience alone goes beyond what is allowed for it on any line of a shot."""
-HIDDEN = 0.05
-"""1, of the judged lines: where the ambience hides more of them, a shot has not been judged."""
 
 
 def holds_from(met: Sequence[bool]) -> int | None:
@@ -42,10 +40,10 @@ class Marks:
     """The figures of one shot, arrays over the accelerometers controlled unless said otherwise.
 
     `iae` sum |e| at the learner's rate (6.26), m/s^2; `error_db` rms error re rms reference; `worst_line_db` and
-    `worst_line_hz` the line nearest to, or farthest above, the limit (dB over it: negative is good); on `hidden` lines
-    of `judged` the ambience alone may be over the limit, and what it does not explain counts; `heard_line_db` the worst
-    line of what was heard, the mains' hum and all; `worst_band_db` and `worst_band_hz` as for lines, for bands of
-    50 Hz; `overtone_db` (4, accelerometers) re the root, followed along the reference's phase; `thd_db` all energy from
+    `worst_line_hz` the line nearest to, or farthest above, the limit (dB over it: negative is good); `heard_line_db`
+    the same with the mains' hum in it; `hidden` how many lines are over the limit by no more than the ambience may
+    explain, `proven` how many by more; `worst_band_db` and `worst_band_hz` as for lines, for bands of 50 Hz;
+    `overtone_db` (4, accelerometers) re the root, followed along the reference's phase; `thd_db` all energy from
     `quality.above` to `quality.judged_to` re the reference's; `phase_mean` and `phase_peak` rad, of the response
     against the reference; `headroom_db` (coils,) peak limit over peak drive; `outputs` the accelerometers controlled,
     or hydrophones, counted from 0; `sensor` is what one of them is called.  In the far field m/s^2 are Pa.
@@ -57,7 +55,7 @@ class Marks:
     worst_line_hz: np.ndarray
     heard_line_db: np.ndarray
     hidden: np.ndarray
-    judged: int
+    proven: np.ndarray
     worst_band_db: np.ndarray
     worst_band_hz: np.ndarray
     overtone_db: np.ndarray
@@ -70,10 +68,10 @@ class Marks:
 
     @property
     def verdict(self) -> str:
-        """Whether the objective holds on every line and side: pass or fail, or hidden, if the ambience is too loud."""
-        if not np.all(self.worst_line_db <= 0):
+        """Whether the objective holds on every line and side: pass, fail, or hidden by the ambience."""
+        if self.proven.any():
             return "fail"
-        return "pass" if self.hidden.max() <= HIDDEN * self.judged else "hidden"
+        return "pass" if np.all(self.worst_line_db <= 0) else "hidden"
 
     @property
     def met(self) -> bool:
@@ -86,10 +84,9 @@ class Marks:
         side = int(np.argmax(self.worst_line_db))
         level, place = self.worst_line_db[side], self.worst_line_hz[side]
         where = f"{abs(level):.1f} dB at {place:.1f} Hz, {self.sensor} {self.outputs[side] + 1}"
-        hidden = f"the ambience hides {self.hidden.max()} of {self.judged} lines"
         if self.verdict == "hidden":
-            return f"not judged: {hidden}"
-        return (f"met by {where}" if self.met else f"missed by {where}") + f"; {hidden}" * bool(self.hidden.any())
+            return f"not judged: over the limit by {where}, which the ambience may explain"
+        return f"met by {where}" if self.met else f"missed by {where}"
 
 
 class Judge:
@@ -117,6 +114,7 @@ class Judge:
         self.frequency = self._spectrum.frequency
         self._reference = self.place.reference
         self._settled = settled_window(setup.reference, frames)
+        self._seconds = np.count_nonzero(self._settled * np.ones((frames, 1))) / rate
         self._wanted = self.lines(self._reference)
         self._root = setup.reference.root
         self._judged = self._judged_lines(setup.config.learning.overtones)
@@ -140,7 +138,8 @@ class Judge:
 
     def error(self, response: np.ndarray, hum: Hum | None = None) -> np.ndarray:
         """Return reference minus response, (frames, outputs) at the learner's rate, m/s^2, without the hum."""
-        return self._error(self._measured(response), hum)
+        measured = self._measured(response)
+        return self._error(measured if hum is None else measured - hum.signal(len(measured), self._rate))
 
     def hum(self, response: np.ndarray, mains: Mains) -> Hum:
         """Return the hum in the response of a whole shot, (samples, responses), m/s^2, with which `mains` goes on."""
@@ -160,9 +159,11 @@ class Judge:
         hum : Hum, optional
             In the place's sensors, to be taken out.
         """
-        measured = self._measured(response)
-        heard = None if hum is None else self.lines(self._error(measured, None))
-        return self.marks_of(self._error(measured, hum), drive, self._ambience(measured, hum), heard)
+        measured, heard = self._measured(response), None
+        if hum is not None:
+            heard = self.lines(self._error(measured))
+            measured = measured - hum.signal(len(measured), self._rate)
+        return self.marks_of(self._error(measured), drive, self._ambience(measured, hum), heard)
 
     def marks_of(
         self,
@@ -184,11 +185,10 @@ class Judge:
             Lines of the error with the hum in them, where it was taken out.
         """
         lines = self.lines(error)
-        reach = np.sqrt(ambience * np.log(self._judged.sum() / CHANCE))
-        hidden = np.broadcast_to(reach >= self.limit, lines.shape)[self._judged]
-        left = np.where(reach >= self.limit, np.maximum(np.abs(lines) - reach, 0.0), lines)
-        over = decibels(left / self.limit)[self._judged]
+        over = decibels(lines / self.limit)[self._judged]
         worst = over.argmax(axis=0)
+        reach = np.sqrt(ambience * np.log(over.size / CHANCE))
+        proven = (np.abs(lines) - reach > self.limit)[self._judged]
         band_db, band_hz = self._bands(lines)
         first, phase = self._overtones.follow(self._reference - error)
         peak = np.maximum(np.abs(drive).max(axis=0), FAINT)
@@ -198,8 +198,8 @@ class Judge:
             worst_line_db=over.max(axis=0),
             worst_line_hz=self.frequency[self._judged][worst],
             heard_line_db=decibels((lines if heard is None else heard) / self.limit)[self._judged].max(axis=0),
-            hidden=hidden.sum(axis=0),
-            judged=len(hidden),
+            hidden=((over > 0) & ~proven).sum(axis=0),
+            proven=proven.sum(axis=0),
             worst_band_db=band_db,
             worst_band_hz=band_hz,
             overtone_db=first,
@@ -216,9 +216,7 @@ class Judge:
         measured: np.ndarray = self._decimator.apply(np.asarray(response[:, self._outputs], dtype=float))
         return measured
 
-    def _error(self, measured: np.ndarray, hum: Hum | None) -> np.ndarray:
-        if hum is not None:
-            measured = measured - hum.signal(len(measured), self._rate)
+    def _error(self, measured: np.ndarray) -> np.ndarray:
         error: np.ndarray = self._reference - self.place.frame(measured, self._shot.lead // self._decimator.factor)
         return error
 
@@ -227,9 +225,8 @@ class Judge:
         step, frames = self._decimator.factor, len(self._reference)
         lead, tail = measured[: self._shot.lead // step], measured[-(self._shot.tail // step) // 2 :]
         power = [noise_power(part, self._rate, self.frequency, frames) for part in (lead, tail)]
-        doubted = 0.0 if hum is None else hum.doubted(self.frequency, frames / self._rate)
-        ambience: np.ndarray = (np.minimum(*power) + doubted) * np.mean(np.square(self._settled))
-        return ambience
+        noise: np.ndarray = np.minimum(*power) * np.mean(np.square(self._settled))
+        return noise if hum is None else noise + hum.doubted(self.frequency, self._seconds, self._root is not None)
 
     def _judged_lines(self, overtones: int) -> np.ndarray:
         if self._root is None:

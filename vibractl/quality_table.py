@@ -15,7 +15,7 @@ from vibractl.shot_file import EVIDENCE
 UNDRIVEN = 200.0
 """dB of head-room, from which a coil is silent."""
 _COLUMNS = (
-    *("iae", "error_db", "worst_line_db", "worst_line_hz", "heard_line_db", "hidden"),
+    *("iae", "error_db", "worst_line_db", "worst_line_hz", "heard_line_db", "hidden", "proven"),
     *("worst_band_db", "worst_band_hz", "thd_db"),
 )
 HIDDEN = "hidden"
@@ -40,7 +40,8 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
         `shots`; `objective_met_shot`, the first from which the objective holds to the end, or None; `worst_line_db`
         of the last shot over the limit, dB; both where it is `judged`, and at all `places` where there are hydrophones;
         `iae_ratio` per side, first shot of the whole reference over last; `first_worst_line_db` of that first shot;
-        `shots_over_limit`, of the whole reference; `reidentifications`, of bands;
+        `shots_over_limit`, of the whole reference, and `shots_hidden`, those of them that the ambience may explain;
+        `reidentifications`, of bands;
         `identification_seconds`, s of signal emitted for the model and for them, None where the model does not say.
     """
     judged, prefix = rows[0].get("judged", "") if rows else "", prefix_of(rows)
@@ -55,6 +56,7 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
         "iae_ratio": [float(whole[0][side]) / float(whole[-1][side]) for side in sides],
         "first_worst_line_db": _worst(whole[0], prefix) if whole else None,
         "shots_over_limit": sum(_worst(row, prefix) > 0 for row in whole),
+        "shots_hidden": sum(row["verdict"] == HIDDEN for row in whole),
         "reidentifications": sum(now and not before for before, now in pairwise([False, *probes])),
         "identification_seconds": _identification_seconds(made, sum(probes)),
     }

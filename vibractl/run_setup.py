@@ -1,5 +1,6 @@
 """What a run is made of, in its folder: made new, or put together again to go on, to be replayed or reported."""
 
+import re
 from collections.abc import Callable, Collection
 from dataclasses import replace
 from pathlib import Path
@@ -119,8 +120,10 @@ def with_own_reference(config: RigConfig) -> tuple[RigConfig, Path | None]:
 
 
 def settings_of(path: Path, overrides: tuple[str, ...] = ()) -> RigConfig:
-    """Return the settings of a run folder, with what is laid over them."""
-    config = rig_file.load(path / "config.toml", RigConfig, overrides)
+    """Return the settings of a run folder, with what is laid over them; an older one has left the hum in."""
+    file = path / "config.toml"
+    says_nothing = file.is_file() and not re.search(r"^mains\b", file.read_text(encoding="utf-8"), re.MULTILINE)
+    config = rig_file.load(file, RigConfig, ("quality.mains=false",) * says_nothing + overrides)
     own = path / config.reference.signal
     if is_file(config.reference.signal) and own.is_file():
         config = config.model_copy(update={"reference": config.reference.model_copy(update={"signal": str(own)})})

@@ -15,7 +15,7 @@ from vibractl.learning.law import Law, learning_law
 from vibractl.learning.warm_start import KnownDrive
 from vibractl.library.entry import Entry
 from vibractl.library.fit import misfit
-from vibractl.mains import Mains
+from vibractl.mains import NOMINAL, PIECE, Mains
 from vibractl.place import Place, Where, at_accelerometers, in_far_field
 from vibractl.reference import Reference, reference_from
 from vibractl.spectrum import Decimator
@@ -91,12 +91,15 @@ class Setup:
         return Learner(self.algorithm(), self.shot, step, edge, responses, self.learned, self.plans, mains)
 
     def mains(self, place: Place) -> Mains | None:
-        """Return what follows the mains' hum at a place; None where it is not to be taken out."""
+        """Return what follows the mains' hum at a place; None where it is not to be, or no silence follows a shot."""
         if not self.config.quality.mains:
             return None
         step, shot = self.config.learning.decimation, self.shot
-        silences = shot.lead // step, shot.tail // step
-        return Mains(*silences, shot.total // step, shot.rate / step, self.config.learning.band[1])
+        lead, tail, rate = shot.lead // step, shot.tail // step - max(place.late), shot.rate / step
+        if tail < PIECE * rate:
+            return None
+        highest = max(self.config.learning.band[1], self.config.quality.judged_to)
+        return Mains(lead, tail, shot.total // step, rate, min(highest, rate / 2 - NOMINAL[-1]))
 
     def _place(self, where: Where) -> Place:
         return next(place for place in self.places if place.name == where)

@@ -108,14 +108,22 @@ def check_nothing_is_allocated(example: Example) -> None:
     block = _prepared(example, LARGE)
     signals = (*_noise(block, LARGE), *_blank(block, LARGE))
     block.process(*signals)  # compiles
-    _prepare(block, example, LARGE)
+    peak = LARGE
+    for _ in range(3):  # what another thread of the tests allocates meanwhile does not come again
+        if peak >= LARGE // 2:
+            _prepare(block, example, LARGE)
+            peak = _traced(block, signals)
+    assert peak < LARGE // 2, f"{_name(block)} allocates {peak} bytes in a frame of {LARGE} samples"
+
+
+def _traced(block: Block, signals: tuple[np.ndarray, ...]) -> int:
+    """Return the most that is allocated at once while a frame is processed, bytes."""
     tracemalloc.start()
     try:
         block.process(*signals)
-        peak = tracemalloc.get_traced_memory()[1]
+        return tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
-    assert peak < LARGE // 2, f"{_name(block)} allocates {peak} bytes in a frame of {LARGE} samples"
 
 
 def check_silence_leaves_nothing_subnormal(example: Example) -> None:

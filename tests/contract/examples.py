@@ -117,14 +117,13 @@ def _measured(plant: type[ImpulseResponse] | type[VibratorImpulseResponse]) -> B
 
 def _learner() -> Block:
     shot = Timeline(64, 4_096, 240, 44_100.0)
-    plans = Plans()
-    lines = LineSpectrum(shot.frames, 2, shot.rate, (15.0, 650.0), plans).frequency
+    lines = LineSpectrum(shot.frames, 2, shot.rate, (15.0, 650.0), plans := Plans()).frequency
     response = np.broadcast_to(np.eye(2) + 0j, (len(lines), 2, 2))
     matrix = TransferMatrix(lines, response, np.zeros(response.shape), np.ones(response.shape))
     start, active = np.full((len(lines), 2), 1e-3 + 0j), np.ones(len(lines))
     law = Law(matrix, response, Learning(), 2 * start, start, Gains((0.5,), ()), active, (0, 1), np.eye(2))
     place = at_accelerometers(np.zeros((shot.frames // 4, 2)), (0, 1))
-    mains = Mains(shot.lead // 4, shot.tail // 4, shot.total // 4, shot.rate / 4, 650.0)
+    mains = Mains(16, 60, shot.total // 4, shot.rate / 4, 650.0)
     return Learner(Algorithm(law, Adaptation(), Watch(), -40.0), shot, 4, 0.002, 2, place, plans, mains)
 
 

@@ -220,3 +220,11 @@ def test_a_shot_at_reduced_level_meets_no_objective_and_is_no_first_shot() -> No
     assert summary(rows)["objective_met_shot"] == 2
     assert summary(rows)["iae_ratio"] == [4.0]
     assert summary(rows[:2])["objective_met_shot"] is None
+
+
+def test_a_shot_that_the_ambience_hides_neither_meets_the_objective_nor_loses_it() -> None:
+    verdicts = ("hidden", "pass", "hidden", "pass", "hidden")
+    rows = [{"verdict": verdict, "iae_1": "8", "worst_line_db_1": "-1"} for verdict in verdicts]
+    assert summary(rows)["objective_met_shot"] == 1
+    assert summary(rows)["shots_hidden"] == 3
+    assert summary(rows[:1])["objective_met_shot"] is None

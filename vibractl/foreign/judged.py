@@ -98,8 +98,9 @@ def judged(made: Judging, response: Signals, silence: Signals | None) -> Verdict
     near = response.part(start, found.first + shot.frames + reach)
     there = timing(made.reference.signal, near[:, sides], shot.rate, float(found.first - start), with_drift=False)
     placed = _placed(near, there, shot)
-    marks = judge.marks(placed, np.zeros((1, len(made.config.audio.drive_channels))))
-    return Verdict(marks, replace(there, delay=there.delay + start), judge.error(placed), quiet, judge)
+    error = judge.error(placed)  # what lies around the reference may be driven as well: it is no silence
+    marks = judge.marks_of(error, np.zeros((1, len(made.config.audio.drive_channels))))
+    return Verdict(marks, replace(there, delay=there.delay + start), error, quiet, judge)
 
 
 def _found(reference: np.ndarray, response: Signals, sides: list[int]) -> Found:

@@ -1,5 +1,6 @@
 """One iteration of the law for whoever plays drives with other software: from a recorded shot to the next drive."""
 
+from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -120,9 +121,14 @@ class Stepper:
         if name in known:
             raise StepError(f"{heard}: was learned from before, as shot {known.index(name)}; record the drive anew")
         self._learner.response[: len(response)] = response
+        followed = deepcopy(self._learner.mains)
         taken = self._learner.analysed()
         marks = self._judge.marks(response, drive[cut.first :], self._learner.hum)
-        self._refuse_unrelated(taken, heard)
+        try:
+            self._refuse_unrelated(taken, heard)
+        except StepError:
+            self._learner.mains = followed
+            raise
         self._learner.follow(taken)
         figures = {"met": marks.met, "margin_db": -float(marks.worst_line_db.max()), "reason": marks.reason}
         state = self.state.after(Step(taken.response, taken.noise, name, figures, taken.mains), cut.fraction)

@@ -21,7 +21,7 @@ from tests.vibractl.linear_rig import RATE
 
 LAST = "r1.wav"
 KEYS = {"shots", "objective_met_shot", "worst_line_db", "iae_ratio", "first_worst_line_db", "shots_over_limit",
-        "reidentifications", "identification_seconds"}  # fmt: skip
+        "shots_hidden", "reidentifications", "identification_seconds"}  # fmt: skip
 
 
 def test_what_step_wrote_and_a_card_recorded_is_the_run_that_it_would_have_been(
