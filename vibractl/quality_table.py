@@ -51,7 +51,7 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
     probes = [row.get("purpose") == "reidentify" for row in rows]
     figures: dict[str, Any] = {
         "shots": len(rows),
-        "objective_met_shot": holds_from(_seen([row["verdict"] for row in rows])),
+        "objective_met_shot": _met_from([row["verdict"] for row in rows]),
         "worst_line_db": worst[-1] if worst else None,
         "iae_ratio": [float(whole[0][side]) / float(whole[-1][side]) for side in sides],
         "first_worst_line_db": _worst(whole[0], prefix) if whole else None,
@@ -65,12 +65,16 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
     return figures
 
 
-def _seen(verdicts: list[str]) -> list[bool]:
-    """Return whether the objective held at each shot; where the ambience hid one, as at the last that was judged."""
+def _met_from(verdicts: list[str]) -> int | None:
+    """Return the shot from which the objective holds to the end; a hidden one counts as the last that was judged.
+
+    None if it does not hold at the end, or has been seen to in less than half of the shots from there.
+    """
     held = [False]
     for verdict in verdicts:
         held.append(held[-1] if verdict == HIDDEN else verdict == "pass")
-    return held[1:]
+    first = holds_from(held[1:])
+    return first if first is not None and 2 * verdicts[first:].count(HIDDEN) <= len(verdicts) - first else None
 
 
 def prefix_of(rows: list[dict[str, str]]) -> str:

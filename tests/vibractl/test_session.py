@@ -228,3 +228,4 @@ def test_a_shot_that_the_ambience_hides_neither_meets_the_objective_nor_loses_it
     assert summary(rows)["objective_met_shot"] == 1
     assert summary(rows)["shots_hidden"] == 3
     assert summary(rows[:1])["objective_met_shot"] is None
+    assert summary(rows[1:2] + 3 * rows[:1])["objective_met_shot"] is None  # hidden more often than seen
