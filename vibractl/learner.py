@@ -128,19 +128,19 @@ class Learner(Trial):
         recorded = self.far_field if place.is_far else self.response[: self.shot.total]
         measured = self._decimator.apply(recorded[:, list(place.sensors)])
         first = self.shot.lead // self._decimator.factor
-        seen = () if self.mains is None else self.mains.measure(measured)
-        doubted = self._without_hum(measured, seen)
+        seen, doubted = self._take_out_hum(measured)
         heard = analysis.lines(law.window * place.frame(measured, first))
         noise = noise_power(measured[:first], analysis.rate, analysis.frequency, analysis.frames)
         return Shot(self.lines, heard, noise + doubted, seen)
 
-    def _without_hum(self, measured: np.ndarray, seen: Pieces) -> np.ndarray | float:
-        """Take the hum out of a response, and return what may be left of it in the lines, (lines, outputs)."""
+    def _take_out_hum(self, measured: np.ndarray) -> tuple[Pieces, np.ndarray | float]:
+        """Take the hum out of a response in place; return what showed it, and what may be left in the lines."""
         if self.mains is None:
-            return 0.0
-        analysis, self.hum = self._analysis, self.mains.follow(seen)
+            return (), 0.0
+        analysis, seen = self._analysis, self.mains.measure(measured)
+        self.hum = self.mains.follow(seen)
         measured -= self.hum.signal(len(measured), analysis.rate)
-        return self.hum.doubted(analysis.frequency, analysis.frames / analysis.rate)
+        return seen, self.hum.doubted(analysis.frequency, analysis.frames / analysis.rate)
 
     def played(self, drive: np.ndarray) -> None:
         """Take it that this drive (samples, coils), V, was played, which other software may have made."""

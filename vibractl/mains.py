@@ -22,7 +22,6 @@ ROUNDS = 4
 """Times that phases and amplitudes are estimated from each other."""
 GRID = 512
 """Phases that are tried in a turn."""
-_PHASES = 2 * np.pi * np.arange(GRID) / GRID
 CHANCE = 1e-3
 """With which noise alone would be taken for a harmonic."""
 STEADY = 1.5
@@ -52,7 +51,7 @@ class Hum:
     amplitude : complex array, shape (harmonics, responses), m/s^2
         Of sum over h Re a_h exp(j 2 pi h f t), t from the shot's first sample.
     doubt : array, shape (harmonics, responses), (m/s^2)^2
-        E |error of the amplitude|^2.
+        E |error of the amplitude|^2; of hum that is not subtracted, all of its power.
     """
 
     frequency: float
@@ -96,8 +95,7 @@ class Mains:
     In pieces of 0.2 s the harmonics' amplitudes are measured under a Hann window.  In all pieces of the last shots they
     are one vector, turned by one phase a piece: harmonic h by h times that.  Phases and vector are estimated from each
     other; the phases before and after the reference give the frequency between.  What rings down from the drive is
-    locked to the shot and not to the mains: it scatters, and pieces count by how little they do.  A harmonic that is
-    no louder than what lies half-way to the next is none.
+    no hum: the vector is that of the silences before the reference, and see `stands_out`.
 
     Parameters
     ----------
@@ -232,8 +230,7 @@ def aligned(pieces: np.ndarray, orders: np.ndarray) -> Fit:
     pieces : complex array, shape (shots, places, harmonics, responses), m/s^2
     orders : int array, shape (harmonics,)
     """
-    turns = np.exp(-1j * np.outer(orders, _PHASES))
-    shots = len(pieces)
+    turns, shots = _turns(orders), len(pieces)
     vector = pieces[-1, 0]
     scatter = np.full(pieces.shape[1:], np.mean(np.abs(pieces) ** 2))
     for _ in range(ROUNDS):
@@ -250,8 +247,8 @@ def aligned(pieces: np.ndarray, orders: np.ndarray) -> Fit:
 def stands_out(every: np.ndarray) -> np.ndarray:
     """Say which harmonics are hum before the reference, and not a mode that rings down: (harmonics, responses) of bool.
 
-    There they are louder than chance makes them beside what lies half-way to the next, and no weaker than at the
-    end of the shot before.
+    There they are louder than chance makes them beside what lies half-way to the next, and hardly weaker than at the
+    end of the shots.
 
     Parameters
     ----------
@@ -269,10 +266,16 @@ def stands_out(every: np.ndarray) -> np.ndarray:
 def _is_distinct(piece: np.ndarray, vector: np.ndarray, scatter: np.ndarray, orders: np.ndarray) -> bool:
     """Say whether a piece (harmonics, responses) tells its phase from all that fewer harmonics could not tell apart."""
     match = (piece * vector.conj() / np.maximum(scatter, TINY)).sum(axis=1)
-    likelihood = 2 * (match @ np.exp(-1j * np.outer(orders, _PHASES))).real
+    likelihood = 2 * (match @ _turns(orders)).real
     best = int(likelihood.argmax())
     others = {round(GRID * k / n) % GRID for n in range(2, len(orders) + 1) for k in range(1, n)}
     return bool(likelihood[best] - likelihood[[(best + other) % GRID for other in others]].max() > DISTINCT)
+
+
+def _turns(orders: np.ndarray) -> np.ndarray:
+    """Return what turns each harmonic back by each phase that is tried, (harmonics, phases)."""
+    turns: np.ndarray = np.exp(-2j * np.pi / GRID * np.outer(orders, np.arange(GRID)))
+    return turns
 
 
 def _peak(score: np.ndarray) -> np.ndarray:

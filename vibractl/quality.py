@@ -17,6 +17,8 @@ from vibractl.spectrum import Decimator, LineSpectrum
 
 BAND_WIDTH = 50.0
 """Hz, of the bands whose level is reported beside the worst line."""
+PASS, FAIL, HIDDEN = "pass", "fail", "hidden"
+"""Verdicts on a shot; hidden: over the limit by no more than the ambience may explain."""
 CHANCE = 0.05
 """With which the ambience alone goes beyond what is allowed for it on any line of a shot."""
 
@@ -70,13 +72,13 @@ class Marks:
     def verdict(self) -> str:
         """Whether the objective holds on every line and side: pass, fail, or hidden by the ambience."""
         if self.proven.any():
-            return "fail"
-        return "pass" if np.all(self.worst_line_db <= 0) else "hidden"
+            return FAIL
+        return PASS if np.all(self.worst_line_db <= 0) else HIDDEN
 
     @property
     def met(self) -> bool:
         """Whether the objective has been seen to hold on every line and side."""
-        return self.verdict == "pass"
+        return self.verdict == PASS
 
     @property
     def reason(self) -> str:
@@ -84,7 +86,7 @@ class Marks:
         side = int(np.argmax(self.worst_line_db))
         level, place = self.worst_line_db[side], self.worst_line_hz[side]
         where = f"{abs(level):.1f} dB at {place:.1f} Hz, {self.sensor} {self.outputs[side] + 1}"
-        if self.verdict == "hidden":
+        if self.verdict == HIDDEN:
             return f"not judged: over the limit by {where}, which the ambience may explain"
         return f"met by {where}" if self.met else f"missed by {where}"
 

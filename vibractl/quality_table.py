@@ -8,18 +8,13 @@ import numpy as np
 
 from vibractl.judging import Judging
 from vibractl.place import PREFIXES, Place
-from vibractl.quality import Marks, holds_from
+from vibractl.quality import HIDDEN, PASS, Marks, holds_from
 from vibractl.setup import Setup
 from vibractl.shot_file import EVIDENCE
 
 UNDRIVEN = 200.0
 """dB of head-room, from which a coil is silent."""
-_COLUMNS = (
-    *("iae", "error_db", "worst_line_db", "worst_line_hz", "heard_line_db", "hidden", "proven"),
-    *("worst_band_db", "worst_band_hz", "thd_db"),
-)
-HIDDEN = "hidden"
-"""Verdict on a shot that the ambience was too loud to judge."""
+_FIGURES = "iae error_db worst_line_db worst_line_hz heard_line_db hidden proven worst_band_db worst_band_hz thd_db"
 CHECK = "check"
 """Verdict on a shot at reduced level."""
 
@@ -72,7 +67,7 @@ def _met_from(verdicts: list[str]) -> int | None:
     """
     held = [False]
     for verdict in verdicts:
-        held.append(held[-1] if verdict == HIDDEN else verdict == "pass")
+        held.append(held[-1] if verdict == HIDDEN else verdict == PASS)
     first = holds_from(held[1:])
     return first if first is not None and 2 * verdicts[first:].count(HIDDEN) <= len(verdicts) - first else None
 
@@ -159,7 +154,7 @@ def _sensor_cells(marks: Marks) -> dict[str, str]:
     """Return the cells of each sensor."""
     row: dict[str, str] = {}
     sides = range(len(marks.iae))
-    for name in _COLUMNS:
+    for name in _FIGURES.split():
         row |= {f"{name}_{side + 1}": f"{getattr(marks, name)[side]:.6g}" for side in sides}
     for side in sides:
         row |= {f"overtone_{n + 2}_db_{side + 1}": f"{level[side]:.2f}" for n, level in enumerate(marks.overtone_db)}

@@ -122,7 +122,7 @@ def with_own_reference(config: RigConfig) -> tuple[RigConfig, Path | None]:
 def settings_of(path: Path, overrides: tuple[str, ...] = ()) -> RigConfig:
     """Return the settings of a run folder, with what is laid over them; an older one has left the hum in."""
     file = path / "config.toml"
-    says_nothing = file.is_file() and not re.search(r"^mains\b", file.read_text(encoding="utf-8"), re.MULTILINE)
+    says_nothing = file.is_file() and not re.search(rb"^mains\b", file.read_bytes(), re.MULTILINE)
     config = rig_file.load(file, RigConfig, ("quality.mains=false",) * says_nothing + overrides)
     own = path / config.reference.signal
     if is_file(config.reference.signal) and own.is_file():

@@ -16,7 +16,7 @@ from vibractl.audio import Line
 from vibractl.capture import Discarded
 from vibractl.decibels import FAINT, decibels
 from vibractl.learner import ALIKE, Learner
-from vibractl.lines_file import lines_file, write_lines
+from vibractl.lines_file import write_lines
 from vibractl.mains import Hum
 from vibractl.place import Place
 from vibractl.quality import Judge, Marks
@@ -143,7 +143,7 @@ class Session:
         marks = every[self._made.places.index(self._made.judged)]
         repeatability = self._repeatability(lines)
         if write:
-            write_lines(lines_file(self.folder.path, number), self.learner)
+            write_lines(self.folder.shot(number), self.learner)
             told = dict(zip(self._made.places, every, strict=True))
             gain = algorithm.daring.nominal
             row = row_of(number, purpose, gain, marks, told, record.provenance, repeatability)

@@ -142,5 +142,5 @@ def _shot(number: int, path: Path, made: Setup | Judging, judge: Judge) -> Shot:
         raise ValueError(f"{path}: {len(record.data)} samples, must be {made.shot.total}")
     drive, response = split(record, made.config)
     heard = far_field_of(record, made.config) if judge.place.is_far else response
-    hum = read_hum(path.with_suffix(".h5")) if isinstance(made, Setup) and judge.place is made.learned else None
+    hum = read_hum(path) if isinstance(made, Setup) and judge.place is made.learned else None
     return Shot(number, drive[:, list(made.coils)], heard[:, list(judge.place.sensors)], judge.error(heard, hum))

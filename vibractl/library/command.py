@@ -15,6 +15,7 @@ from vibractl.library.entry import Entry, EntryError
 from vibractl.library.folder import Candidate, Library, user_library
 from vibractl.library.of_run import entry_of
 from vibractl.library.tags import parsed
+from vibractl.quality import PASS
 from vibractl.run_setup import refuse_changed
 from vibractl.setup import reference_of
 
@@ -171,7 +172,7 @@ _HEAD = ["entry", "reference", "tags", "objective", "worst line, dB", "error, dB
 def _row(name: str, entry: Entry) -> list[str]:
     about = entry.about
     tags = ", ".join(f"{key}={value}" for key, value in entry.tags.items())
-    met = "met" if about["met"] == "pass" else "not met"
+    met = "met" if about["met"] == PASS else "not met"
     told = [about["reference_text"], tags, met, about["worst_line_db"], about["error_db"]]
     return [name, *told, about["date"][:16].replace("T", " ")]
 

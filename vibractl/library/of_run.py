@@ -9,6 +9,7 @@ from rigkit.provenance import now, software
 from rigkit.run_folder import read_events, read_quality
 from vibractl.library.entry import Entry
 from vibractl.library.fit import reference_hash, wiring
+from vibractl.quality import PASS
 from vibractl.quality_table import is_reduced, prefix_of
 from vibractl.run_setup import setup_of, shot_files
 from vibractl.setup import Setup
@@ -72,7 +73,7 @@ def _chosen(path: Path, rows: Rows, shot: int | None) -> int:
         return shot
     if not whole:
         raise ValueError(f"{path}: no shot was learned from")
-    met = [number for number, row in whole.items() if row["verdict"] == "pass"]
+    met = [number for number, row in whole.items() if row["verdict"] == PASS]
     return met[-1] if met else min(whole, key=lambda number: _worst(whole[number], f"{prefix_of(rows)}error_db_"))
 
 
