@@ -140,12 +140,12 @@ def _rendered(figure: Figure, kind: str) -> bytes:
     content = io.BytesIO()
     metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {}  # the same figure gives the same bytes
     with styled():
-        _laid_out(figure)
+        lay_out(figure)
         figure.savefig(content, format=kind, metadata=metadata)
     return content.getvalue()
 
 
-def _laid_out(figure: Figure) -> None:
+def lay_out(figure: Figure) -> None:
     """Lay a figure out once, however often it is rendered: `savefig` would draw it once more each time to do so."""
     engine = figure.get_layout_engine()
     if engine is not None:

@@ -3,10 +3,13 @@
 import gc
 import os
 import tempfile
+from fnmatch import fnmatch
 
 import hypothesis
 import pytest
+from matplotlib.figure import Figure
 
+from rigkit import report
 from rigkit.machine_lock import FOLDER
 
 pytest_plugins = ["tests.deadlines"]
@@ -27,7 +30,6 @@ LONGEST = (
     "vibractl/test_audio_process.py",
     "stagectl/daemon/test_killed.py",
     "stagectl/daemon/test_rig.py",
-    "scenario/test_a_pocket_learned_over_the_wires.py",
     "vibractl/daemon/test_any_order_of_commands.py",
     "vibractl/test_session.py",
 )
@@ -44,3 +46,18 @@ def pytest_collection_finish() -> None:
     """Leave what was imported and collected out of the search for garbage: a twentieth of all processor time."""
     gc.collect()
     gc.freeze()
+
+
+LAID_OUT = ("*report*", "*figures*", "*toroid*", "*page*")
+"""Tests of how a figure looks."""
+_lay_out = report.lay_out
+
+
+def _leave(figure: Figure) -> None:
+    figure.set_layout_engine("none")
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Lay figures out where a test is of figures; elsewhere it is half of what drawing them takes."""
+    wanted = any(fnmatch(str(item.path), name) for name in LAID_OUT)
+    report.lay_out = _lay_out if wanted else _leave

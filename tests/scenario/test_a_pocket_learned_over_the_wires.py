@@ -101,6 +101,7 @@ def refuse_another_replay(done: DoneTrial) -> None:
         assert made.data.tobytes() == done.records[name].select(made.names).data.tobytes()
 
 
+@pytest.mark.slow
 def test_a_trial_goes_round_and_a_blind_tracker_lifts_the_tool_out_of_the_next(
     cell: SteppedCell, tmp_path: Path
 ) -> None:

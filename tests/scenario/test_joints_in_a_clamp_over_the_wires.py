@@ -80,9 +80,9 @@ def test_a_joint_is_measured_and_a_pause_holds_the_arm(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("mishap", "reason"),
     [
-        ("slip", "the clamp slips: joint 3 has moved by more than"),
         ("torque", "the torque of joint 3 is beyond its limit of 60 N m"),
-        ("signals", "the torque signals have stopped: their line is down"),
+        pytest.param("slip", "the clamp slips: joint 3 has moved by more than", marks=pytest.mark.slow),
+        pytest.param("signals", "the torque signals have stopped: their line is down", marks=pytest.mark.slow),
     ],
 )
 def test_what_goes_wrong_is_named_and_the_robot_is_held(
