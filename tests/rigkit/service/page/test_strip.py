@@ -56,8 +56,9 @@ def test_nothing_that_can_be_used_stays_under_the_strip_or_stop(faulted: Visit, 
         ".filter((each) => each.checkVisibility()).map((each, number) => (each.id ||= `unnamed-${number}`))"
     )
     assert "forget" in names
+    # Each time anew, here and below: events that come make the page longer.
+    show = "of(arguments[0]).scrollIntoView({ block: 'nearest' });"
     for name in names:
-        tab.run("document.getElementById(arguments[0]).scrollIntoView({ block: 'nearest' })", name)
-        until(lambda name=name: tab.run(HIT + "return hit(of(arguments[0]))", name))  # type: ignore[misc]
-    down = "scrollTo(0, document.documentElement.scrollHeight);"  # each time: events that come make the page longer
+        until(lambda name=name: tab.run(f"{HIT}{show}return hit(of(arguments[0]))", name))  # type: ignore[misc]
+    down = "scrollTo(0, document.documentElement.scrollHeight);"
     until(lambda: tab.run(f"{down}{HIT}return hit(of('forget'))"))
