@@ -179,6 +179,9 @@ class Session(Section):
 
     shots: int = setting(30, "shots", "shots of the run", ge=1, le=100_000)
     recording: Literal["wav", "csv"] = setting("wav", "", "format of shots/0000.wav ...")
+    check: bool = setting(
+        True, "", "begin with a weak burst, and go no further where channels are not those that were calibrated"
+    )
 
 
 class Quality(Section):

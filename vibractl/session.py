@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,14 +17,17 @@ from vibractl.audio import Line
 from vibractl.capture import Discarded
 from vibractl.decibels import FAINT, decibels
 from vibractl.learner import ALIKE, Learner
+from vibractl.learning.changed_rig import Change
+from vibractl.learning.decision import tidy
 from vibractl.lines_file import write_lines
 from vibractl.mains import Hum
 from vibractl.place import Place
 from vibractl.quality import Judge, Marks
 from vibractl.quality_table import reduced, row_of, summary
+from vibractl.rig_check import CHANNELS, SECONDS, ChangedRigError, RigCheck, changed_channels
 from vibractl.run_setup import require_room, shot_files
 from vibractl.setup import Setup
-from vibractl.shot_file import DISCARDED, far_field_of, keep_discarded, recording_of, split
+from vibractl.shot_file import DISCARDED, far_field_of, keep_discarded, recording_of, set_aside, split
 from vibractl.supervision import ALONE, Supervision
 
 
@@ -37,18 +41,21 @@ class Session:
     supervision : Supervision
         Of its line.
     accept : collection of str
-        May hold `DRIVE`: the run goes on although its drives are not those that were played.
+        May hold `DRIVE`: the run goes on although its drives are not those that were played; and `CHANNELS`: although
+        its channels are not those of its model.
 
     Raises
     ------
-    DisagreementError : the drives rebuilt from what is recorded are not those that were played.
+    DisagreementError : the drives rebuilt from what is recorded are not those that were played; or the last shot, not
+        judged yet, shows other channels than the model's.
     """
 
     def __init__(
         self, folder: RunFolder, made: Setup, supervision: Supervision = ALONE, accept: Collection[str] = ()
     ) -> None:
         self.folder, self.config, self._made = folder, made.config, made
-        self._supervision, self._accept, self._said = supervision, accept, list(made.said)
+        self._supervision, self._accept = supervision, accept
+        self._said = [each for each in made.said if not each.startswith(f"--accept {CHANNELS}:")]  # seen by the burst
         self.line: Line | None = None
         """While it is open, or after it has failed."""
         self.learner: Learner = made.learner()
@@ -89,6 +96,7 @@ class Session:
         ------
         ValueError : the next drive would break a limit of the guard.
         AudioError : the audio has failed; what is recorded stays.
+        ChangedRigError : a channel is not what it was when the model was measured; what shows it is kept.
         OSError : the disk has no room for the shots that are left, or fails; what is recorded stays.
         """
         if self.done >= shots:
@@ -97,6 +105,7 @@ class Session:
         with self._opened() as line:
             self.folder.event("started", {"shot": self.done, "round_trip": line.round_trip, "software": software()})
             try:
+                self._look_at_rig(line)
                 while self.done < shots and not stopped():
                     number = self.done
                     tell(number, self._shoot(line))
@@ -108,7 +117,8 @@ class Session:
     @contextmanager
     def _opened(self) -> Iterator[Line]:
         """Open the line, which is `line` until it is closed."""
-        self.line = Line(self.config, seconds=self.seconds, on_discard=self._discarded, supervision=self._supervision)
+        longest = max(self.seconds, SECONDS)
+        self.line = Line(self.config, seconds=longest, on_discard=self._discarded, supervision=self._supervision)
         try:
             with self.line as line:
                 yield line
@@ -121,12 +131,40 @@ class Session:
         self.folder.summarise(figures)
         return figures
 
+    def _look_at_rig(self, line: Line) -> None:
+        """Play a weak burst, and end where its response is that of other channels than the model's."""
+        if not self.config.session.check or self._made.learned.is_far:
+            return
+        check = RigCheck.of(self._made, self.learner.drive)
+        capture = line.emit(check.drive)
+        off, change = check.judge(capture.response)
+        self.folder.event("checked", {"shot": self.done, "off": tidy(off), "change": change.text if change else ""})
+        try:
+            self._check(change)
+        except ChangedRigError as fault:
+            self._discarded(Discarded(1, fault.change, capture))
+            raise
+
+    def _check(self, change: Change | None, where: str = "") -> None:
+        """Go no further where channels have been changed, unless that is accepted or nobody wants to know."""
+        if change is not None and self.config.session.check and CHANNELS not in self._accept:
+            raise ChangedRigError(f"{self.folder.path}/{where}", change)
+
     def _shoot(self, line: Line) -> Marks:
         capture = line.emit(self.learner.drive)
         record = recording_of(capture, self.config)
         path = self.folder.shot(self.done).with_suffix(f".{self.config.session.recording}")
         recording.write(path, record)
-        return self._learn(record)
+        return self._learn_unless_changed(path, record)
+
+    def _learn_unless_changed(self, path: Path, record: Recording, write: bool = True) -> Marks:
+        """Take a recording into the learner, or away from the shots where its channels are not the model's."""
+        try:
+            return self._learn(record, write)
+        except ChangedRigError as fault:
+            kept = set_aside(self.folder.path / DISCARDED, path)
+            self.folder.event("discarded", {"shot": self.done, "attempt": 1, "reason": fault.change, "kept": kept})
+            raise
 
     def _learn(self, record: Recording, write: bool = True) -> Marks:
         """Take a recording into the learner, and write what it was worth."""
@@ -137,7 +175,10 @@ class Session:
         self.learner.response[: len(response)] = response
         if self._made.learned.is_far:
             self.learner.far_field[:] = heard[1]
-        self.learner.advance()
+        shot = self.learner.analysed()
+        if write and purpose == "learn" and not self._made.learned.is_far:
+            self._check(changed_channels(algorithm, shot), f", shot {number}")
+        self.learner.follow(shot)
         pairs = zip(self._judges, heard, strict=False)
         every = [judge.marks(signals, drive, self._hum(judge, signals)) for judge, signals in pairs]
         marks = every[self._made.places.index(self._made.judged)]
@@ -178,7 +219,7 @@ class Session:
             record = recording.read(path)
             drive, _ = split(record, self.config)
             off = float(np.linalg.norm(drive - self.learner.drive)) / max(float(np.linalg.norm(drive)), FAINT)
-            self._learn(record, write=number >= judged)
+            self._learn_unless_changed(path, record, write=number >= judged)
         if not files:
             return
         if not off <= ALIKE:  # NaN as well

@@ -89,3 +89,11 @@ def keep_discarded(place: Path, name: str, discarded: Discarded, config: RigConf
         with atomic.replacing(path, heard.nbytes) as temporary:
             np.save(temporary, heard)
     return path
+
+
+def set_aside(place: Path, recorded: Path) -> str:
+    """Move a recording to the folder (made if absent) of those that nothing may be learned from; return its name."""
+    place.mkdir(parents=True, exist_ok=True)
+    kept = place / f"{recorded.stem}-{len(list(place.iterdir())):03d}{recorded.suffix}"
+    recorded.rename(kept)
+    return kept.name

@@ -66,7 +66,7 @@ def test_the_folder_holds_what_other_programs_read(tmp_path: Path) -> None:
     with h5py.File(tmp_path / "run" / "shots" / "0001.h5") as file:
         assert file["certificate"].shape == file["frequency"].shape
         assert np.mean(file["certificate"][...] < 1) > 0.95
-    assert [event["event"] for event in read_events(tmp_path / "run")] == ["started", "finished"]
+    assert [event["event"] for event in read_events(tmp_path / "run")] == ["started", "checked", "finished"]
 
 
 def test_what_the_model_does_not_explain_of_the_change_since_the_last_shot_is_told(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from rigkit import config as rig_file
+from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.progress import progress
 from rigkit.stop import Stopped
@@ -13,10 +14,15 @@ from rigkit.written import written_file
 from vibractl.config import RigConfig
 from vibractl.doctor.examination import Examination, announcement, duration, examine
 from vibractl.doctor.report import write_report
+from vibractl.model_origin import model_for
 
 
 def doctor_command(
     config: ConfigOption = None,
+    model: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Model file to compare the rig with, channel by channel.")
+    ] = None,
+    accept: AcceptOption = None,
     report: Annotated[Path | None, written_file("FILE", "Write an HTML page with figures.")] = None,
     settings: SetOption = None,
     json: JsonOption = None,
@@ -29,12 +35,14 @@ def doctor_command(
     Example: `vibractl doctor --config rig.toml --report doctor.html`
     """
     made = rig_file.load(config, RigConfig, settings or ())
+    matrix, notes = (None, []) if model is None else model_for(model, made, accept or ())
     stream, total = words(json), duration(made)
+    stream.write("".join(f"{note}\n" for note in notes))
     stream.write(f"Plays for {total:.0f} s:\n" + "".join(f"  {line}\n" for line in announcement(made)))
     stream.flush()
     try:
         with progress("doctor", total) as meter:
-            found = examine(made, meter.show)
+            found = examine(made, meter.show, matrix)
             meter.show(total)
     except KeyboardInterrupt:
         raise Stopped("stopped; every output is ramped down to zero") from None

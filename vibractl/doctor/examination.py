@@ -11,6 +11,7 @@ from vibractl.audio_stream import AudioError, channels
 from vibractl.capture import Capture, Discarded
 from vibractl.config import RigConfig
 from vibractl.doctor.bench import Bench
+from vibractl.doctor.calibrated import MODEL, model_verdict
 from vibractl.doctor.chain import Clock, cable, clock, distortion, two_tones
 from vibractl.doctor.coils import Answers, answers, sweep
 from vibractl.doctor.opinion import (
@@ -26,6 +27,7 @@ from vibractl.doctor.opinion import (
 from vibractl.doctor.silence import Hum, Level, hum, noise, reference_level
 from vibractl.doctor.verdict import Verdict, unmeasured
 from vibractl.proof import LARGEST_ROUND_TRIP
+from vibractl.transfer_matrix import TransferMatrix
 
 CHECKS = (
     "card", "recordings", "loopback", "clock", "hum", "noise", "distortion", "channel map", "polarity",
@@ -95,7 +97,9 @@ def announcement(config: RigConfig) -> list[str]:
     return lines
 
 
-def examine(config: RigConfig, tell: Tell = lambda _seconds, _what: None) -> Examination:
+def examine(
+    config: RigConfig, tell: Tell = lambda _seconds, _what: None, model: TransferMatrix | None = None
+) -> Examination:
     """Look at a rig from end to end.
 
     Parameters
@@ -103,6 +107,8 @@ def examine(config: RigConfig, tell: Tell = lambda _seconds, _what: None) -> Exa
     config : RigConfig
     tell : callable(seconds, what)
         Told before each step how much has been played, and what is next.
+    model : TransferMatrix, optional
+        With which the rig is compared, which is one check more.
 
     Returns
     -------
@@ -115,7 +121,7 @@ def examine(config: RigConfig, tell: Tell = lambda _seconds, _what: None) -> Exa
     GuardLatched : the guard has shut itself.
     """
     found = Examination(config, reference_level(config), [], np.zeros((0, len(config.audio.response_channels))))
-    visit = _Visit(found, tell)
+    visit = _Visit(found, tell, model)
     longest = max(SILENCE, TONES + 2 * EDGE, SWEEP + REST)
     try:
         with Bench(config, longest, visit.discarded) as bench:
@@ -134,15 +140,16 @@ def examine(config: RigConfig, tell: Tell = lambda _seconds, _what: None) -> Exa
     why = next(
         (check for check in ("card", "recordings", "loopback") if check in said and said[check].grade == "fail"), ""
     )
-    found.verdicts = [said.get(check) or unmeasured(check, f"{why} failed") for check in CHECKS]
+    checks = (*CHECKS, MODEL) if model is not None else CHECKS
+    found.verdicts = [said.get(check) or unmeasured(check, f"{why} failed") for check in checks]
     return found
 
 
 class _Visit:
     """One examination under way: what has been played, counted and concluded so far."""
 
-    def __init__(self, found: Examination, tell: Tell) -> None:
-        self.found, self.config, self._tell = found, found.config, tell
+    def __init__(self, found: Examination, tell: Tell, model: TransferMatrix | None) -> None:
+        self.found, self.config, self._tell, self._model = found, found.config, tell, model
         self.verdicts: list[Verdict] = []
         self.reasons: list[str] = []
         self.emissions = self.late = 0
@@ -226,6 +233,8 @@ class _Visit:
         mapped = map_verdict(self.found.answers, config)
         self.say(mapped)
         self.say(polarity_verdict(self.found.answers, mapped.grade != "fail"))
+        if self._model is not None:
+            self.say(model_verdict(self.found.answers, self._model, self._delay / rate))
 
 
 def _where(quality: list[float]) -> int | None:

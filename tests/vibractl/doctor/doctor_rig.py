@@ -14,6 +14,7 @@ from tests.vibractl.audio_rig import RATE
 from vibractl.config import Audio, RigConfig, Simulator
 from vibractl.doctor.examination import Examination, examine
 from vibractl.doctor.verdict import Verdict
+from vibractl.transfer_matrix import TransferMatrix
 
 SIDES = np.array([[10.0, 1.0], [1.0, 8.0]])
 """m/s^2 per V, from coils to accelerometers, at every frequency."""
@@ -29,6 +30,13 @@ def wired(folder: Path, sides: np.ndarray = SIDES, **audio: Any) -> RigConfig:
         audio=Audio(**({"isolated": False} | audio)),
         simulator=Simulator(plant="impulse-response", options={"files": files}),
     )
+
+
+def measured(sides: np.ndarray = SIDES) -> TransferMatrix:
+    """Return the model of such a rig as it was."""
+    frequency = np.arange(10.0, 700.0)
+    response = np.broadcast_to(sides + 0j, (len(frequency), *sides.shape)).copy()
+    return TransferMatrix(frequency, response, np.full(response.shape, 1e-6), np.ones(response.shape))
 
 
 def vibrating(**options: float) -> RigConfig:

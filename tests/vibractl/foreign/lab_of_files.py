@@ -32,7 +32,9 @@ class LabOfFiles:
 
     def __init__(self, path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
         self.path, self._monkeypatch, self._capsys = path, monkeypatch, capsys
-        self.config = linear_config(*KALMAN, "simulator.options.noise=-60.0", "simulator.options.nonlinearity=1.0")
+        self.config = linear_config(
+            *KALMAN, "session.check=false", "simulator.options.noise=-60.0", "simulator.options.nonlinearity=1.0"
+        )
         (path / "rig.toml").write_text(rig_file.dump(self.config))
         linear_model(path)
         monkeypatch.chdir(path)

@@ -47,6 +47,12 @@ def test_state_reason_output_and_stop_are_seen_wherever_one_has_scrolled(faulted
     assert tab.text("strip-output") == "Output zero"
 
 
+def reach(tab: Browser, name: str) -> None:
+    """Scroll to what has that id, each time anew, since events that come make the page longer, until it is seen."""
+    script = f"{HIT}of(arguments[0]).scrollIntoView({{ block: 'nearest' }}); return hit(of(arguments[0]))"
+    until(lambda: tab.run(script, name))
+
+
 @pytest.mark.parametrize("size", SIZES)
 def test_nothing_that_can_be_used_stays_under_the_strip_or_stop(faulted: Visit, size: tuple[int, int]) -> None:
     tab = faulted.tab
@@ -56,9 +62,7 @@ def test_nothing_that_can_be_used_stays_under_the_strip_or_stop(faulted: Visit, 
         ".filter((each) => each.checkVisibility()).map((each, number) => (each.id ||= `unnamed-${number}`))"
     )
     assert "forget" in names
-    # Each time anew, here and below: events that come make the page longer.
-    show = "of(arguments[0]).scrollIntoView({ block: 'nearest' });"
     for name in names:
-        until(lambda name=name: tab.run(f"{HIT}{show}return hit(of(arguments[0]))", name))  # type: ignore[misc]
+        reach(tab, name)
     down = "scrollTo(0, document.documentElement.scrollHeight);"
     until(lambda: tab.run(f"{down}{HIT}return hit(of('forget'))"))

@@ -1,0 +1,123 @@
+"""Before a run learns: a weak burst, and whether its response is what the model says, channel by channel."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rigkit.agreement import DisagreementError
+from vibractl.decibels import FAINT, rms
+from vibractl.learning.algorithm import Algorithm
+from vibractl.learning.changed_rig import Change, change_of
+from vibractl.learning.law import SIGNIFICANT
+from vibractl.learning.shot import Shot
+from vibractl.setup import Setup
+from vibractl.spectrum import Decimator
+
+CHANNELS = "channels"
+"""Key by which a rig is accepted whose channels are not those of its model."""
+LEVEL_DB = -12.0
+"""Of the burst, re the first drive of the run."""
+LEAD, BURST, TAIL = 0.2, 2.0, 1.0
+"""s of silence, of the burst, and of silence while it rings down."""
+SECONDS = LEAD + BURST + TAIL
+EDGE = 0.25
+"""Part of the burst that rises, and that falls."""
+
+
+class ChangedRigError(DisagreementError):
+    """The rig is not the one that was calibrated; the text names the channels."""
+
+    def __init__(self, where: str, change: Change) -> None:
+        self.change = change.text
+        super().__init__(
+            f"{where}: this is not the rig that was calibrated: {change.text} (the model is off by "
+            f"{change.off:.2g} of the response, with that by {change.left:.2g}); set it right, measure a new model, "
+            f"or go on all the same with --accept {CHANNELS}"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class RigCheck:
+    """A burst in which every input has phases of its own, so that each channel is known by its signal.
+
+    Parameters
+    ----------
+    drive : float32 array, shape (samples, coils), V
+    lines : complex array, shape (lines, inputs), V s, of the inputs learned
+    frequency : array, shape (lines,), Hz
+    inside : int array, shape (lines,)
+        Which lines of the whole burst those are.
+    response : complex array, shape (lines, outputs, inputs), m/s^2 per V
+        The model.
+    outputs : tuple of ints, accelerometers, counted from 0
+    step : int
+        Decimation of what is transformed.
+    """
+
+    drive: np.ndarray
+    lines: np.ndarray
+    frequency: np.ndarray
+    inside: np.ndarray
+    response: np.ndarray
+    outputs: tuple[int, ...]
+    step: int
+
+    @classmethod
+    def of(cls, made: Setup, loudest: np.ndarray) -> "RigCheck":
+        """Make the burst of a run.
+
+        Parameters
+        ----------
+        made : Setup
+        loudest : array, shape (samples, coils), V
+            The first drive, beside which the burst is weak.
+        """
+        config, law = made.config, made.law
+        step, rate = config.learning.decimation, config.audio.rate
+        low, high = config.characterisation.preload_band
+        lead, burst, tail = (step * round(seconds * rate / step) for seconds in (LEAD, BURST, TAIL))
+        signal = np.zeros((lead + burst + tail, law.spread.shape[1]))
+        signal[lead : lead + burst] = _burst(burst, rate, (low, high), signal.shape[1])
+        level = float(rms(loudest).max()) * 10 ** (LEVEL_DB / 20) / float(rms(signal @ law.spread.T).max())
+        signal *= level
+        frequency = np.fft.rfftfreq(len(signal) // step, step / rate)
+        ends = max(low, law.matrix.frequency[0]), min(high, law.matrix.frequency[-1])
+        inside = np.flatnonzero((frequency >= ends[0]) & (frequency <= ends[1]) & ~law.matrix.lacks(frequency))
+        lines = np.fft.rfft(Decimator(step).apply(signal), axis=0)[inside]
+        response = law.matrix.at(frequency[inside]).response
+        drive = (signal @ law.spread.T).astype(np.float32)
+        return cls(drive, lines, frequency[inside], inside, response, law.outputs, step)
+
+    def judge(self, response: np.ndarray) -> tuple[float, Change | None]:
+        """Return by how much the model is off, 1, re the response, and what has been changed about the rig.
+
+        Parameters
+        ----------
+        response : array, shape (samples, responses), m/s^2
+        """
+        heard = np.fft.rfft(Decimator(self.step).apply(response[:, list(self.outputs)]), axis=0)[self.inside]
+        left = heard - (self.response @ self.lines[..., None])[..., 0]
+        off = float(np.linalg.norm(left) / max(float(np.linalg.norm(heard)), FAINT))
+        return off, change_of(self.response, self.lines, heard, self.frequency)
+
+
+def changed_channels(algorithm: Algorithm, shot: Shot) -> Change | None:
+    """Return what has been changed about the rig, as the strong lines of a shot show it to what is believed of G."""
+    law = algorithm.law
+    size = np.abs(law.reference).max(axis=1)
+    strong = (size > SIGNIFICANT * size.max()) & (law.active > 0)
+    return change_of(
+        algorithm.belief.response[strong], shot.drive[strong], shot.response[strong], law.matrix.frequency[strong]
+    )
+
+
+def _burst(samples: int, rate: float, band: tuple[float, float], inputs: int) -> np.ndarray:
+    """Return a signal (samples, inputs) of rms about 1 in a band, in which every input has phases of its own."""
+    frequency = np.fft.rfftfreq(samples, 1 / rate)
+    inside = (frequency >= band[0]) & (frequency <= band[1])
+    phase = np.random.default_rng(inputs).uniform(0, 2 * np.pi, (np.count_nonzero(inside), inputs))
+    lines = np.zeros((len(frequency), inputs), complex)
+    lines[inside] = np.exp(1j * phase)
+    rise = np.sin(0.5 * np.pi * np.clip(np.arange(samples) / (EDGE * samples), 0, 1)) ** 2
+    signal: np.ndarray = np.fft.irfft(lines, samples, axis=0) * (rise * rise[::-1])[:, None]
+    return signal
