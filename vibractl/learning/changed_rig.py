@@ -163,8 +163,7 @@ def _coils(response: np.ndarray, drive: np.ndarray, heard: np.ndarray) -> Iterat
 def _ordered(response: np.ndarray, drive: np.ndarray, heard: np.ndarray, order: tuple[int, ...]) -> _Explanation:
     inputs = len(order)
     parts, wanted = (response * drive[:, None, order]).reshape(-1, inputs), heard.reshape(-1)
-    parts = np.concatenate((parts.real, parts.imag))
-    gain = np.linalg.lstsq(parts, np.concatenate((wanted.real, wanted.imag)))[0]
+    gain = np.linalg.lstsq((parts.conj().T @ parts).real, (parts.conj().T @ wanted).real)[0]
     left = _energy(heard - (response @ (gain * drive[:, order])[..., None])[..., 0])
     return _Explanation("drive", order, gain, np.zeros(inputs), left)
 
