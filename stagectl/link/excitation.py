@@ -72,13 +72,15 @@ def excited(
     capture = Capture(len(whole) // BLOCK + after)
     with undisturbed():
         link.excite(drive, axis, capture)
-        first = link.sent
+        first, refused = link.sent, link.references.refused
         try:
             if run_linked(graph, link, len(whole) // BLOCK, stopped) < len(whole) // BLOCK:
                 raise Stopped("stopped")
         finally:
             if not link.reason:
                 link.stop()
+    if count := link.references.refused - refused:  # what follows would be played too early
+        raise SamplesLost(f"this program stood still: {count} samples found no room on their way to the stage")
     start = capture.start(first, before + blocks)
     if isinstance(start, str):
         raise SamplesLost(start)

@@ -83,6 +83,20 @@ def test_lost_samples_are_told(rig: Rig) -> None:
     assert "of the stage's blocks of extension, 1 were lost" in told
 
 
+def test_samples_that_found_no_room_on_their_way_are_told(rig: Rig) -> None:
+    """As where the thread that sends stood still: all that follow are played too early."""
+    link, _, _ = rig
+    ticks = iter(range(10_000))
+
+    def too_many() -> bool:
+        if next(ticks) == 300:
+            link.references.put(np.zeros((5_000, 3)))
+        return False
+
+    with pytest.raises(SamplesLost, match=r"stood still: [34]\d+ samples found no room on their way to the stage"):
+        excited(link, Drive.VOLTAGE, 1, np.zeros(10_000), 0.1, too_many)
+
+
 def test_a_bus_that_is_too_slow_is_refused(rig: Rig) -> None:
     link, _, _ = rig
     link.link = link.link.model_copy(update={"bitrate": 500_000, "data_bitrate": 2_000_000})
