@@ -105,7 +105,7 @@ class Session:
         with self._opened() as line:
             self.folder.event("started", {"shot": self.done, "round_trip": line.round_trip, "software": software()})
             try:
-                self._look_at_rig(line)
+                self._look_at_rig(line, stopped)
                 while self.done < shots and not stopped():
                     number = self.done
                     tell(number, self._shoot(line))
@@ -131,11 +131,13 @@ class Session:
         self.folder.summarise(figures)
         return figures
 
-    def _look_at_rig(self, line: Line) -> None:
+    def _look_at_rig(self, line: Line, stopped: Callable[[], bool]) -> None:
         """Play a weak burst, and end where its response is that of other channels than the model's."""
         if not self.config.session.check or self._made.learned.is_far:
             return
         check = RigCheck.of(self._made, self.learner.drive)
+        if stopped():
+            return
         capture = line.emit(check.drive)
         off, change = check.judge(capture.response)
         self.folder.event("checked", {"shot": self.done, "off": tidy(off), "change": change.text if change else ""})

@@ -106,6 +106,15 @@ def test_a_sensor_that_turns_round_while_it_learns_ends_the_run_before_it_is_lea
         assert go(again, resumed_setup(again), 4).done == 4
 
 
+def test_nothing_is_played_after_a_stop_that_came_while_the_stream_was_opened(tmp_path: Path) -> None:
+    folder, made = begun(tmp_path)
+    with folder:
+        session = Session(folder, made)
+        session.run(1, lambda *_: None, lambda: True)
+    assert session.done == 0
+    assert "checked" not in [event["event"] for event in read_events(tmp_path / "run")]
+
+
 def test_nothing_is_played_or_refused_where_nobody_wants_to_know(tmp_path: Path) -> None:
     folder, made = begun(tmp_path, "session.check=false")
     with folder:
