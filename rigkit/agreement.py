@@ -21,6 +21,8 @@ from rigkit.toml_text import value_text
 
 DRIVE = "drive"
 """Key of a drive that is not the one that was played."""
+CHANNELS = "channels"
+"""Key of channels that are not those of a model: known when the rig has answered, and said then."""
 CONTENT = ", its content,"
 MOST_SAID = 4
 _IDLE = ": nothing differs there"
@@ -229,7 +231,7 @@ def _notes(found: Sequence[Difference], accept: Collection[str], what: str) -> I
     for each in found:
         yield f"{what}: {each.text}{'; accepted' if each.is_harmful else ''}"
     for key in accept:
-        if key not in [each.key for each in found]:
+        if key != CHANNELS and key not in [each.key for each in found]:
             yield f"--accept {key}{_IDLE}"
 
 

@@ -9,7 +9,7 @@ from vibractl.config import Limits, Quality
 from vibractl.decibels import FAINT, decibels, rms
 from vibractl.judging import Judged
 from vibractl.learning.disturbance import noise_power
-from vibractl.learning.law import SIGNIFICANT, reference_level, settled_window
+from vibractl.learning.law import reference_level, settled_window, strong_lines
 from vibractl.mains import Hum, Mains
 from vibractl.overtones import Overtones
 from vibractl.place import Place
@@ -120,8 +120,7 @@ class Judge:
         self._wanted = self.lines(self._reference)
         self._root = setup.reference.root
         self._judged = self._judged_lines(setup.config.learning.overtones)
-        size = np.abs(self._wanted).max(axis=1)
-        self._overtones = Overtones(self._reference, rate, self.frequency[np.argmax(size > SIGNIFICANT * size.max())])
+        self._overtones = Overtones(self._reference, rate, self.frequency[np.argmax(strong_lines(self._wanted))])
 
     @property
     def reference_level(self) -> np.ndarray:

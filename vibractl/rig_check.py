@@ -4,17 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rigkit.agreement import DisagreementError
-from vibractl.decibels import FAINT, rms
+from rigkit.agreement import CHANNELS, DisagreementError
+from vibractl.decibels import rms
 from vibractl.learning.algorithm import Algorithm
-from vibractl.learning.changed_rig import Change, change_of
-from vibractl.learning.law import SIGNIFICANT
+from vibractl.learning.changed_rig import Change, change_of, unexplained
+from vibractl.learning.law import strong_lines
 from vibractl.learning.shot import Shot
 from vibractl.setup import Setup
 from vibractl.spectrum import Decimator
 
-CHANNELS = "channels"
-"""Key by which a rig is accepted whose channels are not those of its model."""
 LEVEL_DB = -12.0
 """Of the burst, re the first drive of the run."""
 LEAD, BURST, TAIL = 0.2, 2.0, 1.0
@@ -81,8 +79,7 @@ class RigCheck:
         level = float(rms(loudest).max()) * 10 ** (LEVEL_DB / 20) / float(rms(signal @ law.spread.T).max())
         signal *= level
         frequency = np.fft.rfftfreq(len(signal) // step, step / rate)
-        ends = max(low, law.matrix.frequency[0]), min(high, law.matrix.frequency[-1])
-        inside = np.flatnonzero((frequency >= ends[0]) & (frequency <= ends[1]) & ~law.matrix.lacks(frequency))
+        inside = np.flatnonzero((frequency >= low) & (frequency <= high) & law.matrix.covers(frequency))
         lines = np.fft.rfft(Decimator(step).apply(signal), axis=0)[inside]
         response = law.matrix.at(frequency[inside]).response
         drive = (signal @ law.spread.T).astype(np.float32)
@@ -96,16 +93,14 @@ class RigCheck:
         response : array, shape (samples, responses), m/s^2
         """
         heard = np.fft.rfft(Decimator(self.step).apply(response[:, list(self.outputs)]), axis=0)[self.inside]
-        left = heard - (self.response @ self.lines[..., None])[..., 0]
-        off = float(np.linalg.norm(left) / max(float(np.linalg.norm(heard)), FAINT))
+        off = unexplained(self.response, self.lines, heard)
         return off, change_of(self.response, self.lines, heard, self.frequency)
 
 
 def changed_channels(algorithm: Algorithm, shot: Shot) -> Change | None:
     """Return what has been changed about the rig, as the strong lines of a shot show it to what is believed of G."""
     law = algorithm.law
-    size = np.abs(law.reference).max(axis=1)
-    strong = (size > SIGNIFICANT * size.max()) & (law.active > 0)
+    strong = strong_lines(law.reference) & (law.active > 0)
     return change_of(
         algorithm.belief.response[strong], shot.drive[strong], shot.response[strong], law.matrix.frequency[strong]
     )

@@ -9,7 +9,7 @@ import numpy as np
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording
-from rigkit.agreement import DRIVE, Difference, agreed
+from rigkit.agreement import CHANNELS, DRIVE, Difference, agreed
 from rigkit.provenance import software
 from rigkit.run_folder import RunFolder, read_quality
 from rigkit.run_origin import WAY_OUT
@@ -24,7 +24,7 @@ from vibractl.mains import Hum
 from vibractl.place import Place
 from vibractl.quality import Judge, Marks
 from vibractl.quality_table import reduced, row_of, summary
-from vibractl.rig_check import CHANNELS, SECONDS, ChangedRigError, RigCheck, changed_channels
+from vibractl.rig_check import SECONDS, ChangedRigError, RigCheck, changed_channels
 from vibractl.run_setup import require_room, shot_files
 from vibractl.setup import Setup
 from vibractl.shot_file import DISCARDED, far_field_of, keep_discarded, recording_of, set_aside, split
@@ -54,8 +54,7 @@ class Session:
         self, folder: RunFolder, made: Setup, supervision: Supervision = ALONE, accept: Collection[str] = ()
     ) -> None:
         self.folder, self.config, self._made = folder, made.config, made
-        self._supervision, self._accept = supervision, accept
-        self._said = [each for each in made.said if not each.startswith(f"--accept {CHANNELS}:")]  # seen by the burst
+        self._supervision, self._accept, self._said = supervision, accept, list(made.said)
         self.line: Line | None = None
         """While it is open, or after it has failed."""
         self.learner: Learner = made.learner()
@@ -131,9 +130,13 @@ class Session:
         self.folder.summarise(figures)
         return figures
 
+    @property
+    def _looks_at_rig(self) -> bool:
+        return self.config.session.check and not self._made.learned.is_far
+
     def _look_at_rig(self, line: Line, stopped: Callable[[], bool]) -> None:
         """Play a weak burst, and end where its response is that of other channels than the model's."""
-        if not self.config.session.check or self._made.learned.is_far:
+        if not self._looks_at_rig:
             return
         check = RigCheck.of(self._made, self.learner.drive)
         if stopped():
@@ -148,8 +151,8 @@ class Session:
             raise
 
     def _check(self, change: Change | None, where: str = "") -> None:
-        """Go no further where channels have been changed, unless that is accepted or nobody wants to know."""
-        if change is not None and self.config.session.check and CHANNELS not in self._accept:
+        """Go no further where channels have been changed, unless that is accepted."""
+        if change is not None and CHANNELS not in self._accept:
             raise ChangedRigError(f"{self.folder.path}/{where}", change)
 
     def _shoot(self, line: Line) -> Marks:
@@ -164,8 +167,7 @@ class Session:
         try:
             return self._learn(record, write)
         except ChangedRigError as fault:
-            kept = set_aside(self.folder.path / DISCARDED, path)
-            self.folder.event("discarded", {"shot": self.done, "attempt": 1, "reason": fault.change, "kept": kept})
+            self._tell_discarded(1, fault.change, set_aside(self.folder.path / DISCARDED, path))
             raise
 
     def _learn(self, record: Recording, write: bool = True) -> Marks:
@@ -178,7 +180,7 @@ class Session:
         if self._made.learned.is_far:
             self.learner.far_field[:] = heard[1]
         shot = self.learner.analysed()
-        if write and purpose == "learn" and not self._made.learned.is_far:
+        if write and purpose == "learn" and self._looks_at_rig:
             self._check(changed_channels(algorithm, shot), f", shot {number}")
         self.learner.follow(shot)
         pairs = zip(self._judges, heard, strict=False)
@@ -232,5 +234,8 @@ class Session:
     def _discarded(self, discarded: Discarded) -> None:
         """Keep a recording that nothing is learned from, and say why."""
         kept = keep_discarded(self.folder.path / DISCARDED, f"{self.done:04d}", discarded, self.config)
-        fields = {"shot": self.done, "attempt": discarded.attempt, "reason": discarded.reason}
-        self.folder.event("discarded", {**fields, "kept": kept.name})
+        self._tell_discarded(discarded.attempt, discarded.reason, kept)
+
+    def _tell_discarded(self, attempt: int, reason: str, kept: Path) -> None:
+        fields = {"shot": self.done, "attempt": attempt, "reason": reason, "kept": kept.name}
+        self.folder.event("discarded", fields)

@@ -79,8 +79,7 @@ def keep_discarded(place: Path, name: str, discarded: Discarded, config: RigConf
     Path
         A recording; or an `.npy` file of response, far field and loopback alone where they are not finite.
     """
-    place.mkdir(parents=True, exist_ok=True)
-    path = place / f"{name}-{discarded.attempt}-{len(list(place.iterdir())):03d}.wav"
+    path = _next_in(place, f"{name}-{discarded.attempt}", ".wav")
     heard = np.column_stack((discarded.capture.response, discarded.capture.far_field, discarded.capture.loopback))
     if np.isfinite(heard).all():
         recording.write(path, recording_of(discarded.capture, config))
@@ -91,9 +90,12 @@ def keep_discarded(place: Path, name: str, discarded: Discarded, config: RigConf
     return path
 
 
-def set_aside(place: Path, recorded: Path) -> str:
-    """Move a recording to the folder (made if absent) of those that nothing may be learned from; return its name."""
+def set_aside(place: Path, recorded: Path) -> Path:
+    """Move a recording to the folder (made if absent) of those that nothing may be learned from; return where it is."""
+    return recorded.rename(_next_in(place, recorded.stem, recorded.suffix))
+
+
+def _next_in(place: Path, name: str, suffix: str) -> Path:
+    """Return a path in a folder, made if absent, that ends in how many things are there."""
     place.mkdir(parents=True, exist_ok=True)
-    kept = place / f"{recorded.stem}-{len(list(place.iterdir())):03d}{recorded.suffix}"
-    recorded.rename(kept)
-    return kept.name
+    return place / f"{name}-{len(list(place.iterdir())):03d}{suffix}"

@@ -91,6 +91,17 @@ class TransferMatrix:
             inside |= (frequency > low - SIDE) & (frequency < high + SIDE)
         return inside
 
+    def covers(self, frequency: np.ndarray) -> np.ndarray:
+        """Say at which lines there is a value, (lines,) of bool: within the band, and in no gap.
+
+        Parameters
+        ----------
+        frequency : array, shape (lines,), Hz
+        """
+        within = (frequency >= self.frequency[0]) & (frequency <= self.frequency[-1])
+        covered: np.ndarray = within & ~self.lacks(frequency)
+        return covered
+
     def described(self, **words: str) -> "TransferMatrix":
         """Return it with more words in its provenance."""
         return replace(self, provenance={**self.provenance, **words})

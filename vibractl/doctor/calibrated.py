@@ -4,7 +4,7 @@ import numpy as np
 
 from vibractl.doctor.coils import Answers
 from vibractl.doctor.verdict import Verdict
-from vibractl.learning.changed_rig import change_of
+from vibractl.learning.changed_rig import change_of, unexplained
 from vibractl.transfer_matrix import TransferMatrix
 
 MODEL = "model"
@@ -24,8 +24,7 @@ def model_verdict(found: Answers, matrix: TransferMatrix, late: float) -> Verdic
     late : float, s
         Round trip that is in the answers.
     """
-    inside = (found.frequency >= matrix.frequency[0]) & (found.frequency <= matrix.frequency[-1])
-    inside &= ~matrix.lacks(found.frequency)
+    inside = matrix.covers(found.frequency)
     frequency = found.frequency[inside]
     if not len(frequency):
         measured = f"the model has no line from {found.frequency[0]:.0f} to {found.frequency[-1]:.0f} Hz"
@@ -35,8 +34,9 @@ def model_verdict(found: Answers, matrix: TransferMatrix, late: float) -> Verdic
     coils = model.shape[2]
     drive = np.repeat(np.eye(coils), len(frequency), axis=0)  # one coil after the other
     stacked = np.concatenate([heard[:, :, coil] for coil in range(coils)])
-    off = float(np.linalg.norm(heard - model) / max(float(np.linalg.norm(heard)), np.finfo(float).tiny))
-    change = change_of(np.tile(model, (coils, 1, 1)), drive, stacked, np.tile(frequency, coils))
+    tiled = np.tile(model, (coils, 1, 1))
+    off = unexplained(tiled, drive, stacked)
+    change = change_of(tiled, drive, stacked, np.tile(frequency, coils))
     if change is not None:
         advice = "set it right, or measure a new model with `calibrate vibrator`"
         return Verdict(MODEL, "fail", change.text, _LIMIT, advice, off, "1", {"left": change.left})

@@ -12,6 +12,8 @@ from itertools import combinations, permutations
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from vibractl.decibels import FAINT
+
 OFF = 0.5
 """Of an output, rms over its lines and re the smaller of response and prediction: the model does not explain it."""
 LEFT = 0.35
@@ -30,7 +32,7 @@ LATEST = 0.03
 """s that a channel may be late or early."""
 SILENT, SMALLER, LARGER = 0.1, 0.75, 1.33
 """Gains, 1, beyond which a channel is said to be silent or another in size."""
-FAINT = np.finfo(float).tiny
+_TINY = np.finfo(float).tiny
 MOST_ARRANGED = 4
 """Coils that are tried in every order; of more, two are exchanged."""
 
@@ -86,12 +88,25 @@ def change_of(response: np.ndarray, drive: np.ndarray, heard: np.ndarray, freque
     simple = [*_sensors(predicted, heard), *_coils(response, drive, heard)]
     alike = _alike(simple, _late(predicted, heard, frequency), is_off)
     here, there = (float(_energy(lines)[is_off].sum()) for lines in (heard, predicted))
-    off = float(error[is_off].sum()) / max(float(smaller[is_off].sum()), FAINT)
-    left = float(alike[0].left[is_off].sum()) / max(here, FAINT)
+    off = float(error[is_off].sum()) / max(float(smaller[is_off].sum()), _TINY)
+    left = float(alike[0].left[is_off].sum()) / max(here, _TINY)
     if left > LEFT**2 * off or (left > UNHEARD**2 and here > SILENT**2 * there):
         return None
     text = ", or: ".join(_simplest(alike))
     return Change(text, float(np.sqrt(off)), float(np.sqrt(left))) if text else None
+
+
+def unexplained(response: np.ndarray, drive: np.ndarray, heard: np.ndarray) -> float:
+    """Return what G leaves unexplained of a response, 1, rms over lines and outputs, of what is heard.
+
+    Parameters
+    ----------
+    response : complex array, shape (lines, outputs, inputs), m/s^2 per V
+    drive : complex array, shape (lines, inputs), V s
+    heard : complex array, shape (lines, outputs), m/s^2 s
+    """
+    left = heard - (response @ drive[..., None])[..., 0]
+    return float(np.linalg.norm(left) / max(float(np.linalg.norm(heard)), FAINT))
 
 
 def _alike(simple: list[_Explanation], late: _Explanation, is_off: np.ndarray) -> list[_Explanation]:
@@ -109,7 +124,7 @@ def _alike(simple: list[_Explanation], late: _Explanation, is_off: np.ndarray) -
 def _weight(predicted: np.ndarray) -> np.ndarray:
     """Return weights (lines, 1) by which resonances, where a model is worst, count no more than other lines."""
     energy = (np.abs(predicted) ** 2).sum(axis=1, keepdims=True)
-    weight: np.ndarray = 1 / np.sqrt(np.maximum(energy, max(FLOOR**2 * energy.mean(), FAINT)))
+    weight: np.ndarray = 1 / np.sqrt(np.maximum(energy, max(FLOOR**2 * energy.mean(), _TINY)))
     return weight
 
 
@@ -124,7 +139,7 @@ def _sensors(predicted: np.ndarray, heard: np.ndarray) -> Iterator[_Explanation]
     cross = (predicted.conj().T @ heard).real.T
     late = np.zeros(cross.shape)
     yield _assigned(cross, predicted, heard, late, np.arange(len(cross)))
-    size = np.maximum(np.sqrt(_energy(predicted)), FAINT)
+    size = np.maximum(np.sqrt(_energy(predicted)), _TINY)
     same = np.abs(predicted.conj().T @ predicted) / size / size[:, None]
     if np.all(same <= KIN + np.eye(len(same))):
         yield _assigned(cross, predicted, heard, late)
@@ -145,7 +160,7 @@ def _assigned(
     cross: np.ndarray, predicted: np.ndarray, heard: np.ndarray, late: np.ndarray, source: np.ndarray | None = None
 ) -> _Explanation:
     """Give each output (rows) a predicted one (columns): that of which it has most, where `source` does not say."""
-    size = np.maximum(_energy(predicted), FAINT)
+    size = np.maximum(_energy(predicted), _TINY)
     explained, rows = cross**2 / size, np.arange(len(cross))
     columns = linear_sum_assignment(-explained)[1] if source is None else source
     left = np.maximum(_energy(heard) - explained[rows, columns], 0.0)  # rounding

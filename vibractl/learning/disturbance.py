@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vibractl.learning.law import SIGNIFICANT
+from vibractl.learning.law import strong_lines
 
 QUIET_REACH = 15
 """Bins to each side over which the noise in the silence is a median: hum is left out."""
@@ -29,10 +29,9 @@ class Disturbance:
     """
 
     def __init__(self, reference: np.ndarray, coupling: float, reach: int) -> None:
-        size = np.abs(reference).max(axis=1)
-        self._strong = size > SIGNIFICANT * size.max()
+        self._strong = strong_lines(reference)
         self._coupling, self._reach = coupling, reach
-        self._floor = (FLOOR * float(size.max())) ** 2
+        self._floor = (FLOOR * float(np.abs(reference).max())) ** 2
 
     def power(self, noise: np.ndarray, distortion: np.ndarray, change: float) -> np.ndarray:
         """Return E |v|^2 of each line.

@@ -152,6 +152,13 @@ def settled_window(reference: Reference, frames: int) -> np.ndarray | float:
     return settled
 
 
+def strong_lines(reference: np.ndarray) -> np.ndarray:
+    """Return which lines are the reference's own, bool (lines,): large at any of its outputs, (lines, outputs)."""
+    size = np.abs(reference).max(axis=1)
+    strong: np.ndarray = size > SIGNIFICANT * size.max()
+    return strong
+
+
 def reference_level(lines: np.ndarray) -> np.ndarray:
     """Return the level (outputs,) of a reference's lines (lines, outputs), m/s^2 s: rms of the significant ones."""
     size = np.abs(lines)
@@ -188,8 +195,7 @@ def _lines(settings: Learning, reference: Reference, rate: float, plans: Plans) 
 
 def _scaled_reference(matrix: TransferMatrix, wanted: np.ndarray) -> np.ndarray:
     """Scale the reference by the plant's typical size in the reference's band: no model of its shape is used."""
-    size = np.abs(wanted).max(axis=1)
-    band = size > SIGNIFICANT * size.max()
+    band = strong_lines(wanted)
     typical = np.median(np.linalg.norm(matrix.response[band], axis=1), axis=0)
     share = wanted if matrix.inputs == wanted.shape[1] else wanted.mean(axis=1, keepdims=True)
     start: np.ndarray = share / typical

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibractl.learning.law import SIGNIFICANT
+from vibractl.learning.law import strong_lines
 
 ORDER = 2
 """By which power of the level that part of a drive rises which makes up for distortion, and an error as well."""
@@ -85,8 +85,7 @@ class Check:
         self.known, self._reference, self._limit = known, reference, limit
         self._levels = [10 ** (level / 20) for level in known.levels]
         self._done = 0
-        size = np.abs(reference).max(axis=1)
-        self._strong = size > SIGNIFICANT * size.max()
+        self._strong = strong_lines(reference)
         distortion = (known.response - (known.model @ known.drive[..., None])[..., 0])[known.judged]
         allowed = limit * float(np.sqrt(distortion.size))
         self._left = max(float(np.linalg.norm(distortion)), allowed, np.finfo(float).tiny)
