@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from rigkit.service.access import TOKENS, Tokens, read_tokens
+from rigkit.service.access import TOKENS, Tokens, address_of, read_tokens
 from rigkit.service.client import Client, DaemonError
 from rigkit.service.config import Daemon
 from rigkit.service.daemon import EVENTS
@@ -110,7 +110,11 @@ def served(
 
 def answers(daemon: Served) -> bool:
     """Whether the page's process is there."""
+    path = address_of(daemon.settings.address).path
     try:
+        if path:  # httpcore leaves a socket open, and warns, where nobody listens yet
+            with socket.socket(socket.AF_UNIX) as probe:
+                probe.connect(path)
         with daemon.client() as client:
             return client.snapshot() is not None
     except (DaemonError, OSError):
