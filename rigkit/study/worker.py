@@ -1,7 +1,8 @@
 """A process that performs tasks one after the other: the imports and compiled loops of one serve the next.
 
 `python -m rigkit.study.worker FILES SCRATCH` reads a task a line on its standard input and writes an outcome a line on
-its standard output; before the first, what it is.  It ends, with every process that it started, when its input does.
+its standard output; before the first, what it is.  It ends, with every process that it started, when its input does,
+and where a command was stopped by its user: the task is then begun again by another.
 """
 
 import os
@@ -17,6 +18,7 @@ from typing import BinaryIO
 import numpy as np
 from threadpoolctl import threadpool_info
 
+from rigkit.command import STOPPED
 from rigkit.json_file import json_value
 from rigkit.json_text import json_text
 from rigkit.provenance import software
@@ -38,7 +40,10 @@ def main() -> None:
     _send(results, json_text({"software": software(), "host": platform.node(), "processor": processor()}))
     while True:
         task = Task.of(json_value(lines.get().decode(), "a task", dict))
-        _send(results, perform(task, files, scratch).text)
+        outcome = perform(task, files, scratch)
+        if outcome.status == STOPPED:  # by a signal to this process, which says nothing of the task
+            os.killpg(0, signal.SIGKILL)
+        _send(results, outcome.text)
 
 
 def processor() -> str:

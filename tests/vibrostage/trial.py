@@ -29,6 +29,8 @@ def main() -> int:
         os.kill(os.getpid(), signal.SIGSEGV)
     if kind == "killed":
         os.kill(os.getpid(), signal.SIGKILL)
+    if kind == "stopped":
+        return 130
     if kind == "exit":
         sys.exit("no more")
     if kind == "hang":
