@@ -38,6 +38,7 @@ def fail_and_take_up(folder: Path, patch: pytest.MonkeyPatch, stride: int) -> in
     return failed
 
 
+@pytest.mark.slow
 def test_a_call_that_fails_leaves_no_part_of_a_file_and_the_run_goes_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -44,6 +44,7 @@ def worst(mark: Marks) -> float:
     return float(mark.worst_line_db.max())
 
 
+@pytest.mark.slow
 def test_it_is_caught_within_four_shots_and_two_more_a_band_restore_convergence(model: TransferMatrix) -> None:
     """The mode leaves one band and enters the next: both are reidentified, one after the other."""
     marks, decisions = watched(model, 28, *MOVES)

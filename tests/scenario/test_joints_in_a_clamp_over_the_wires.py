@@ -45,6 +45,7 @@ def here(_: object) -> Iterator[Executor]:
     yield Here()
 
 
+@pytest.mark.slow
 def test_a_joint_is_measured_and_a_pause_holds_the_arm(tmp_path: Path) -> None:
     asked, told = Requests(), []
 

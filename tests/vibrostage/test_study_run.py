@@ -99,6 +99,7 @@ def test_a_task_that_takes_too_long_is_killed(call: Call) -> None:
     assert {(row.status, row.message) for row in results("o")} == {(TOO_LONG, "killed after 0.5 s")}
 
 
+@pytest.mark.slow
 def test_a_killed_program_takes_its_workers_along_and_goes_on_by_the_same_command(folder: Path, call: Call) -> None:
     command = [sys.executable, "-m", "vibrostage", "study", "run", "study.toml", "--out", "killed"]
     with subprocess.Popen([*command, "--set", "seeds.count=9000"], stderr=subprocess.DEVNULL) as program:

@@ -39,6 +39,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Recording:
     return made
 
 
+@pytest.mark.slow
 def test_ranges_hold_the_true_friction_and_noise_is_found(swept: Recording) -> None:
     friction, _, fit = friction_and_gravity(swept, arm_with_tool(CELL), CELL.friction)
     joints = RobotPlant(seed=1).joints
