@@ -6,7 +6,7 @@ import shutil
 import sys
 import time
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -48,9 +48,9 @@ def perform(task: Task, files: Path, scratch: Path) -> Outcome:
     began, used = time.monotonic(), _processor_time()
     given: list[Words] = []
     with _living_in(place):
-        status, failed = _run(task.commands, place, given)
+        status, failed, since = _run(task.commands, place, given)
     wall, cpu = time.monotonic() - began, _processor_time() - used
-    message = _message(place, status) if status else ""
+    message = _message(place, status, since) if status else ""
     figures, notes = _figures(task, place)
     if task.keep == "nothing" or (task.keep == "failed" and not status):
         shutil.rmtree(place, ignore_errors=True)
@@ -68,15 +68,19 @@ def perform(task: Task, files: Path, scratch: Path) -> Outcome:
     )
 
 
-def _run(commands: Sequence[Words], place: Path, given: list[Words]) -> tuple[int, int]:
-    """Run commands until one fails; return its exit status and which one it is, from 1; 0 and 0 where none does.
+def _run(commands: Sequence[Words], place: Path, given: list[Words]) -> tuple[int, int, Mapping[str, int]]:
+    """Run commands until one fails; return its exit status, which one it is, from 1, and where its own words begin.
 
-    What they were given, with the values that earlier ones have written, is added to `given`.
+    Status and number are 0 where none fails. What they were given, with the values that earlier ones have written, is
+    added to `given`.
     """
+    since: dict[str, int] = {}
     for number, words in enumerate(commands, start=1):
+        _flush()
+        since = {name: (place / name).stat().st_size for name in _STREAMS.values()}
         if status := _status(words, place, given):
-            return status, number
-    return DONE, 0
+            return status, number, since
+    return DONE, 0, since
 
 
 def _status(words: Words, place: Path, given: list[Words]) -> int:
@@ -104,8 +108,7 @@ def _living_in(place: Path) -> Iterator[None]:
         yield
     finally:
         os.chdir(home)
-        sys.stdout.flush()
-        sys.stderr.flush()
+        _flush()
         for number, stream in kept.items():
             os.dup2(stream, number)
             os.close(stream)
@@ -113,20 +116,27 @@ def _living_in(place: Path) -> Iterator[None]:
             os.environ.pop(name) if value is None else os.environ.update({name: value})
 
 
-def _message(place: Path, status: int) -> str:
-    """Return the last line that was told, the same in whichever folder.
+def _flush() -> None:
+    """Write what was printed and told to its files."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+
+
+def _message(place: Path, status: int, since: Mapping[str, int]) -> str:
+    """Return the last line that the command that failed has told, the same in whichever folder.
 
     A command that was performed, and whose result is not good, says so in what it prints, not among its progress.
     """
-    told, printed = (_lines(place / name) for name in (TOLD, PRINTED))
+    told, printed = (_lines(place / name, since[name]) for name in (TOLD, PRINTED))
     is_verdict = status == FAULT and printed and _TRACEBACK not in told
     lines = printed if is_verdict else told
     return lines[-1].replace(f"{place}/", "").replace(str(place), ".")[:_LONGEST_MESSAGE] if lines else ""
 
 
-def _lines(file: Path) -> list[str]:
-    """Return the lines of a file that are not empty, without the spaces around them."""
-    return [line.strip() for line in file.read_text(errors="replace").split("\n") if line.strip()]
+def _lines(file: Path, since: int) -> list[str]:
+    """Return the lines of a file from a byte on that are not empty, without the spaces around them."""
+    text = file.read_bytes()[since:].decode(errors="replace")
+    return [line.strip() for line in text.split("\n") if line.strip()]
 
 
 def _figures(task: Task, place: Path) -> tuple[dict[str, Any], list[str]]:
