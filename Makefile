@@ -32,7 +32,7 @@ unexport PYTHONDONTWRITEBYTECODE
 test soak: export OPENBLAS_NUM_THREADS := 1
 
 test: setup packages  ## the tests, without the slow ones and those that need a rig
-	$(BIN)/pytest -q -n 4 --dist loadfile --no-loadscope-reorder -m "not rig and not slow and not deadline"
+	$(BIN)/pytest -q -n 3 --dist loadfile --no-loadscope-reorder -m "not rig and not slow and not deadline"
 	$(BIN)/pytest -q -m "deadline and not rig and not slow" $$(grep -rlF --include='*.py' mark.deadline tests)
 
 check: setup     ## ruff, mypy, import contracts
