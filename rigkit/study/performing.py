@@ -48,9 +48,8 @@ def perform(task: Task, files: Path, scratch: Path) -> Outcome:
     began, used = time.monotonic(), _processor_time()
     given: list[Words] = []
     with _living_in(place):
-        status, failed, since = _run(task.commands, place, given)
+        status, failed, message = _run(task.commands, place, given)
     wall, cpu = time.monotonic() - began, _processor_time() - used
-    message = _message(place, status, since) if status else ""
     figures, notes = _figures(task, place)
     if task.keep == "nothing" or (task.keep == "failed" and not status):
         shutil.rmtree(place, ignore_errors=True)
@@ -68,19 +67,19 @@ def perform(task: Task, files: Path, scratch: Path) -> Outcome:
     )
 
 
-def _run(commands: Sequence[Words], place: Path, given: list[Words]) -> tuple[int, int, Mapping[str, int]]:
-    """Run commands until one fails; return its exit status, which one it is, from 1, and where its own words begin.
+def _run(commands: Sequence[Words], place: Path, given: list[Words]) -> tuple[int, int, str]:
+    """Run commands until one fails; return its exit status, which one it is, from 1, and what it told last.
 
-    Status and number are 0 where none fails. What they were given, with the values that earlier ones have written, is
-    added to `given`.
+    0, 0 and nothing where none does. What they were given, with the values that earlier ones have written, is added to
+    `given`.
     """
-    since: dict[str, int] = {}
     for number, words in enumerate(commands, start=1):
-        _flush()
         since = {name: (place / name).stat().st_size for name in _STREAMS.values()}
-        if status := _status(words, place, given):
-            return status, number, since
-    return DONE, 0, since
+        status = _status(words, place, given)
+        _flush()
+        if status:
+            return status, number, _message(place, status, since)
+    return DONE, 0, ""
 
 
 def _status(words: Words, place: Path, given: list[Words]) -> int:

@@ -77,20 +77,26 @@ def test_the_result_is_the_same_with_one_worker_with_three_and_with_workers_that
 
 
 def test_what_came_of_each_task_is_a_result(call: Call) -> None:
-    kinds = 'settings.values.kind=["refused","fault","exit","crash","killed","stopped","silent"]'
+    kinds = 'settings.values.kind=["refused","fault","exit","crash","killed","silent"]'
     ran = ("run", "study.toml", "--out", "o", "--set", kinds, "--set", "seeds={first=3,count=1}")
     status, told, said = call(*ran, "--workers", "2")
-    assert (status, told["tasks"], told["refused"], told["failed"]) == (0, 7, 1, 6)
-    assert "1 refused, 6 failed" in said
+    assert (status, told["tasks"], told["refused"], told["failed"]) == (0, 6, 1, 5)
+    assert "1 refused, 5 failed" in said
     came = {row.case["kind"]: (row.status, row.failed, row.message, row.tries) for row in results("o")}
     assert came["refused"] == (2, 1, "error: seed 3 in x, must be odd", 1)
     assert came["fault"] == (1, 1, "RuntimeError: seed 3", 1)
     assert came["exit"] == (1, 1, "", 1)
     assert came["silent"] == (1, 2, "", 1)
     assert came["crash"] == (KILLED, 1, "its process was ended 3 times, the last by status -11", 3)
-    for kind in ("killed", "stopped"):
-        assert came[kind] == (KILLED, 1, "its process was ended 10 times, the last by status -9", 10)
+    assert came["killed"] == (KILLED, 1, "its process was ended 10 times, the last by status -9", 10)
     assert all(row.figures == {"gap": None, "iae": None, "met": None} for row in results("o"))
+
+
+def test_a_task_whose_command_was_stopped_is_begun_again(call: Call) -> None:
+    once = ("--set", 'settings.values.kind=["stopped"]', "--set", "seeds.count=2")
+    assert call("run", "study.toml", "--out", "o", *once, "--workers", "1")[1]["failed"] == 0
+    assert [(row.status, row.failed, row.tries) for row in results("o")] == [(0, 0, 2)] * 2
+    assert all(row.figures["gap"] is not None for row in results("o"))
 
 
 def test_a_task_that_takes_too_long_is_killed(call: Call) -> None:
