@@ -70,6 +70,8 @@ class Belief:
     def disturbance(self, shot: Shot, change: np.ndarray) -> np.ndarray:
         """Return E |v|^2 (lines,), (m/s^2 s)^2, of what changes a response by itself when G U changes by so much.
 
+        At tones it is by how much G U may change otherwise.
+
         Parameters
         ----------
         shot : Shot
@@ -78,11 +80,18 @@ class Belief:
         """
         share = self._disturbance.change(change, shot.response)
         power: np.ndarray = self._disturbance.power(shot.noise, np.abs(self._unexplained(shot)) ** 2, share).sum(axis=1)
+        tones = self._disturbance.tones
+        if tones.any():
+            step = (self.inverse @ change[..., None])[..., 0]
+            power = power + np.where(tones, self._filter.spread(step).sum(axis=1), 0.0)
         return power
 
     def follow(self, shot: Shot) -> None:
         """Correct G by what a shot shows beside the last one that was kept."""
-        if not self._parts.model or self._before is None:
+        if not self._parts.model:
+            return
+        if self._before is None:
+            self._doubt_tones(shot)
             return
         before = self._before
         step, change = shot.drive - before.drive, shot.response - before.response
@@ -132,6 +141,14 @@ class Belief:
         wanted, inverse = gain[:, None] * error - coming, self.inverse * is_open[:, None, None]
         changed: np.ndarray = drive + self._filter.step_for(wanted, inverse, self._weight)
         return changed
+
+    def _doubt_tones(self, shot: Shot) -> None:
+        """Doubt G at tones by as much as it was off in the first shot: it was measured at another drive."""
+        tones = self._disturbance.tones
+        if tones.any():
+            expected = float(np.linalg.norm(self.explained(shot.drive)[tones]))
+            left = float(np.linalg.norm(self._unexplained(shot)[tones]))
+            self._filter.forget(tones, left / max(expected, left, np.finfo(float).tiny))
 
     def _noise_of(self, shot: Shot, before: Shot, step: np.ndarray, change: np.ndarray) -> np.ndarray:
         """Return E |v|^2 (lines, outputs) of what changed the response beside the step, G's own drift included."""

@@ -18,18 +18,25 @@ class Disturbance:
     """Expects how strongly a response changes beyond what G says of the change of drive.
 
     Distortion of a line, D = Y - G U, comes from the strong lines of the reference.  When those change by a part
-    delta, it changes by some multiple of delta |D|, whatever the drive at the line itself does.
+    delta, it changes by some multiple of delta |D|, whatever the drive at the line itself does.  Where lines stand
+    apart, a strong one follows no other: what G does not explain there says that G is another one at this drive.
 
     Parameters
     ----------
     reference : complex array, shape (lines, outputs), m/s^2 s
     coupling : float, 1, >= 0
         The multiple; a distortion of order n changes by n times.
-    reach : int, lines to each side over which |D|^2 is averaged
+    reach : int, lines to each side over which |D|^2 is averaged; 0 where lines stand apart
+
+    Attributes
+    ----------
+    tones : array, shape (lines,) of bool
+        Strong lines that stand apart.
     """
 
     def __init__(self, reference: np.ndarray, coupling: float, reach: int) -> None:
         self._strong = strong_lines(reference)
+        self.tones = self._strong & (reach == 0)
         self._coupling, self._reach = coupling, reach
         self._floor = (FLOOR * float(np.abs(reference).max())) ** 2
 
@@ -48,7 +55,7 @@ class Disturbance:
         -------
         array, shape (lines, outputs), (m/s^2 s)^2
         """
-        spread = smoothed(distortion, self._reach)
+        spread = np.where(self.tones[:, None], 0.0, smoothed(distortion, self._reach))
         total: np.ndarray = noise + (self._coupling * change) ** 2 * spread + self._floor
         return total
 

@@ -199,6 +199,18 @@ def test_of_a_sine_only_its_own_lines_are_driven() -> None:
     assert error.max() < 0.01 * root
 
 
+@pytest.mark.parametrize("wrong", [1 / 3, 3.0, np.exp(2j), -1.0], ids=["third", "threefold", "turned", "polarity"])
+def test_a_tone_is_learned_with_a_model_that_is_wrong_at_it(wrong: complex) -> None:
+    true = modal(2, 2)
+    law = law_of(matrix_of(wrong * true), "sine:50:1")
+    left = errors(algorithm_of(law), LinePlant(true, law, distortion=0.02), 11)
+    tone = int(np.argmax(np.abs(law.reference[:, 0])))
+    size = [float(np.linalg.norm(error[tone]) / np.linalg.norm(law.reference[tone])) for error in left]
+    assert size[0] > 0.6
+    assert max(size) < 3.0
+    assert size[-1] < 0.005
+
+
 def test_bounds_that_did_not_hold_are_widened_until_they_do() -> None:
     """Ten times the noise that the silence tells of."""
     true = modal(2, 2)

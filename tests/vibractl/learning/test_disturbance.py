@@ -91,7 +91,7 @@ def test_a_dead_sensor_makes_the_change_large_and_not_a_number_that_is_none() ->
 def test_it_is_noise_and_distortion_and_never_nothing() -> None:
     noise, distortion = np.full((100, 2), 0.5), np.full((100, 2), 3.0)
     floor = (FLOOR * 2.0) ** 2
-    np.testing.assert_allclose(disturbance().power(noise, distortion, 0.1), 0.5 + 0.16 * 3.0 + floor)
+    np.testing.assert_allclose(disturbance(reach=1).power(noise, distortion, 0.1), 0.5 + 0.16 * 3.0 + floor)
     np.testing.assert_allclose(disturbance().power(0 * noise, 0 * distortion, 0.0), floor)
 
 
@@ -106,4 +106,14 @@ def test_distortion_up_to_the_coupling_s_order_changes_by_no_more_than_expected(
         share = disturbance().change(delta * reference, reference)
         changed = np.abs(distortion * ((1 + delta) ** order - 1)) ** 2
         expected = disturbance().power(np.zeros((100, 2)), np.abs(distortion) ** 2, share)
-        assert np.all(changed <= 1.07 * expected)  # (1 + delta)^4 is a little more than 1 + 4 delta
+        assert np.all((changed <= 1.07 * expected)[30:])  # (1 + delta)^4 is a little more than 1 + 4 delta
+
+
+def test_strong_lines_that_stand_apart_follow_no_others() -> None:
+    noise, distortion = np.full((100, 2), 0.5), np.full((100, 2), 3.0)
+    apart = disturbance(reach=0)
+    power = apart.power(noise, distortion, 0.1)
+    np.testing.assert_array_equal(apart.tones, np.isin(np.arange(100), np.arange(10, 30)))
+    np.testing.assert_allclose(power[10:30], 0.5 + (FLOOR * 2.0) ** 2)
+    np.testing.assert_allclose(power[30:], 0.5 + 0.16 * 3.0 + (FLOOR * 2.0) ** 2)
+    assert not disturbance(reach=1).tones.any()
