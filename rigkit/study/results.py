@@ -175,7 +175,8 @@ def study_hash(rows: Iterable[Row], figures: Mapping[str, Figure]) -> str:
 def _read(file: Path) -> tuple[About, list[Row]]:
     arrow, parquet = optional("pyarrow"), optional("pyarrow.parquet")
     try:
-        table = parquet.read_table(file)
+        with file.open("rb") as stream:  # whose errors name the file
+            table = parquet.read_table(stream)
     except (arrow.ArrowException, OSError) as fault:
         if isinstance(fault, OSError) and fault.errno is not None:
             raise

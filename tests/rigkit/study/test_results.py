@@ -72,6 +72,8 @@ def test_a_file_of_something_else_is_refused(tmp_path: Path) -> None:
     (tmp_path / "x.parquet").unlink()
     with pytest.raises(ValueError, match="holds no results"):
         read_rows(tmp_path)
+    with pytest.raises(FileNotFoundError, match=r"nowhere"):
+        read_rows(tmp_path / "nowhere")
 
 
 def test_results_of_two_studies_are_not_mixed(tmp_path: Path) -> None:
