@@ -98,7 +98,8 @@ def _learn(session: Session, shots: int, json: str | None) -> None:
     with stoppable() as stop, progress("learning", shots, start=session.done) as meter:
 
         def tell(shot: int, marks: Marks) -> None:
-            meter.show(shot + 1, f"shot {shot}: objective {marks.reason}")
+            still = f"; {session.standing_still}" if session.standing_still else ""
+            meter.show(shot + 1, f"shot {shot}: objective {marks.reason}{still}")
 
         if session.done < shots:
             meter.say(f"learning: {shots - session.done} shots of {session.seconds:.1f} s; the stream is opened")
@@ -110,6 +111,7 @@ def _learn(session: Session, shots: int, json: str | None) -> None:
     _print_shots(path, json)
     met = figures["objective_met_shot"]
     verdict = f"objective met from shot {met} on" if met is not None else "objective not met"
+    verdict = f"{verdict}; {session.standing_still}" if session.standing_still else verdict
     print(f"{verdict}; report: {path / 'report.html'}", file=words(json))
     write_json(json, figures)
 

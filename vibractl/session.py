@@ -18,7 +18,9 @@ from vibractl.capture import Discarded
 from vibractl.decibels import FAINT, decibels
 from vibractl.learner import ALIKE, Learner
 from vibractl.learning.changed_rig import Change
-from vibractl.learning.decision import tidy
+from vibractl.learning.decision import Decision, tidy
+from vibractl.learning.shot import Shot
+from vibractl.learning.stagnation import Stagnation
 from vibractl.lines_file import write_lines
 from vibractl.mains import Hum
 from vibractl.place import Place
@@ -61,6 +63,7 @@ class Session:
         self._judges = [Judge(made, place) for place in made.places]
         self._mains = {place.name: made.mains(place) for place in made.places if place is not made.learned}
         self._before: tuple[np.ndarray, np.ndarray] | None = None
+        self._stagnation = Stagnation()
         self._resume()
 
     @property
@@ -187,15 +190,30 @@ class Session:
         every = [judge.marks(signals, drive, self._hum(judge, signals)) for judge, signals in pairs]
         marks = every[self._made.places.index(self._made.judged)]
         repeatability = self._repeatability(lines)
+        decisions = [*algorithm.decisions, *self._standing_still(marks, shot, purpose)]
         if write:
             write_lines(self.folder.shot(number), self.learner)
             told = dict(zip(self._made.places, every, strict=True))
             gain = algorithm.daring.nominal
             row = row_of(number, purpose, gain, marks, told, record.provenance, repeatability)
             self.folder.quality(row | reduced(level))
-            for decision in algorithm.decisions:
+            for decision in decisions:
                 self.folder.event(decision.event, {"shot": number, **decision.fields})
         return marks
+
+    @property
+    def standing_still(self) -> str:
+        """Why learning stands still; nothing while shots get better, or where the objective is met."""
+        return self._stagnation.text
+
+    def _standing_still(self, marks: Marks, shot: Shot, purpose: str) -> list[Decision]:
+        """Follow whether shots get better, where they are judged by what is learned from."""
+        if purpose != "learn" or self._made.judged is not self._made.learned:
+            return []
+        side = int(np.argmax(marks.worst_line_db))
+        over, place = float(marks.worst_line_db[side]), float(marks.worst_line_hz[side])
+        decision = self._stagnation.take(over, place, shot, self.learner.algorithm)
+        return [] if decision is None else [decision]
 
     def _hum(self, judge: Judge, heard: np.ndarray) -> Hum | None:
         """Return the mains' hum in what a judge's sensors have heard."""

@@ -69,6 +69,16 @@ def test_the_folder_holds_what_other_programs_read(tmp_path: Path) -> None:
     assert [event["event"] for event in read_events(tmp_path / "run")] == ["started", "checked", "finished"]
 
 
+def test_learning_that_stands_still_is_told_once_and_again_of_a_run_that_goes_on(tmp_path: Path) -> None:
+    """Float32 makes noise, which is over a limit of -120 dB."""
+    run(tmp_path / "run", linear_model(tmp_path), 17, "quality.objective=-120.0")
+    told = [event for event in read_events(tmp_path / "run") if event["event"] == "stands_still"]
+    assert len(told) == 1
+    assert told[0]["because"].startswith("learning stands still, because ")
+    with RunFolder.open(tmp_path / "run") as folder:
+        assert Session(folder, resumed_setup(folder)).standing_still
+
+
 def test_what_the_model_does_not_explain_of_the_change_since_the_last_shot_is_told(tmp_path: Path) -> None:
     """Where the plant is known exactly that is what rings on after the end of so short a shot."""
     run(tmp_path / "run", linear_model(tmp_path), 2)

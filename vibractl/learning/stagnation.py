@@ -1,0 +1,77 @@
+"""Whether shots still get better, and if they do not, what stands in the way."""
+
+import numpy as np
+
+from vibractl.learning.algorithm import Algorithm
+from vibractl.learning.decision import Decision, tidy
+from vibractl.learning.law import strong_lines
+from vibractl.learning.shot import Shot
+
+WAIT = 6
+"""Shots in a row without gain after which learning stands still."""
+GAIN = 1.0
+"""dB by which a shot must be better than the best before."""
+HIDDEN = 2.0
+"""Times the noise's rms: an error that is not larger may be noise."""
+LITTLE = 0.3
+"""Of the schedule's gain: what is less is held back by caution."""
+
+
+class Stagnation:
+    """Follows the worst line of shot after shot.
+
+    Attributes
+    ----------
+    text : str
+        Why learning stands still; nothing while it does not.
+    """
+
+    def __init__(self) -> None:
+        self.text = ""
+        self._best, self._since = np.inf, 0
+
+    def take(self, over_db: float, hz: float, shot: Shot, algorithm: Algorithm) -> Decision | None:
+        """Take a shot that was learned from; return the decision by which it is told that learning stands still.
+
+        Parameters
+        ----------
+        over_db : float, dB
+            Of its worst judged line, over the limit.
+        hz : float, Hz
+            Where that is.
+        shot : Shot
+        algorithm : Algorithm
+            After it.
+        """
+        if over_db <= 0 or over_db < self._best - GAIN:
+            self._best, self._since, self.text = over_db, 0, ""
+            return None
+        self._since += 1
+        if self._since < WAIT:
+            return None
+        said = bool(self.text)
+        self.text = f"learning stands still, because {_reason(hz, shot, algorithm)}"
+        if said:
+            return None
+        return Decision("stands_still", {"over_db": tidy(over_db), "at_hz": tidy(hz), "because": self.text})
+
+
+def _reason(hz: float, shot: Shot, algorithm: Algorithm) -> str:
+    """Say what stands in the way at the line of a frequency, Hz."""
+    law, daring = algorithm.law, algorithm.daring
+    frequency = law.matrix.frequency
+    line = int(np.argmin(np.abs(frequency - hz)))
+    where = f"at {hz:.1f} Hz"
+    if abs(frequency[line] - hz) > 0.5 * (frequency[1] - frequency[0]) or not daring.is_open[line]:
+        return f"nothing is learned {where}"
+    error = law.reference - shot.response
+    if HIDDEN**2 * shot.noise[line].sum() >= (np.abs(error[line]) ** 2).sum():
+        return f"noise and hum {where} are about as strong as the error"
+    gain = float(daring.gain[line])
+    if gain >= LITTLE * daring.nominal:
+        bound = f"the bound on what is left of an error is {daring.certificate[line]:.2f}"
+        return f"{where} what is taken away comes back: the machine moves, or is not as the model says ({bound})"
+    strong = strong_lines(law.reference)
+    off = np.linalg.norm(error[strong]) / np.linalg.norm(law.reference[strong])
+    own = f"the reference's own lines, which are {100 * off:.2g} % off themselves"
+    return f"distortion follows {own}: the gain {where} is {gain:.2g}"
