@@ -65,7 +65,7 @@ def _reason(hz: float, shot: Shot, algorithm: Algorithm) -> str:
     if abs(frequency[line] - hz) > 0.5 * (frequency[1] - frequency[0]) or not daring.is_open[line]:
         return f"nothing is learned {where}"
     error = law.reference - shot.response
-    if HIDDEN**2 * shot.noise[line].sum() >= (np.abs(error[line]) ** 2).sum():
+    if np.all(np.abs(error[line]) <= HIDDEN * np.sqrt(shot.noise[line])):
         return f"noise and hum {where} are about as strong as the error"
     gain = float(daring.gain[line])
     if gain >= LITTLE * daring.nominal:
