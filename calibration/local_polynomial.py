@@ -20,6 +20,10 @@ class Smoothed:
     variance: np.ndarray
 
 
+AT_ONCE = 256
+"""Lines fitted together: their windows are in memory."""
+
+
 def local_polynomial(lines: np.ndarray, response: np.ndarray, wanted: np.ndarray, reach: int, degree: int) -> Smoothed:
     """Fit a polynomial to the lines around each wanted one by least squares, and read it there.
 
@@ -57,21 +61,32 @@ def local_polynomial(lines: np.ndarray, response: np.ndarray, wanted: np.ndarray
         raise ValueError(f"{len(lines)} lines, must be at least {count} for windows of {count}")
     if not 0 <= degree < 2 * reach:
         raise ValueError(f"degree is {degree}, must be 0 to {2 * reach - 1} for a reach of {reach}")
-    nearest = np.searchsorted(lines, wanted)
-    first = np.clip(nearest - reach, 0, len(lines) - count)
+    columns, shape = response.reshape(len(lines), -1), (len(wanted), *response.shape[1:])
+    value = np.empty((len(wanted), columns.shape[1]), np.result_type(columns, float))
+    variance = np.empty(value.shape)
+    for start in range(0, len(wanted), AT_ONCE):
+        part = slice(start, start + AT_ONCE)
+        value[part], variance[part] = _fit(lines, columns, wanted[part], reach, degree)
+    return Smoothed(value.reshape(shape), variance.reshape(shape))
+
+
+def _fit(
+    lines: np.ndarray, columns: np.ndarray, wanted: np.ndarray, reach: int, degree: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return values and variances, (wanted, columns), of a few wanted lines."""
+    count = 2 * reach + 1
+    first = np.clip(np.searchsorted(lines, wanted) - reach, 0, len(lines) - count)
     window = first[:, None] + np.arange(count)
     offset = lines[window] - wanted[:, None]
     scale = np.abs(offset).max(axis=1, keepdims=True)
     orthogonal, upper = np.linalg.qr((offset / scale)[..., None] ** np.arange(degree + 1))
-    data = response.reshape(len(lines), -1)[window]
+    data = columns[window]
     share = orthogonal.swapaxes(1, 2) @ data
     weight = np.linalg.inv(upper)[:, 0, :]  # at offset 0 the polynomial is its constant
     value = np.einsum("wp,wpc->wc", weight, share)
     freedom = count - degree - 1
     power = np.maximum((np.abs(data) ** 2).sum(axis=1) - (np.abs(share) ** 2).sum(axis=1), 0.0) / freedom
-    variance = power * np.sum(weight**2, axis=1)[:, None]
-    shape = (len(wanted), *response.shape[1:])
-    return Smoothed(value.reshape(shape), variance.reshape(shape))
+    return value, power * np.sum(weight**2, axis=1)[:, None]
 
 
 RANK = 1e-4

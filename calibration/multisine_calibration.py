@@ -1,6 +1,6 @@
 """A calibration by multisines: records them, quiet ones in two steps, and turns them into a model and its levels."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,7 +24,6 @@ from calibration.vibrator_multisine import (
     quiet_design,
     scout_design,
 )
-from calibration.vibrator_sweep import Silence
 from rigkit.progress import progress
 from vibractl.config import RigConfig
 from vibractl.far_field import FarField
@@ -131,22 +130,24 @@ def _loudest(config: RigConfig, design: Design, spectra: Spectra) -> float | Non
     return float(20 * np.log10(np.max(added / preload_density(spectra, design, config))))
 
 
-def _recorded(plan: Plan, design: Design, config: RigConfig, raw: RawFolder, emit: Emit) -> tuple[Spectra, Spectra]:
-    """Record a plan and transform the periods: as accelerometers and as hydrophones have heard them."""
-    sides = len(config.audio.drive_channels)
-    silence, periods, done = np.zeros((design.period, len(plan.responses))), [], 0.0
+def _periods(plan: Plan, design: Design, raw: RawFolder, emit: Emit) -> Iterator[np.ndarray]:
+    """Record a plan; yield the end of its silence, then the period of each record, all (period, channels)."""
+    done = 0.0
     title = f"{plan.name}, {plan.seconds:.0f} s of signal"
     with progress(title, plan.seconds, start=raw.recorded(plan)) as meter:
         for batch, record in raw.record(plan, emit):
-            data = record.data.astype(float)
-            if isinstance(batch, Record):
-                periods.append((data[batch.window, :sides], data[batch.window, sides:]))
-            elif isinstance(batch, Silence):
-                silence = data[-design.period :, sides:]
+            yield record.data[batch.window if isinstance(batch, Record) else slice(-design.period, None)].astype(float)
             done += batch.samples / plan.rate
             meter.show(done)
+
+
+def _recorded(plan: Plan, design: Design, config: RigConfig, raw: RawFolder, emit: Emit) -> tuple[Spectra, Spectra]:
+    """Record a plan and transform the periods: as accelerometers and as hydrophones have heard them."""
+    sides = len(config.audio.drive_channels)
     low, high = _preload_bins(config, design)
-    found = spectra_of(design, periods, silence, min(int(design.bins[0]), low), max(int(design.bins[-1]), high))
+    bins = min(int(design.bins[0]), low), max(int(design.bins[-1]), high)
+    periods = _periods(plan, design, raw, emit)
+    found = spectra_of(design, ((each[:, :sides], each[:, sides:]) for each in periods), *bins)
     near = len(config.audio.response_channels)
     parts = (slice(None, near), slice(near, None))
     felt, heard = (replace(found, response=found.response[..., p], silence=found.silence[:, p]) for p in parts)

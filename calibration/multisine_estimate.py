@@ -1,6 +1,6 @@
 """What the records of a multisine say: the transfer matrix, its variance, and noise and distortion line by line."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -177,24 +177,23 @@ def levels(design: Design, spectra: Spectra, detection: np.ndarray) -> Levels:
     return Levels(bins * design.rate / design.period, *found)
 
 
-def spectra_of(
-    design: Design, records: Sequence[tuple[np.ndarray, np.ndarray]], silence: np.ndarray, first: int, last: int
-) -> Spectra:
-    """Transform recorded periods.
+def spectra_of(design: Design, periods: Iterable[tuple[np.ndarray, np.ndarray]], first: int, last: int) -> Spectra:
+    """Transform recorded periods, one at a time.
 
     Parameters
     ----------
     design : Design
-    records : sequence of (drive (period, inputs) V, response (period, outputs) m/s^2)
-    silence : array, shape (period, outputs), m/s^2
+    periods : iterable of (drive (period, inputs) V, response (period, outputs) m/s^2)
+        Of a silence, and then of each record.
     first, last : int
         Bins.
     """
-    drive = np.stack([amplitudes(part, first, last) for part, _ in records])
-    response = np.stack([amplitudes(part, first, last) for _, part in records])
-    if len(records) != design.records:
-        raise ValueError(f"{len(records)} records, must be {design.records}")
-    return Spectra(drive, response, amplitudes(silence, first, last), first)
+    lines = [tuple(amplitudes(part, first, last) for part in pair) for pair in periods]
+    if len(lines) != 1 + design.records:
+        raise ValueError(f"{len(lines) - 1} records, must be {design.records}")
+    (_, silence), *records = lines
+    drive, response = (np.stack(parts) for parts in zip(*records, strict=True))
+    return Spectra(drive, response, silence, first)
 
 
 def _averaged(power: np.ndarray, chosen: np.ndarray, reach: int) -> np.ndarray:

@@ -137,8 +137,8 @@ def refuse_unfit_multisine(config: RigConfig) -> None:
             f"{(least - 4 * REACH) / settings.period:g} Hz for a polynomial over {2 * REACH + 1} lines"
         )
     design, _ = flat_design(config)
-    drives = np.stack([Record(design, number).drive() for number in range(design.records)])
-    peak, rms = np.abs(drives).max(), np.sqrt(np.mean(drives**2, axis=1)).max()
+    drives = (Record(design, number).drive() for number in range(design.records))
+    peak, rms = np.max([(np.abs(drive).max(), np.sqrt(np.mean(drive**2, axis=0)).max()) for drive in drives], axis=0)
     for what, value, limit in (("peak", peak, limits.peak), ("rms", rms, limits.rms)):
         if not value <= limit:
             raise ValueError(

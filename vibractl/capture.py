@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibractl.config import Audio
+from vibractl.flat_tops import flat_top
 
 _NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
@@ -92,6 +93,11 @@ def spoiled(capture: Capture, audio: Audio) -> str:
     clipped = np.abs(signals) >= FULL_SCALE
     if clipped.any():
         return f"clipped at full scale, {_first(clipped, [*names, 'loopback'], audio.rate)}"
+    units = ["m/s^2"] * capture.response.shape[1] + ["Pa"] * capture.far_field.shape[1]
+    for name, unit, signal in zip(names, units, (*capture.response.T, *capture.far_field.T), strict=True):
+        if (found := flat_top(signal)) is not None:
+            value, count = found
+            return f"clipped below full scale, {name} does not pass {value:.3g} {unit} at {count} peaks"
     return ""
 
 

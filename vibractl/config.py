@@ -192,7 +192,9 @@ class Quality(Section):
     )
     objective: float = setting(-40.0, "dB", "limit on errors above `above`, re the reference's spectrum", ge=-120, le=0)
     above: float = setting(100.0, "Hz", "the limit holds from here ...", gt=0, le=20_000)
-    judged_to: float = setting(645.0, "Hz", "... to here", gt=0, le=20_000)
+    judged_to: float = setting(
+        2000.0, "Hz", "... to here, learned or not: up to where the sensors are stated to be true", gt=0, le=20_000
+    )
     mains: bool = setting(True, "", "take the mains' hum out of what is judged and learned, as silences show it")
 
 

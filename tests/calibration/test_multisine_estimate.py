@@ -16,13 +16,10 @@ Machine = Callable[[np.ndarray], np.ndarray]
 
 def measured(made: Design, machine: Machine, noise: float = 0.0) -> Spectra:
     rng = np.random.default_rng(5)
-    records = []
-    for number in range(made.records):
-        drive = made.one_period(number)
-        response = machine(drive)
-        records.append((drive, response + noise * rng.standard_normal(response.shape)))
-    silence = noise * rng.standard_normal(records[0][1].shape)
-    return spectra_of(made, records, silence, int(made.bins[0]), int(made.bins[-1]))
+    drives = [np.zeros_like(made.one_period(0)), *(made.one_period(number) for number in range(made.records))]
+    heard = [machine(drive) for drive in drives]
+    periods = ((u, y + noise * rng.standard_normal(y.shape)) for u, y in zip(drives, heard, strict=True))
+    return spectra_of(made, periods, int(made.bins[0]), int(made.bins[-1]))
 
 
 def mixed(matrix: np.ndarray) -> Machine:
@@ -71,12 +68,13 @@ def test_narrow_resonances_are_found_within_the_stated_variance(width: float) ->
 def test_a_linear_vibrator_is_found_within_the_stated_variance() -> None:
     made, _ = flat_design(rig_file.load(None, RigConfig, ["characterisation.records=4"]))
     play = emitter(1, noise=-20.0, **LINEAR)
-    records = []
+    still = np.zeros((made.period, 2))
+    periods = [(still, still)]
     for number in range(made.records):
         period = made.one_period(number)
         drive, response = play(np.concatenate([period[-44_100:], period]))
-        records.append((drive[44_100:].astype(float), response[44_100:].astype(float)))
-    spectra = spectra_of(made, records, np.zeros((made.period, 2)), int(made.bins[0]), int(made.bins[-1]))
+        periods.append((drive[44_100:].astype(float), response[44_100:].astype(float)))
+    spectra = spectra_of(made, periods, int(made.bins[0]), int(made.bins[-1]))
     bins = np.arange(80, 3200, 20)
     found, variance = matrix_on(made, raw_matrix(made, spectra), bins)
     ratio = np.abs(found - linear_response(1, bins * 0.2)) ** 2 / variance
@@ -91,4 +89,4 @@ def test_coherence_is_the_part_of_the_power_that_is_response() -> None:
 def test_a_missing_record_is_refused() -> None:
     made = design()
     with pytest.raises(ValueError, match="1 records, must be 8"):
-        spectra_of(made, [(made.one_period(0), made.one_period(0))], np.zeros((PERIOD, 2)), 1, 500)
+        spectra_of(made, [(made.one_period(0), made.one_period(0))] * 2, 1, 500)

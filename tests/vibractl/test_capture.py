@@ -53,3 +53,13 @@ def test_a_hydrophone_that_clips_is_named_and_measured_against_its_own_full_scal
     assert spoiled(capture(response, far_field=far_field), AUDIO) == (
         "clipped at full scale, far field 2 at 0.0020 s, and 0 more"
     )
+
+
+def test_an_accelerometer_that_goes_no_further_is_named_though_the_converter_would() -> None:
+    time = np.arange(16_000) / AUDIO.rate
+    response = np.stack([10 * np.sin(2 * np.pi * 30 * time), 9 * np.sin(2 * np.pi * 40 * time)], axis=1)
+    response += 0.01 * np.random.default_rng(1).standard_normal(response.shape)
+    assert spoiled(capture(response.astype(np.float32)), AUDIO) == ""
+    response[:, 1] = np.minimum(response[:, 1], 8.0)
+    text = spoiled(capture(response.astype(np.float32)), AUDIO)
+    assert text == "clipped below full scale, response 2 does not pass 8 m/s^2 at 80 peaks"

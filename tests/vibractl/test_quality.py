@@ -184,6 +184,16 @@ def test_noise_over_the_limit_hides_what_it_may_explain_and_no_more(judge: Judge
     assert proven.worst_line_hz == pytest.approx(310.0)
 
 
+def test_what_lies_above_the_learned_band_is_judged_all_the_same(judge: Judge, made: Setup) -> None:
+    size = 1.4 * judge.limit[0] / (SECONDS / 2)
+    assert judge.frequency[judge.judged][[0, -1]] == pytest.approx([100.0, 2000.0])
+    for frequency in (655.0, 720.0, 1990.0):
+        loud = marks(judge, made, tone(frequency, size))
+        assert loud.verdict == "fail"
+        assert loud.worst_line_hz[0] == pytest.approx(frequency)
+    assert marks(judge, made, tone(1990.0, 0.5 * size)).met
+
+
 def test_more_noise_makes_no_shot_pass(judge: Judge, made: Setup) -> None:
     loud, verdicts = np.zeros(made.shot.total), []
     loud[made.shot.window] = tone(310.0, 2 * judge.limit[0] / (SECONDS / 2))

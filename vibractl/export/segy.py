@@ -51,7 +51,7 @@ def write_segy(path: Path, content: Content) -> None:
     """
     segyio = optional("segyio")
     rate, sides = content.config.audio.rate, len(content.sides)
-    interval = interval_us(max(content.config.learning.band[1], content.config.quality.judged_to))
+    interval = interval_us(content.config.learning.band[1])
     reference = resampled(content.reference, rate, interval)
     if len(reference) > LARGEST_COUNT:
         raise ValueError(f"a shot has {len(reference)} samples at {interval} us, must be <= {LARGEST_COUNT} for SEG-Y")

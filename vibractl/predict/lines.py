@@ -48,6 +48,12 @@ class Certificates:
         below: np.ndarray = self.bound < 1
         return below
 
+    @property
+    def learned(self) -> np.ndarray:
+        """Which lines are learned, bool (lines,); the others are only judged."""
+        inside: np.ndarray = self.reason != REASONS[0]
+        return inside
+
     def ranges(self) -> list[tuple[float, float, str, float]]:
         """Return the uncertified lines by neighbours of one reason: first, last, Hz, reason, largest bound."""
         found = []

@@ -49,7 +49,7 @@ class Prediction:
             "within_limits": self.within_limits,
             "violation": self.drives.violation or None,
             "coils": [self._coil(coil) for coil in range(len(self.drives.needed))],
-            "learned_lines": int(np.isfinite(lines.bound).sum()),
+            "learned_lines": int(lines.learned.sum()),
             "certified_lines": int(lines.certified.sum()),
             "uncertified_lines": {reason: int((lines.reason == reason).sum()) for reason in REASONS},
             "uncertified_bands": [

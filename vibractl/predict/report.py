@@ -75,7 +75,7 @@ def _facts(found: Prediction) -> Iterator[Fact]:
     yield Fact("10 to 90 % of simulated runs", ends)
     room = found.drives.headroom(found.made.config.limits)
     yield Fact("Least head-room", f"{room.min():.1f} dB", found.within_limits)
-    yield Fact("Lines certified to converge", f"{lines.certified.sum()} of {len(lines.bound)}")
+    yield Fact("Learned lines certified to converge", f"{lines.certified.sum()} of {lines.learned.sum()}")
 
 
 def _sections(found: Prediction) -> Iterator[Section]:
@@ -100,6 +100,7 @@ def _certificate_plot(found: Prediction) -> Plot:
             axes.plot(lines.frequency[at], shown[at], ".", markersize=3, color=colour, label=reason)
     axes.axhline(1.0, **BOUND)
     axes.set(xlabel="frequency, Hz", ylabel="bound on contraction", ylim=(0.0, 1.05 * max(1.05, float(shown.max()))))
+    axes.set_xlim(*lines.frequency[lines.learned][[0, -1]])
     legend_above(axes)
     return Plot(
         figure,

@@ -19,7 +19,7 @@ def easy(variance: float = 1e-6) -> TransferMatrix:
 
 
 def reasons(matrix: TransferMatrix, *overrides: str) -> tuple[np.ndarray, np.ndarray]:
-    found = certificates(setup(linear_config(*overrides), matrix))
+    found = certificates(setup(linear_config("quality.judged_to=645.0", *overrides), matrix))
     assert np.array_equal(found.reason == "", found.certified)
     return found.frequency, found.reason
 
@@ -33,7 +33,7 @@ def test_every_line_of_an_easy_model_is_certified() -> None:
 def test_uncertain_lines_are_named_and_grouped() -> None:
     matrix = easy()
     matrix.variance[(matrix.frequency >= 200) & (matrix.frequency <= 210)] = 4.0
-    found = certificates(setup(linear_config(), matrix))
+    found = certificates(setup(linear_config("quality.judged_to=645.0"), matrix))
     ((low, high, reason, bound),) = found.ranges()
     assert (reason, bound > 1) == ("variance", True)
     assert (low, high) == pytest.approx((200, 210), abs=1)
