@@ -23,7 +23,11 @@ from calibration.vibrator_sweep import TOLERANCE
 from rigkit.figure_style import COLOURS, LIMIT, styled
 from rigkit.report import Fact, Plot, Report, Section, Table
 from vibractl.config import Characterisation, RigConfig
+from vibractl.decibels import rms
 from vibractl.transfer_matrix import TransferMatrix
+
+MOST_COLUMNS = 3
+"""Elements of a row of the transfer matrix that have room beside each other."""
 
 
 def sweep_report(found: Calibration, config: RigConfig) -> Report:
@@ -87,23 +91,22 @@ def _sections(found: Calibration, config: RigConfig) -> list[Section]:
 
 
 def bode_figure(matrix: TransferMatrix) -> Figure:
-    """Draw magnitude and phase of every element, two standard deviations shaded."""
+    """Draw magnitude and phase of every element, or of each output's strongest, two standard deviations shaded."""
+    is_wide = matrix.inputs > MOST_COLUMNS
+    columns = 1 if is_wide else matrix.inputs
     figure = Figure(figsize=(8.0, 3.0 * matrix.outputs + 1.5))
     rows, heights = 2 * matrix.outputs, [2, 1] * matrix.outputs
-    axes = figure.subplots(rows, matrix.inputs, sharex=True, squeeze=False, height_ratios=heights)
-    for output, drive in np.ndindex(matrix.outputs, matrix.inputs):
-        level, phase = axes[2 * output, drive], axes[2 * output + 1, drive]
-        response = matrix.response[:, output, drive]
-        size, band = np.abs(response), 2 * np.sqrt(matrix.variance[:, output, drive])
-        _shade(level, matrix.frequency, _decibels(size - band), _decibels(size + band))
-        level.plot(matrix.frequency, _decibels(size), linewidth=0.9)
-        level.set_ylim(bottom=_decibels(size).min() - 10)  # where nothing is certain, the shade goes down without end
-        level.set_title(f"response {output + 1} from drive {drive + 1}")
-        angle, doubt = np.degrees(np.angle(response)), np.degrees(np.minimum(band / size, np.pi))
-        _shade(phase, matrix.frequency, angle - doubt, angle + doubt)
-        phase.plot(matrix.frequency, angle, ".", markersize=1.2)
-        phase.set(ylim=(-190, 190), yticks=(-180, 0, 180))
-        if drive == 0:
+    axes = figure.subplots(rows, columns, sharex=True, squeeze=False, height_ratios=heights)
+    for output, column in np.ndindex(matrix.outputs, columns):
+        level, phase = axes[2 * output, column], axes[2 * output + 1, column]
+        drive = _strongest(matrix, output) if is_wide else column
+        if is_wide:
+            others = _decibels(np.abs(np.delete(matrix.response[:, output], drive, axis=1)))
+            level.plot(matrix.frequency, others, linewidth=0.4, color="0.65")
+        lowest = _draw_element(level, phase, matrix, output, drive)
+        level.set_ylim(bottom=(min(lowest, others.min()) if is_wide else lowest) - 10)
+        level.set_title(f"response {output + 1} from drive {drive + 1}" + ", thin: from the others" * is_wide)
+        if column == 0:
             level.set_ylabel("dB re 1 m/s²/V")
             phase.set_ylabel("phase, °")
         if output == matrix.outputs - 1:
@@ -111,20 +114,41 @@ def bode_figure(matrix: TransferMatrix) -> Figure:
     return figure
 
 
+def _draw_element(level: Axes, phase: Axes, matrix: TransferMatrix, output: int, drive: int) -> float:
+    """Draw magnitude and phase of an element; return the smallest magnitude, dB, where the shade may go on below."""
+    response = matrix.response[:, output, drive]
+    size, band = np.abs(response), 2 * np.sqrt(matrix.variance[:, output, drive])
+    _shade(level, matrix.frequency, _decibels(size - band), _decibels(size + band))
+    level.plot(matrix.frequency, _decibels(size), linewidth=0.9)
+    angle, doubt = np.degrees(np.angle(response)), np.degrees(np.minimum(band / size, np.pi))
+    _shade(phase, matrix.frequency, angle - doubt, angle + doubt)
+    phase.plot(matrix.frequency, angle, ".", markersize=1.2)
+    phase.set(ylim=(-190, 190), yticks=(-180, 0, 180))
+    return float(_decibels(size).min())
+
+
 def certainty_figure(matrix: TransferMatrix) -> Figure:
-    """Draw how certain every line is, and the coherence of every element."""
+    """Draw how certain every line is, and the coherence of every element, or of each output's strongest."""
+    elements = list(np.ndindex(matrix.outputs, matrix.inputs))
+    if matrix.inputs > MOST_COLUMNS:
+        elements = [(output, _strongest(matrix, output)) for output in range(matrix.outputs)]
     figure = Figure(figsize=(8.0, 5.0))
     upper, lower = figure.subplots(2, 1, sharex=True)
     upper.semilogy(matrix.frequency, 100 * relative_deviation(matrix))
     upper.set_ylabel("deviation of G, %")
-    for number, (output, drive) in enumerate(np.ndindex(matrix.outputs, matrix.inputs)):
+    for number, (output, drive) in enumerate(elements):
         colour = COLOURS[number % len(COLOURS)]
         doubt = np.maximum(1 - matrix.coherence[:, output, drive], 1e-12)
         lower.semilogy(matrix.frequency, doubt, color=colour, linewidth=0.9, label=f"{output + 1} from {drive + 1}")
     lower.invert_yaxis()
     lower.set(ylabel="1 - coherence", xlabel="Hz")
-    lower.legend(ncols=4)
+    lower.legend(loc="lower center", bbox_to_anchor=(0.5, 1.02), ncols=8)
     return figure
+
+
+def _strongest(matrix: TransferMatrix, output: int) -> int:
+    """Return the drive that an output answers most."""
+    return int(rms(matrix.response[:, output]).argmax())
 
 
 def _preload_map(frequency: np.ndarray, config: RigConfig) -> Figure:
