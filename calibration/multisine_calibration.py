@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from calibration.emission_limit import EmissionLimit
 from calibration.experiment import Emit, Plan, RawFolder
 from calibration.far_field_estimate import far_field_of
 from calibration.multisine import Design, Record
@@ -12,17 +13,17 @@ from calibration.multisine_estimate import (
     Levels,
     Spectra,
     coherence_of,
+    frequency_of,
     levels,
     matrix_on,
     raw_matrix,
     spectra_of,
 )
+from calibration.quiet_multisine import PROBES, faint_design, louder, shaped_design
 from calibration.vibrator_multisine import (
     emitted_seconds,
     flat_design,
     multisine_plan,
-    quiet_design,
-    scout_design,
 )
 from rigkit.progress import progress
 from vibractl.config import RigConfig
@@ -44,6 +45,8 @@ class Multisined:
         Strongest line of the multisine from `quality.above` on, re what the preload emits.
     far : FarField or None
         Where there are hydrophones.
+    over : float or None, dB
+        Of a quiet calibration: its loudest line over the limit that the reference sets, see `EmissionLimit`.
     """
 
     matrix: TransferMatrix
@@ -51,6 +54,7 @@ class Multisined:
     emitted: float
     loudest: float | None
     far: FarField | None
+    over: float | None = None
 
 
 def measure_by_multisine(config: RigConfig, raw: RawFolder, emit: Emit, provenance: Mapping[str, str]) -> Multisined:
@@ -69,25 +73,46 @@ def measure_by_multisine(config: RigConfig, raw: RawFolder, emit: Emit, provenan
     ------
     Pintelon and Schoukens 2012, System Identification, sec. 4.3 and 7.
     """
-    emitted = 0.0
+    emitted, over, limit = 0.0, -np.inf, None
     if config.characterisation.quiet:
-        design, _ = scout_design(config)
-        plan = multisine_plan(config, "scout", design)
-        spectra, _ = _recorded(plan, design, config, raw, emit)
-        emitted += emitted_seconds(plan)
-        wanted = np.arange(design.bins[0], design.bins[-1] + 1)
-        response, _ = matrix_on(design, raw_matrix(design, spectra), wanted)
-        grid = wanted * design.rate / design.period
-        design, detection = quiet_design(config, grid, response, preload_density(spectra, design, config))
+        limit = EmissionLimit.of(config)
+        design, detection, emitted, over = _scouted(config, limit, raw, emit)
     else:
         design, detection = flat_design(config)
-    plan = multisine_plan(config, "multisine", design)
+    plan = multisine_plan(config, "multisine", design, limit=limit)
     spectra, heard = _recorded(plan, design, config, raw, emit)
     about = {**provenance, "recording": f"{raw.path.name}/{plan.name}-*.wav, fingerprint {plan.fingerprint}"}
     matrix = _model(config, design, spectra, about)
-    loudest = _loudest(config, design, spectra)
+    loudest = None if limit is not None else _loudest(config, design, spectra)
     seconds, far = emitted + emitted_seconds(plan), _far_field(config, design, spectra, heard, matrix.frequency)
-    return Multisined(matrix, levels(design, spectra, detection), seconds, loudest, far)
+    found = Multisined(matrix, levels(design, spectra, detection), seconds, loudest, far)
+    return found if limit is None else replace(found, over=max(over, _over(limit, design, spectra)))
+
+
+def _scouted(
+    config: RigConfig, limit: EmissionLimit, raw: RawFolder, emit: Emit
+) -> tuple[Design, np.ndarray, float, float]:
+    """Find how loud every line may be: return design, detection lines, s emitted, and the loudest line, dB."""
+    design, emitted, over = faint_design(config, limit), 0.0, -np.inf
+    one = replace(design, records=1)
+    for number in range(1, PROBES + 1):
+        plan = multisine_plan(config, f"probe-{number}", one, rest=0.0, limit=limit)
+        spectra, _ = _recorded(plan, one, config, raw, emit)
+        emitted, over = emitted + emitted_seconds(plan), max(over, _over(limit, one, spectra))
+        one = louder(one, spectra, limit)
+    scout = replace(design, amplitude=one.amplitude)
+    plan = multisine_plan(config, "scout", scout, rest=0.0, limit=limit)
+    spectra, _ = _recorded(plan, scout, config, raw, emit)
+    emitted, over = emitted + emitted_seconds(plan), max(over, _over(limit, scout, spectra))
+    wanted = np.arange(scout.bins[0], scout.bins[-1] + 1)
+    response, _ = matrix_on(scout, raw_matrix(scout, spectra), wanted)
+    shaped, detection = shaped_design(config, wanted * scout.rate / scout.period, response, limit)
+    return shaped, detection, emitted, over
+
+
+def _over(limit: EmissionLimit, design: Design, spectra: Spectra) -> float:
+    """Return by how much the loudest line of any record, excited or not, is over the limit, dB."""
+    return limit.over(frequency_of(design, spectra), spectra.response, spectra.silence)
 
 
 def preload_density(spectra: Spectra, design: Design, config: RigConfig) -> np.ndarray:

@@ -72,6 +72,12 @@ def amplitudes(period: np.ndarray, first: int, last: int) -> np.ndarray:
     return lines
 
 
+def frequency_of(design: Design, spectra: Spectra) -> np.ndarray:
+    """Return the frequencies of the bins of spectra, (bins,), Hz."""
+    frequency: np.ndarray = (spectra.first + np.arange(spectra.response.shape[1])) * design.rate / design.period
+    return frequency
+
+
 def raw_matrix(design: Design, spectra: Spectra) -> np.ndarray:
     """Read each excited line for each input: both sides' lines that carry the input's code, G = Y U^-1.
 

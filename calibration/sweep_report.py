@@ -48,6 +48,8 @@ def sweep_report(found: Calibration, config: RigConfig) -> Report:
 def _drive_fact(found: Calibration, settings: Characterisation) -> Fact:
     if found.levels is None:
         return Fact("preload and probe", f"{settings.preload:g} V and {settings.probe:g} V a side")
+    if found.over is not None:
+        return Fact("loudest line re the limit", f"{found.over:.1f} dB", found.over <= 0)
     loudest = "" if found.loudest is None else f", {found.loudest:.1f} dB"
     return Fact("preload and loudest line", f"{settings.operating:g} V rms a side{loudest}")
 

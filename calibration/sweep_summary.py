@@ -80,6 +80,8 @@ def sweep_figures(found: Calibration) -> dict[str, Any]:
         figures["levels_db"] = [dict(zip(LEVEL_HEAD, row, strict=True)) for row in level_table(found.levels).rows]
         figures["loudest_line_db"] = found.loudest
         figures["measured_again_hz"] = found.tones
+    if found.over is not None:
+        figures["loudest_line_over_limit_db"] = found.over
     return figures
 
 

@@ -15,7 +15,7 @@ from calibration.multisine_estimate import Levels
 from calibration.stepped_calibration import measure_by_stepped_sine, measure_tones
 from calibration.sweep_estimate import SweepEstimator
 from calibration.uncertain_lines import merged, uncertain_lines
-from calibration.vibrator_multisine import longest_multisines, refuse_unfit_multisine
+from calibration.vibrator_multisine import REST, longest_multisines, refuse_unfit_multisine
 from calibration.vibrator_sweep import FEWEST, chosen_tones, longest_batch, longest_sweep, refuse_unfit_sweep
 from rigkit.agreement import GOING_ON
 from vibractl.audio import Line
@@ -28,6 +28,8 @@ from vibractl.transfer_matrix import TransferMatrix
 
 STOP_POLL = 0.1
 """s."""
+SLACK = 0.01
+"""s, by which whole samples may be longer."""
 KIND = "vibrator calibration"
 KEPT = GOING_ON.without("reference", "shot", "learning", "adaptation", "watch", "session")
 """What an unfinished one must have kept."""
@@ -51,6 +53,8 @@ class Calibration:
         Lines that a short stepped sine measured again.
     far : FarField or None
         Where there are hydrophones.
+    over : float or None, dB
+        Of a quiet one, see `Multisined`.
     """
 
     passes: tuple[TransferMatrix, ...]
@@ -59,6 +63,7 @@ class Calibration:
     loudest: float | None = None
     tones: np.ndarray = field(default_factory=lambda: np.zeros(0))
     far: FarField | None = None
+    over: float | None = None
 
     @property
     def matrix(self) -> TransferMatrix:
@@ -72,6 +77,13 @@ class Stoppable(Protocol):
     @property
     def made(self) -> bool:
         """Whether somebody has asked for it."""
+
+
+def longest_drive(config: RigConfig) -> float:
+    """Return how long a drive of a calibration may be, s: a batch of tones, a multisine's silence or record."""
+    settings = config.characterisation
+    record = max(REST, settings.run_in + FADE) + settings.period + SLACK
+    return record if settings.method == "multisine" else max(record, longest_batch(config))
 
 
 class LiveLine:
@@ -114,9 +126,12 @@ class LiveLine:
         Stopped : it was asked for.
         """
         if self.line is None:
-            settings = self._config.characterisation
-            longest = max(longest_batch(self._config), settings.run_in + settings.period + FADE)
-            line = Line(self._config, seconds=longest, on_discard=self._keep_discarded, supervision=self._supervision)
+            line = Line(
+                self._config,
+                seconds=longest_drive(self._config),
+                on_discard=self._keep_discarded,
+                supervision=self._supervision,
+            )
             self.line = line.__enter__()
         done = threading.Event()
         watch = threading.Thread(target=self._stop_when_asked, args=(self.line, done), daemon=True)
@@ -158,7 +173,9 @@ def calibrate(config: RigConfig, raw: RawFolder, emit: Emit, about: Mapping[str,
         passes, seconds, far = measure_by_stepped_sine(config, raw, emit, about)
         return Calibration(passes, seconds, far=far)
     found = measure_by_multisine(config, raw, emit, about)
-    by_multisine = Calibration((found.matrix,), found.emitted, found.levels, found.loudest, far=found.far)
+    by_multisine = Calibration(
+        (found.matrix,), found.emitted, found.levels, found.loudest, far=found.far, over=found.over
+    )
     tones = uncertain_lines(found.matrix) if config.characterisation.method == "both" else np.zeros(0)
     if len(tones) < FEWEST:
         return by_multisine

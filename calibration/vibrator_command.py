@@ -128,6 +128,8 @@ def _print(found: Calibration, out: Path, json: str | None) -> None:
         print_table("far field", FAR_FIELD_HEAD, far_field_rows(found.far), stream)
     if found.loudest is not None:
         print(f"the multisine's loudest line is {found.loudest:.1f} dB re what the preload emits", file=stream)
+    if found.over is not None:
+        print(f"the loudest line emitted is {found.over:.1f} dB re the limit that the reference sets", file=stream)
     if len(found.tones):
         print(f"{len(found.tones)} lines were measured again by a stepped sine", file=stream)
     if len(found.passes) > 1:

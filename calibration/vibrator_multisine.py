@@ -1,10 +1,10 @@
-"""The multisine's plans: which records are played, how loud, and quiet ones that stay within the objective."""
+"""The multisine's plans: which records are played, and how loud."""
 
 import hashlib
-from dataclasses import replace
 
 import numpy as np
 
+from calibration.emission_limit import EmissionLimit
 from calibration.experiment import Batch, Plan
 from calibration.multisine import FADE, Design, Record, codes, low_crest, odd_lines
 from calibration.multisine_estimate import REACH
@@ -17,21 +17,11 @@ GROUP = 5
 """Odd lines, of which one is left out for distortion to show."""
 PRELOAD_SPACING = 2.0
 """Hz between the preload's lines, all odd: what even orders of distortion make of it falls on even lines alone."""
-SCOUT_LEVEL = -26.0
-"""dB re the objective, of the records by which the level of the quiet ones is chosen ..."""
-SCOUT_SPARE = 2
-"""... and how many more of them there are than coils, and fewer of the quiet ones than of others."""
 REST = 2.0
 """s of the silence before its measured part, for what was played before to ring down."""
-UNCERTAINTY = 0.85
-"""1, of the allowed level, what is used: kappa of (6.22)."""
+QUIET_SPARE = 3
+"""Records by which `characterisation.records` must be more than the coils, for a quiet calibration takes fewer."""
 KEYS = ("band", "preload_band", "records", "period", "run_in", "operating", "level", "quiet")
-
-
-def scout_design(config: RigConfig) -> tuple[Design, np.ndarray]:
-    """Design the few faint records of a quiet calibration that say how loud the others may be; see `flat_design`."""
-    records = len(config.audio.drive_channels) + SCOUT_SPARE
-    return _design(config, records, config.quality.objective + SCOUT_LEVEL)
 
 
 def flat_design(config: RigConfig) -> tuple[Design, np.ndarray]:
@@ -43,50 +33,18 @@ def flat_design(config: RigConfig) -> tuple[Design, np.ndarray]:
     detection : int array
         Odd bins that are not excited.
     """
-    return _design(config, config.characterisation.records, config.characterisation.level)
+    return design_of(config, config.characterisation.records, config.characterisation.level)
 
 
-def quiet_design(
-    config: RigConfig, frequency: np.ndarray, response: np.ndarray, emitted: np.ndarray
-) -> tuple[Design, np.ndarray]:
-    """Design records whose every line from `quality.above` on stays `objective` below what the preload emits.
+def multisine_plan(
+    config: RigConfig, name: str, design: Design, rest: float = REST, limit: EmissionLimit | None = None
+) -> Plan:
+    """Plan `rest` seconds and a period of silence, which is the part that counts, and all records of a design.
 
-    Parameters
-    ----------
-    config : RigConfig
-    frequency : array, shape (lines,), Hz
-    response : complex array, shape (lines, outputs, inputs), m/s^2 per V
-        As well as it is known.
-    emitted : array, shape (outputs,), m/s^2
-        Amplitude of a line in the preload's band, were its response spread over all of them.
-
-    Returns
-    -------
-    design : Design
-    detection : int array
-        See `flat_design`.
-
-    Source
-    ------
-    Sörnmo 2015, eq. (6.22), for all lines at once.
-
-    Departs
-    -------
-    Both coils drive at once: their responses may add up, so it is the sum of |G| over them that counts.  All lines are
-    as strong as the one that needs it least may be: shaped line by line, weak lines would drown in what the preload
-    makes of their strong neighbours.
+    What a design within a limit is made from is recorded before it.
     """
-    settings = config.characterisation
-    flat, detection = _design(config, settings.records - SCOUT_SPARE, settings.level)
-    size = np.abs(response[frequency >= config.quality.above]).sum(axis=2).max(axis=0)
-    allowed = float(np.min(UNCERTAINTY * emitted * 10 ** (config.quality.objective / 20) / size))
-    return replace(flat, amplitude=np.minimum(flat.amplitude, allowed)), detection
-
-
-def multisine_plan(config: RigConfig, name: str, design: Design) -> Plan:
-    """Plan a silence, whose last period counts, and all records of a design."""
     sides, settings = len(config.audio.drive_channels), config.characterisation
-    silence = Silence(round(REST * design.rate) + design.period, sides)
+    silence = Silence(round(rest * design.rate) + design.period, sides)
     batches: list[Batch] = [silence, *(Record(design, number) for number in range(design.records))]
     settled = {f"characterisation.{key}": repr(getattr(settings, key)) for key in KEYS}
     digest = hashlib.sha256()
@@ -94,6 +52,8 @@ def multisine_plan(config: RigConfig, name: str, design: Design) -> Plan:
         digest.update(np.ascontiguousarray(part, dtype=float).round(9).tobytes())
     drives, responses, rig = depends_on_rig(config)
     depends = {**rig, **settled, "objective": repr(config.quality.objective), "lines": digest.hexdigest()[:16]}
+    if limit is not None:
+        depends["emission limit"] = f"{limit.tone:.6g} m/s^2"
     return Plan(name, depends, float(config.audio.rate), drives, responses, batches)
 
 
@@ -105,8 +65,9 @@ def emitted_seconds(plan: Plan) -> float:
 def longest_multisines(config: RigConfig) -> float:
     """Return how long all records of multisines may be with the silence before each kind, s."""
     settings = config.characterisation
-    records = settings.records + settings.quiet * (len(config.audio.drive_channels) + SCOUT_SPARE)
-    return float((1 + settings.quiet) * (REST + settings.period) + records * (settings.run_in + settings.period + FADE))
+    records = settings.records + settings.quiet * (len(config.audio.drive_channels) + QUIET_SPARE)
+    kinds = 1 + 3 * settings.quiet
+    return float(kinds * (REST + settings.period) + records * (settings.run_in + settings.period + FADE))
 
 
 def refuse_unfit_multisine(config: RigConfig) -> None:
@@ -117,7 +78,7 @@ def refuse_unfit_multisine(config: RigConfig) -> None:
     ValueError : it says which setting, and what is allowed.
     """
     settings, limits, sides = config.characterisation, config.limits, len(config.audio.drive_channels)
-    fewest = sides + SCOUT_SPARE * settings.quiet
+    fewest = sides + QUIET_SPARE * settings.quiet
     if not settings.records > fewest:
         raise ValueError(
             f"characterisation.records is {settings.records}, must be > {fewest} for {sides} coils"
@@ -136,6 +97,8 @@ def refuse_unfit_multisine(config: RigConfig) -> None:
             f"characterisation.band is {settings.band[1] - settings.band[0]:g} Hz wide, must be >= "
             f"{(least - 4 * REACH) / settings.period:g} Hz for a polynomial over {2 * REACH + 1} lines"
         )
+    if settings.quiet:
+        return  # there is no preload, and what is played is far below any limit of a drive that can emit the reference
     design, _ = flat_design(config)
     drives = (Record(design, number).drive() for number in range(design.records))
     peak, rms = np.max([(np.abs(drive).max(), np.sqrt(np.mean(drive**2, axis=0)).max()) for drive in drives], axis=0)
@@ -147,7 +110,22 @@ def refuse_unfit_multisine(config: RigConfig) -> None:
             )
 
 
-def _design(config: RigConfig, records: int, level: float) -> tuple[Design, np.ndarray]:
+def design_of(config: RigConfig, records: int, level: float) -> tuple[Design, np.ndarray]:
+    """Design records whose lines are all equally strong.
+
+    Parameters
+    ----------
+    config : RigConfig
+    records : int
+    level : float, dB
+        Their density re the preload's.
+
+    Returns
+    -------
+    design : Design
+    detection : int array
+        Odd bins that are not excited.
+    """
     settings, rate, sides = config.characterisation, float(config.audio.rate), len(config.audio.drive_channels)
     period, rng = round(settings.period * rate), np.random.default_rng(SEED)
     low, high = _bins(config)

@@ -3,6 +3,7 @@
 import gc
 import os
 import tempfile
+from collections import Counter
 from fnmatch import fnmatch
 
 import hypothesis
@@ -38,7 +39,13 @@ LONGEST = (
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put those first; the rest stays in its order."""
+    """Put those first; the rest stays in its order.  What is beyond a sample of cases is slow."""
+    seen: Counter[tuple[str, str]] = Counter()
+    for item in items:
+        sample, case = item.get_closest_marker("sample"), (str(item.path), getattr(item, "originalname", item.name))
+        seen[case] += 1
+        if sample is not None and seen[case] > sample.args[0]:
+            item.add_marker("slow")
     items.sort(key=lambda item: next((n for n, name in enumerate(LONGEST) if item.path.match(name)), len(LONGEST)))
 
 

@@ -219,7 +219,11 @@ class Characterisation(Section):
     run_in: float = setting(0.5, "s", "multisine: played before each measured period", ge=0.1, le=10)
     operating: float = setting(0.36, "V", "multisine: rms of the preload, as of the drive in use", ge=0, le=100)
     level: float = setting(-30.0, "dB", "multisine: its density re that of the preload in its band", ge=-80, le=-10)
-    quiet: bool = setting(False, "", "multisine: keep every line of it `objective` below what the preload emits")
+    quiet: bool = setting(
+        False,
+        "",
+        "multisine: no preload, and every line within the limit that the reference sets",
+    )
 
 
 class Simulator(Section):
@@ -278,10 +282,14 @@ class RigConfig(Section):
             ("characterisation", "band", self.characterisation.band),
             ("characterisation", "preload_band", self.characterisation.preload_band),
             ("watch", "band", self.watch.band),
-            ("quality", "above, judged_to", (self.quality.above, self.quality.judged_to)),
         ):
             if not 0 < low < high < nyquist:
                 raise ValueError(f"{table}.{key} is {low:g} to {high:g} Hz, must rise within 0 to {nyquist:g} Hz")
+        if not self.quality.above < min(self.quality.judged_to, nyquist):
+            raise ValueError(
+                f"quality.above is {self.quality.above:g} Hz, must be < quality.judged_to, "
+                f"{self.quality.judged_to:g} Hz, and < {nyquist:g} Hz, half the rate learned at"
+            )
         levels = (-80.0, *self.learning.check_levels)
         if levels[-1] != 0.0 or not all(low < high for low, high in pairwise(levels)):
             raise ValueError(

@@ -13,7 +13,7 @@ from vibractl.learning.law import reference_level, settled_window, strong_lines
 from vibractl.mains import Hum, Mains
 from vibractl.overtones import Overtones
 from vibractl.place import Place
-from vibractl.spectrum import Decimator, LineSpectrum
+from vibractl.spectrum import DECIMATOR_CORNER, Decimator, LineSpectrum
 
 BAND_WIDTH = 50.0
 """Hz, of the bands whose level is reported beside the worst line."""
@@ -112,7 +112,8 @@ class Judge:
         self._rate = rate = setup.shot.rate / step
         frames, width = setup.shot.frames // step, len(self._outputs)
         low = min(setup.config.learning.band[0], self._quality.above)
-        self._spectrum = LineSpectrum(frames, width, rate, (low, self._quality.judged_to), setup.plans)
+        high = min(self._quality.judged_to, DECIMATOR_CORNER * rate / 2)
+        self._spectrum = LineSpectrum(frames, width, rate, (low, high), setup.plans)
         self.frequency = self._spectrum.frequency
         self._reference = self.place.reference
         self._settled = settled_window(setup.reference, frames)
@@ -231,7 +232,7 @@ class Judge:
 
     def _judged_lines(self, overtones: int) -> np.ndarray:
         if self._root is None:
-            return (self.frequency >= self._quality.above) & (self.frequency <= self._quality.judged_to)
+            return self.frequency >= self._quality.above
         order = np.round(self.frequency / self._root)
         exact = np.abs(self.frequency - order * self._root) < 1e-6
         return exact & (order >= 2) & (order <= overtones + 1)

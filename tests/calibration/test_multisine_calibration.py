@@ -6,9 +6,13 @@ import pytest
 from benchmarks.identification import BANDS, FREQUENCY, errors, truth_at_preload
 from calibration.experiment import RawFolder
 from calibration.vibrator import Calibration, calibrate
+from ctlblocks import recording
 from rigkit import config as rig_file
-from tests.calibration.linear_vibrator import ABOUT, emitter
+from tests.calibration.linear_vibrator import ABOUT, LINEAR, emitter, linear_response
 from vibractl.config import RigConfig
+from vibractl.decibels import decibels
+from vibractl.judging import Judging
+from vibractl.quality import Judge
 
 SHORT = ("band=[100, 160]", "records=4", "period=2", "run_in=0.3")
 
@@ -37,12 +41,38 @@ def test_45_seconds_find_a_nonlinear_vibrator_within_the_stated_variance(tmp_pat
     assert 1.0 < np.percentile(normalised, 95) < 6.0
 
 
-def test_quiet_records_keep_every_line_below_the_objective(tmp_path: Path) -> None:
-    measured = found(tmp_path, "quiet=true", "records=6")
-    assert measured.loudest is not None
-    assert -60 < measured.loudest < -40
+def quiet(folder: Path, amplitude: float, **plant: float) -> tuple[RigConfig, Calibration]:
+    """Calibrate a plant quietly, for a reference of an amplitude, m/s^2."""
+    settings = [f"reference.amplitude={amplitude}", "reference.signal=chirp:40:90:5"]
+    rig = rig_file.load(None, RigConfig, ["characterisation.quiet=true", *settings])
+    with RawFolder(folder) as raw:
+        return rig, calibrate(rig, raw, emitter(2, **plant), ABOUT)
+
+
+def test_a_quiet_model_of_a_linear_vibrator_is_right(tmp_path: Path) -> None:
+    _, measured = quiet(tmp_path, 10.0, **LINEAR)
+    truth = linear_response(2, measured.matrix.frequency)
+    off = np.linalg.norm(measured.matrix.response - truth, axis=(1, 2)) / np.linalg.norm(truth, axis=(1, 2))
+    assert np.median(off) < 0.01
+    assert np.quantile(off, 0.95) < 0.03
+
+
+@pytest.mark.parametrize("amplitude", [1.0, 10.0])
+def test_a_quiet_one_emits_nothing_over_the_limit(tmp_path: Path, amplitude: float) -> None:
+    """The reference's judge hears every recording, ramps and all, as it hears a shot."""
+    rig, measured = quiet(tmp_path, amplitude, hum=-200.0)
+    assert measured.over is not None
+    assert -8 < measured.over < 0
     assert measured.seconds < 60
-    assert sorted({path.name[:-8] for path in tmp_path.glob("*.wav")}) == ["multisine", "scout"]
+    assert sorted({path.name[:-8] for path in tmp_path.glob("*.wav")}) == ["multisine", "probe-1", "probe-2", "scout"]
+    judge, worst = Judge(Judging.of(rig)), []
+    for path in tmp_path.glob("multisine-*.wav"):
+        heard = recording.read(path).data[:, 2:]
+        for first in (0, len(heard) - 220_500):
+            lines = np.fft.rfft(heard[first : first + 220_500], axis=0)[500:3_200] / 44_100  # 100 to 640 Hz
+            worst.append(decibels(lines / judge.limit).max())
+    assert len(worst) == 12
+    assert -10 < max(worst) < 0
 
 
 def test_below_the_band_that_is_judged_no_line_is_too_loud(tmp_path: Path) -> None:

@@ -152,6 +152,7 @@ def calibrated(monkeypatch: pytest.MonkeyPatch, out: Path, *arguments: str) -> i
     return main()
 
 
+@pytest.mark.slow
 def test_a_vibrator_whose_sensor_was_turned_round_is_measured_anew(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

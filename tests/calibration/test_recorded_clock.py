@@ -45,6 +45,7 @@ UP_AND_DOWN = np.concatenate(
 )
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("drive", "ppm"),
     [(noise(1, 12.0), 20.0), (noise(2), -150.0), (UP_AND_DOWN, 20.0), (multisine(1, periods=4), 20.0)],
@@ -60,6 +61,7 @@ def test_a_clock_that_differs_is_refused_or_taken_out(drive: np.ndarray, ppm: fl
     assert relative(found) < 0.01
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("most", [64, 4])
 def test_sweeps_that_lie_elsewhere_in_their_blocks_show_their_clock_as_well(
     monkeypatch: pytest.MonkeyPatch, most: int

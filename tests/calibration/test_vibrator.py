@@ -7,7 +7,9 @@ import pytest
 
 from calibration.experiment import RawFolder
 from calibration.output import provenance
-from calibration.vibrator import LiveLine, calibrate
+from calibration.vibrator import LiveLine, calibrate, longest_drive
+from calibration.vibrator_multisine import flat_design, multisine_plan
+from calibration.vibrator_sweep import first_pass
 from ctlblocks import recording
 from rigkit import config as rig_file
 from rigkit.provenance import now
@@ -56,6 +58,16 @@ def test_one_pass_is_enough_when_that_is_asked_for(tmp_path: Path) -> None:
     assert len(found.passes) == 1
     assert found.matrix.frequency.tolist() == np.arange(136.0, 144.0).tolist()
     assert found.seconds == pytest.approx(10 + 8 * 2 * 0.55 + 2 * 0.4 + 0.1, rel=0.02)
+
+
+@pytest.mark.parametrize("method", ["multisine", "both", "stepped"])
+@pytest.mark.parametrize("settings", [(), ("characterisation.period=1.00003", "characterisation.run_in=9.7")])
+def test_every_recording_fits_into_the_line(method: str, settings: tuple[str, ...]) -> None:
+    config = rig_file.load(None, RigConfig, [f"characterisation.method={method}", *settings])
+    lines, tones = multisine_plan(config, "multisine", flat_design(config)[0]), first_pass(config)
+    plans = {"multisine": [lines], "stepped": [tones], "both": [lines, tones]}[method]
+    longest = max(batch.samples for plan in plans for batch in plan.batches)
+    assert longest <= round(longest_drive(config) * config.audio.rate) < 3.5 * longest
 
 
 def test_over_the_live_line_the_model_says_where_it_comes_from(tmp_path: Path) -> None:

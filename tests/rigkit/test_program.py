@@ -24,6 +24,7 @@ def test_what_stands_in_the_help_is_what_each_command_says_of_itself(name: str) 
     }
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("name", "command", "unwanted"),
     [

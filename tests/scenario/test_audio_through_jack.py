@@ -79,6 +79,7 @@ def test_the_recorded_response_of_the_vibrator_is_that_of_the_plant_offline() ->
     np.testing.assert_array_equal(capture.emitted, sweep().astype(np.float32))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("server")
 @pytest.mark.parametrize("blocksize", [PERIOD, pytest.param(1000, marks=pytest.mark.slow)])
 def test_shot_after_shot_and_stream_after_stream_the_round_trip_is_the_same(blocksize: int, tmp_path: Path) -> None:
@@ -100,6 +101,7 @@ def test_shot_after_shot_and_stream_after_stream_the_round_trip_is_the_same(bloc
                     np.testing.assert_allclose(capture.response, expected, atol=1e-6 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("server")
 def test_a_device_or_rate_that_is_not_there_is_one_error_that_says_what_is() -> None:
     there = r"'system' \(2 in, 2 out, 44100 samples/s\), 'shaker' \(3 in, 3 out, 44100 samples/s\)"

@@ -28,6 +28,7 @@ def stagectl(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
     return main()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", SHORT)
 def test_a_run_keeps_what_it_was_made_with(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

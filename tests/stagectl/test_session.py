@@ -140,6 +140,7 @@ def test_a_sensor_that_cannot_be_ends_the_run_at_rest_with_the_reason_kept(tmp_p
     assert all(each.identical for each in replay(path, session.setup_of(path)))
 
 
+@pytest.mark.slow
 def test_a_milling_run_compares_with_the_uncompensated_one(tmp_path: Path) -> None:
     """Short, as its beginning: what the cut does to the robot is taken off the tool by the stage."""
     base = rig_file.load(None, StageConfig, ["session.seconds=5"])

@@ -63,6 +63,7 @@ def test_one_side_alone_meets_the_objective_by_shot_11() -> None:
     assert run("learning.side=1").shot <= 11
 
 
+@pytest.mark.slow
 def test_modes_that_drift_by_2_percent_while_learning_are_followed() -> None:
     """As fast as over a run of 30 shots."""
     drift = ("simulator.options.trend=0.02", f"simulator.options.trend_seconds={30 * SHOT}")

@@ -23,6 +23,7 @@ def test_order_18_does_not_say_all_of_the_response(found: Outcome) -> None:
     assert 70 < found.vaf < 95
 
 
+@pytest.mark.slow
 def test_zeros_lie_outside_of_the_unit_circle_so_that_the_inverse_cannot_be_causal(found: Outcome) -> None:
     """Page 140: four.  Measured here: 7."""
     assert found.outside >= 4

@@ -21,6 +21,7 @@ ELSEWHERE = {
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["vibractl", "calibration"])
 def test_the_audio_process_imports_nothing_that_belongs_to_the_program(tmp_path: Path, name: str) -> None:
     program, log = tmp_path / "program.py", tmp_path / "modules.json"

@@ -55,6 +55,7 @@ def sweep() -> np.ndarray:
     return np.column_stack([np.sin(2 * np.pi * f * time) * np.sin(2 * np.pi * time) ** 2 for f in (40, 90)])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("speed", [0.0, 10.0])
 def test_it_gives_what_the_stream_gives_in_this_process(tmp_path: Path, speed: float) -> None:
     captures = []
@@ -88,6 +89,7 @@ def test_when_the_audio_process_is_killed_the_program_is_told(tmp_path: Path) ->
             line.emit(sweep())
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("how", ["kill -9", "Ctrl-C", "kill the child"])
 def test_whoever_ends_in_mid_shot_the_drive_ramps_down(tmp_path: Path, how: str) -> None:
     log = tmp_path / "log"

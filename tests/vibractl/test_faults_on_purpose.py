@@ -63,6 +63,7 @@ def check(path: Path, reason: str, said: str) -> None:
         assert worst[-1] < worst[0] + 6  # two shots after the fault has gone
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("kind", FAULTS)
 def test_an_accelerometer_that_fails_is_named_or_makes_no_drive_louder(tmp_path: Path, kind: str) -> None:
     check(*learned(tmp_path, "response_1", kind), SAID.get(kind, ""))

@@ -29,6 +29,7 @@ def vibractl(monkeypatch: pytest.MonkeyPatch, *words: object) -> int:
     return main()
 
 
+@pytest.mark.slow
 def test_later_runs_go_by_the_plans_that_it_measures(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -154,6 +154,7 @@ def test_a_model_of_another_simulated_machine_is_used_and_it_is_said(tmp_path: P
     ]
 
 
+@pytest.mark.slow
 def test_at_the_shell_a_refusal_is_one_line_and_what_is_accepted_is_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

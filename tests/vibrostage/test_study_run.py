@@ -133,6 +133,7 @@ def test_ctrl_c_stores_what_is_done_and_says_how_to_go_on(folder: Path) -> None:
     assert results("stopped")
 
 
+@pytest.mark.slow
 def test_the_command_that_is_stored_gives_the_same_figure_in_an_empty_folder(folder: Path, call: Call) -> None:
     (folder / "pocket.json").write_text(EXAMPLE_POCKET)
     (folder / "pockets.toml").write_text(STUDY % 1)

@@ -138,6 +138,7 @@ def test_no_sample_of_one_recording_predicts_the_next() -> None:
     assert errors[0] < 0.7 * errors[1]
 
 
+@pytest.mark.slow
 def test_decimated_recordings_give_a_model_at_the_lower_rate(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -60,6 +60,7 @@ def test_a_dry_run_prints_every_motion_and_makes_none(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_the_simulated_arm_is_measured_from_the_command_line_and_not_twice(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -48,6 +48,7 @@ class Clamped:
         self.map = TorqueMap(self.angle[:, joint], self.torque[:, joint], RATE)
 
 
+@pytest.mark.slow
 def test_uncorrected_it_is_underestimated_the_deflection_removes_a_part_and_the_link_leaves_3_percent() -> None:
     parts = random_joints(3)
     clamped = Clamped(parts, POSE, 0, bearings(parts, 3), TABLE)
@@ -65,6 +66,7 @@ def test_uncorrected_it_is_underestimated_the_deflection_removes_a_part_and_the_
     assert by_link.backlash.value == pytest.approx(parts.backlash[0], rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_motion_that_is_known_well_brings_what_other_joints_slide_against_their_friction() -> None:
     """Taken as a straight line, it would stay in the map as play."""
     parts = random_joints(3)
@@ -101,6 +103,7 @@ def test_a_known_compliance_of_the_environment_does_without_any_sensor() -> None
     assert found.k_plus.value == pytest.approx(parts.k_plus[1], rel=0.02)
 
 
+@pytest.mark.slow
 def test_several_poses_give_the_bearings_tilting_within_10_percent() -> None:
     parts = random_joints(5, backlash=False)
     parts.k_minus[:] = parts.k_plus

@@ -12,6 +12,7 @@ def recorded(parts: Joints, joint: int, **surroundings: float) -> TorqueMap:
     return TorqueMap(angle[:, joint], torque[:, joint], RATE)
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("seed", range(20))
 def test_in_a_stiff_clamp_stiffness_is_found_within_2_percent_and_backlash_within_5_percent(seed: int) -> None:
     parts, joint = random_joints(seed), seed % 6

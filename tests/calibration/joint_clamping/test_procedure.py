@@ -31,6 +31,7 @@ def shows(lab: Lab, panel: str) -> bool:
     return panel in lab.control.board.revisions()
 
 
+@pytest.mark.slow
 def test_the_map_of_the_joint_that_is_moved_grows_and_ends_with_its_model(lab: Lab) -> None:
     begin(lab, paced=True)
     until(lambda: any(gauge.name == "torque_3" for gauge in lab.rig.gauges()))

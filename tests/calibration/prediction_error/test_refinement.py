@@ -36,6 +36,7 @@ def test_it_comes_within_0_1_point_of_the_truth(system: ResonantSystem) -> None:
     assert np.all(off <= np.maximum(0.03 * system.model.modes.damping, 3 * found.errors.damping))
 
 
+@pytest.mark.slow
 def test_standard_errors_cover_and_reach_the_cramer_rao_bound() -> None:
     """Over 60 records: errors scatter as widely as said, and no wider than at the true parameters."""
     system = order_7()
@@ -78,6 +79,7 @@ def test_the_free_run_is_fitted_where_that_is_asked_for() -> None:
     assert fits["prediction"].one_step.nrmse > fits["simulation"].one_step.nrmse + 1
 
 
+@pytest.mark.slow
 def test_free_run_errors_are_honest_under_coloured_noise() -> None:
     """Within a third, where the inverse of the Hessian would say less than half of it."""
     system = order_7()

@@ -77,6 +77,7 @@ def test_the_state_space_is_the_quotients() -> None:
     np.testing.assert_allclose(found.model.D, [[0.7, 0.0]], atol=0.01)
 
 
+@pytest.mark.slow
 def test_standard_errors_cover() -> None:
     truth = matrix([[2, 4]], seed=5)
     pole = np.roots(truth[0][0][1])[0]

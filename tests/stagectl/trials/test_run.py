@@ -48,6 +48,7 @@ def test_a_trial_in_material_feels_it_and_is_pushed_aside(touched: Trial, air: M
     assert np.linalg.norm(done.mae) > np.linalg.norm(before.mae)
 
 
+@pytest.mark.slow
 def test_another_trial_has_other_noise_on_the_same_machine(first: Trial, air: Milled) -> None:
     other = ran(replace(first, number=1))
     for name, columns in (("tracker", ["tool_seen_x"]), ("trial", ["torque_2"])):

@@ -121,6 +121,7 @@ def whole(lab: Lab) -> None:
     assert all("event" in json.loads(line) for line in lines)
 
 
+@pytest.mark.slow
 def test_a_call_that_fails_is_a_fault_and_the_run_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert fail_and_go_on(tmp_path, monkeypatch, "run", QUICK) >= 3
 

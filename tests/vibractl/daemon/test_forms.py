@@ -66,6 +66,7 @@ def models(folder: Path) -> dict[str, str]:
     return {path.name: checksum(path) for path in folder.glob("model*.h5")}
 
 
+@pytest.mark.slow
 def test_a_name_that_is_taken_is_measured_anew_computed_again_and_accepted_at_the_page(
     visit: Visit, tmp_path: Path
 ) -> None:

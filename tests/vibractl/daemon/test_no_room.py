@@ -45,6 +45,7 @@ def test_what_the_disk_has_no_room_for_does_not_begin(
     assert "70 MB are free and 67.11 MB of it stay so" in why
 
 
+@pytest.mark.slow
 def test_a_run_that_goes_on_wants_room_for_the_shots_that_are_left_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -57,6 +58,7 @@ def test_a_run_that_goes_on_wants_room_for_the_shots_that_are_left_alone(
     assert "398 shots of " in why
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("procedure", OPTIONS)
 def test_a_disk_that_fills_up_meanwhile_is_a_fault_that_names_file_folder_and_room_and_the_run_goes_on(
     procedure: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

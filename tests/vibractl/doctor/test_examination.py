@@ -136,6 +136,7 @@ def test_a_flagged_xrun_is_a_warning_and_one_each_time_a_failure(
     assert verdict(found, "clock").measured == "not measured: recordings failed"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("hum", "mains", "grade"), [(-70.0, 50.0, "pass"), (-60.0, 50.0, "warn"), (-50.0, 60.0, "fail")]
 )
@@ -149,6 +150,7 @@ def test_hum_is_judged_by_its_harmonics_above_100_hz(hum: float, mains: float, g
     assert verdict(found, "noise").grade == "pass"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("noise", "grade"), [(-75.0, "pass"), (-30.0, "warn"), (-15.0, "fail")])
 def test_noise_is_judged_as_the_lines_of_a_shot(noise: float, grade: str) -> None:
     """White noise of 10 m/s^2 rms and -x dB has lines of sqrt(5 s / 44100 Hz) of that, 1.59 m/s^2 s is 0 dB."""
@@ -157,6 +159,7 @@ def test_noise_is_judged_as_the_lines_of_a_shot(noise: float, grade: str) -> Non
     assert said.value == pytest.approx(noise + 20 * np.log10(10 * np.sqrt(5 / 44_100) / 1.58), abs=0.7)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("cubic", "grade"), [(0.0, "pass"), (0.8, "warn"), (10.0, "fail")])
 def test_a_converter_that_bends_is_found_over_the_cable(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cubic: float, grade: str

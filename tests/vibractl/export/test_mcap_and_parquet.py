@@ -50,6 +50,7 @@ def test_the_shots_and_the_responses_come_back_from_parquet(content: Content, tm
     assert (said["rate"], said["provenance"]["shot"]) == (44_100.0, "2")
 
 
+@pytest.mark.slow
 def test_a_hydrophone_goes_along_as_a_pressure(content: Content, tmp_path: Path) -> None:
     (content.path / "shots" / "0003.wav").write_bytes(with_pressure(content, tmp_path)[0].read_bytes())
     try:

@@ -107,6 +107,7 @@ def test_a_warm_run_checks_learns_and_replays_bit_for_bit_without_the_library(co
     assert entry_of(path, None, {}).about["shot"] == "4"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("stopped", [1, 2, 3])
 def test_a_run_that_stops_in_the_middle_of_the_check_goes_on_with_it(cold: Path, tmp_path: Path, stopped: int) -> None:
     """The simulated plant starts anew: one shot after the stop is all that can be equal."""

@@ -119,6 +119,7 @@ def test_what_cannot_be_begun_leaves_no_folder(lab: Lab, options: dict[str, obje
     assert not lab.run_folder().exists()
 
 
+@pytest.mark.slow
 def test_trials_of_which_the_settings_were_edited_since_go_on_once_the_key_is_accepted(lab: Lab) -> None:
     path = lab.run_folder()
     cell = rig_file.load(lab.file, CellConfig)

@@ -70,6 +70,7 @@ def test_the_output_of_a_simulation_is_measured_while_a_procedure_runs(lab: Lab,
     lab.ended()
 
 
+@pytest.mark.slow
 @pytest.mark.stall(0.3)
 @pytest.mark.parametrize("procedure", LIVE)
 def test_the_output_of_a_live_robot_is_measured_while_it_is_led(tmp_path: Path, procedure: str) -> None:

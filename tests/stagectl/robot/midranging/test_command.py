@@ -149,6 +149,7 @@ def test_the_scenarios_are_those_of_section_3_3() -> None:
                                np.arange(len(second.reference)), atol=1e-9)  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_toroid_that_is_stopped_on_its_last_axis_is_kept_and_says_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,0 +1,98 @@
+"""Multisines that stay inside the objective: faint probes, a scout, and records shaped by what it has found."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+
+from calibration.emission_limit import EmissionLimit
+from calibration.multisine import Design
+from calibration.multisine_estimate import Spectra, frequency_of
+from calibration.vibrator_multisine import QUIET_SPARE, design_of
+from vibractl.config import RigConfig
+
+PROBES = 2
+"""Single records, each louder than the one before by what that has shown to be possible."""
+STRONGEST = 40.0
+"""m/s^2 per V, of all coils together: |G| that the first probe reckons with."""
+SHARE = 0.4
+"""Of what is allowed: the loudest line of a probe or of the scout ..."""
+FILLED = 0.6
+"""... and every line of the records."""
+PERIOD = 2.0
+"""s, of probes and scout at most."""
+SCOUT_SPARE = 2
+"""Records of the scout beyond the number of coils."""
+LOW = -30.0
+"""dB re the reference's own lines, of lines below 100 Hz, for which there is no limit: their overtones have one."""
+FEWEST = 11.0
+"""Bins that a band has at least, beside those beyond its ends."""
+NEAR = 2.0
+"""Hz to each side within which the scout's largest response counts."""
+NOTCH = 5.0
+"""Times the median, that a line's drive is at most, however little is heard of it."""
+
+
+def faint_design(config: RigConfig, limit: EmissionLimit) -> Design:
+    """Design the records of probes and scout at the level of the first probe: all lines equally strong."""
+    settings, records = config.characterisation, len(config.audio.drive_channels) + SCOUT_SPARE
+    low, high = settings.band
+    period = min(settings.period, max(PERIOD, 1 / low, FEWEST / (high - low)))
+    design, _ = design_of(_with(config, period=period), records, 0.0)
+    allowed = limit.allowed(lines_of(design), 0.0).min()
+    return replace(design, amplitude=np.full_like(design.amplitude, SHARE * allowed / STRONGEST))
+
+
+def louder(design: Design, spectra: Spectra, limit: EmissionLimit) -> Design:
+    """Return a design at the level at which the loudest line, heard or hidden, would be at its share of the limit."""
+    frequency = frequency_of(design, spectra)
+    heard = limit.over(frequency, spectra.response, spectra.silence)
+    room = 10 ** (-max(heard, limit.hidden(frequency, spectra.silence)) / 20)
+    return replace(design, amplitude=SHARE * room * design.amplitude)
+
+
+def shaped_design(
+    config: RigConfig, frequency: np.ndarray, response: np.ndarray, limit: EmissionLimit
+) -> tuple[Design, np.ndarray]:
+    """Design records of which every line, by a model, takes the same part of what is allowed to it.
+
+    Parameters
+    ----------
+    config : RigConfig
+    frequency : array, shape (lines,), Hz, evenly spaced
+    response : complex array, shape (lines, outputs, inputs), m/s^2 per V
+    limit : EmissionLimit
+
+    Returns
+    -------
+    design : Design
+    detection : int array
+        Odd bins that are not excited.
+
+    Source
+    ------
+    Sörnmo 2015, eq. (6.22), for all lines at once and without a preload: what that brings forth is over the limit.
+    """
+    flat, detection = design_of(_with(config), config.characterisation.records - QUIET_SPARE, 0.0)
+    lines = lines_of(flat)
+    size = 2 * round(NEAR / (frequency[1] - frequency[0])) + 1
+    heard = maximum_filter1d(
+        np.abs(response).max(axis=1), size, axis=0, mode="nearest"
+    )  # by the output that hears most
+    near = np.stack([np.interp(lines, frequency, column) for column in heard.T], axis=1)
+    coils = near.shape[1]
+    amplitude = FILLED * limit.allowed(lines, LOW)[:, None] / (coils * near)
+    amplitude = np.minimum(amplitude, NOTCH * np.median(amplitude, axis=0))
+    return replace(flat, amplitude=amplitude), detection
+
+
+def lines_of(design: Design) -> np.ndarray:
+    """Return the excited lines' frequencies, Hz."""
+    frequency: np.ndarray = design.bins * design.rate / design.period
+    return frequency
+
+
+def _with(config: RigConfig, **settings: float) -> RigConfig:
+    """Return a rig without a preload, and with other settings of its characterisation."""
+    other = config.characterisation.model_copy(update={"operating": 0.0, **settings})
+    return config.model_copy(update={"characterisation": other})
