@@ -19,7 +19,7 @@ from calibration.multisine_estimate import (
     raw_matrix,
     spectra_of,
 )
-from calibration.quiet_multisine import PROBES, faint_design, louder, shaped_design
+from calibration.quiet_multisine import PROBES, doubted, faint_design, louder, shaped_design
 from calibration.vibrator_multisine import (
     emitted_seconds,
     flat_design,
@@ -133,7 +133,10 @@ def _model(config: RigConfig, design: Design, spectra: Spectra, about: Mapping[s
     wanted = np.arange(int(np.floor(low + 1e-9)), int(np.ceil(high - 1e-9)) + 1)
     response, variance = matrix_on(design, raw_matrix(design, spectra), wanted)
     frequency = wanted * design.rate / design.period
-    return TransferMatrix(frequency, response, variance, coherence_of(response, variance), about)
+    coherence = coherence_of(response, variance)
+    if config.characterisation.quiet:
+        variance = doubted(frequency, response, variance)
+    return TransferMatrix(frequency, response, variance, coherence, about)
 
 
 def _far_field(

@@ -31,6 +31,9 @@ NEAR = 2.0
 """Hz to each side within which the scout's largest response counts."""
 NOTCH = 5.0
 """Times the median, that a line's drive is at most, however little is heard of it."""
+DIFFERS = np.array([100.0, 150.0, 300.0, 500.0]), np.array([0.7, 0.4, 0.15, 0.1])
+"""Hz, and by which part of |G| the response at a reference's level is another one, for friction gives way: measured on
+vibrators of another structure."""
 
 
 def faint_design(config: RigConfig, limit: EmissionLimit) -> Design:
@@ -86,8 +89,26 @@ def shaped_design(
     return replace(flat, amplitude=amplitude), detection
 
 
+def doubted(frequency: np.ndarray, response: np.ndarray, variance: np.ndarray) -> np.ndarray:
+    """Add to a variance how far a response to so little is from that at the level of a reference.
+
+    Parameters
+    ----------
+    frequency : array, shape (lines,), Hz
+    response : complex array, shape (lines, outputs, inputs), m/s^2 per V
+    variance : array, shape (lines, outputs, inputs), (m/s^2 per V)^2
+
+    Returns
+    -------
+    array, shape (lines, outputs, inputs), (m/s^2 per V)^2
+    """
+    part = np.interp(frequency, *DIFFERS)[:, None, None]
+    doubt: np.ndarray = variance + part**2 * (np.abs(response) ** 2).mean(axis=(1, 2), keepdims=True)
+    return doubt
+
+
 def lines_of(design: Design) -> np.ndarray:
-    """Return the excited lines' frequencies, Hz."""
+    """Return the excited lines' frequencies, shape (lines,), Hz."""
     frequency: np.ndarray = design.bins * design.rate / design.period
     return frequency
 

@@ -192,9 +192,14 @@ def refuse_unfit(config: RigConfig) -> None:
     ------
     ValueError : it says which setting, and what is allowed.
     """
-    if config.characterisation.method != "multisine":
+    settings = config.characterisation
+    if settings.quiet and settings.method != "multisine":
+        raise ValueError(
+            f"characterisation.quiet is true, but method is {settings.method}, must be multisine: tones are not quiet"
+        )
+    if settings.method != "multisine":
         refuse_unfit_sweep(config)
-    if config.characterisation.method != "stepped":
+    if settings.method != "stepped":
         refuse_unfit_multisine(config)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from calibration.emission_limit import EmissionLimit
 from calibration.multisine_estimate import Spectra, frequency_of
-from calibration.quiet_multisine import FILLED, SHARE, STRONGEST, faint_design, lines_of, louder, shaped_design
+from calibration.quiet_multisine import FILLED, SHARE, STRONGEST, doubted, faint_design, lines_of, louder, shaped_design
 from rigkit import config as rig_file
 from vibractl.config import RigConfig
 from vibractl.judging import Judging
@@ -91,3 +91,9 @@ def test_records_take_the_same_part_of_the_limit_on_every_line_but_in_notches() 
     assert not design.preload.any()
     assert design.records == 5
     assert not np.isin(detection, design.bins).any()
+
+
+def test_what_so_little_shows_is_doubted_most_where_joints_stick() -> None:
+    response = np.full((3, 2, 2), 2.0 + 0j)
+    doubt = doubted(np.array([50.0, 150.0, 600.0]), response, np.full(response.shape, 0.01))
+    assert np.sqrt(doubt[:, 0, 1] - 0.01) == pytest.approx([1.4, 0.8, 0.2])
