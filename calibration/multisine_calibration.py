@@ -46,7 +46,7 @@ class Multisined:
     far : FarField or None
         Where there are hydrophones.
     over : float or None, dB
-        Of a quiet calibration: its loudest line over the limit that the reference sets, see `EmissionLimit`.
+        Of the loudest line of all recordings over the limit that the reference sets, see `EmissionLimit`.
     """
 
     matrix: TransferMatrix
@@ -73,20 +73,29 @@ def measure_by_multisine(config: RigConfig, raw: RawFolder, emit: Emit, provenan
     ------
     Pintelon and Schoukens 2012, System Identification, sec. 4.3 and 7.
     """
-    emitted, over, limit = 0.0, -np.inf, None
-    if config.characterisation.quiet:
-        limit = EmissionLimit.of(config)
-        design, detection, emitted, over = _scouted(config, limit, raw, emit)
+    emitted, over, within = 0.0, -np.inf, None
+    limit = EmissionLimit.of(config) if config.characterisation.quiet else _limit_of_a_reference(config)
+    if config.characterisation.quiet and limit is not None:
+        within = limit
+        design, detection, emitted, over = _scouted(config, within, raw, emit)
     else:
         design, detection = flat_design(config)
-    plan = multisine_plan(config, "multisine", design, limit=limit)
+    plan = multisine_plan(config, "multisine", design, limit=within)
     spectra, heard = _recorded(plan, design, config, raw, emit)
     about = {**provenance, "recording": f"{raw.path.name}/{plan.name}-*.wav, fingerprint {plan.fingerprint}"}
     matrix = _model(config, design, spectra, about)
-    loudest = None if limit is not None else _loudest(config, design, spectra)
+    loudest = None if within is not None else _loudest(config, design, spectra)
     seconds, far = emitted + emitted_seconds(plan), _far_field(config, design, spectra, heard, matrix.frequency)
     found = Multisined(matrix, levels(design, spectra, detection), seconds, loudest, far)
     return found if limit is None else replace(found, over=max(over, _over(limit, design, spectra)))
+
+
+def _limit_of_a_reference(config: RigConfig) -> EmissionLimit | None:
+    """Return the limit that the reference sets; None where there is none that can be made."""
+    try:
+        return EmissionLimit.of(config)
+    except (ValueError, OSError):
+        return None
 
 
 def _scouted(

@@ -1,5 +1,7 @@
 """What a calibration found, drawn: the response with its uncertainty, and how its method came to it."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -37,7 +39,7 @@ def sweep_report(found: Calibration, config: RigConfig) -> Report:
         Fact("lines", f"{figures['lines']}"),
         Fact("signal", f"{found.seconds / 60:.1f} min emitted"),
         Fact("median relative deviation", f"{100 * figures['median_relative_deviation']:.2g} %"),
-        _drive_fact(found, settings),
+        *_drive_facts(found, settings),
     )
     with styled():
         sections = _sections(found, config)
@@ -45,13 +47,15 @@ def sweep_report(found: Calibration, config: RigConfig) -> Report:
     return Report("Vibrator calibration", subtitle, facts, tuple(sections))
 
 
-def _drive_fact(found: Calibration, settings: Characterisation) -> Fact:
+def _drive_facts(found: Calibration, settings: Characterisation) -> Iterator[Fact]:
     if found.levels is None:
-        return Fact("preload and probe", f"{settings.preload:g} V and {settings.probe:g} V a side")
+        yield Fact("preload and probe", f"{settings.preload:g} V and {settings.probe:g} V a side")
+        return
+    if not settings.quiet:
+        loudest = "" if found.loudest is None else f", {found.loudest:.1f} dB"
+        yield Fact("preload and loudest line", f"{settings.operating:g} V rms a side{loudest}")
     if found.over is not None:
-        return Fact("loudest line re the limit", f"{found.over:.1f} dB", found.over <= 0)
-    loudest = "" if found.loudest is None else f", {found.loudest:.1f} dB"
-    return Fact("preload and loudest line", f"{settings.operating:g} V rms a side{loudest}")
+        yield Fact("loudest line re the limit", f"{found.over:.1f} dB", found.over <= 0 if settings.quiet else None)
 
 
 def _sections(found: Calibration, config: RigConfig) -> list[Section]:

@@ -54,7 +54,7 @@ class Calibration:
     far : FarField or None
         Where there are hydrophones.
     over : float or None, dB
-        Of a quiet one, see `Multisined`.
+        Of a multisine's loudest line, see `Multisined`.
     """
 
     passes: tuple[TransferMatrix, ...]
