@@ -19,8 +19,9 @@ from calibration.multisine_estimate import (
     raw_matrix,
     spectra_of,
 )
-from calibration.quiet_multisine import PROBES, doubted, faint_design, louder, shaped_design
+from calibration.quiet_multisine import doubted, faint_design, louder, shaped_design
 from calibration.vibrator_multisine import (
+    PROBES,
     emitted_seconds,
     flat_design,
     multisine_plan,
@@ -107,8 +108,12 @@ def _scouted(
     for number in range(1, PROBES + 1):
         plan = multisine_plan(config, f"probe-{number}", one, rest=0.0, limit=limit)
         spectra, _ = _recorded(plan, one, config, raw, emit)
-        emitted, over = emitted + emitted_seconds(plan), max(over, _over(limit, one, spectra))
+        heard = _over(limit, one, spectra)
+        emitted, over = emitted + emitted_seconds(plan), max(over, heard)
+        is_heard = heard > limit.hidden(frequency_of(one, spectra), spectra.silence)
         one = louder(one, spectra, limit)
+        if is_heard:
+            break
     scout = replace(design, amplitude=one.amplitude)
     plan = multisine_plan(config, "scout", scout, rest=0.0, limit=limit)
     spectra, _ = _recorded(plan, scout, config, raw, emit)

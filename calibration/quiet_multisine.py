@@ -11,9 +11,7 @@ from calibration.multisine_estimate import Spectra, frequency_of
 from calibration.vibrator_multisine import QUIET_SPARE, design_of
 from vibractl.config import RigConfig
 
-PROBES = 2
-"""Single records, each louder than the one before by what that has shown to be possible."""
-STRONGEST = 40.0
+STRONGEST = 1e4
 """m/s^2 per V, of all coils together: |G| that the first probe reckons with."""
 SHARE = 0.4
 """Of what is allowed: the loudest line of a probe or of the scout ..."""

@@ -19,6 +19,9 @@ PRELOAD_SPACING = 2.0
 """Hz between the preload's lines, all odd: what even orders of distortion make of it falls on even lines alone."""
 REST = 2.0
 """s of the silence before its measured part, for what was played before to ring down."""
+PROBES = 6
+"""Single records of a quiet calibration at most, each louder than the one before by what that has shown to be possible,
+until the machine is heard."""
 QUIET_SPARE = 3
 """Records by which `characterisation.records` must be more than the coils, for a quiet calibration takes fewer."""
 KEYS = ("band", "preload_band", "records", "period", "run_in", "operating", "level", "quiet")
@@ -65,8 +68,8 @@ def emitted_seconds(plan: Plan) -> float:
 def longest_multisines(config: RigConfig) -> float:
     """Return how long all records of multisines may be with the silence before each kind, s."""
     settings = config.characterisation
-    records = settings.records + settings.quiet * (len(config.audio.drive_channels) + QUIET_SPARE)
-    kinds = 1 + 3 * settings.quiet
+    records = settings.records + settings.quiet * (len(config.audio.drive_channels) + QUIET_SPARE + PROBES)
+    kinds = 1 + (1 + PROBES) * settings.quiet
     return float(kinds * (REST + settings.period) + records * (settings.run_in + settings.period + FADE))
 
 
