@@ -16,9 +16,6 @@ GUARD = 10.0
 AMBIENCE, AROUND = 1.5, 2
 """Times the largest line of the silence, so many bins around, that ambience alone is reckoned to reach."""
 
-FEW = 0.1
-"""Part of the lines, among them those of hum, that may hide more."""
-
 
 @dataclass(frozen=True)
 class EmissionLimit:
@@ -54,6 +51,16 @@ class EmissionLimit:
         tone = 2 * float(Judge(judging).limit.min()) / seconds
         return cls(tone, config.quality.objective, config.quality.above, seconds)
 
+    def is_free(self, frequency: np.ndarray) -> np.ndarray:
+        """Say for which lines there is no limit, (lines,) of bool.
+
+        Parameters
+        ----------
+        frequency : array, shape (lines,), Hz
+        """
+        free: np.ndarray = frequency < self.above - GUARD
+        return free
+
     def allowed(self, frequency: np.ndarray, low: float) -> np.ndarray:
         """Return the amplitude allowed to each of evenly spaced lines, (lines,), m/s^2.
 
@@ -65,8 +72,7 @@ class EmissionLimit:
         """
         spacing = (frequency[-1] - frequency[0]) / max(len(frequency) - 1, 1)
         together = max(1.0, 1.0 / (self.seconds * spacing)) if spacing > 0 else 1.0
-        is_free = frequency < self.above - GUARD
-        share = np.where(is_free, 10 ** ((low - self.objective) / 20), 1.0)
+        share = np.where(self.is_free(frequency), 10 ** ((low - self.objective) / 20), 1.0)
         allowed: np.ndarray = self.tone / np.sqrt(together) * share
         return allowed
 
@@ -86,18 +92,6 @@ class EmissionLimit:
         holds = frequency >= self.above
         over = emitted[:, holds] / self.allowed(frequency, 0.0)[holds, None]
         return float(decibels(over.max(initial=0.0)))
-
-    def hidden(self, frequency: np.ndarray, silence: np.ndarray) -> float:
-        """Return how loud a line may be, re the limit, that the ambience hides but on few lines, dB.
-
-        Parameters
-        ----------
-        frequency : array, shape (lines,), Hz
-        silence : array, shape (lines, outputs), m/s^2
-        """
-        holds = frequency >= self.above
-        over = _ambience(silence)[holds] / self.allowed(frequency, 0.0)[holds, None]
-        return float(decibels(np.quantile(over, 1 - FEW)))
 
 
 def _ambience(silence: np.ndarray) -> np.ndarray:

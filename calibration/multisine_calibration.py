@@ -19,13 +19,9 @@ from calibration.multisine_estimate import (
     raw_matrix,
     spectra_of,
 )
-from calibration.quiet_multisine import doubted, faint_design, louder, shaped_design
-from calibration.vibrator_multisine import (
-    PROBES,
-    emitted_seconds,
-    flat_design,
-    multisine_plan,
-)
+from calibration.quiet_multisine import doubted, scout_design, shaped_design
+from calibration.quiet_probes import Probes
+from calibration.vibrator_multisine import emitted_seconds, flat_design, multisine_plan
 from rigkit.progress import progress
 from vibractl.config import RigConfig
 from vibractl.far_field import FarField
@@ -103,18 +99,14 @@ def _scouted(
     config: RigConfig, limit: EmissionLimit, raw: RawFolder, emit: Emit
 ) -> tuple[Design, np.ndarray, float, float]:
     """Find how loud every line may be: return design, detection lines, s emitted, and the loudest line, dB."""
-    design, emitted, over = faint_design(config, limit), 0.0, -np.inf
-    one = replace(design, records=1)
-    for number in range(1, PROBES + 1):
+    probes, emitted, over, number = Probes(scout_design(config), limit), 0.0, -np.inf, 0
+    while not probes.done:
+        one, number = probes.design, number + 1
         plan = multisine_plan(config, f"probe-{number}", one, rest=0.0, limit=limit)
         spectra, _ = _recorded(plan, one, config, raw, emit)
-        heard = _over(limit, one, spectra)
-        emitted, over = emitted + emitted_seconds(plan), max(over, heard)
-        is_heard = heard > limit.hidden(frequency_of(one, spectra), spectra.silence)
-        one = louder(one, spectra, limit)
-        if is_heard:
-            break
-    scout = replace(design, amplitude=one.amplitude)
+        emitted, over = emitted + emitted_seconds(plan), max(over, _over(limit, one, spectra))
+        probes.take(spectra)
+    scout = probes.scout
     plan = multisine_plan(config, "scout", scout, rest=0.0, limit=limit)
     spectra, _ = _recorded(plan, scout, config, raw, emit)
     emitted, over = emitted + emitted_seconds(plan), max(over, _over(limit, scout, spectra))

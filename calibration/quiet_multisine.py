@@ -1,4 +1,4 @@
-"""Multisines that stay inside the objective: faint probes, a scout, and records shaped by what it has found."""
+"""Multisines that stay inside the objective: a scout, and records shaped by what it has found."""
 
 from dataclasses import replace
 
@@ -7,22 +7,16 @@ from scipy.ndimage import maximum_filter1d
 
 from calibration.emission_limit import EmissionLimit
 from calibration.multisine import Design
-from calibration.multisine_estimate import Spectra, frequency_of
+from calibration.quiet_probes import LOW
 from calibration.vibrator_multisine import QUIET_SPARE, design_of
 from vibractl.config import RigConfig
 
-STRONGEST = 1e4
-"""m/s^2 per V, of all coils together: |G| that the first probe reckons with."""
-SHARE = 0.4
-"""Of what is allowed: the loudest line of a probe or of the scout ..."""
 FILLED = 0.6
-"""... and every line of the records."""
+"""Of what is allowed: every line of the records."""
 PERIOD = 2.0
 """s, of probes and scout at most."""
 SCOUT_SPARE = 2
 """Records of the scout beyond the number of coils."""
-LOW = -30.0
-"""dB re the reference's own lines, of lines below 100 Hz, for which there is no limit: their overtones have one."""
 FEWEST = 11.0
 """Bins that a band has at least, beside those beyond its ends."""
 NEAR = 2.0
@@ -34,22 +28,13 @@ DIFFERS = np.array([100.0, 150.0, 300.0, 500.0]), np.array([0.7, 0.4, 0.15, 0.1]
 vibrators of another structure."""
 
 
-def faint_design(config: RigConfig, limit: EmissionLimit) -> Design:
-    """Design the records of probes and scout at the level of the first probe: all lines equally strong."""
+def scout_design(config: RigConfig) -> Design:
+    """Design the records of probes and scout: all lines equally strong, and short."""
     settings, records = config.characterisation, len(config.audio.drive_channels) + SCOUT_SPARE
     low, high = settings.band
     period = min(settings.period, max(PERIOD, 1 / low, FEWEST / (high - low)))
     design, _ = design_of(_with(config, period=period), records, 0.0)
-    allowed = limit.allowed(lines_of(design), 0.0).min()
-    return replace(design, amplitude=np.full_like(design.amplitude, SHARE * allowed / STRONGEST))
-
-
-def louder(design: Design, spectra: Spectra, limit: EmissionLimit) -> Design:
-    """Return a design at the level at which the loudest line, heard or hidden, would be at its share of the limit."""
-    frequency = frequency_of(design, spectra)
-    heard = limit.over(frequency, spectra.response, spectra.silence)
-    room = 10 ** (-max(heard, limit.hidden(frequency, spectra.silence)) / 20)
-    return replace(design, amplitude=SHARE * room * design.amplitude)
+    return design
 
 
 def shaped_design(

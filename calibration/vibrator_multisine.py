@@ -8,6 +8,7 @@ from calibration.emission_limit import EmissionLimit
 from calibration.experiment import Batch, Plan
 from calibration.multisine import FADE, Design, Record, codes, low_crest, odd_lines
 from calibration.multisine_estimate import REACH
+from calibration.quiet_probes import MOST, MOST_LOW
 from calibration.vibrator_sweep import Silence, depends_on_rig
 from vibractl.config import RigConfig
 
@@ -19,11 +20,10 @@ PRELOAD_SPACING = 2.0
 """Hz between the preload's lines, all odd: what even orders of distortion make of it falls on even lines alone."""
 REST = 2.0
 """s of the silence before its measured part, for what was played before to ring down."""
-PROBES = 6
-"""Single records of a quiet calibration at most, each louder than the one before by what that has shown to be possible,
-until the machine is heard."""
 QUIET_SPARE = 3
 """Records by which `characterisation.records` must be more than the coils, for a quiet calibration takes fewer."""
+PROBES = MOST_LOW + MOST
+"""Of a quiet calibration at most."""
 KEYS = ("band", "preload_band", "records", "period", "run_in", "operating", "level", "quiet")
 
 

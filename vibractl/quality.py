@@ -83,12 +83,24 @@ class Marks:
     @property
     def reason(self) -> str:
         """Say why the objective is met or not, in one line."""
-        side = int(np.argmax(self.worst_line_db))
-        level, place = self.worst_line_db[side], self.worst_line_hz[side]
-        where = f"{abs(level):.1f} dB at {place:.1f} Hz, {self.sensor} {self.outputs[side] + 1}"
+        level, where = self._worst
         if self.verdict == HIDDEN:
             return f"not judged: over the limit by {where}, which the ambience may explain"
         return f"met by {where}" if self.met else f"missed by {where}"
+
+    @property
+    def loudest(self) -> str:
+        """Say how loud the loudest line is beside the limit, in one line."""
+        level, where = self._worst
+        told = f"loudest line {'over' if level > 0 else 'within'} the limit by {where}"
+        return f"{told}, which the ambience may explain" if self.verdict == HIDDEN else told
+
+    @property
+    def _worst(self) -> tuple[float, str]:
+        """The worst line, dB over the limit, and by how much it is off and where, as text."""
+        side = int(np.argmax(self.worst_line_db))
+        level, place = float(self.worst_line_db[side]), self.worst_line_hz[side]
+        return level, f"{abs(level):.1f} dB at {place:.1f} Hz, {self.sensor} {self.outputs[side] + 1}"
 
 
 class Judge:
@@ -151,7 +163,7 @@ class Judge:
         """Return the lines `frequency` of a signal as `error` gives it, (lines, outputs), m/s^2 s; a sine's settled."""
         return self._spectrum.lines(self._settled * signal)
 
-    def marks(self, response: np.ndarray, drive: np.ndarray, hum: Hum | None = None) -> Marks:
+    def marks(self, response: np.ndarray, drive: np.ndarray, hum: Hum | None = None, level: float = 1.0) -> Marks:
         """Judge one shot by what was emitted: the response less the ambience that its silences show.
 
         Parameters
@@ -160,12 +172,14 @@ class Judge:
         drive : array, shape (samples, drives), V
         hum : Hum, optional
             In the place's sensors, to be taken out.
+        level : float, 1
+            At which the reference was to be emitted; the limit is that of the full level.
         """
         measured, heard = self._measured(response), None
         if hum is not None:
-            heard = self.lines(self._error(measured))
+            heard = self.lines(self._error(measured, level))
             measured = measured - hum.signal(len(measured), self._rate)
-        return self.marks_of(self._error(measured), drive, self._ambience(measured, hum), heard)
+        return self.marks_of(self._error(measured, level), drive, self._ambience(measured, hum), heard, level)
 
     def marks_of(
         self,
@@ -173,6 +187,7 @@ class Judge:
         drive: np.ndarray,
         ambience: np.ndarray | float = 0.0,
         heard: np.ndarray | None = None,
+        level: float = 1.0,
     ) -> Marks:
         """Judge one shot by its error.
 
@@ -185,6 +200,8 @@ class Judge:
             E |line|^2 of what would be there without a drive.
         heard : array, shape (lines, outputs), m/s^2 s
             Lines of the error with the hum in them, where it was taken out.
+        level : float, 1
+            As of `marks`.
         """
         lines = self.lines(error)
         over = decibels(lines / self.limit)[self._judged]
@@ -192,7 +209,7 @@ class Judge:
         reach = np.sqrt(ambience * np.log(over.size / CHANCE))
         proven = (np.abs(lines) - reach > self.limit)[self._judged]
         band_db, band_hz = self._bands(lines)
-        first, phase = self._overtones.follow(self._reference - error)
+        first, phase = self._overtones.follow(level * self._reference - error)
         peak = np.maximum(np.abs(drive).max(axis=0), FAINT)
         return Marks(
             iae=np.abs(error).sum(axis=0),
@@ -218,8 +235,10 @@ class Judge:
         measured: np.ndarray = self._decimator.apply(np.asarray(response[:, self._outputs], dtype=float))
         return measured
 
-    def _error(self, measured: np.ndarray) -> np.ndarray:
-        error: np.ndarray = self._reference - self.place.frame(measured, self._shot.lead // self._decimator.factor)
+    def _error(self, measured: np.ndarray, level: float = 1.0) -> np.ndarray:
+        error: np.ndarray = level * self._reference - self.place.frame(
+            measured, self._shot.lead // self._decimator.factor
+        )
         return error
 
     def _ambience(self, measured: np.ndarray, hum: Hum | None) -> np.ndarray:

@@ -15,8 +15,8 @@ from vibractl.shot_file import EVIDENCE
 UNDRIVEN = 200.0
 """dB of head-room, from which a coil is silent."""
 _FIGURES = "iae error_db worst_line_db worst_line_hz heard_line_db hidden proven worst_band_db worst_band_hz thd_db"
-CHECK = "check"
-"""Verdict on a shot at reduced level."""
+CHECK, RISE = "check", "rise"
+"""Verdicts on shots at reduced level: to check a drive of the library, or on the way to the full level."""
 
 
 def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> dict[str, Any]:
@@ -36,6 +36,8 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
         of the last shot over the limit, dB; both where it is `judged`, and at all `places` where there are hydrophones;
         `iae_ratio` per side, first shot of the whole reference over last; `first_worst_line_db` of that first shot;
         `shots_over_limit`, of the whole reference, and `shots_hidden`, those of them that the ambience may explain;
+        `full_level_shot`, the first of the whole reference, or None; `loudest_line_db` and `loudest_band_db`, the
+        worst line and the worst band of 50 Hz of any shot, dB over the limit;
         `reidentifications`, of bands;
         `identification_seconds`, s of signal emitted for the model and for them, None where the model does not say.
     """
@@ -52,6 +54,9 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
         "first_worst_line_db": _worst(whole[0], prefix) if whole else None,
         "shots_over_limit": sum(_worst(row, prefix) > 0 for row in whole),
         "shots_hidden": sum(row["verdict"] == HIDDEN for row in whole),
+        "full_level_shot": next((int(row["shot"]) for row in rows if not is_reduced(row)), None),
+        "loudest_line_db": max(worst, default=None),
+        "loudest_band_db": max((_largest(row, f"{prefix}worst_band_db_") for row in rows), default=None),
         "reidentifications": sum(now and not before for before, now in pairwise([False, *probes])),
         "identification_seconds": _identification_seconds(made, sum(probes)),
     }
@@ -85,7 +90,11 @@ def _reached(rows: list[dict[str, str]], prefix: str) -> dict[str, Any]:
 
 
 def _worst(row: dict[str, str], prefix: str) -> float:
-    return max(float(row[key]) for key in row if key.startswith(f"{prefix}worst_line_db_"))
+    return _largest(row, f"{prefix}worst_line_db_")
+
+
+def _largest(row: dict[str, str], columns: str) -> float:
+    return max(float(row[key]) for key in row if key.startswith(columns))
 
 
 def _identification_seconds(made: Setup | Judging | None, probes: int) -> float | None:
@@ -95,20 +104,25 @@ def _identification_seconds(made: Setup | Judging | None, probes: int) -> float 
 
 
 def is_reduced(row: Mapping[str, str]) -> bool:
-    """Say whether a shot was emitted at reduced level, to check a drive of the library."""
-    return row["verdict"] == CHECK
+    """Say whether a shot was emitted at reduced level: to check a drive of the library, or on the way to full level."""
+    return row["verdict"] in (CHECK, RISE)
 
 
-def reduced(level: float) -> dict[str, str]:
+def reduced(purpose: str, level: float, marks: Marks) -> dict[str, str]:
     """Return the cells that are others where not the whole reference was emitted: whatever such a shot met, counts not.
 
     Parameters
     ----------
+    purpose : str
     level : float, 1
+    marks : Marks
     """
     if level == 1.0:
         return {}
-    return {"verdict": CHECK, "reason": f"at {20 * np.log10(level):.3g} dB, to check a drive of the library"}
+    at = f"at {20 * np.log10(level):.3g} dB"
+    if purpose == RISE:
+        return {"verdict": RISE, "reason": f"{at} of the reference, {marks.loudest}"}
+    return {"verdict": CHECK, "reason": f"{at}, to check a drive of the library"}
 
 
 def row_of(

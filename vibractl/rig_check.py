@@ -14,7 +14,7 @@ from vibractl.setup import Setup
 from vibractl.spectrum import Decimator
 
 LEVEL_DB = -12.0
-"""Of the burst, re the first drive of the run."""
+"""Of the burst, re the first drive of the run at full level."""
 LEAD, BURST, TAIL = 0.2, 2.0, 1.0
 """s of silence, of the burst, and of silence while it rings down."""
 SECONDS = LEAD + BURST + TAIL
@@ -61,7 +61,7 @@ class RigCheck:
     step: int
 
     @classmethod
-    def of(cls, made: Setup, loudest: np.ndarray) -> "RigCheck":
+    def of(cls, made: Setup, loudest: np.ndarray, level: float = 1.0) -> "RigCheck":
         """Make the burst of a run.
 
         Parameters
@@ -69,14 +69,17 @@ class RigCheck:
         made : Setup
         loudest : array, shape (samples, coils), V
             The first drive, beside which the burst is weak.
+        level : float, 1
+            Of that drive; a faint one's burst is as faint as it is itself.
         """
+        weaker = min(1.0, 10 ** (LEVEL_DB / 20) / level)
         config, law = made.config, made.law
         step, rate = config.learning.decimation, config.audio.rate
         low, high = config.characterisation.preload_band
         lead, burst, tail = (step * round(seconds * rate / step) for seconds in (LEAD, BURST, TAIL))
         signal = np.zeros((lead + burst + tail, law.spread.shape[1]))
         signal[lead : lead + burst] = _burst(burst, rate, (low, high), signal.shape[1])
-        level = float(rms(loudest).max()) * 10 ** (LEVEL_DB / 20) / float(rms(signal @ law.spread.T).max())
+        level = float(rms(loudest).max()) * weaker / float(rms(signal @ law.spread.T).max())
         signal *= level
         frequency = np.fft.rfftfreq(len(signal) // step, step / rate)
         inside = np.flatnonzero((frequency >= low) & (frequency <= high) & law.matrix.covers(frequency))

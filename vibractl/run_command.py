@@ -34,6 +34,7 @@ def run_command(
     shots: Annotated[int | None, typer.Option(min=1, help="Shots in all.")] = None,
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
     watch: Annotated[bool, typer.Option("--watch", help="Reidentify bands that diverge, while it goes on.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Begin faint, and rise as the objective allows.")] = False,
     law: Annotated[str | None, typer.Option(help="kalman, or thesis for the text's own law.")] = None,
     seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
     fit_amplitude: FitOption = False,
@@ -53,6 +54,7 @@ def run_command(
     """
     flags = {"reference.signal": reference, "learning.side": side, "learning.law": law, "simulator.options.seed": seed}
     flags |= {"watch.on": "true" if watch else None, "session.shots": shots}
+    flags |= {"learning.quiet": "true" if quiet else None}
     laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
     if resume is not None:
         _refuse_beside(resume, (out, model, config, library, warm, tag, fit_amplitude), laid_over)

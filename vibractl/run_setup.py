@@ -96,7 +96,7 @@ def create(
 def _within_limits(made: Setup, again: Callable[[RigConfig], Setup], fit_amplitude: bool) -> Setup:
     """Refuse a first drive that breaks a limit, or make the reference quieter first, so that there is room."""
     config, rate = made.config, made.config.audio.rate
-    drive = made.learner().drive
+    drive = made.learner().rendered(made.law.start)  # at full level, where a quiet run begins faint
     level = ROOM * fitting_level(drive, config.limits, rate)
     if fit_amplitude and level < 1:
         quieter = at_level(config, level)

@@ -141,7 +141,7 @@ class Session:
         """Play a weak burst, and end where its response is that of other channels than the model's."""
         if not self._looks_at_rig:
             return
-        check = RigCheck.of(self._made, self.learner.drive)
+        check = RigCheck.of(self._made, self.learner.drive, self.learner.algorithm.level)
         if stopped():
             return
         capture = line.emit(check.drive)
@@ -187,7 +187,7 @@ class Session:
             self._check(changed_channels(algorithm, shot), f", shot {number}")
         self.learner.follow(shot)
         pairs = zip(self._judges, heard, strict=False)
-        every = [judge.marks(signals, drive, self._hum(judge, signals)) for judge, signals in pairs]
+        every = [judge.marks(signals, drive, self._hum(judge, signals), level) for judge, signals in pairs]
         marks = every[self._made.places.index(self._made.judged)]
         repeatability = self._repeatability(lines)
         decisions = [*algorithm.decisions, *self._standing_still(marks, shot, purpose)]
@@ -196,7 +196,7 @@ class Session:
             told = dict(zip(self._made.places, every, strict=True))
             gain = algorithm.daring.nominal
             row = row_of(number, purpose, gain, marks, told, record.provenance, repeatability)
-            self.folder.quality(row | reduced(level))
+            self.folder.quality(row | reduced(purpose, level, marks))
             for decision in decisions:
                 self.folder.event(decision.event, {"shot": number, **decision.fields})
         return marks

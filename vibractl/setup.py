@@ -77,7 +77,8 @@ class Setup:
     def algorithm(self) -> Algorithm:
         """Return the learning at its first drive."""
         config = self.config
-        return Algorithm(self.law, config.adaptation, config.watch, config.quality.objective, self.known)
+        rising = judged_lines(self.law, self.reference, config) if config.learning.quiet else None
+        return Algorithm(self.law, config.adaptation, config.watch, config.quality.objective, self.known, rising)
 
     def learner(self) -> Learner:
         """Return a learner at its first drive."""

@@ -91,8 +91,9 @@ def _tell(out: Path, taken: Stepped | None, shot: int, wanted: np.ndarray, audio
     """Say what came of the shot that was taken, and which drive is written."""
     stream, figures = words(json), {"shot": shot, "drive": str(out), "samples": len(wanted), "rate": audio.rate}
     if taken is not None:
-        stream.write(f"shot {taken.shot}: objective {taken.marks.reason}\n")
-        figures |= {"taken": dict(taken.state.steps[-1].marks)}
+        found = dict(taken.state.steps[-1].marks)
+        stream.write(f"shot {taken.shot}: objective {found['reason']}\n")
+        figures |= {"taken": found}
     seconds, volts = len(wanted) / audio.rate, audio.output_full_scale
     stream.write(f"{out}: the drive of shot {shot}, {seconds:.3g} s; 1 is {volts:g} V\n")
     write_json(json, figures)

@@ -16,6 +16,7 @@ from vibractl.learning.shot import Shot
 from vibractl.loudness import too_loud
 from vibractl.proof import SLIP
 from vibractl.quality import Judge, Marks
+from vibractl.quality_table import reduced
 from vibractl.setup import Setup
 
 UNRELATED = 0.2
@@ -123,14 +124,17 @@ class Stepper:
         self._learner.response[: len(response)] = response
         followed = deepcopy(self._learner.mains)
         taken = self._learner.analysed()
-        marks = self._judge.marks(response, drive[cut.first :], self._learner.hum)
+        level = self._learner.algorithm.level
+        marks = self._judge.marks(response, drive[cut.first :], self._learner.hum, level)
         try:
             self._refuse_unrelated(taken, heard)
         except StepError:
             self._learner.mains = followed
             raise
         self._learner.follow(taken)
-        figures = {"met": marks.met, "margin_db": -float(marks.worst_line_db.max()), "reason": marks.reason}
+        reason = reduced(self._learner.algorithm.purpose, level, marks).get("reason", marks.reason)
+        met = marks.met and level == 1.0
+        figures = {"met": met, "margin_db": -float(marks.worst_line_db.max()), "reason": reason}
         state = self.state.after(Step(taken.response, taken.noise, name, figures, taken.mains), cut.fraction)
         self.state = state
         return Stepped(state, marks, number, cut.first)

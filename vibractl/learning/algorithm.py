@@ -11,6 +11,7 @@ from vibractl.learning.law import Law, reference_level
 from vibractl.learning.lookout import Lookout
 from vibractl.learning.rollback import Rollback
 from vibractl.learning.shot import Shot
+from vibractl.learning.soft_start import SoftStart
 from vibractl.learning.update import update
 from vibractl.learning.warm_start import Check, KnownDrive
 
@@ -18,9 +19,9 @@ from vibractl.learning.warm_start import Check, KnownDrive
 class Algorithm:
     """Learns from shot to shot.  With every part of [adaptation] and [watch] off it is the law of the thesis.
 
-    `lines` is the next drive, made to "learn", to "reidentify" or to "check": `purpose`.  `belief` is what is believed
-    of the vibrator, `daring` has the gains of the update last made and what they promise.  `decisions` are those of the
-    last step.
+    `lines` is the next drive, made to "learn", to "rise", to "reidentify" or to "check": `purpose`.  `belief` is what
+    is believed of the vibrator, `daring` has the gains of the update last made and what they promise.  `decisions` are
+    those of the last step.
 
     Parameters
     ----------
@@ -31,6 +32,8 @@ class Algorithm:
         Limit on errors, re the reference's level.
     known : KnownDrive, optional
         To be checked, and if it fits, to be started from.
+    rising : bool array, shape (lines,), optional
+        Judged lines of a run that begins faint, and rises as these allow; without them it begins at full level.
 
     Source
     ------
@@ -44,8 +47,9 @@ class Algorithm:
         watch: config.Watch,
         objective: float,
         known: KnownDrive | None = None,
+        rising: np.ndarray | None = None,
     ) -> None:
-        self.law, self._known = law, known
+        self.law, self._known, self._rising, self._objective = law, known, rising, objective
         self._parts = adaptation if law.settings.law == "kalman" else adaptation.model_copy(update=_NOTHING)
         self._watching = watch
         self._limit = float(reference_level(law.reference).min()) * 10 ** (objective / 20)
@@ -62,19 +66,24 @@ class Algorithm:
         self._lookout = Lookout(law, self._watching, self._limit) if self._watching.on else None
         self._rollback = Rollback() if parts.rollback else None
         self._checking = Check(self._known, law.reference, self._limit) if self._known else None
-        self.lines = law.start.copy() if self._checking is None else self._checking.drive
+        self._soft: SoftStart | None = None
+        self.lines = self._first_drive() if self._checking is None else self._checking.drive
 
     @property
     def purpose(self) -> str:
         """What the next shot is for."""
         if self._checking is not None:
             return "check"
+        if self._soft is not None:
+            return "rise"
         return "learn" if self._lookout is None or self._lookout.probing is None else "reidentify"
 
     @property
     def level(self) -> float:
-        """The level of the next drive, 1: below 1 while a known drive is checked at reduced level."""
-        return 1.0 if self._checking is None else self._checking.level
+        """The level of the next drive, 1: below 1 while a known drive is checked, or while the level rises."""
+        if self._checking is not None:
+            return self._checking.level
+        return 1.0 if self._soft is None else self._soft.level
 
     def step(self, shot: Shot) -> None:
         """Take a shot that was made with `lines`."""
@@ -83,6 +92,8 @@ class Algorithm:
             self._checked(shot, self._checking)
         elif self._lookout is not None and self._lookout.probing is not None:
             self._probed(shot, self._lookout)
+        elif self._soft is not None:
+            self._rise(shot, self._soft)
         else:
             self._consider(shot)
         self.number += 1
@@ -92,7 +103,7 @@ class Algorithm:
         found = check.take(shot.response)
         fields = {"entry": check.known.name, **{key: tidy(value) for key, value in vars(found).items()}}
         if not found.accepted:
-            self._checking, self.lines = None, self.law.start.copy()
+            self._checking, self.lines = None, self._first_drive()
             self.decisions.append(Decision("library_refused", fields))
         elif check.over:
             self._checking = None
@@ -101,6 +112,26 @@ class Algorithm:
             self._learn(shot)
         else:
             self.lines = check.drive
+
+    def _first_drive(self) -> np.ndarray:
+        """Return the drive to begin with, (lines, inputs), V s, where none is known."""
+        if self._rising is not None:
+            self._soft = SoftStart(self.law, self._rising, self._objective)
+        return self.level * self.law.start
+
+    def _rise(self, shot: Shot, soft: SoftStart) -> None:
+        """Learn from a shot at reduced level, and go on to the next level where what it emits allows."""
+        self.belief.follow(shot)
+        error = soft.level * self.law.reference - shot.response
+        self.daring.choose(self.belief, shot, error, 1.0)
+        learned = self.belief.next_drive(shot.drive, error, self.daring.gain, self.daring.is_open)
+        self.belief.keep(shot)
+        self.lines, risen = soft.onward(shot, error, learned)
+        if risen is not None:
+            self.decisions.append(risen)
+            self.daring.promise_nothing()
+        if soft.over:
+            self._soft = None
 
     def _consider(self, shot: Shot) -> None:
         """Learn from a shot, unless a band diverges."""

@@ -70,6 +70,10 @@ class Daring:
         """Learn on some lines, bool (lines,), no more."""
         self.is_open = np.where(lines, 0.0, self.is_open)
 
+    def promise_nothing(self) -> None:
+        """Begin the schedule anew, without a bound on the next error: that of another level."""
+        self.updates, self.error_bound = 0, np.full_like(self.error_bound, np.inf)
+
     def choose(self, belief: Belief, shot: Shot, error: np.ndarray, pace: float) -> None:
         """Choose the gain of the coming update, and bound what it leaves.
 
