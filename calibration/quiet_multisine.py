@@ -11,7 +11,7 @@ from calibration.quiet_probes import LOW
 from calibration.vibrator_multisine import QUIET_SPARE, design_of
 from vibractl.config import RigConfig
 
-FILLED = 0.6
+FILLED = 0.4
 """Of what is allowed: every line of the records."""
 PERIOD = 2.0
 """s, of probes and scout at most."""

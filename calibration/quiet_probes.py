@@ -9,7 +9,7 @@ from calibration.emission_limit import EmissionLimit
 from calibration.multisine import Design
 from calibration.multisine_estimate import Spectra
 
-SHARE = 0.4
+SHARE = 0.3
 """Of what is allowed: the loudest line of a probe or of the scout."""
 STRONGEST = 1e5
 """m/s^2 per V, of all coils together: |G| that the first probe reckons with."""

@@ -123,9 +123,7 @@ class Learning(Section):
     start: Literal["by-law", "reference", "inverse", "library"] = setting(
         "by-law", "", "first drive: scaled reference (thesis), or G^+ R (kalman); library is set by run --warm"
     )
-    quiet: bool = setting(
-        False, "", "begin faint, and rise to the reference's level as what is emitted above `quality.above` allows"
-    )
+    quiet: bool = setting(False, "", "begin faint, and rise as what is emitted above quality.above allows")
     check_levels: tuple[float, ...] = setting(
         (-12.0, -6.0, 0.0), "dB", "levels at which a drive of the library is checked, rising to 0", min_length=1
     )

@@ -46,6 +46,7 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
     worst = [_worst(row, prefix) for row in rows]
     whole = [row for row in rows if not is_reduced(row)] or rows
     probes = [row.get("purpose") == "reidentify" for row in rows]
+    bands = [float(row[key]) for row in rows for key in row if key.startswith(f"{prefix}worst_band_db_")]
     figures: dict[str, Any] = {
         "shots": len(rows),
         "objective_met_shot": _met_from([row["verdict"] for row in rows]),
@@ -54,9 +55,9 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
         "first_worst_line_db": _worst(whole[0], prefix) if whole else None,
         "shots_over_limit": sum(_worst(row, prefix) > 0 for row in whole),
         "shots_hidden": sum(row["verdict"] == HIDDEN for row in whole),
-        "full_level_shot": next((int(row["shot"]) for row in rows if not is_reduced(row)), None),
+        "full_level_shot": next((n for n, row in enumerate(rows) if not is_reduced(row)), None),
         "loudest_line_db": max(worst, default=None),
-        "loudest_band_db": max((_largest(row, f"{prefix}worst_band_db_") for row in rows), default=None),
+        "loudest_band_db": max(bands, default=None),
         "reidentifications": sum(now and not before for before, now in pairwise([False, *probes])),
         "identification_seconds": _identification_seconds(made, sum(probes)),
     }
@@ -90,11 +91,7 @@ def _reached(rows: list[dict[str, str]], prefix: str) -> dict[str, Any]:
 
 
 def _worst(row: dict[str, str], prefix: str) -> float:
-    return _largest(row, f"{prefix}worst_line_db_")
-
-
-def _largest(row: dict[str, str], columns: str) -> float:
-    return max(float(row[key]) for key in row if key.startswith(columns))
+    return max(float(row[key]) for key in row if key.startswith(f"{prefix}worst_line_db_"))
 
 
 def _identification_seconds(made: Setup | Judging | None, probes: int) -> float | None:

@@ -53,9 +53,8 @@ def run_command(
     Example: `vibractl run --config rig.toml --model model.h5 --reference chirp:40:90:5 --shots 30 --out RUN/`
     """
     flags = {"reference.signal": reference, "learning.side": side, "learning.law": law, "simulator.options.seed": seed}
-    flags |= {"watch.on": "true" if watch else None, "session.shots": shots}
-    flags |= {"learning.quiet": "true" if quiet else None}
-    laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
+    switches = {"watch.on": watch, "learning.quiet": quiet}
+    laid_over = _laid_over(settings, {**flags, "session.shots": shots}, switches)
     if resume is not None:
         _refuse_beside(resume, (out, model, config, library, warm, tag, fit_amplitude), laid_over)
         _go_on(resume, shots, accept or [], json)
@@ -69,6 +68,13 @@ def run_command(
     folder, made = create(out, settled, model, entry, accept=accept or [], fit_amplitude=fit_amplitude)
     with folder:
         _begin(Session(folder, made), json)
+
+
+def _laid_over(settings: list[str] | None, flags: dict[str, object], switches: dict[str, bool]) -> list[str]:
+    """Return what the command line lays over the rig file."""
+    given = {key: value for key, value in flags.items() if value is not None}
+    given |= {key: "true" for key, is_on in switches.items() if is_on}
+    return [*(settings or []), *(f"{key}={value}" for key, value in given.items())]
 
 
 def _refuse_beside(resume: Path, of_new: Iterable[object], laid_over: list[str]) -> None:

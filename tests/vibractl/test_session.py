@@ -169,6 +169,33 @@ DEFAULT_LAW = (
 """What it has learned from a shot depends on the shots before: in another order another drive would come."""
 
 
+def test_a_run_that_begins_faint_says_so_and_goes_on_where_it_stopped(tmp_path: Path) -> None:
+    model, faint = (
+        linear_model(tmp_path),
+        (*DEFAULT_LAW, "simulator.options.nonlinearity=0.0", "reference.signal=chirp:40:90:2", "learning.quiet=true"),
+    )
+    run(tmp_path / "whole", model, 18, *faint)
+    run(tmp_path / "parts", model, 3, *faint)
+    go_on(tmp_path / "parts", 4)
+    assert drives(tmp_path / "parts") == drives(tmp_path / "whole")[:4]
+    rows = read_quality(tmp_path / "whole")
+    assert [row["verdict"] for row in rows[:6]] == ["rise"] * 6
+    assert rows[0]["reason"].startswith("at -34 dB of the reference, loudest line within the limit by")
+    figures = json.loads((tmp_path / "whole" / "summary.json").read_text())
+    assert figures["full_level_shot"] == figures["objective_met_shot"]
+    assert 6 <= figures["full_level_shot"] <= 17
+    assert figures["loudest_line_db"] <= 0
+    assert figures["loudest_band_db"] < figures["loudest_line_db"]
+    risen = [event for event in read_events(tmp_path / "whole") if event["event"] == "level"]
+    assert [event["to"] for event in risen] == sorted(event["to"] for event in risen)
+    assert risen[-1]["to"] == 1.0
+
+
+def test_a_reference_that_only_fits_faint_is_refused_before_it_rises(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"the first drive is not played: .* limits.peak is 0.1 V"):
+        create(tmp_path / "run", linear_config("limits.peak=0.1", "learning.quiet=true"), linear_model(tmp_path))
+
+
 @pytest.mark.parametrize("stopped_after", [3, pytest.param(5, marks=pytest.mark.slow)])
 def test_a_run_by_the_default_law_goes_on_with_the_drive_that_an_undisturbed_one_has(
     tmp_path: Path, stopped_after: int

@@ -115,9 +115,10 @@ class Algorithm:
 
     def _first_drive(self) -> np.ndarray:
         """Return the drive to begin with, (lines, inputs), V s, where none is known."""
-        if self._rising is not None:
-            self._soft = SoftStart(self.law, self._rising, self._objective)
-        return self.level * self.law.start
+        if self._rising is None:
+            return self.law.start.copy()
+        self._soft = SoftStart(self.law, self._rising, self._objective)
+        return self._soft.level * self.law.start
 
     def _rise(self, shot: Shot, soft: SoftStart) -> None:
         """Learn from a shot at reduced level, and go on to the next level where what it emits allows."""
@@ -126,7 +127,8 @@ class Algorithm:
         self.daring.choose(self.belief, shot, error, 1.0)
         learned = self.belief.next_drive(shot.drive, error, self.daring.gain, self.daring.is_open)
         self.belief.keep(shot)
-        self.lines, risen = soft.onward(shot, error, learned)
+        noise = (np.abs(self.belief.inverse) ** 2 @ shot.noise[..., None])[..., 0]
+        self.lines, risen = soft.onward(shot, error, learned, noise)
         if risen is not None:
             self.decisions.append(risen)
             self.daring.promise_nothing()

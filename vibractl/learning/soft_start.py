@@ -3,8 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from vibractl.learning.decision import Decision, tidy
+from vibractl.learning.disturbance import smoothed
 from vibractl.learning.law import Law, reference_level
 from vibractl.learning.shot import Shot
 
@@ -32,8 +34,14 @@ EASED = 0.5
 """Of what a rise was expected to bring, to which a single one that brought less makes that fall."""
 LEARNED = 0.3
 """What the first update at a level is expected to leave of what the rise has brought."""
+REACH = 2
+"""Lines to each side over which noise in the drive is compared with what was learned."""
+AROUND = 5
+"""Lines to each side of which that noise is the median: what is doubted of a single line's hum does not count."""
 BASE = 0.5
 """Of a rise: so far below, at least, lies the level by which its drive is predicted; nearer, noise is amplified."""
+LEARNING = 0.7
+"""What a later one is expected to leave at least, of what is left."""
 CHANCE = 0.05
 """With which noise alone goes beyond what is allowed for it on any line of a shot."""
 
@@ -58,11 +66,12 @@ class Emission:
 class SoftStart:
     """The levels of a run that begins faint.
 
-    The drive of the next level lies on the line through the present one and one learned at a lower level, at least
-    `BASE` of the rise below: a secant predictor, which the learning at that level corrects, as where a curve of
-    solutions is continued.  How far a level may rise goes by
-    what the last rises have brought at the loudest judged line: in
-    proportion, and steeper with the level, up to `TARGET` of the limit.
+    The drive of the next level is the present one scaled, or lies on the line through it and one learned at a lower
+    level, at least `BASE` of the rise below (a secant predictor), or between the two: by which the last level's would
+    have been predicted best.  The learning at that level corrects it, as where a curve of solutions is continued.
+
+    How far a level may rise goes by what the last rises have brought at the loudest judged line: in proportion, and
+    steeper with the level, up to `TARGET` of the limit.
 
     Parameters
     ----------
@@ -89,7 +98,8 @@ class SoftStart:
         self.level = min(1.0, FAINT * least)
         self._learned = [(0.0, np.zeros_like(law.start))]
         self._rise, self._rate, self._left, self._last, self._held = self.level, 0.0, 0.0, 0.0, 0
-        self._has_risen = False
+        self._predictions: tuple[np.ndarray, np.ndarray] | None = None
+        self._reach, self._has_risen = 0 if np.any(law.active == 0.0) else REACH, False
 
     @property
     def over(self) -> bool:
@@ -111,7 +121,9 @@ class SoftStart:
         place = int(loudest.argmax())
         return Emission(float(np.sqrt(loudest[place])), float(self._frequency[place]))
 
-    def onward(self, shot: Shot, error: np.ndarray, learned: np.ndarray) -> tuple[np.ndarray, Decision | None]:
+    def onward(
+        self, shot: Shot, error: np.ndarray, learned: np.ndarray, noise: np.ndarray
+    ) -> tuple[np.ndarray, Decision | None]:
         """Choose the level of the next shot; return its drive, and what was decided where that is another level.
 
         Parameters
@@ -122,6 +134,8 @@ class SoftStart:
             That it left of the reference at its level.
         learned : complex array, shape (lines, inputs), V s
             The next drive for the same level.
+        noise : array, shape (lines, inputs), (V s)^2
+            E |N|^2 in that.
         """
         heard, before = self.emission(error, shot.noise), self.level
         is_first, self._held = self._held == 0, self._held + 1
@@ -134,9 +148,11 @@ class SoftStart:
             self._go_to((below + self.level) / 2, False)
             drive = drive_below + 0.5 * (learned - drive_below)
         else:
-            self._left = heard.over * (LEARNED if is_first else min(1.0, heard.over / max(self._last, _TINY)))
+            self._left = heard.over * (
+                LEARNED if is_first else float(np.clip(heard.over / max(self._last, _TINY), LEARNING, 1.0))
+            )
             if (rise := self._possible_rise()) > 0:
-                drive = self._predicted(learned, rise)
+                drive = self._predicted(learned, rise, noise)
                 self._learned.append((self.level, learned))
                 self._go_to(self.level + rise, True)
         self._last = heard.over
@@ -145,11 +161,31 @@ class SoftStart:
         told = {"from": tidy(before), "to": tidy(self.level), "loudest_db": _tidy_db(heard.over)}
         return drive, Decision("level", {**told, "at_hz": tidy(heard.frequency)})
 
-    def _predicted(self, learned: np.ndarray, rise: float) -> np.ndarray:
-        """Return the drive for a level higher by `rise`."""
+    def _predicted(self, learned: np.ndarray, rise: float, noise: np.ndarray) -> np.ndarray:
+        """Return the drive for a level higher by `rise`: as the last one would have been predicted best, by line."""
         level, drive = next(each for each in reversed(self._learned) if self.level - each[0] >= BASE * rise)
-        predicted: np.ndarray = learned + (learned - drive) * (rise / (self.level - level))
+        scaled = learned + self._beyond_noise(learned, noise) * (rise / self.level)
+        curved = learned + self._beyond_noise(learned - drive, noise) * (rise / (self.level - level))
+        share = self._share_of_curved(learned)
+        self._predictions = scaled, curved
+        predicted: np.ndarray = scaled + share * (curved - scaled)
         return predicted
+
+    def _share_of_curved(self, learned: np.ndarray) -> np.ndarray:
+        """Return how far from the scaled to the curved prediction lies what was learned, (lines, inputs), 0 to 1."""
+        if self._predictions is None:
+            return np.zeros(learned.shape)
+        scaled, curved = self._predictions
+        apart = curved - scaled
+        along = smoothed((apart.conj() * (learned - scaled)).real, self._reach)
+        share: np.ndarray = np.clip(along / np.maximum(smoothed(np.abs(apart) ** 2, self._reach), _TINY), 0.0, 1.0)
+        return share
+
+    def _beyond_noise(self, drive: np.ndarray, noise: np.ndarray) -> np.ndarray:
+        """Return lines (lines, inputs), V s, without the part of their power that noise explains."""
+        size = np.maximum(smoothed(np.abs(drive) ** 2, self._reach), _TINY)
+        kept: np.ndarray = np.maximum(1.0 - 2.0 * median_filter(noise, (2 * AROUND + 1, 1)) / size, 0.0) * drive
+        return kept
 
     def _possible_rise(self) -> float:
         """Return by how much the level is to rise, 0 where it is to stay."""

@@ -20,8 +20,10 @@ from tests.vibractl.foreign.lab_of_recordings import ACCELERATION, VOLTS, LabOfR
 from tests.vibractl.linear_rig import RATE
 
 LAST = "r1.wav"
-KEYS = {"shots", "objective_met_shot", "worst_line_db", "iae_ratio", "first_worst_line_db", "shots_over_limit",
-        "shots_hidden", "reidentifications", "identification_seconds"}  # fmt: skip
+KEYS = set(
+    "shots objective_met_shot worst_line_db iae_ratio first_worst_line_db shots_over_limit full_level_shot "
+    "loudest_line_db loudest_band_db shots_hidden reidentifications identification_seconds".split()
+)
 
 
 def test_what_step_wrote_and_a_card_recorded_is_the_run_that_it_would_have_been(
