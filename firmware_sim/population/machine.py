@@ -44,6 +44,8 @@ class Machine:
         Of its own reference.
     quantities : tuple of Quantity
         What was drawn, but for what follows from level and limits.
+    most : tuple of float, m/s^2
+        The largest level of each reference that the machine is made for; empty: whichever the drive allows.
     """
 
     build: Callable[[float], Plant]
@@ -54,6 +56,7 @@ class Machine:
     references: tuple[Wanted, ...]
     level: float
     quantities: tuple[Quantity, ...]
+    most: tuple[float, ...] = ()
 
 
 def draw_level(streams: Streams) -> tuple[float, float]:

@@ -1,5 +1,6 @@
 """The vibrators of the population: the Block for a rig file, and the keys of the rig file that fit it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,11 +11,14 @@ from firmware_sim.population.draw import Draw, Population, Quantity
 from firmware_sim.population.machine import Machine
 from firmware_sim.population.measured_draw import draw_measured
 from firmware_sim.population.mechanics import log_uniform
+from firmware_sim.population.moving_coil_draw import draw_moving_coil
 from firmware_sim.population.references import Need, Respond, Wanted, needed
 from firmware_sim.population.streams import Streams
 from firmware_sim.population.vibrator_draw import FAMILIES, draw_machine
 
-MEASURED = "measured"
+MEASURED, MOVING_COIL = "measured", "moving-coil"
+NAMED: dict[str, Callable[[str, int], Machine]] = {MEASURED: draw_measured, MOVING_COIL: draw_moving_coil}
+"""Families that are drawn only by name: no seed chooses them."""
 PLANT = "firmware_sim.population:Vibrator"
 HEADROOM, LARGEST_PEAK = (2.0, 8.0), 900.0
 """1: the drive's limit over the peak that the reference needs; V."""
@@ -34,7 +38,9 @@ PROBED = np.arange(15.0, 650.5, 0.5)
 
 @dataclass(eq=False, kw_only=True)
 class Vibrator(Block):
-    """A vibrator of the population, at rest after every `prepare`; `ExciterPlant` says what it models.
+    """A vibrator of the population, at rest after every `prepare`.
+
+    `ExciterPlant` says what the seeded families model, `MovingCoilPlant` what the family `moving-coil` does.
 
     Ports: `drive` (V) in, as wide as it has coils; `response` (m/s^2) out, as wide as it has sensors.
 
@@ -70,7 +76,7 @@ class Vibrator(Block):
 
 def drawn_machine(family: str, seed: int) -> Machine:
     """Draw a vibrator of any family."""
-    return draw_measured(family, seed) if family == MEASURED else draw_machine(family, seed)
+    return NAMED.get(family, draw_machine)(family, seed)
 
 
 def draw_vibrator(family: str, seed: int) -> Draw:
@@ -78,7 +84,8 @@ def draw_vibrator(family: str, seed: int) -> Draw:
     machine = drawn_machine(family, seed)
     needs = [needed(machine.respond, wanted) for wanted in machine.references]
     need, level = needs[0], machine.level
-    levels = [rounded(level * min(1.0, need.peak / each.peak)) for each in needs]
+    most = machine.most or (np.inf,) * len(needs)
+    levels = [rounded(min(level * min(1.0, need.peak / each.peak), top)) for each, top in zip(needs, most, strict=True)]
     head = float(log_uniform(Streams(seed, "vibrator", family)("head-room"), *HEADROOM))
     peak = rounded(min(head * level * need.peak, LARGEST_PEAK))
     reach = (
@@ -148,4 +155,4 @@ def _loudest(respond: Respond, band: tuple[float, float]) -> float:
     return float(np.sqrt((response**2).mean(axis=0)).max())
 
 
-VIBRATORS = Population("vibrator", tuple(FAMILIES), draw_vibrator, (MEASURED,))
+VIBRATORS = Population("vibrator", tuple(FAMILIES), draw_vibrator, tuple(NAMED))
