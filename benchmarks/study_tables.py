@@ -19,7 +19,14 @@ from rigkit.study.tables import endings_table, markdown
 
 KEPT = DOCS / "populations"
 PAGE = DOCS / "populations.md"
-PLACES = {"learning": "learning.md", "prediction": "predict.md", "warm-start": "library.md", "watch": "watch.md"}
+PLACES = {
+    "learning": "learning.md",
+    "prediction": "predict.md",
+    "quiet": "calibration.md",
+    "soft-start": "learning.md",
+    "warm-start": "library.md",
+    "watch": "watch.md",
+}
 """The page of each study that is not of drawn machines; between marks of the study's name."""
 NEAR = 3
 """Shots by which a prediction may be off."""
