@@ -48,7 +48,8 @@ class Marks:
     `overtone_db` (4, accelerometers) re the root, followed along the reference's phase; `thd_db` all energy from
     `quality.above` to `quality.judged_to` re the reference's; `phase_mean` and `phase_peak` rad, of the response
     against the reference; `headroom_db` (coils,) peak limit over peak drive; `outputs` the accelerometers controlled,
-    or hydrophones, counted from 0; `sensor` is what one of them is called.  In the far field m/s^2 are Pa.
+    or hydrophones, counted from 0; `sensor` is what one of them is called;
+    `level` (1) at which the reference was to be emitted.  In the far field m/s^2 are Pa.
     """
 
     iae: np.ndarray
@@ -67,6 +68,7 @@ class Marks:
     headroom_db: np.ndarray
     outputs: tuple[int, ...]
     sensor: str
+    level: float = 1.0
 
     @property
     def verdict(self) -> str:
@@ -78,29 +80,22 @@ class Marks:
     @property
     def met(self) -> bool:
         """Whether the objective has been seen to hold on every line and side."""
-        return self.verdict == PASS
+        return self.verdict == PASS and self.level == 1.0
 
     @property
     def reason(self) -> str:
         """Say why the objective is met or not, in one line."""
-        level, where = self._worst
-        if self.verdict == HIDDEN:
-            return f"not judged: over the limit by {where}, which the ambience may explain"
-        return f"met by {where}" if self.met else f"missed by {where}"
-
-    @property
-    def loudest(self) -> str:
-        """Say how loud the loudest line is beside the limit, in one line."""
-        level, where = self._worst
-        told = f"loudest line {'over' if level > 0 else 'within'} the limit by {where}"
-        return f"{told}, which the ambience may explain" if self.verdict == HIDDEN else told
-
-    @property
-    def _worst(self) -> tuple[float, str]:
-        """The worst line, dB over the limit, and by how much it is off and where, as text."""
         side = int(np.argmax(self.worst_line_db))
-        level, place = float(self.worst_line_db[side]), self.worst_line_hz[side]
-        return level, f"{abs(level):.1f} dB at {place:.1f} Hz, {self.sensor} {self.outputs[side] + 1}"
+        over, place = self.worst_line_db[side], self.worst_line_hz[side]
+        where = f"{abs(over):.1f} dB at {place:.1f} Hz, {self.sensor} {self.outputs[side] + 1}"
+        if self.verdict == HIDDEN:
+            where = f"{where}, which the ambience may explain"
+        if self.level != 1.0:
+            how = f"at {decibels(self.level):.3g} dB of the reference"
+            return f"not judged: {how}, loudest line {'over' if over > 0 else 'within'} the limit by {where}"
+        if self.verdict == HIDDEN:
+            return f"not judged: over the limit by {where}"
+        return f"met by {where}" if self.met else f"missed by {where}"
 
 
 class Judge:
@@ -228,6 +223,7 @@ class Judge:
             headroom_db=decibels(self._limits.peak / peak),
             outputs=tuple(self._outputs),
             sensor=self.place.sensor,
+            level=level,
         )
 
     def _measured(self, response: np.ndarray) -> np.ndarray:

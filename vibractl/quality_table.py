@@ -116,10 +116,9 @@ def reduced(purpose: str, level: float, marks: Marks) -> dict[str, str]:
     """
     if level == 1.0:
         return {}
-    at = f"at {20 * np.log10(level):.3g} dB"
     if purpose == RISE:
-        return {"verdict": RISE, "reason": f"{at} of the reference, {marks.loudest}"}
-    return {"verdict": CHECK, "reason": f"{at}, to check a drive of the library"}
+        return {"verdict": RISE, "reason": marks.reason.removeprefix("not judged: ")}
+    return {"verdict": CHECK, "reason": f"at {20 * np.log10(level):.3g} dB, to check a drive of the library"}
 
 
 def row_of(

@@ -1,6 +1,6 @@
 """The report of a run: what was reached, how, and with which model, on one page."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from vibractl.figures.result import Result, read_result
 from vibractl.figures.spectrogram import spectrogram_plot
 from vibractl.figures.spectrum import error_plot, response_plot
 from vibractl.figures.tracking import error_time_plot, tracking_plot
-from vibractl.quality_table import summary
+from vibractl.quality_table import RISE, summary
 from vibractl.reference import is_file
 from vibractl.setup import Setup
 from vibractl.transfer_matrix import TransferMatrix
@@ -85,6 +85,7 @@ def _facts(result: Result, figures: Mapping[str, Any], events: list[dict[str, An
     yield Fact(
         "Worst line of the last shot", f"{abs(worst):.1f} dB {'over' if worst > 0 else 'under'} the limit", worst <= 0
     )
+    yield from _rise(result.rows, figures)
     for number, side in enumerate(result.sides):
         yield Fact(f"IAE of {result.sensor} {side}, first over last", f"{figures['iae_ratio'][number]:.3g}")
     for number, side in enumerate(result.sides):
@@ -129,6 +130,20 @@ def _sections(result: Result, events: list[dict[str, Any]]) -> Iterator[Section]
     yield Section("Shots", SHOTS_TEXT, tables=(shot_table(result),))
     if events:
         yield Section("Events", tables=(event_table(events),))
+
+
+def _rise(rows: Sequence[Mapping[str, str]], figures: Mapping[str, Any]) -> Iterator[Fact]:
+    """Say how far a run that began faint has come, and how loud it was at its loudest."""
+    if not any(row["verdict"] == RISE for row in rows):
+        return
+    full, loudest = figures["full_level_shot"], figures["loudest_line_db"]
+    yield Fact(
+        "Full level",
+        f"not reached: {rows[-1]['reason'].split(',')[0]}" if full is None else f"from shot {full} on",
+        full is not None,
+    )
+    way = "over" if loudest > 0 else "under"
+    yield Fact("Loudest line of any shot", f"{abs(loudest):.1f} dB {way} the limit", loudest <= 0)
 
 
 def _elsewhere(other: Result, places: Mapping[str, Any]) -> Fact:

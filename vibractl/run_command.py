@@ -120,6 +120,8 @@ def _learn(session: Session, shots: int, json: str | None) -> None:
     met = figures["objective_met_shot"]
     verdict = f"objective met from shot {met} on" if met is not None else "objective not met"
     verdict = f"{verdict}; {session.standing_still}" if session.standing_still else verdict
+    if figures["full_level_shot"] is None:
+        verdict = f"{verdict}; the full level is not reached: the last shot is {read_quality(path)[-1]['reason']}"
     print(f"{verdict}; report: {path / 'report.html'}", file=words(json))
     write_json(json, figures)
 

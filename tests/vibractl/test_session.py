@@ -17,6 +17,7 @@ from rigkit.run_folder import RunFolder, read_events, read_quality
 from tests.until import until
 from tests.vibractl.linear_rig import linear_config, linear_model
 from vibractl.quality_table import summary
+from vibractl.report import run_report
 from vibractl.run_setup import create, resumed_setup, setup_of, shot_files
 from vibractl.session import Session
 from vibractl.shot_file import split
@@ -189,6 +190,10 @@ def test_a_run_that_begins_faint_says_so_and_goes_on_where_it_stopped(tmp_path: 
     risen = [event for event in read_events(tmp_path / "whole") if event["event"] == "level"]
     assert [event["to"] for event in risen] == sorted(event["to"] for event in risen)
     assert risen[-1]["to"] == 1.0
+    run_report(tmp_path / "parts")
+    page = (tmp_path / "parts" / "report.html").read_text(encoding="utf-8")
+    assert "not reached: at -" in page
+    assert "Loudest line of any shot" in page
 
 
 def test_a_reference_that_only_fits_faint_is_refused_before_it_rises(tmp_path: Path) -> None:

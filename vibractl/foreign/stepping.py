@@ -16,7 +16,6 @@ from vibractl.learning.shot import Shot
 from vibractl.loudness import too_loud
 from vibractl.proof import SLIP
 from vibractl.quality import Judge, Marks
-from vibractl.quality_table import reduced
 from vibractl.setup import Setup
 
 UNRELATED = 0.2
@@ -132,9 +131,7 @@ class Stepper:
             self._learner.mains = followed
             raise
         self._learner.follow(taken)
-        reason = reduced(self._learner.algorithm.purpose, level, marks).get("reason", marks.reason)
-        met = marks.met and level == 1.0
-        figures = {"met": met, "margin_db": -float(marks.worst_line_db.max()), "reason": reason}
+        figures = {"met": marks.met, "margin_db": -float(marks.worst_line_db.max()), "reason": marks.reason}
         state = self.state.after(Step(taken.response, taken.noise, name, figures, taken.mains), cut.fraction)
         self.state = state
         return Stepped(state, marks, number, cut.first)
