@@ -18,13 +18,18 @@ LOUDER, MOST_LOW = 30.0, 5
 PEAK, LOW_PEAK = 50.0, 3.0
 """Times what those lines have shown, rms, that |G| is reckoned to be at most elsewhere, and at them: of 150
 drawn vibrators it is more than 34 on 5 %, and 107 on one."""
-BOLDER, MOST = 3.0, 3
-"""Times a probe of all lines is louder than the one before that was not heard; and how many there are."""
+BOLDER, MOST = (3.0, 10.0), 3
+"""Times a probe of all lines is louder than the one before that was not heard, by what may be hidden in the ambience;
+and how many there are."""
 LOW = -30.0
 """dB re the reference's own lines, of lines below 100 Hz, for which there is no limit: their overtones have one."""
-HEARD_LOW, HEARD = 4.0, 8.0
+HEARD_LOW, HEARD = 4.0, 10.0
 """Times the power of the lines between the excited ones, of the same record, that theirs is where a response is beyond
 doubt: of all lines without a limit together, and of some lines side by side."""
+MOST_STUCK = 5
+"""Of these where the lines without a limit were not heard."""
+FEW = 0.9
+"""Part of the lines whose ambience is reckoned with: those of hum are left out."""
 TOGETHER = 9.0
 """Excited lines that are taken together: the width of a resonance."""
 _TINY = np.finfo(float).tiny
@@ -74,11 +79,10 @@ class Probes:
         """
         self._made += 1
         heard, excited = np.abs(spectra.response[0]) ** 2, self._base.bins - spectra.first
-        power, between = _powers(heard, excited)
         if np.isinf(self._elsewhere):
-            self._take_low(power[self._low], between[self._low])
+            self._take_low(*_powers(heard, excited[self._low]))
         else:
-            self._take_all(heard[excited][~self._low], (power > HEARD * between)[~self._low])
+            self._take_all(heard[excited[~self._low]], *_powers(heard, excited[~self._low]))
 
     def _take_low(self, power: np.ndarray, between: np.ndarray) -> None:
         if np.median(power / np.maximum(between, _TINY), axis=0).max() > HEARD_LOW:
@@ -90,12 +94,14 @@ class Probes:
         else:  # joints that stick below; what is as little sensitive above may still be heard there
             self._elsewhere, self._made = PEAK * self._at_low, 0
 
-    def _take_all(self, heard: np.ndarray, is_beyond_doubt: np.ndarray) -> None:
+    def _take_all(self, heard: np.ndarray, power: np.ndarray, between: np.ndarray) -> None:
+        allowed = self._allowed[~self._low, None] ** 2
+        is_beyond_doubt = power > HEARD * between
         if is_beyond_doubt.any():
-            part = np.where(is_beyond_doubt, heard, 0.0) / self._allowed[~self._low, None] ** 2
-            self._elsewhere *= float(np.sqrt(part.max()))
-        elif self._made < MOST:
-            self._elsewhere /= BOLDER
+            self._elsewhere *= float(np.sqrt((np.where(is_beyond_doubt, heard, 0.0) / allowed).max()))
+        elif self._made < (MOST if self._is_heard else MOST_STUCK):
+            hidden = float(np.quantile(HEARD * np.where(np.isinf(between), 0.0, between) / allowed, FEW))
+            self._elsewhere /= float(np.clip(1 / np.sqrt(max(hidden, _TINY)), *BOLDER))
             return
         elif not self._is_heard:
             raise UnheardError(
@@ -106,14 +112,17 @@ class Probes:
 
 
 def _powers(power: np.ndarray, excited: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the mean power of the excited lines around each of them, and of those between, both (lines, outputs)."""
+    """Return the mean power of the excited lines around each of them, and of those between, both (lines, outputs).
+
+    Near the ends of the band what lies between counts as infinite.
+    """
     mask = np.zeros((len(power), 1))
+    around = round(TOGETHER * (excited[-1] - excited[0] + 1) / len(excited))
     mask[excited] = 1.0
-    around = round(TOGETHER * len(power) / len(excited))
     means = []
     for which in (mask, 1.0 - mask):
-        share = uniform_filter1d(which, around, axis=0, mode="constant")
-        means.append(
-            (uniform_filter1d(which * power, around, axis=0, mode="constant") / np.maximum(share, _TINY))[excited]
-        )
-    return means[0], means[1]
+        share = np.maximum(uniform_filter1d(which, around, axis=0, mode="constant"), _TINY)
+        means.append(uniform_filter1d(which * power, around, axis=0, mode="constant") / share)
+    ends = uniform_filter1d(np.ones(len(power)), around, mode="constant") < 0.99
+    means[1][ends] = np.inf  # too few lines there to tell
+    return means[0][excited], means[1][excited]

@@ -8,7 +8,7 @@ from calibration.emission_limit import EmissionLimit
 from calibration.experiment import Batch, Plan
 from calibration.multisine import FADE, Design, Record, codes, low_crest, odd_lines
 from calibration.multisine_estimate import REACH
-from calibration.quiet_probes import MOST, MOST_LOW
+from calibration.quiet_probes import MOST_LOW, MOST_STUCK
 from calibration.vibrator_sweep import Silence, depends_on_rig
 from vibractl.config import RigConfig
 
@@ -22,7 +22,7 @@ REST = 2.0
 """s of the silence before its measured part, for what was played before to ring down."""
 QUIET_SPARE = 3
 """Records by which `characterisation.records` must be more than the coils, for a quiet calibration takes fewer."""
-PROBES = MOST_LOW + MOST
+PROBES = MOST_LOW + MOST_STUCK
 """Of a quiet calibration at most."""
 KEYS = ("band", "preload_band", "records", "period", "run_in", "operating", "level", "quiet")
 

@@ -37,7 +37,8 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
         `iae_ratio` per side, first shot of the whole reference over last; `first_worst_line_db` of that first shot;
         `shots_over_limit`, of the whole reference, and `shots_hidden`, those of them that the ambience may explain;
         `full_level_shot`, the first of the whole reference, or None; `loudest_line_db` and `loudest_band_db`, the
-        worst line and the worst band of 50 Hz of any shot, dB over the limit;
+        worst line and the worst band of 50 Hz of any shot, dB over the limit, and `shots_proven_over`, those in which a
+        line is over it by more than the ambience may explain, all three of shots at reduced level as well;
         `reidentifications`, of bands;
         `identification_seconds`, s of signal emitted for the model and for them, None where the model does not say.
     """
@@ -58,6 +59,7 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
         "full_level_shot": next((n for n, row in enumerate(rows) if not is_reduced(row)), None),
         "loudest_line_db": max(worst, default=None),
         "loudest_band_db": max(bands, default=None),
+        "shots_proven_over": sum(_has_proven(row, prefix) for row in rows),
         "reidentifications": sum(now and not before for before, now in pairwise([False, *probes])),
         "identification_seconds": _identification_seconds(made, sum(probes)),
     }
@@ -92,6 +94,10 @@ def _reached(rows: list[dict[str, str]], prefix: str) -> dict[str, Any]:
 
 def _worst(row: dict[str, str], prefix: str) -> float:
     return max(float(row[key]) for key in row if key.startswith(f"{prefix}worst_line_db_"))
+
+
+def _has_proven(row: dict[str, str], prefix: str) -> bool:
+    return any(float(row[key]) > 0 for key in row if key.startswith(f"{prefix}proven_"))
 
 
 def _identification_seconds(made: Setup | Judging | None, probes: int) -> float | None:

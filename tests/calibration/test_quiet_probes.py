@@ -7,7 +7,7 @@ from calibration.emission_limit import EmissionLimit
 from calibration.multisine import Design
 from calibration.multisine_estimate import Spectra
 from calibration.quiet_multisine import lines_of, scout_design
-from calibration.quiet_probes import MOST, MOST_LOW, PEAK, SHARE, STRONGEST, Probes, UnheardError
+from calibration.quiet_probes import MOST, MOST_LOW, MOST_STUCK, PEAK, SHARE, STRONGEST, Probes, UnheardError
 from rigkit import config as rig_file
 from vibractl.config import RigConfig
 
@@ -96,7 +96,7 @@ def test_a_rig_that_answers_nothing_is_refused() -> None:
         UnheardError, match=r"drives of .* V a line are heard at no response; are amplifier and sensors on"
     ):
         probed(rig)
-    assert rig.probes == MOST_LOW + MOST
+    assert rig.probes == MOST_LOW + MOST_STUCK
 
 
 def test_a_band_above_100_hz_begins_with_all_lines() -> None:

@@ -186,6 +186,7 @@ def test_a_run_that_begins_faint_says_so_and_goes_on_where_it_stopped(tmp_path: 
     assert figures["full_level_shot"] == figures["objective_met_shot"]
     assert 6 <= figures["full_level_shot"] <= 17
     assert figures["loudest_line_db"] <= 0
+    assert figures["shots_proven_over"] == 0
     assert figures["loudest_band_db"] < figures["loudest_line_db"]
     risen = [event for event in read_events(tmp_path / "whole") if event["event"] == "level"]
     assert [event["to"] for event in risen] == sorted(event["to"] for event in risen)
