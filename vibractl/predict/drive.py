@@ -1,6 +1,6 @@
 """Which drives a reference needs, and what room they leave under the guard's limits."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -63,7 +63,7 @@ def drive_needs(made: Setup, learned: np.ndarray) -> DriveNeeds:
     law, limits, rate = made.law, made.config.limits, made.shot.rate
     rng = np.random.default_rng(SEED)
     wanted = _emitted(made, _answer(made, law.inverse))
-    first = made.learner().drive.astype(float)
+    first = _emitted(made, made.law.start)
     drawn = [
         _sizes(_emitted(made, _answer(made, bounded_inverse(drawn_response(law.matrix, rng), law.settings))), made)
         for _ in range(DRAWS)
@@ -81,8 +81,8 @@ def _answer(made: Setup, inverse: np.ndarray) -> np.ndarray:
 
 
 def _emitted(made: Setup, lines: np.ndarray) -> np.ndarray:
-    """Return the whole drive (samples, coils), V, that a learner makes of lines (lines, inputs), V s."""
-    return replace(made, law=replace(made.law, start=lines)).learner().drive.astype(float)
+    """Return the drive while the reference lasts, (frames, coils), V, that a learner makes of lines (lines, inputs)."""
+    return made.learner().rendered(lines).astype(float)
 
 
 def _sizes(drive: np.ndarray, made: Setup) -> np.ndarray:

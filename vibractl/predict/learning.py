@@ -80,10 +80,11 @@ def _learned(made: Setup, plant: DrawnPlant) -> tuple[np.ndarray, float, np.ndar
     worst = np.full(made.config.session.shots, np.nan)
     held, place = 0, 0.0
     for shot in range(len(worst)):
-        drive = algorithm.lines
+        drive, level = algorithm.lines, algorithm.level
         response = plant.respond(drive)
-        over = decibels(_heard(made, law.reference - response)[judged] / limit).max(axis=1)
-        worst[shot], place = over.max(), float(law.matrix.frequency[judged][over.argmax()])
+        over = decibels(_heard(made, level * law.reference - response)[judged] / limit).max(axis=1)
+        place = float(law.matrix.frequency[judged][over.argmax()])
+        worst[shot] = over.max() if level == 1.0 else max(over.max(), -float(decibels(level)))
         held = held + 1 if worst[shot] <= 0 else 0
         if held == HELD or not np.isfinite(worst[shot]):
             break

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from tests.vibractl.linear_rig import linear_config, linear_matrix
 from vibractl.predict.learning import HELD, Forecast, forecast
@@ -35,6 +36,12 @@ def test_a_small_gain_takes_more_shots_and_a_tiny_one_never_gets_there() -> None
     assert fast.quantile(0.5) < slow.quantile(0.5) < np.inf
     assert np.isinf(never.met).all()
     assert never.quantile(0.1) == np.inf
+
+
+def test_a_run_that_begins_faint_meets_it_when_it_is_at_full_level() -> None:
+    found = runs(made_with("learning.gains=[0.8]", "learning.quiet=true"))
+    assert found.worst[0] == pytest.approx(34.0, abs=0.1)  # dB that are missing, whatever the first shot emits
+    assert np.all(found.met >= 6)
 
 
 def test_an_uncertain_model_takes_more_shots() -> None:
