@@ -42,6 +42,8 @@ BASE = 0.5
 """Of a rise: so far below, at least, lies the level by which its drive is predicted; nearer, noise is amplified."""
 LEARNING = 0.7
 """What a later one is expected to leave at least, of what is left."""
+ROUNDING = 1e-9
+"""Below the full level, what is the full level."""
 CHANCE = 0.05
 """With which noise alone goes beyond what is allowed for it on any line of a shot."""
 
@@ -147,10 +149,10 @@ class SoftStart:
             below, drive_below = self._learned[-1]
             self._go_to((below + self.level) / 2, False)
             drive = drive_below + 0.5 * (learned - drive_below)
+            self._predictions = None  # of a level that was left
         else:
-            self._left = heard.over * (
-                LEARNED if is_first else float(np.clip(heard.over / max(self._last, _TINY), LEARNING, 1.0))
-            )
+            still = LEARNED if is_first else float(np.clip(heard.over / max(self._last, _TINY), LEARNING, 1.0))
+            self._left = heard.over * still
             if (rise := self._possible_rise()) > 0:
                 drive = self._predicted(learned, rise, noise)
                 self._learned.append((self.level, learned))
@@ -201,7 +203,8 @@ class SoftStart:
         return least if self._left < TARGET and self._held >= 2 * PATIENCE else 0.0
 
     def _go_to(self, level: float, has_risen: bool) -> None:
-        self._rise, self.level, self._held, self._has_risen = level - self._learned[-1][0], level, 0, has_risen
+        self.level = 1.0 if level > 1.0 - ROUNDING else level
+        self._rise, self._held, self._has_risen = self.level - self._learned[-1][0], 0, has_risen
 
 
 def _tidy_db(over: float) -> float:
