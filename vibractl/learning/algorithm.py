@@ -132,6 +132,8 @@ class Algorithm:
         if risen is not None:
             self.decisions.append(risen)
             self.daring.promise_nothing()
+        if soft.has_fallen:
+            self.belief = Belief(self.law, self._parts)
         if soft.over:
             self._soft = None
 

@@ -16,6 +16,8 @@ TARGET = 0.7
 """Of the limit, that the loudest line is to come to at the next level: 3 dB below."""
 BROKEN = 1.4
 """Of the limit, from which a level was too much: half of the rise is taken back."""
+FAR = 3.0
+"""Of the limit, from which all of it is."""
 LARGER = 2.0
 """Times the present level, that the next one is at most; and times the last rise, that a rise is."""
 MODEST = 0.1
@@ -87,6 +89,8 @@ class SoftStart:
     ----------
     level : float, 1
         Of the next shot.
+    has_fallen : bool
+        All of the last rise was taken back: what was learned of G since is of another machine, or wrong.
 
     Source
     ------
@@ -101,6 +105,7 @@ class SoftStart:
         self._learned = [(0.0, np.zeros_like(law.start))]
         self._rise, self._rate, self._left, self._last, self._held = self.level, 0.0, 0.0, 0.0, 0
         self._predictions: tuple[np.ndarray, np.ndarray] | None = None
+        self.has_fallen = False
         self._reach, self._has_risen = 0 if np.any(law.active == 0.0) else REACH, False
 
     @property
@@ -145,11 +150,9 @@ class SoftStart:
             self._rate = max((heard.over - self._left) / self._rise, EASED * self._rate)
             self._last = heard.over
         drive = learned
-        if heard.over > BROKEN and is_first and self._has_risen:
-            below, drive_below = self._learned[-1]
-            self._go_to((below + self.level) / 2, False)
-            drive = drive_below + 0.5 * (learned - drive_below)
-            self._predictions = None  # of a level that was left
+        self.has_fallen = False
+        if heard.over > BROKEN and (is_first or heard.over > self._last) and len(self._learned) > 1:
+            drive = self._back(heard.over, learned)
         else:
             still = LEARNED if is_first else float(np.clip(heard.over / max(self._last, _TINY), LEARNING, 1.0))
             self._left = heard.over * still
@@ -162,6 +165,19 @@ class SoftStart:
             return drive, None
         told = {"from": tidy(before), "to": tidy(self.level), "loudest_db": _tidy_db(heard.over)}
         return drive, Decision("level", {**told, "at_hz": tidy(heard.frequency)})
+
+    def _back(self, over: float, learned: np.ndarray) -> np.ndarray:
+        """Take a rise back, half of it or, where that was not enough or will not be, all; return the drive."""
+        below, drive = self._learned[-1]
+        self._predictions = None  # of a level that is left
+        if self._has_risen and self._held == 1 and over < FAR:
+            self._go_to((below + self.level) / 2, False)
+            halfway: np.ndarray = drive + 0.5 * (learned - drive)
+            return halfway
+        self._learned.pop()
+        self._go_to(below, False)
+        self.has_fallen = True
+        return drive
 
     def _predicted(self, learned: np.ndarray, rise: float, noise: np.ndarray) -> np.ndarray:
         """Return the drive for a level higher by `rise`: as the last one would have been predicted best, by line."""

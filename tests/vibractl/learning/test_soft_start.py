@@ -65,7 +65,7 @@ def test_a_model_that_is_wrong_by_a_factor_costs_shots_and_1_db_at_most(wrong: f
     assert max(loudest) <= 1.1
 
 
-def test_half_of_a_rise_that_was_too_much_is_taken_back_once() -> None:
+def test_half_of_a_rise_that_was_too_much_is_taken_back_and_then_all_of_it() -> None:
     law = law_of(matrix_of(TRUE))
     soft = SoftStart(law, judged_of(law), OBJECTIVE)
     limit = reference_level(law.reference) * 10 ** (OBJECTIVE / 20)
@@ -80,8 +80,28 @@ def test_half_of_a_rise_that_was_too_much_is_taken_back_once() -> None:
     np.testing.assert_allclose(drive, soft.level * law.start)
     assert decided is not None
     assert decided.fields["loudest_db"] == pytest.approx(20 * np.log10(2 * BROKEN), abs=0.1)
+    drive, _ = soft.onward(shot, loud, drive, nothing)
+    assert soft.level == pytest.approx(0.5 * risen)
+    np.testing.assert_allclose(drive, soft.level * law.start)
     soft.onward(shot, loud, drive, nothing)
-    assert soft.level == pytest.approx(0.75 * risen)  # it was not the rise: learning goes on there
+    assert soft.level == pytest.approx(0.5 * risen)  # it was not the rise: learning goes on there
+
+
+def test_a_rise_that_was_far_too_much_is_taken_back_at_once() -> None:
+    """As where a joint gives way, or a coil leaves its field."""
+
+    class Sudden(LinePlant):
+        def distorted(self, linear: np.ndarray) -> np.ndarray:
+            wanted = self._wanted[self._strong]
+            level = abs(np.vdot(wanted, linear[self._strong]) / np.vdot(wanted, wanted))
+            return super().distorted(linear) if level > 0.3 else np.zeros_like(linear)
+
+    law = law_of(matrix_of(TRUE))
+    _, levels, loudest = led(law, Sudden(TRUE, law, distortion=3.0), 30)
+    over = np.array(loudest) > 1.0
+    assert over.any()
+    assert not (over[:-1] & over[1:]).any()
+    assert levels[-1] < 0.35
 
 
 def test_what_noise_may_be_keeps_no_level_down() -> None:
