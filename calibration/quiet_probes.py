@@ -21,13 +21,13 @@ drawn vibrators it is more than 34 on 5 %, and 107 on one."""
 BOLDER, MOST = (3.0, 10.0), 3
 """Times a probe of all lines is louder than the one before that was not heard, by what may be hidden in the ambience;
 and how many there are."""
+MOST_STUCK = 5
+"""Of these where the lines without a limit were not heard."""
 LOW = -30.0
 """dB re the reference's own lines, of lines below 100 Hz, for which there is no limit: their overtones have one."""
 HEARD_LOW, HEARD = 4.0, 10.0
 """Times the power of the lines between the excited ones, of the same record, that theirs is where a response is beyond
 doubt: of all lines without a limit together, and of some lines side by side."""
-MOST_STUCK = 5
-"""Of these where the lines without a limit were not heard."""
 FEW = 0.9
 """Part of the lines whose ambience is reckoned with: those of hum are left out."""
 TOGETHER = 9.0

@@ -8,7 +8,7 @@ import numpy as np
 from vibractl.config import Limits, Quality
 from vibractl.decibels import FAINT, decibels, rms
 from vibractl.judging import Judged
-from vibractl.learning.disturbance import noise_power
+from vibractl.learning.disturbance import noise_power, noise_reach
 from vibractl.learning.law import reference_level, settled_window, strong_lines
 from vibractl.mains import Hum, Mains
 from vibractl.overtones import Overtones
@@ -19,8 +19,6 @@ BAND_WIDTH = 50.0
 """Hz, of the bands whose level is reported beside the worst line."""
 PASS, FAIL, HIDDEN = "pass", "fail", "hidden"
 """Verdicts on a shot; hidden: over the limit by no more than the ambience may explain."""
-CHANCE = 0.05
-"""With which the ambience alone goes beyond what is allowed for it on any line of a shot."""
 
 
 def holds_from(met: Sequence[bool]) -> int | None:
@@ -201,7 +199,7 @@ class Judge:
         lines = self.lines(error)
         over = decibels(lines / self.limit)[self._judged]
         worst = over.argmax(axis=0)
-        reach = np.sqrt(ambience * np.log(over.size / CHANCE))
+        reach = np.sqrt(noise_reach(ambience, over.size))
         proven = (np.abs(lines) - reach > self.limit)[self._judged]
         band_db, band_hz = self._bands(lines)
         first, phase = self._overtones.follow(level * self._reference - error)

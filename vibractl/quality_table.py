@@ -111,20 +111,19 @@ def is_reduced(row: Mapping[str, str]) -> bool:
     return row["verdict"] in (CHECK, RISE)
 
 
-def reduced(purpose: str, level: float, marks: Marks) -> dict[str, str]:
+def reduced(purpose: str, marks: Marks) -> dict[str, str]:
     """Return the cells that are others where not the whole reference was emitted: whatever such a shot met, counts not.
 
     Parameters
     ----------
     purpose : str
-    level : float, 1
     marks : Marks
     """
-    if level == 1.0:
+    if marks.level == 1.0:
         return {}
     if purpose == RISE:
         return {"verdict": RISE, "reason": marks.reason.removeprefix("not judged: ")}
-    return {"verdict": CHECK, "reason": f"at {20 * np.log10(level):.3g} dB, to check a drive of the library"}
+    return {"verdict": CHECK, "reason": f"at {20 * np.log10(marks.level):.3g} dB, to check a drive of the library"}
 
 
 def row_of(

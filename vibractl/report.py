@@ -82,9 +82,7 @@ def _facts(result: Result, figures: Mapping[str, Any], events: list[dict[str, An
         "not met" if met is None else f"met from shot {met} on",
         met is not None,
     )
-    yield Fact(
-        "Worst line of the last shot", f"{abs(worst):.1f} dB {'over' if worst > 0 else 'under'} the limit", worst <= 0
-    )
+    yield Fact("Worst line of the last shot", _beside_limit(worst), worst <= 0)
     yield from _rise(result.rows, figures)
     for number, side in enumerate(result.sides):
         yield Fact(f"IAE of {result.sensor} {side}, first over last", f"{figures['iae_ratio'][number]:.3g}")
@@ -142,8 +140,12 @@ def _rise(rows: Sequence[Mapping[str, str]], figures: Mapping[str, Any]) -> Iter
         f"not reached: {rows[-1]['reason'].split(',')[0]}" if full is None else f"from shot {full} on",
         full is not None,
     )
-    way = "over" if loudest > 0 else "under"
-    yield Fact("Loudest line of any shot", f"{abs(loudest):.1f} dB {way} the limit", loudest <= 0)
+    yield Fact("Loudest line of any shot", _beside_limit(loudest), loudest <= 0)
+
+
+def _beside_limit(over: float) -> str:
+    """Say how far a line, dB over the limit, is from it."""
+    return f"{abs(over):.1f} dB {'over' if over > 0 else 'under'} the limit"
 
 
 def _elsewhere(other: Result, places: Mapping[str, Any]) -> Fact:
@@ -152,8 +154,7 @@ def _elsewhere(other: Result, places: Mapping[str, Any]) -> Fact:
     reached = places[name]
     worst, met = reached["worst_line_db"], reached["objective_met_shot"]
     said = "not met" if met is None else f"met from shot {met} on"
-    way = "over" if worst > 0 else "under"
-    return Fact(f"{_PLACES[name]}, beside that", f"{said}; last shot {abs(worst):.1f} dB {way} the limit")
+    return Fact(f"{_PLACES[name]}, beside that", f"{said}; last shot {_beside_limit(worst)}")
 
 
 def _model_text(model: TransferMatrix) -> str:

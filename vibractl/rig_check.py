@@ -79,8 +79,7 @@ class RigCheck:
         lead, burst, tail = (step * round(seconds * rate / step) for seconds in (LEAD, BURST, TAIL))
         signal = np.zeros((lead + burst + tail, law.spread.shape[1]))
         signal[lead : lead + burst] = _burst(burst, rate, (low, high), signal.shape[1])
-        level = float(rms(loudest).max()) * weaker / float(rms(signal @ law.spread.T).max())
-        signal *= level
+        signal *= float(rms(loudest).max()) * weaker / float(rms(signal @ law.spread.T).max())
         frequency = np.fft.rfftfreq(len(signal) // step, step / rate)
         inside = np.flatnonzero((frequency >= low) & (frequency <= high) & law.matrix.covers(frequency))
         lines = np.fft.rfft(Decimator(step).apply(signal), axis=0)[inside]

@@ -196,7 +196,7 @@ class Session:
             told = dict(zip(self._made.places, every, strict=True))
             gain = algorithm.daring.nominal
             row = row_of(number, purpose, gain, marks, told, record.provenance, repeatability)
-            self.folder.quality(row | reduced(purpose, level, marks))
+            self.folder.quality(row | reduced(purpose, marks))
             for decision in decisions:
                 self.folder.event(decision.event, {"shot": number, **decision.fields})
         return marks

@@ -124,9 +124,7 @@ class Algorithm:
         """Learn from a shot at reduced level, and go on to the next level where what it emits allows."""
         self.belief.follow(shot)
         error = soft.level * self.law.reference - shot.response
-        self.daring.choose(self.belief, shot, error, 1.0)
-        learned = self.belief.next_drive(shot.drive, error, self.daring.gain, self.daring.is_open)
-        self.belief.keep(shot)
+        learned = self._improved(shot, error, 1.0)
         noise = (np.abs(self.belief.inverse) ** 2 @ shot.noise[..., None])[..., 0]
         self.lines, risen = soft.onward(shot, error, learned, noise)
         if risen is not None:
@@ -165,16 +163,21 @@ class Algorithm:
 
     def _learn(self, shot: Shot) -> None:
         """Make the next drive from a shot."""
-        belief, daring, error = self.belief, self.daring, self.law.reference - shot.response
+        daring, error = self.daring, self.law.reference - shot.response
         learned, expected = daring.is_open > 0, daring.expected
-        daring.choose(belief, shot, error, self._rollback.pace if self._rollback else 1.0)
-        self.lines = belief.next_drive(shot.drive, error, daring.gain, daring.is_open)
+        self.lines = self._improved(shot, error, self._rollback.pace if self._rollback else 1.0)
         back = self._rollback and self._rollback.judged(self.number, shot.drive, error[learned], expected)
         if back:
             self.lines = back.lines
             self.decisions.append(Decision("rollback", {"to_shot": back.shot, "error_db": tidy(back.growth_db)}))
-        belief.keep(shot)
         daring.updates += 1
+
+    def _improved(self, shot: Shot, error: np.ndarray, pace: float) -> np.ndarray:
+        """Return the drive that takes of the error (lines, outputs) of a shot what is dared; keep the shot."""
+        self.daring.choose(self.belief, shot, error, pace)
+        lines = self.belief.next_drive(shot.drive, error, self.daring.gain, self.daring.is_open)
+        self.belief.keep(shot)
+        return lines
 
     def _forget(self) -> None:
         """Let no earlier shot be gone back to: the vibrator, or what is learned of it, is another one since."""

@@ -66,6 +66,27 @@ class Disturbance:
         return float(parts.max())
 
 
+CHANCE = 0.05
+"""With which noise alone goes beyond what is allowed for it on any line of a shot."""
+
+
+def noise_reach(power: np.ndarray | float, lines: int) -> np.ndarray:
+    """Return the power that noise alone reaches on any of so many lines only by `CHANCE`, of any unit.
+
+    Parameters
+    ----------
+    power : array, shape (lines, outputs), or float
+        E |N|^2 of a line.
+    lines : int, >= 1
+
+    Returns
+    -------
+    array, shape (lines, outputs)
+    """
+    reach: np.ndarray = power * np.log(lines / CHANCE)
+    return reach
+
+
 def smoothed(power: np.ndarray, reach: int) -> np.ndarray:
     """Average over `reach` lines to each side, mirrored at the ends.
 

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from vibractl.learning.decision import Decision, tidy
-from vibractl.learning.disturbance import smoothed
+from vibractl.learning.disturbance import noise_reach, smoothed
 from vibractl.learning.law import Law, reference_level
 from vibractl.learning.shot import Shot
 
@@ -46,8 +46,6 @@ LEARNING = 0.7
 """What a later one is expected to leave at least, of what is left."""
 ROUNDING = 1e-9
 """Below the full level, what is the full level."""
-CHANCE = 0.05
-"""With which noise alone goes beyond what is allowed for it on any line of a shot."""
 
 _TINY = float(np.finfo(float).tiny)
 
@@ -123,7 +121,7 @@ class SoftStart:
             E |N|^2 in it.
         """
         count = max(1, int(self._judged.sum()) * error.shape[1])
-        excess = np.maximum(np.abs(error) ** 2 - noise * np.log(count / CHANCE), 0.0) / self._limit**2
+        excess = np.maximum(np.abs(error) ** 2 - noise_reach(noise, count), 0.0) / self._limit**2
         loudest = np.where(self._judged, excess.max(axis=1), 0.0)
         place = int(loudest.argmax())
         return Emission(float(np.sqrt(loudest[place])), float(self._frequency[place]))
