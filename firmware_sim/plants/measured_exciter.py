@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from firmware_sim.plants.impulse_response import ImpulseResponsePlant
-from firmware_sim.plants.reception import BLOCK, Receiver, Reception
+from firmware_sim.plants.reception import BLOCK, Receiver, Reception, in_blocks
 from firmware_sim.plants.steady_kernel import clip_softly
 
 LINES = 8
@@ -55,18 +55,14 @@ class MeasuredExciterPlant:
 
     def run(self, drive: np.ndarray, heard: np.ndarray) -> None:
         """Go on for `drive`, shape (frames, drives) V, and fill `heard`, shape (frames, sensors) m/s^2."""
-        start = 0
-        while start < len(drive):
-            into = self._done % BLOCK
-            if into == 0:
+        for part, begins in in_blocks(self._done, len(drive)):
+            if begins:
                 self._receiver.begin_block()
-            end = min(len(drive), start + BLOCK - into)
-            clipped = self._clipped[: end - start]
-            clip_softly(drive[start:end], self._exciter.clip, self._exciter.sharpness, clipped)
-            self._responses.run(clipped, heard[start:end])
-            self._receiver.hear(heard[start:end])
-            self._done += end - start
-            start = end
+            clipped = self._clipped[: part.stop - part.start]
+            clip_softly(drive[part], self._exciter.clip, self._exciter.sharpness, clipped)
+            self._responses.run(clipped, heard[part])
+            self._receiver.hear(heard[part])
+        self._done += len(drive)
 
 
 def measured_response(exciter: MeasuredExciter, frequency: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 
 from firmware_sim.plants import moving_coil_kernel as kernel
 from firmware_sim.plants.options import refuse_rate
-from firmware_sim.plants.reception import BLOCK, Receiver, Reception
+from firmware_sim.plants.reception import BLOCK, Receiver, Reception, in_blocks
 from firmware_sim.plants.suspension_drift import Softening, SuspensionDrift
 
 FASTEST = 1.6
@@ -188,15 +188,11 @@ class MovingCoilPlant:
 
     def run(self, drive: np.ndarray, heard: np.ndarray) -> None:
         """Go on for `drive`, shape (frames, units) V, and fill `heard`, shape (frames, units) m/s^2; C-contiguous."""
-        start = 0
-        while start < len(drive):
-            into = self._done % BLOCK
-            if into == 0:
+        for part, begins in in_blocks(self._done, len(drive)):
+            if begins:
                 self._begin_block()
-            end = min(len(drive), start + BLOCK - into)
-            self._run(drive[start:end], heard[start:end])
-            self._done += end - start
-            start = end
+            self._run(drive[part], heard[part])
+        self._done += len(drive)
 
     def _run(self, drive: np.ndarray, heard: np.ndarray) -> None:
         kernel.run_moving_coils(

@@ -1,5 +1,6 @@
 """What is between a vibrator's motion and its recording: delays, sensors, and what they pick up beside it."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,16 @@ from firmware_sim.plants.sensing_kernel import interpolator, resonance, run_sens
 
 BLOCK = 4096
 """Samples between two steps of what wanders."""
+
+
+def in_blocks(done: int, frames: int) -> Iterator[tuple[slice, bool]]:
+    """Cut the next `frames` samples, after `done`, where blocks end; say of each part whether a block begins there."""
+    start = 0
+    while start < frames:
+        into = (done + start) % BLOCK
+        end = min(frames, start + BLOCK - into)
+        yield slice(start, end), into == 0
+        start = end
 
 
 @dataclass(frozen=True)
