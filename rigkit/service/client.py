@@ -3,17 +3,17 @@
 import json
 import ssl
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any, Self
 
 import httpx
-from websockets.exceptions import WebSocketException
-from websockets.sync.client import connect, unix_connect
+from websocket import WebSocket, WebSocketException, create_connection
 
 from rigkit.service.access import TOKENS, Address, address_of, read_tokens
 from rigkit.service.config import Daemon
 from rigkit.service.gate import STREAM
+from rigkit.service.sockets import connected
 
 SECONDS = 12.0
 """Longest wait for an answer."""
@@ -158,24 +158,29 @@ class Client:
         ------
         DaemonError : the daemon is gone, or has refused.
         """
-        wanted: dict[str, Any] = {
-            "additional_headers": {"Authorization": f"Bearer {self._token}"},
-            "subprotocols": [STREAM],
-            "compression": None,
-            "ssl": self._trusted,
-        }
-        uri = f"{'wss' if self._trusted else 'ws'}://{self._host}/api/stream"
         try:
-            opened = unix_connect(self._at.path, uri, **wanted) if self._at.path else connect(uri, **wanted)
-            with opened as socket:
-                for text in socket:
+            with closing(self._stream()) as stream:
+                while text := stream.recv():
                     shown = json.loads(text)
-                    socket.send(str(shown["tick"]))
+                    stream.send(str(shown["tick"]))
                     self._keep(shown)
                     yield shown
         except (WebSocketException, OSError) as fault:
             raise DaemonError(0, f"the stream of the daemon at {self._host} has ended: {fault}") from None
         raise DaemonError(0, f"the daemon at {self._host} has ended the stream")
+
+    def _stream(self) -> WebSocket:
+        """Return a WebSocket that no thread reads beside this one: Python 3.11 has no lock around a TLS connection."""
+        return create_connection(
+            f"{'wss' if self._trusted else 'ws'}://{self._host}/api/stream",
+            SECONDS,
+            header=[f"Authorization: Bearer {self._token}"],
+            subprotocols=[STREAM],
+            suppress_origin=True,
+            sslopt={"context": self._trusted} if self._trusted else None,
+            socket=connected(self._at, SECONDS) if self._at.path else None,
+            http_no_proxy=["*"],
+        )
 
     def _keep(self, shown: Mapping[str, Any]) -> None:
         """Renew control now and then."""

@@ -67,7 +67,7 @@ def _at_port(address: Address) -> socket.socket:
 def _at_path(path: str) -> socket.socket:
     made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
-        if Path(path).exists() and stat.S_ISSOCK(Path(path).stat().st_mode) and not _answers(path):
+        if Path(path).exists() and stat.S_ISSOCK(Path(path).stat().st_mode) and not answers(Address(path=path)):
             Path(path).unlink()
         before = os.umask(0o177)
         try:
@@ -79,18 +79,30 @@ def _at_path(path: str) -> socket.socket:
     return made
 
 
-def _answers(path: str) -> bool:
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as to:
-        return to.connect_ex(path) == 0
+def connected(at: Address, seconds: float) -> socket.socket:
+    """Return a connection to an address, that waits no longer than so many seconds.
+
+    Raises
+    ------
+    OSError : nobody listens there.
+    """
+    family = socket.AF_UNIX if at.path else socket.AF_INET6 if ":" in at.host else socket.AF_INET
+    made = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        made.settimeout(seconds)
+        made.connect(at.path or (at.host, at.port))
+    except OSError:
+        made.close()
+        raise
+    return made
 
 
 def answers(at: Address) -> bool:
     """Whether something takes a connection at an address within a second."""
-    family = socket.AF_UNIX if at.path else socket.AF_INET6 if ":" in at.host else socket.AF_INET
-    with socket.socket(family, socket.SOCK_STREAM) as probe:
-        probe.settimeout(1.0)
-        try:
-            probe.connect(at.path or (at.host, at.port))
-        except OSError:
-            return False
+    try:
+        connected(at, 1.0).close()
+    except BlockingIOError:  # a socket in the file system at which more than `WAITING` wait
+        return True
+    except OSError:
+        return False
     return True

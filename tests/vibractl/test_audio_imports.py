@@ -15,7 +15,8 @@ PROGRAM = "import sys\nfrom {name}.__main__ import main\nif __name__ == '__main_
 """As pip installs it."""
 ELSEWHERE = {
     *("can", "fastapi", "google.protobuf", "h5py", "httpx", "jinja2", "matplotlib", "platformdirs"),
-    *("prometheus_client", "pyfftw", "rich", "serial", "soundfile", "threadpoolctl", "typer", "uvicorn", "websockets"),
+    *("prometheus_client", "pyfftw", "rich", "serial", "soundfile", "threadpoolctl", "typer", "uvicorn"),
+    *("websocket", "websockets"),
     *("scipy.fft", "scipy.optimize", "scipy.signal", "scipy.sparse", "scipy.special"),
     *("vibractl.learner", "vibractl.session", "vibractl.application", "calibration.application"),
 }

@@ -6,6 +6,7 @@ import select
 import signal
 import socket
 import subprocess
+import threading
 import time
 from pathlib import Path
 
@@ -137,7 +138,11 @@ def test_with_a_certificate_it_speaks_tls_and_nothing_else(tmp_path: Path) -> No
     )
     with served(tmp_path / "data", certificate=str(certificate), key=str(key)) as daemon:
         with daemon.client() as client:
-            assert next(client.watch())["rig"] == "bench"
+            before = set(threading.enumerate())
+            stream = client.watch()
+            assert next(stream)["rig"] == "bench"
+            assert set(threading.enumerate()) <= before, "TLS is read and written by one thread, or it loses requests"
+            stream.close()
         with (
             Client(daemon.settings.address, daemon.tokens.view) as plain,
             pytest.raises(DaemonError, match="no answer"),
