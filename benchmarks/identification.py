@@ -55,7 +55,7 @@ def truth_at_work(seed: int, rough: TransferMatrix, rounds: int = 2) -> np.ndarr
 def truth_at_preload(seed: int, rounds: int = 1, records: int = RECORDS) -> np.ndarray:
     """Linearise around the multisine's own preload."""
     design, _ = flat_design(RigConfig())
-    drive = np.repeat(np.concatenate([design.preload[-design.run_in :], design.preload])[:, None], 2, axis=1)
+    drive = np.repeat(np.concatenate([design.preload[-design.run_in :], design.preload]), 2, axis=1)
     return linearised(seed, drive, FIRST, LAST, rounds, records)
 
 

@@ -32,8 +32,10 @@ class Design:
         Excited.
     amplitude, phase : arrays, shape (lines, inputs), V, rad
     code : int array, shape (lines, inputs), 1 to records - 1
-    preload : array, shape (period,), V
-        On every input.
+    preload : array, shape (period, 1 or inputs), V
+        One column where all inputs have the same.
+    working : tuple of ints
+        First and last bin that the preload is meant to hold.
     run_in : int, samples
         Played before each period, so that the response is periodic when it is measured.
     """
@@ -46,14 +48,20 @@ class Design:
     phase: np.ndarray
     code: np.ndarray
     preload: np.ndarray
+    working: tuple[int, int]
     run_in: int
+
+    @property
+    def frequency(self) -> np.ndarray:
+        """Of the excited lines, shape (lines,), Hz."""
+        lines: np.ndarray = self.bins * self.rate / self.period
+        return lines
 
     def one_period(self, number: int) -> np.ndarray:
         """Return one period of record `number`, shape (period, inputs), V."""
         turn = 2j * np.pi * number / self.records
-        spectrum = np.zeros((self.period // 2 + 1, self.amplitude.shape[1]), complex)
-        spectrum[self.bins] = self.period / 2 * self.amplitude * np.exp(1j * self.phase + turn * self.code)
-        signal: np.ndarray = np.fft.irfft(spectrum, self.period, axis=0) + self.preload[:, None]
+        lines = self.amplitude * np.exp(1j * self.phase + turn * self.code)
+        signal: np.ndarray = lines_to_time(self.bins, lines, self.period) + self.preload
         return signal
 
 
@@ -171,19 +179,33 @@ def low_crest(bins: np.ndarray, period: int, rms: float, rng: np.random.Generato
     Van der Ouderaa, Schoukens and Renneboog 1988, "Peak factor minimization using a time-frequency domain swapping
     algorithm", IEEE Trans. Instrum. Meas. 37(1).
     """
-    phase = 2 * np.pi * rng.random(len(bins))
-    grid = 1 << int(np.ceil(np.log2(16 * bins.max())))  # peaks are looked for on a coarser one
-    for _ in range(CREST_ROUNDS):
-        signal = _lines_to_time(bins, phase, grid)
-        limit = CREST_CLIP * np.abs(signal).max()
-        phase = np.angle(np.fft.rfft(np.clip(signal, -limit, limit))[bins])
-    signal = _lines_to_time(bins, phase, period)
+    signal = lines_to_time(bins, np.exp(1j * crest_phases(bins, np.ones(len(bins)), rng)), period)
     scaled: np.ndarray = rms / np.sqrt(np.mean(signal**2)) * signal
     return scaled
 
 
-def _lines_to_time(bins: np.ndarray, phase: np.ndarray, samples: int) -> np.ndarray:
-    spectrum = np.zeros(samples // 2 + 1, complex)
-    spectrum[bins] = samples * np.exp(1j * phase)
-    signal: np.ndarray = np.fft.irfft(spectrum, samples)
+def crest_phases(bins: np.ndarray, amplitude: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return phases, (lines,), rad, by which lines of these amplitudes come close to their rms in their peaks.
+
+    Parameters
+    ----------
+    bins : int array, shape (lines,)
+    amplitude : array, shape (lines,), 1
+    rng : Generator
+        Draws the phases it starts from.
+    """
+    phase: np.ndarray = 2 * np.pi * rng.random(len(bins))
+    grid = 1 << int(np.ceil(np.log2(16 * bins.max())))  # peaks are looked for on a coarser one
+    for _ in range(CREST_ROUNDS):
+        signal = lines_to_time(bins, amplitude * np.exp(1j * phase), grid)
+        limit = CREST_CLIP * np.abs(signal).max()
+        phase = np.angle(np.fft.rfft(np.clip(signal, -limit, limit))[bins])
+    return phase
+
+
+def lines_to_time(bins: np.ndarray, lines: np.ndarray, samples: int) -> np.ndarray:
+    """Return one period of lines of complex amplitudes, (lines, ...), as samples, (samples, ...)."""
+    spectrum = np.zeros((samples // 2 + 1, *lines.shape[1:]), complex)
+    spectrum[bins] = samples / 2 * lines
+    signal: np.ndarray = np.fft.irfft(spectrum, samples, axis=0)
     return signal

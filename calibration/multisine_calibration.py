@@ -21,7 +21,15 @@ from calibration.multisine_estimate import (
 )
 from calibration.quiet_multisine import doubted, scout_design, shaped_design
 from calibration.quiet_probes import Probes
-from calibration.vibrator_multisine import emitted_seconds, flat_design, multisine_plan
+from calibration.vibrator_multisine import (
+    SEED,
+    design_of,
+    emitted_seconds,
+    flat_design,
+    multisine_plan,
+    refuse_too_loud,
+)
+from calibration.working_drive import reference_drive
 from rigkit.progress import progress
 from vibractl.config import RigConfig
 from vibractl.far_field import FarField
@@ -77,7 +85,10 @@ def measure_by_multisine(config: RigConfig, raw: RawFolder, emit: Emit, provenan
         design, detection, emitted, over = _scouted(config, within, raw, emit)
     else:
         design, detection = flat_design(config)
-    plan = multisine_plan(config, "multisine", design, limit=within)
+        if config.characterisation.around == "reference":
+            design, emitted, over = _at_work(config, limit, raw, emit)
+    name = "multisine" if config.characterisation.around == "band" else "around-reference"
+    plan = multisine_plan(config, name, design, limit=within)
     spectra, heard = _recorded(plan, design, config, raw, emit)
     about = {**provenance, "recording": f"{raw.path.name}/{plan.name}-*.wav, fingerprint {plan.fingerprint}"}
     matrix = _model(config, design, spectra, about)
@@ -116,22 +127,30 @@ def _scouted(
     return shaped, detection, emitted, over
 
 
+def _at_work(config: RigConfig, limit: EmissionLimit | None, raw: RawFolder, emit: Emit) -> tuple[Design, float, float]:
+    """Measure around a band's preload what the reference needs, and put it in its place: design, s, dB."""
+    first, _ = flat_design(config)
+    plan = multisine_plan(config, "multisine", first)
+    spectra, _ = _recorded(plan, first, config, raw, emit)
+    working = reference_drive(config, _model(config, first, spectra, {}), np.random.default_rng(SEED))
+    settings = config.characterisation
+    design, _ = design_of(config, settings.records, settings.level, working)
+    asked = f"characterisation.around = reference, at reference.amplitude {config.reference.amplitude:g} m/s^2,"
+    refuse_too_loud(config, design, asked)
+    return design, emitted_seconds(plan), -np.inf if limit is None else _over(limit, first, spectra)
+
+
 def _over(limit: EmissionLimit, design: Design, spectra: Spectra) -> float:
     """Return by how much the loudest line of any record, excited or not, is over the limit, dB."""
     return limit.over(frequency_of(design, spectra), spectra.response, spectra.silence)
 
 
-def preload_density(spectra: Spectra, design: Design, config: RigConfig) -> np.ndarray:
+def preload_density(spectra: Spectra, design: Design) -> np.ndarray:
     """Return the amplitude of a line, (outputs,), m/s^2, were what the preload emits spread over its whole band."""
-    low, high = (edge - spectra.first for edge in _preload_bins(config, design))
+    low, high = (edge - spectra.first for edge in design.working)
     preload = spectra.response[:, low : high + 1].mean(axis=0)
     density: np.ndarray = np.sqrt(np.mean(np.abs(preload) ** 2, axis=0))
     return density
-
-
-def _preload_bins(config: RigConfig, design: Design) -> tuple[int, int]:
-    low, high = (round(edge * design.period / design.rate) for edge in config.characterisation.preload_band)
-    return low, high
 
 
 def _model(config: RigConfig, design: Design, spectra: Spectra, about: Mapping[str, str]) -> TransferMatrix:
@@ -150,18 +169,18 @@ def _far_field(
 ) -> FarField | None:
     if not config.audio.far_field_channels:
         return None
-    lines, run_in = design.bins * design.rate / design.period, config.characterisation.run_in
+    lines, run_in = design.frequency, config.characterisation.run_in
     response, pressure = raw_matrix(design, spectra), raw_matrix(design, heard)
     return far_field_of(config, lines, response, pressure, wanted, ("characterisation.run_in", run_in))
 
 
 def _loudest(config: RigConfig, design: Design, spectra: Spectra) -> float | None:
     """Return the strongest line above 100 Hz that the multisine adds to any record, dB re what the preload emits."""
-    place = design.bins[design.bins * design.rate / design.period >= config.quality.above] - spectra.first
+    place = design.bins[design.frequency >= config.quality.above] - spectra.first
     if not len(place):
         return None
     added = np.abs(spectra.response - spectra.response.mean(axis=0))[:, place].max(axis=(0, 1))
-    return float(20 * np.log10(np.max(added / preload_density(spectra, design, config))))
+    return float(20 * np.log10(np.max(added / preload_density(spectra, design))))
 
 
 def _periods(plan: Plan, design: Design, raw: RawFolder, emit: Emit) -> Iterator[np.ndarray]:
@@ -178,7 +197,7 @@ def _periods(plan: Plan, design: Design, raw: RawFolder, emit: Emit) -> Iterator
 def _recorded(plan: Plan, design: Design, config: RigConfig, raw: RawFolder, emit: Emit) -> tuple[Spectra, Spectra]:
     """Record a plan and transform the periods: as accelerometers and as hydrophones have heard them."""
     sides = len(config.audio.drive_channels)
-    low, high = _preload_bins(config, design)
+    low, high = design.working
     bins = min(int(design.bins[0]), low), max(int(design.bins[-1]), high)
     periods = _periods(plan, design, raw, emit)
     found = spectra_of(design, ((each[:, :sides], each[:, sides:]) for each in periods), *bins)

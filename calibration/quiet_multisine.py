@@ -60,7 +60,7 @@ def shaped_design(
     Sörnmo 2015, eq. (6.22), for all lines at once and without a preload: what that brings forth is over the limit.
     """
     flat, detection = design_of(_with(config), config.characterisation.records - QUIET_SPARE, 0.0)
-    lines = lines_of(flat)
+    lines = flat.frequency
     size = 2 * round(NEAR / (frequency[1] - frequency[0])) + 1
     heard = maximum_filter1d(
         np.abs(response).max(axis=1), size, axis=0, mode="nearest"
@@ -88,12 +88,6 @@ def doubted(frequency: np.ndarray, response: np.ndarray, variance: np.ndarray) -
     part = np.interp(frequency, *DIFFERS)[:, None, None]
     doubt: np.ndarray = variance + part**2 * (np.abs(response) ** 2).mean(axis=(1, 2), keepdims=True)
     return doubt
-
-
-def lines_of(design: Design) -> np.ndarray:
-    """Return the excited lines' frequencies, shape (lines,), Hz."""
-    frequency: np.ndarray = design.bins * design.rate / design.period
-    return frequency
 
 
 def _with(config: RigConfig, **settings: float) -> RigConfig:

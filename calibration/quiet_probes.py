@@ -53,7 +53,7 @@ class Probes:
     """
 
     def __init__(self, design: Design, limit: EmissionLimit) -> None:
-        frequency = design.bins * design.rate / design.period
+        frequency = design.frequency
         self._base, self._allowed = design, SHARE * limit.allowed(frequency, LOW)
         self._low = limit.is_free(frequency)
         self._at_low, self._elsewhere = (STRONGEST, np.inf) if self._low.any() else (np.inf, STRONGEST)

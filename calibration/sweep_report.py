@@ -53,7 +53,8 @@ def _drive_facts(found: Calibration, settings: Characterisation) -> Iterator[Fac
         return
     if not settings.quiet:
         loudest = "" if found.loudest is None else f", {found.loudest:.1f} dB"
-        yield Fact("preload and loudest line", f"{settings.operating:g} V rms a side{loudest}")
+        preload = "as the reference needs" if settings.around == "reference" else f"{settings.operating:g} V rms a side"
+        yield Fact("preload and loudest line", f"{preload}{loudest}")
     if found.over is not None:
         yield Fact("loudest line re the limit", f"{found.over:.1f} dB", found.over <= 0 if settings.quiet else None)
 

@@ -197,6 +197,9 @@ def refuse_unfit(config: RigConfig) -> None:
         raise ValueError(
             f"characterisation.quiet is true, but method is {settings.method}, must be multisine: tones are not quiet"
         )
+    if settings.around == "reference" and (settings.quiet or settings.method != "multisine"):
+        what = "quiet is true" if settings.quiet else f"method is {settings.method}, must be multisine"
+        raise ValueError(f"characterisation.around is reference, must be band: characterisation.{what}")
     if settings.method != "multisine":
         refuse_unfit_sweep(config)
     if settings.method != "stepped":

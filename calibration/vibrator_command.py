@@ -36,6 +36,9 @@ def vibrator_command(
     seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
     method: Annotated[str | None, typer.Option(metavar="multisine|stepped|both", help="How it is measured.")] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Multisine: no line louder than the objective.")] = False,
+    around: Annotated[
+        str | None, typer.Option(metavar="band|reference", help="Multisine: what it is driven by meanwhile.")
+    ] = None,
     passes: Annotated[int | None, typer.Option(help="Stepped sine; 2: once more, on a refined grid.")] = None,
     no_preload: Annotated[bool, typer.Option("--no-preload", help="Leave the preload out, for comparison.")] = False,
     png: PngOption = None,
@@ -56,9 +59,9 @@ def vibrator_command(
     Example: `calibrate vibrator --config rig.toml --out model.h5`; from recordings:
     `calibrate vibrator --from drive.wav heard.wav --out model.h5`
     """
-    asked = rig_file.load(config, RigConfig, _laid_over(settings, seed, method, quiet, passes, no_preload))
+    asked = rig_file.load(config, RigConfig, _laid_over(settings, seed, method, quiet, around, passes, no_preload))
     if drives or responses:
-        measuring = {"--seed": seed, "--method": method, "--quiet": quiet, "--passes": passes}
+        measuring = {"--seed": seed, "--method": method, "--quiet": quiet, "--around": around, "--passes": passes}
         refuse_measuring({**measuring, "--no-preload": no_preload, "--recompute": recompute, "--accept": accept})
         clock = {"correct_clock": correct_clock, "again": again}
         model_from_files(out, drives or [], responses or [], asked, inputs=[config], **clock, png=png, json=json)
@@ -76,7 +79,13 @@ def vibrator_command(
 
 
 def _laid_over(
-    settings: list[str] | None, seed: int | None, method: str | None, quiet: bool, passes: int | None, no_preload: bool
+    settings: list[str] | None,
+    seed: int | None,
+    method: str | None,
+    quiet: bool,
+    around: str | None,
+    passes: int | None,
+    no_preload: bool,
 ) -> list[str]:
     """Return the settings that the options stand for."""
     flags = {
@@ -84,6 +93,7 @@ def _laid_over(
         "characterisation.method": "stepped" if passes is not None and method is None else method,
         "characterisation.passes": passes,
         "characterisation.quiet": "true" if quiet else None,
+        "characterisation.around": around,
     }
     laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
     if no_preload:

@@ -6,18 +6,17 @@ import numpy as np
 
 from calibration.emission_limit import EmissionLimit
 from calibration.experiment import Batch, Plan
-from calibration.multisine import FADE, Design, Record, codes, low_crest, odd_lines
+from calibration.multisine import FADE, Design, Record, codes, odd_lines
 from calibration.multisine_estimate import REACH
 from calibration.quiet_probes import MOST_LOW, MOST_STUCK
 from calibration.vibrator_sweep import Silence, depends_on_rig
+from calibration.working_drive import WorkingDrive, band_drive
 from vibractl.config import RigConfig
 
 SEED = 1
 """Of the phases: every calibration plays the same ones."""
 GROUP = 5
 """Odd lines, of which one is left out for distortion to show."""
-PRELOAD_SPACING = 2.0
-"""Hz between the preload's lines, all odd: what even orders of distortion make of it falls on even lines alone."""
 REST = 2.0
 """s of the silence before its measured part, for what was played before to ring down."""
 QUIET_SPARE = 3
@@ -68,8 +67,9 @@ def emitted_seconds(plan: Plan) -> float:
 def longest_multisines(config: RigConfig) -> float:
     """Return how long all records of multisines may be with the silence before each kind, s."""
     settings = config.characterisation
-    records = settings.records + settings.quiet * (len(config.audio.drive_channels) + QUIET_SPARE + PROBES)
-    kinds = 1 + (1 + PROBES) * settings.quiet
+    kinds = 2 if settings.around == "reference" else 1
+    records = kinds * settings.records + settings.quiet * (len(config.audio.drive_channels) + QUIET_SPARE + PROBES)
+    kinds += (1 + PROBES) * settings.quiet
     return float(kinds * (REST + settings.period) + records * (settings.run_in + settings.period + FADE))
 
 
@@ -80,7 +80,7 @@ def refuse_unfit_multisine(config: RigConfig) -> None:
     ------
     ValueError : it says which setting, and what is allowed.
     """
-    settings, limits, sides = config.characterisation, config.limits, len(config.audio.drive_channels)
+    settings, sides = config.characterisation, len(config.audio.drive_channels)
     fewest = sides + QUIET_SPARE * settings.quiet
     if not settings.records > fewest:
         raise ValueError(
@@ -102,18 +102,28 @@ def refuse_unfit_multisine(config: RigConfig) -> None:
         )
     if settings.quiet:
         return  # there is no preload, and what is played is far below any limit of a drive that can emit the reference
-    design, _ = flat_design(config)
+    refuse_too_loud(config, flat_design(config)[0], f"characterisation.operating of {settings.operating:g} V")
+
+
+def refuse_too_loud(config: RigConfig, design: Design, cause: str) -> None:
+    """Refuse records that the guard would stop; `cause` is what makes them so loud.
+
+    Raises
+    ------
+    ValueError : it says by how much, and what is allowed.
+    """
     drives = (Record(design, number).drive() for number in range(design.records))
     peak, rms = np.max([(np.abs(drive).max(), np.sqrt(np.mean(drive**2, axis=0)).max()) for drive in drives], axis=0)
-    for what, value, limit in (("peak", peak, limits.peak), ("rms", rms, limits.rms)):
+    for what, value, limit in (("peak", peak, config.limits.peak), ("rms", rms, config.limits.rms)):
         if not value <= limit:
             raise ValueError(
-                f"characterisation.operating of {settings.operating:g} V gives a multisine with {what} {value:.4g} V, "
-                f"must be <= limits.{what}, {limit:g} V"
+                f"{cause} gives a multisine with {what} {value:.4g} V, must be <= limits.{what}, {limit:g} V"
             )
 
 
-def design_of(config: RigConfig, records: int, level: float) -> tuple[Design, np.ndarray]:
+def design_of(
+    config: RigConfig, records: int, level: float, working: WorkingDrive | None = None
+) -> tuple[Design, np.ndarray]:
     """Design records whose lines are all equally strong.
 
     Parameters
@@ -121,7 +131,9 @@ def design_of(config: RigConfig, records: int, level: float) -> tuple[Design, np
     config : RigConfig
     records : int
     level : float, dB
-        Their density re the preload's.
+        Their density re the preload's, were that spread over `characterisation.preload_band`.
+    working : WorkingDrive, optional
+        The preload; without it the one over that band.
 
     Returns
     -------
@@ -133,21 +145,17 @@ def design_of(config: RigConfig, records: int, level: float) -> tuple[Design, np
     period, rng = round(settings.period * rate), np.random.default_rng(SEED)
     low, high = _bins(config)
     excited, detection = odd_lines(low, high, GROUP, rng)
-    preload_bins = _preload_bins(settings.preload_band, period / rate)
-    preload = low_crest(preload_bins, period, settings.operating, rng) if settings.operating else np.zeros(period)
-    density = _operating(config) * np.sqrt(2 / _lines_in(config, settings.preload_band))
+    if working is None:
+        working = band_drive(config, rng)
+    operating = working.rms or settings.probe / np.sqrt(2)  # without a preload, re the stepped sine's probe
+    density = operating * np.sqrt(2 / _lines_in(config, settings.preload_band))
     spread = np.sqrt((high - low + 1) / len(excited))  # the power of the lines that are left out is given to the others
     amplitude = np.full((len(excited), sides), density * spread * 10 ** (level / 20))
     phase = 2 * np.pi * rng.random((len(excited), sides))
     code = codes(len(excited), sides, records)
     run_in = round(settings.run_in * rate)
-    return Design(period, rate, records, excited, amplitude, phase, code, preload, run_in), detection
-
-
-def _operating(config: RigConfig) -> float:
-    """Return the level that the multisine's is relative to: without a preload, that of the stepped sine's probe."""
-    settings = config.characterisation
-    return settings.operating or settings.probe / np.sqrt(2)
+    bounds = int(working.bins[0]), int(working.bins[-1])
+    return Design(period, rate, records, excited, amplitude, phase, code, working.signal, bounds, run_in), detection
 
 
 def _lines_in(config: RigConfig, band: tuple[float, float]) -> float:
@@ -160,9 +168,3 @@ def _bins(config: RigConfig) -> tuple[int, int]:
     low, high = (edge * settings.period for edge in settings.band)
     top = int(0.4 * config.audio.rate * settings.period)
     return max(int(np.floor(low + 1e-9)) - beyond, 1), min(int(np.ceil(high - 1e-9)) + beyond, top)
-
-
-def _preload_bins(band: tuple[float, float], period: float) -> np.ndarray:
-    step = max(2 * round(PRELOAD_SPACING * period / 2), 2)
-    first = int(np.ceil(band[0] * period)) | 1
-    return np.arange(first, max(int(band[1] * period), first) + 1, step)

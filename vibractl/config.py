@@ -220,10 +220,9 @@ class Characterisation(Section):
     run_in: float = setting(0.5, "s", "multisine: played before each measured period", ge=0.1, le=10)
     operating: float = setting(0.36, "V", "multisine: rms of the preload, as of the drive in use", ge=0, le=100)
     level: float = setting(-30.0, "dB", "multisine: its density re that of the preload in its band", ge=-80, le=-10)
-    quiet: bool = setting(
-        False,
-        "",
-        "multisine: no preload, and every line within the limit that the reference sets",
+    quiet: bool = setting(False, "", "multisine: no preload, and every line within the limit that the reference sets")
+    around: Literal["band", "reference"] = setting(
+        "band", "", "multisine's preload; reference: what makes it at full level, by a first multisine on the band"
     )
 
 

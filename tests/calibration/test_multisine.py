@@ -11,16 +11,14 @@ def design(inputs: int = 2, records: int = RECORDS) -> Design:
     bins, _ = odd_lines(20, 800, 5, rng)
     shape = (len(bins), inputs)
     preload = low_crest(np.arange(161, 321, 8), PERIOD, 0.3, rng)
-    phase = 2 * np.pi * rng.random(shape)
-    return Design(
-        PERIOD, RATE, records, bins, np.full(shape, 0.01), phase, codes(len(bins), inputs, records), preload, 500
-    )
+    phase, code = 2 * np.pi * rng.random(shape), codes(len(bins), inputs, records)
+    return Design(PERIOD, RATE, records, bins, np.full(shape, 0.01), phase, code, preload[:, None], (161, 320), 500)
 
 
 def test_the_multisine_cancels_over_all_records_and_leaves_the_preload() -> None:
     made = design()
     mean = np.mean([made.one_period(number) for number in range(RECORDS)], axis=0)
-    assert np.allclose(mean, made.preload[:, None], atol=1e-12)
+    assert np.allclose(mean, made.preload, atol=1e-12)
 
 
 @pytest.mark.parametrize(("inputs", "records"), [(1, 2), (2, 8), (3, 4), (4, 9)])

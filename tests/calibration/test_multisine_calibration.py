@@ -42,6 +42,31 @@ def test_45_seconds_find_a_nonlinear_vibrator_within_the_stated_variance(tmp_pat
     assert 1.0 < np.percentile(normalised, 95) < 6.0
 
 
+def around_reference(folder: Path, *settings: str, **plant: float) -> Calibration:
+    texts = ["characterisation.around=reference", "characterisation.records=4", "characterisation.period=2", *settings]
+    with RawFolder(folder) as raw:
+        return calibrate(rig_file.load(None, RigConfig, texts), raw, emitter(2, **plant), ABOUT)
+
+
+def test_a_model_of_a_linear_vibrator_around_its_reference_is_right(tmp_path: Path) -> None:
+    measured = around_reference(tmp_path, **LINEAR)
+    truth = linear_response(2, measured.matrix.frequency)
+    off = np.linalg.norm(measured.matrix.response - truth, axis=(1, 2)) / np.linalg.norm(truth, axis=(1, 2))
+    assert np.median(off) < 0.01
+    assert measured.seconds == pytest.approx(2 * 4 * 2.6), "first around a band, then around the reference"
+    assert measured.levels is not None
+    working = measured.levels.preload[(measured.levels.frequency > 45) & (measured.levels.frequency < 85)]
+    wanted = 10.0 / np.sqrt(2) / np.sqrt(50)  # rms of a Hz of a chirp of 10 m/s^2 over 50 Hz
+    assert np.sqrt(2 * np.mean(working**2) / 2) == pytest.approx(wanted, rel=0.1)  # two lines a Hz, by their amplitudes
+
+
+def test_a_reference_that_the_guard_would_stop_is_refused_by_name(tmp_path: Path) -> None:
+    with pytest.raises(
+        ValueError, match=r"around = reference, at reference.amplitude 200 m/s\^2, gives a multisine with"
+    ):
+        around_reference(tmp_path, "reference.amplitude=200", **LINEAR)
+
+
 def quiet(folder: Path, amplitude: float, **plant: float) -> tuple[RigConfig, Calibration]:
     """Calibrate a plant quietly, for a reference of an amplitude, m/s^2."""
     settings = [f"reference.amplitude={amplitude}", "reference.signal=chirp:40:90:5"]

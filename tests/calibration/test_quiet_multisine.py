@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calibration.emission_limit import EmissionLimit
-from calibration.quiet_multisine import FILLED, doubted, lines_of, shaped_design
+from calibration.quiet_multisine import FILLED, doubted, shaped_design
 from rigkit import config as rig_file
 from vibractl.config import RigConfig
 from vibractl.judging import Judging
@@ -44,7 +44,7 @@ def test_records_take_the_same_part_of_the_limit_on_every_line_but_in_notches() 
     size = 1 + 20 * np.exp(-((frequency - 300) ** 2) / 5000) - 0.999 * np.exp(-((frequency - 500) ** 2) / 500)
     response = size[:, None, None] * np.array([[3.0, 1j], [1.0, 2.0]])
     design, detection = shaped_design(RIG, frequency, response, LIMIT)
-    lines = lines_of(design)
+    lines = design.frequency
     gain = np.stack([np.interp(lines, frequency, size * each) for each in (3.0, 2.0)], axis=1)
     emitted = (gain * design.amplitude).sum(axis=1) / LIMIT.tone
     apart = np.abs(lines - 500) > 40

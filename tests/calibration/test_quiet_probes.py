@@ -6,7 +6,7 @@ import pytest
 from calibration.emission_limit import EmissionLimit
 from calibration.multisine import Design
 from calibration.multisine_estimate import Spectra
-from calibration.quiet_multisine import lines_of, scout_design
+from calibration.quiet_multisine import scout_design
 from calibration.quiet_probes import MOST, MOST_LOW, MOST_STUCK, PEAK, SHARE, STRONGEST, Probes, UnheardError
 from rigkit import config as rig_file
 from vibractl.config import RigConfig
@@ -35,7 +35,7 @@ class Rig:
         count, first = design.bins[-1] - design.bins[0] + 1, int(design.bins[0])
         frequency = (first + np.arange(count)) * design.rate / design.period
         answer = np.zeros((count, 2), complex)
-        answer[design.bins - first] = design.amplitude * resonant(lines_of(design), self._low, self._peak)[:, None]
+        answer[design.bins - first] = design.amplitude * resonant(design.frequency, self._low, self._peak)[:, None]
         holds = ~LIMIT.is_free(frequency)
         self.emitted = max(self.emitted, float(np.abs(answer[holds]).max() / LIMIT.tone))
         silence, noise = (self._ambience(count, frequency) for _ in range(2))

@@ -49,6 +49,11 @@ def test_another_level_is_another_plan() -> None:
         (("operating=8",), "must be <= limits.peak, 9 V"),
         (("records=2",), "characterisation.records is 2, must be > 2"),
         (("records=5", "quiet=true"), "must be > 5 for 2 coils and quiet records"),
+        (("around=reference", "quiet=true"), "around is reference, must be band: characterisation.quiet is true"),
+        (
+            ("around=reference", "method=both"),
+            "around is reference, must be band: characterisation.method is both, must",
+        ),
         (("method=both", "quiet=true"), "quiet is true, but method is both, must be multisine: tones are not quiet"),
         (("band=[60, 66]", "period=1"), "must be >= 10.5 Hz for a polynomial over 17 lines"),
         (("band=[0.1, 66]",), "begins at 0.1 Hz, must be >= 0.2 Hz"),
