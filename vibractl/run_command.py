@@ -106,8 +106,7 @@ def _learn(session: Session, shots: int, json: str | None) -> None:
     with stoppable() as stop, progress("learning", shots, start=session.done) as meter:
 
         def tell(shot: int, marks: Marks) -> None:
-            still = f"; {session.standing_still}" if session.standing_still else ""
-            meter.show(shot + 1, f"shot {shot}: objective {marks.reason}{still}")
+            meter.show(shot + 1, f"shot {shot}: {session.said_of(marks)}")
 
         if session.done < shots:
             meter.say(f"learning: {shots - session.done} shots of {session.seconds:.1f} s; the stream is opened")
@@ -119,7 +118,7 @@ def _learn(session: Session, shots: int, json: str | None) -> None:
     _print_shots(path, json)
     met = figures["objective_met_shot"]
     verdict = f"objective met from shot {met} on" if met is not None else "objective not met"
-    verdict = f"{verdict}; {session.standing_still}" if session.standing_still else verdict
+    verdict = f"{verdict}; {session.remark}" if session.remark else verdict
     if figures["full_level_shot"] is None:
         verdict = f"{verdict}; the full level is not reached: the last shot is {read_quality(path)[-1]['reason']}"
     print(f"{verdict}; report: {path / 'report.html'}", file=words(json))

@@ -15,6 +15,7 @@ from rigkit.run_folder import RunFolder, read_quality
 from rigkit.run_origin import WAY_OUT
 from vibractl.audio import Line
 from vibractl.capture import Discarded
+from vibractl.clipped_drive import ClippedDrive
 from vibractl.decibels import FAINT, decibels
 from vibractl.learner import ALIKE, Learner
 from vibractl.learning.changed_rig import Change
@@ -63,7 +64,7 @@ class Session:
         self._judges = [Judge(made, place) for place in made.places]
         self._mains = {place.name: made.mains(place) for place in made.places if place is not made.learned}
         self._before: tuple[np.ndarray, np.ndarray] | None = None
-        self._stagnation = Stagnation()
+        self._stagnation, self._clipped = Stagnation(), ClippedDrive(made)
         self._resume()
 
     @property
@@ -190,7 +191,7 @@ class Session:
         every = [judge.marks(signals, drive, self._hum(judge, signals), level) for judge, signals in pairs]
         marks = every[self._made.places.index(self._made.judged)]
         repeatability = self._repeatability(lines)
-        decisions = [*algorithm.decisions, *self._standing_still(marks, shot, purpose)]
+        decisions = [*algorithm.decisions, *self._remarkable(marks, shot, purpose, drive)]
         if write:
             write_lines(self.folder.shot(number), self.learner)
             told = dict(zip(self._made.places, every, strict=True))
@@ -202,18 +203,26 @@ class Session:
         return marks
 
     @property
-    def standing_still(self) -> str:
-        """Why learning stands still; nothing while shots get better, or where the objective is met."""
-        return self._stagnation.text
+    def remark(self) -> str:
+        """Why learning stands still, and which drives are cut off; nothing while all is well."""
+        return "; ".join(text for text in (self._stagnation.text, self._clipped.text) if text)
 
-    def _standing_still(self, marks: Marks, shot: Shot, purpose: str) -> list[Decision]:
-        """Follow whether shots get better, where they are judged by what is learned from."""
+    def said_of(self, marks: Marks) -> str:
+        """Return what a person should know of the last shot, in one line."""
+        return "; ".join(text for text in (f"objective {marks.reason}", self.remark) if text)
+
+    def _remarkable(self, marks: Marks, shot: Shot, purpose: str, drive: np.ndarray) -> list[Decision]:
+        """Follow whether shots get better, and whether drives are cut off, where shots are judged by what is learned.
+
+        `drive`, shape (samples, coils), V, is what was emitted.
+        """
         if purpose != "learn" or self._made.judged is not self._made.learned:
             return []
         side = int(np.argmax(marks.worst_line_db))
         over, place = float(marks.worst_line_db[side]), float(marks.worst_line_hz[side])
-        decision = self._stagnation.take(over, place, shot, self.learner.algorithm)
-        return [] if decision is None else [decision]
+        still = self._stagnation.take(over, place, shot, self.learner.algorithm)
+        cut = self._clipped.take(drive, shot) if over > 0 and not self._made.learned.is_far else None
+        return [decision for decision in (still, cut) if decision is not None]
 
     def _hum(self, judge: Judge, heard: np.ndarray) -> Hum | None:
         """Return the mains' hum in what a judge's sensors have heard."""

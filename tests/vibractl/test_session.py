@@ -77,7 +77,28 @@ def test_learning_that_stands_still_is_told_once_and_again_of_a_run_that_goes_on
     assert len(told) == 1
     assert told[0]["because"].startswith("learning stands still, because ")
     with RunFolder.open(tmp_path / "run") as folder:
-        assert Session(folder, resumed_setup(folder)).standing_still
+        assert Session(folder, resumed_setup(folder)).remark
+
+
+def cut_off(path: Path) -> list[dict[str, object]]:
+    return [event for event in read_events(path) if event["event"] == "drive_cut_off"]
+
+
+@pytest.mark.parametrize(("coils", "named"), [(2, [1, 2]), (1, [1])])
+def test_an_amplifier_that_goes_no_further_is_named_with_its_level(
+    tmp_path: Path, coils: int, named: list[int]
+) -> None:
+    model, swept = linear_model(tmp_path), "reference.signal=chirp:40:90:3"
+    run(tmp_path / "sound", model, 3, swept, "quality.objective=-120.0")
+    peak = float(np.abs(split(recording.read(shot_files(tmp_path / "sound")[0]), linear_config())[0]).max())
+    plant = ["simulator.plant=tests.vibractl.clipping_amplifier:ClippingAmplifier", f"simulator.options.coils={coils}"]
+    run(tmp_path / "run", model, 3, swept, *plant, f"simulator.options.top={0.7 * peak}")
+    (told,) = cut_off(tmp_path / "run")
+    assert told["drives"] == named
+    assert told["level"] == pytest.approx(0.7 * peak, rel=0.05)
+    assert not cut_off(tmp_path / "sound")
+    with RunFolder.open(tmp_path / "run") as folder:
+        assert "cut off at about" in Session(folder, resumed_setup(folder)).remark
 
 
 def test_what_the_model_does_not_explain_of_the_change_since_the_last_shot_is_told(tmp_path: Path) -> None:

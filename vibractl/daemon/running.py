@@ -127,7 +127,7 @@ class Running:
     def _tell(self, shot: int, marks: Marks) -> None:
         learner = self._session.learner
         self.worst_db = float(marks.worst_line_db.max())
-        self._desk.progress(shot + 1, self.shots, f"objective {marks.reason}")
+        self._desk.progress(shot + 1, self.shots, self._session.said_of(marks))
         self._desk.event("shot", {"shot": shot, "worst_line_db": self.worst_db, "objective": marks.reason})
         heard = learner.far_field if self._session.judged.is_far else learner.response[: learner.shot.total]
         self._panels.draw(shot, marks, heard, learner.algorithm)
