@@ -15,6 +15,8 @@ from vibractl.shot_file import EVIDENCE
 UNDRIVEN = 200.0
 """dB of head-room, from which a coil is silent."""
 _FIGURES = "iae error_db worst_line_db worst_line_hz heard_line_db hidden proven worst_band_db worst_band_hz thd_db"
+FLOOR = ("floor_db", "floor_hz")
+"""dB re the limit of a line, Hz: by how much the machine moves from shot to shot, where that is most."""
 CHECK, RISE = "check", "rise"
 """Verdicts on shots at reduced level: to check a drive of the library, or on the way to the full level."""
 
@@ -39,7 +41,8 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
         `full_level_shot`, the first of the whole reference, or None; `loudest_line_db` and `loudest_band_db`, the
         worst line and the worst band of 50 Hz of any shot, dB over the limit, and `shots_proven_over`, those in which a
         line is over it by more than the ambience may explain, all three of shots at reduced level as well;
-        `reidentifications`, of bands;
+        `floor_db` and `floor_hz`, by how much the machine moves by itself from shot to shot where it moves most, dB re
+        the limit of a line, None where too few shots or noise hide it; `reidentifications`, of bands;
         `identification_seconds`, s of signal emitted for the model and for them, None where the model does not say.
     """
     judged, prefix = rows[0].get("judged", "") if rows else "", prefix_of(rows)
@@ -60,6 +63,7 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
         "loudest_line_db": max(worst, default=None),
         "loudest_band_db": max(bands, default=None),
         "shots_proven_over": sum(_has_proven(row, prefix) for row in rows),
+        **{key: float(rows[-1][key]) if rows and rows[-1].get(key) else None for key in FLOOR},
         "reidentifications": sum(now and not before for before, now in pairwise([False, *probes])),
         "identification_seconds": _identification_seconds(made, sum(probes)),
     }
@@ -109,6 +113,19 @@ def _identification_seconds(made: Setup | Judging | None, probes: int) -> float 
 def is_reduced(row: Mapping[str, str]) -> bool:
     """Say whether a shot was emitted at reduced level: to check a drive of the library, or on the way to full level."""
     return row["verdict"] in (CHECK, RISE)
+
+
+def floor_cells(floor: tuple[float, float] | None) -> dict[str, str]:
+    """Return the cells of by how much the machine moves from shot to shot, and where; see `Repeatability.floor`."""
+    told = ("", "") if floor is None else (f"{floor[0]:.2f}", f"{floor[1]:.6g}")
+    return dict(zip(FLOOR, told, strict=True))
+
+
+def floor_text(figures: Mapping[str, Any]) -> str:
+    """Say by how much the machine moves by itself, from figures of `summary`; nothing where that is hidden."""
+    if figures.get("floor_db") is None:
+        return ""
+    return f"{figures['floor_db']:.1f} dB re the limit from shot to shot, most at {figures['floor_hz']:.1f} Hz"
 
 
 def reduced(purpose: str, marks: Marks) -> dict[str, str]:

@@ -15,7 +15,7 @@ from vibractl.figures.result import Result, read_result
 from vibractl.figures.spectrogram import spectrogram_plot
 from vibractl.figures.spectrum import error_plot, response_plot
 from vibractl.figures.tracking import error_time_plot, tracking_plot
-from vibractl.quality_table import RISE, summary
+from vibractl.quality_table import RISE, floor_text, summary
 from vibractl.reference import is_file
 from vibractl.setup import Setup
 from vibractl.transfer_matrix import TransferMatrix
@@ -84,6 +84,8 @@ def _facts(result: Result, figures: Mapping[str, Any], events: list[dict[str, An
     )
     yield Fact("Worst line of the last shot", _beside_limit(worst), worst <= 0)
     yield from _rise(result.rows, figures)
+    if floor_text(figures):
+        yield Fact("What the machine moves by itself", floor_text(figures), figures["floor_db"] <= 0)
     for number, side in enumerate(result.sides):
         yield Fact(f"IAE of {result.sensor} {side}, first over last", f"{figures['iae_ratio'][number]:.3g}")
     for number, side in enumerate(result.sides):

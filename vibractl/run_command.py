@@ -18,7 +18,7 @@ from vibractl.config import RigConfig
 from vibractl.library.command import LibraryOption, TagOption, chosen_entry
 from vibractl.loudness import FitOption
 from vibractl.quality import Marks
-from vibractl.quality_table import prefix_of
+from vibractl.quality_table import floor_text, prefix_of
 from vibractl.report import run_report
 from vibractl.run_setup import create, resumed_setup
 from vibractl.session import Session
@@ -119,6 +119,8 @@ def _learn(session: Session, shots: int, json: str | None) -> None:
     met = figures["objective_met_shot"]
     verdict = f"objective met from shot {met} on" if met is not None else "objective not met"
     verdict = f"{verdict}; {session.remark}" if session.remark else verdict
+    if met is None and floor_text(figures):
+        verdict = f"{verdict}; this machine moves by itself by {floor_text(figures)}"
     if figures["full_level_shot"] is None:
         verdict = f"{verdict}; the full level is not reached: the last shot is {read_quality(path)[-1]['reason']}"
     print(f"{verdict}; report: {path / 'report.html'}", file=words(json))

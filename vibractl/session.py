@@ -20,13 +20,14 @@ from vibractl.decibels import FAINT, decibels
 from vibractl.learner import ALIKE, Learner
 from vibractl.learning.changed_rig import Change
 from vibractl.learning.decision import Decision, tidy
+from vibractl.learning.repeatability import Repeatability
 from vibractl.learning.shot import Shot
 from vibractl.learning.stagnation import Stagnation
 from vibractl.lines_file import write_lines
 from vibractl.mains import Hum
 from vibractl.place import Place
 from vibractl.quality import Judge, Marks
-from vibractl.quality_table import reduced, row_of, summary
+from vibractl.quality_table import floor_cells, reduced, row_of, summary
 from vibractl.rig_check import SECONDS, ChangedRigError, RigCheck, changed_channels
 from vibractl.run_setup import require_room, shot_files
 from vibractl.setup import Setup
@@ -63,7 +64,8 @@ class Session:
         self.learner: Learner = made.learner()
         self._judges = [Judge(made, place) for place in made.places]
         self._mains = {place.name: made.mains(place) for place in made.places if place is not made.learned}
-        self._before: tuple[np.ndarray, np.ndarray] | None = None
+        limit = float(self._judges[made.places.index(made.learned)].limit.min())
+        self._repeats = Repeatability(self.learner.algorithm, self.config.quality.above, limit)
         self._stagnation, self._clipped = Stagnation(), ClippedDrive(made)
         self._resume()
 
@@ -176,7 +178,7 @@ class Session:
 
     def _learn(self, record: Recording, write: bool = True) -> Marks:
         """Take a recording into the learner, and write what it was worth."""
-        number, lines, algorithm = self.done, self.learner.lines, self.learner.algorithm
+        number, algorithm = self.done, self.learner.algorithm
         purpose, level = algorithm.purpose, algorithm.level
         drive, response = split(record, self.config)
         heard = response, far_field_of(record, self.config)
@@ -186,18 +188,18 @@ class Session:
         shot = self.learner.analysed()
         if write and purpose == "learn" and self._looks_at_rig:
             self._check(changed_channels(algorithm, shot), f", shot {number}")
+        repeatability = self._repeats.take(shot, purpose == "learn")  # by what is believed before it
         self.learner.follow(shot)
         pairs = zip(self._judges, heard, strict=False)
         every = [judge.marks(signals, drive, self._hum(judge, signals), level) for judge, signals in pairs]
         marks = every[self._made.places.index(self._made.judged)]
-        repeatability = self._repeatability(lines)
         decisions = [*algorithm.decisions, *self._remarkable(marks, shot, purpose, drive)]
         if write:
             write_lines(self.folder.shot(number), self.learner)
             told = dict(zip(self._made.places, every, strict=True))
             gain = algorithm.daring.nominal
             row = row_of(number, purpose, gain, marks, told, record.provenance, repeatability)
-            self.folder.quality(row | reduced(purpose, marks))
+            self.folder.quality(row | floor_cells(self._repeats.floor) | reduced(purpose, marks))
             for decision in decisions:
                 self.folder.event(decision.event, {"shot": number, **decision.fields})
         return marks
@@ -230,17 +232,6 @@ class Session:
             return self.learner.hum
         mains = self._mains[judge.place.name]
         return None if mains is None else judge.hum(heard, mains)
-
-    def _repeatability(self, lines: np.ndarray) -> float:
-        """Return how much of the response's change since the last shot the model does not explain, dB re response."""
-        heard, before = self.learner.heard, self._before
-        self._before = lines, heard
-        if before is None:
-            return float("nan")
-        algorithm, law = self.learner.algorithm, self.learner.algorithm.law
-        unexplained = (heard - before[1] - algorithm.belief.explained(lines - before[0]))[law.active > 0]
-        size = max(float(np.linalg.norm(heard[law.active > 0])), FAINT)
-        return float(decibels(float(np.linalg.norm(unexplained)) / size))
 
     def _resume(self) -> None:
         files = shot_files(self.folder.path)

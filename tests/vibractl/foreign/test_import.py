@@ -22,7 +22,8 @@ from tests.vibractl.linear_rig import RATE
 LAST = "r1.wav"
 KEYS = set(
     "shots objective_met_shot worst_line_db iae_ratio first_worst_line_db shots_over_limit full_level_shot "
-    "loudest_line_db loudest_band_db shots_proven_over shots_hidden reidentifications identification_seconds".split()
+    "loudest_line_db loudest_band_db shots_proven_over shots_hidden reidentifications "
+    "identification_seconds floor_db floor_hz".split()
 )
 
 

@@ -1,0 +1,70 @@
+"""How much a response changes from shot to shot by itself: what the drive's change does not explain."""
+
+from collections import deque
+
+import numpy as np
+
+from vibractl.decibels import FAINT, decibels
+from vibractl.learning.algorithm import Algorithm
+from vibractl.learning.disturbance import smoothed
+from vibractl.learning.shot import Shot
+
+KEPT = 6
+"""Changes from shot to shot of which each line's median counts; with fewer than half of them nothing is said."""
+REACH = 2
+"""Lines to each side over which their power is averaged: a mode that moves is no narrower."""
+
+
+class Repeatability:
+    """Follows what G does not explain of the change between two shots.
+
+    On lines that are learned no drive can make an error smaller than that for long: it is the floor of a run.
+
+    Parameters
+    ----------
+    algorithm : Algorithm
+    above : float, Hz
+        The limit holds from here.
+    limit : float, m/s^2 s
+        Of a line.
+    """
+
+    def __init__(self, algorithm: Algorithm, above: float, limit: float) -> None:
+        law = algorithm.law
+        self._algorithm, self._limit = algorithm, limit
+        self._active = law.active > 0
+        self._judged = self._active & (law.matrix.frequency >= above)
+        self._before: Shot | None = None
+        self._changes: deque[np.ndarray] = deque(maxlen=KEPT)
+
+    def take(self, shot: Shot, counts: bool = True) -> float:
+        """Take a shot; return what is not explained of the change since the one before, dB re the response.
+
+        NaN for the first shot.  One that was for something else than to learn does not count for the floor.
+        """
+        before, self._before = self._before, shot
+        if before is None:
+            return float("nan")
+        explained = self._algorithm.belief.explained(shot.drive - before.drive)
+        left = shot.response - before.response - explained
+        power = np.abs(left) ** 2 - shot.noise - before.noise
+        if counts:
+            self._changes.append(smoothed(power, REACH)[self._judged])
+        active = left[self._active]
+        size = max(float(np.linalg.norm(shot.response[self._active])), FAINT)
+        return float(decibels(float(np.linalg.norm(active)) / size))
+
+    @property
+    def floor(self) -> tuple[float, float] | None:
+        """By how much the machine moves from shot to shot where it moves most: dB re the limit of a line, and Hz.
+
+        None while too few shots are known, or where noise hides it on every line.
+        """
+        if 2 * len(self._changes) < KEPT or not self._judged.any():
+            return None
+        power = np.median(self._changes, axis=0).max(axis=1)
+        line = int(np.argmax(power))
+        if not power[line] > 0:
+            return None
+        frequency = self._algorithm.law.matrix.frequency[self._judged]
+        return float(decibels(np.sqrt(power[line]) / self._limit)), float(frequency[line])
