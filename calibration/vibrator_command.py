@@ -23,7 +23,7 @@ from calibration.sweep_summary import BAND_HEAD, WORST_HEAD, band_rows, sweep_fi
 from calibration.vibrator import KEPT, KIND, Calibration, LiveLine, calibrate, refuse_unfit, require_room
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
-from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, laid_over, print_table, words, write_json
 from rigkit.stop import Stopped, stoppable
 from rigkit.written import written_file
 from vibractl.config import RigConfig
@@ -59,7 +59,8 @@ def vibrator_command(
     Example: `calibrate vibrator --config rig.toml --out model.h5`; from recordings:
     `calibrate vibrator --from drive.wav heard.wav --out model.h5`
     """
-    asked = rig_file.load(config, RigConfig, _laid_over(settings, seed, method, quiet, around, passes, no_preload))
+    flags = {"simulator.options.seed": seed, "characterisation.quiet": quiet, "characterisation.around": around}
+    asked = rig_file.load(config, RigConfig, laid_over(settings, {**flags, **_method(method, passes, no_preload)}))
     if drives or responses:
         measuring = {"--seed": seed, "--method": method, "--quiet": quiet, "--around": around, "--passes": passes}
         refuse_measuring({**measuring, "--no-preload": no_preload, "--recompute": recompute, "--accept": accept})
@@ -78,27 +79,15 @@ def vibrator_command(
     _print(found, out, json)
 
 
-def _laid_over(
-    settings: list[str] | None,
-    seed: int | None,
-    method: str | None,
-    quiet: bool,
-    around: str | None,
-    passes: int | None,
-    no_preload: bool,
-) -> list[str]:
-    """Return the settings that the options stand for."""
-    flags = {
-        "simulator.options.seed": seed,
+def _method(method: str | None, passes: int | None, no_preload: bool) -> dict[str, object]:
+    """Return the keys of how it is measured: who asks for passes means the stepped sine."""
+    preload = 0.0 if no_preload else None
+    return {
         "characterisation.method": "stepped" if passes is not None and method is None else method,
         "characterisation.passes": passes,
-        "characterisation.quiet": "true" if quiet else None,
-        "characterisation.around": around,
+        "characterisation.preload": preload,
+        "characterisation.operating": preload,
     }
-    laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
-    if no_preload:
-        laid_over += ["characterisation.preload=0.0", "characterisation.operating=0.0"]
-    return laid_over
 
 
 def _measured(writes: Output[RigConfig], recompute: bool) -> Calibration:

@@ -29,7 +29,7 @@ from firmware_sim.robot_bench import (
 from firmware_sim.stage_bench import StageBench
 from firmware_sim.stage_image import StageImage
 from firmware_sim.stage_processor import Settings
-from rigkit.command import ConfigOption, SetOption, application
+from rigkit.command import ConfigOption, SetOption, application, laid_over
 from rigkit.config import Section, load
 from rigkit.relay.frame import IDENTIFIER
 from rigkit.stop import SIGNALS, on_signals
@@ -72,8 +72,7 @@ def vibrator(
     """
     if not jack:
         raise ValueError("no wire is chosen, must be --jack")
-    overrides = [*(settings or []), *([] if seed is None else [f"simulator.options.seed={seed}"])]
-    rig = load(config, RigConfig, overrides)
+    rig = load(config, RigConfig, laid_over(settings, {"simulator.options.seed": seed}))
     wiring = Wiring.of(rig.audio)
     laboratory = Laboratory(plant_block(rig.simulator.plant, rig.simulator.options), wiring)
     client = JackClient(laboratory, rig.audio.rate, name)

@@ -41,6 +41,15 @@ PngOption = Annotated[Path | None, made_folder("DIR", "Write the figures as PNG 
 RunArgument = Annotated[Path, typer.Argument(metavar="RUN/", help="Folder of a run.")]
 
 
+def laid_over(settings: list[str] | None, flags: Mapping[str, object]) -> list[str]:
+    """Return what a command line lays over the rig file: what was set, then the keys that its options stand for.
+
+    An option that was not given is None or False, and stands for nothing.
+    """
+    given = {key: value for key, value in flags.items() if value is not None and value is not False}
+    return [*(settings or []), *(f"{key}={'true' if value is True else value}" for key, value in given.items())]
+
+
 def application(purpose: str) -> typer.Typer:
     """Make a command line without commands that says `purpose` in its help; `command` of the result adds them.
 

@@ -8,7 +8,7 @@ import typer
 
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
-from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, SetOption, laid_over, print_table, words, write_json
 from rigkit.progress import progress
 from rigkit.run_folder import RunFolder
 from rigkit.stop import Stopped, stoppable
@@ -43,16 +43,14 @@ def run_command(
     Example: `stagectl run --config stage.toml --model x.h5 --model y.h5 --model z.h5 --reference ref.csv --out RUN/`
     """
     flags = {"reference.signal": reference, "session.seconds": seconds, "simulator.options.seed": seed}
-    given = [f"{key}={value}" for key, value in flags.items() if value is not None]
-    given += ["session.live=true"] * live
-    laid_over = [*(settings or []), *given]
-    made = rig_file.load(config, StageConfig, laid_over)
+    over = laid_over(settings, {**flags, "session.live": live})
+    made = rig_file.load(config, StageConfig, over)
     if made.session.live and scenario is not None:
         raise ValueError("--live runs the stage on what is there: --scenario is for the simulator")
     if made.session.live and seed is not None:
         raise ValueError("--live runs the stage on what is there: --seed is for the simulator")
     if scenario is not None:
-        made = rig_file.load(config, StageConfig, [*scenario_settings(scenario, made.session), *laid_over])
+        made = rig_file.load(config, StageConfig, [*scenario_settings(scenario, made.session), *over])
     folder, put_together = session.create(out, made, model or [], accept or [])
     sys.stderr.write("".join(f"{note}\n" for note in put_together.said))
     with folder:

@@ -8,7 +8,7 @@ import typer
 
 from rigkit import atomic
 from rigkit import config as rig_file
-from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
+from rigkit.command import ConfigOption, JsonOption, SetOption, laid_over, words, write_json
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
 from vibractl.config import RigConfig
@@ -32,8 +32,7 @@ def plan_command(
 
     Example: `vibractl plan-ffts --config rig.toml --reference chirp:40:90:60`
     """
-    laid_over = [*(settings or []), *([] if reference is None else [f"reference.signal={reference}"])]
-    rig = rig_file.load(config, RigConfig, laid_over)
+    rig = rig_file.load(config, RigConfig, laid_over(settings, {"reference.signal": reference}))
     sizes = transforms(rig, len(reference_of(rig).signal))
     path, before = user_wisdom(), Plans.of_user()
     if before.note:

@@ -9,7 +9,7 @@ import typer
 
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
-from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, SetOption, laid_over, print_table, words, write_json
 from rigkit.progress import progress
 from rigkit.run_folder import RunFolder, read_quality
 from rigkit.stop import Stopped, stoppable
@@ -54,14 +54,14 @@ def run_command(
     """
     flags = {"reference.signal": reference, "learning.side": side, "learning.law": law, "simulator.options.seed": seed}
     switches = {"watch.on": watch, "learning.quiet": quiet}
-    laid_over = _laid_over(settings, {**flags, "session.shots": shots}, switches)
+    over = laid_over(settings, {**flags, "session.shots": shots, **switches})
     if resume is not None:
-        _refuse_beside(resume, (out, model, config, library, warm, tag, fit_amplitude), laid_over)
+        _refuse_beside(resume, (out, model, config, library, warm, tag, fit_amplitude), over)
         _go_on(resume, shots, accept or [], json)
         return
     if out is None or model is None:
         raise ValueError("a new run needs --model FILE and --out RUN/")
-    settled = rig_file.load(config, RigConfig, laid_over)
+    settled = rig_file.load(config, RigConfig, over)
     entry = chosen_entry(warm, settled, tag, library, accept or [])
     if entry is not None and fit_amplitude:
         raise ValueError("--warm and --fit-amplitude are given, must be one of them: an entry has a level of its own")
@@ -70,16 +70,9 @@ def run_command(
         _begin(Session(folder, made), json)
 
 
-def _laid_over(settings: list[str] | None, flags: dict[str, object], switches: dict[str, bool]) -> list[str]:
-    """Return what the command line lays over the rig file."""
-    given = {key: value for key, value in flags.items() if value is not None}
-    given |= {key: "true" for key, is_on in switches.items() if is_on}
-    return [*(settings or []), *(f"{key}={value}" for key, value in given.items())]
-
-
-def _refuse_beside(resume: Path, of_new: Iterable[object], laid_over: list[str]) -> None:
+def _refuse_beside(resume: Path, of_new: Iterable[object], over: list[str]) -> None:
     """Refuse what only a new run takes."""
-    if any(of_new) or [text for text in laid_over if not text.startswith("session.shots=")]:
+    if any(of_new) or [text for text in over if not text.startswith("session.shots=")]:
         raise ValueError(f"--resume {resume} has the run's own settings; only --shots and --accept may go with it")
 
 

@@ -24,7 +24,7 @@ from calibration.names import raw_folder, refuse_inputs, refuse_taken
 from calibration.output import AgainOption, Output, RecomputeOption, Wish, output
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
-from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, SetOption, laid_over, print_table, words, write_json
 from rigkit.provenance import now, software
 from rigkit.written import made_folder, written_file
 from stagectl.robot.clamp_config import clamp_procedure
@@ -74,7 +74,7 @@ def joints_command(
         _refuse_taken(out, [record, config], again)
         measured = recorded_map(record, (angle, torque, link), gear, rate, WAY_OF[compensate])
         return _finish([measured], None, str(record), _words(str(record)), out, png, json)
-    cell = rig_file.load(config, CellConfig, [*(settings or []), *["clamping.live=true"] * live])
+    cell = rig_file.load(config, CellConfig, laid_over(settings, {"clamping.live": live}))
     wanted = joint_numbers(joints, arm_with_tool(cell).joints)
     cells = in_poses(cell, pose or [], poses)
     if advise or dry_run:

@@ -29,7 +29,7 @@ from calibration.stage_axes.report import (
 from calibration.subspace.realization import Method
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
-from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, laid_over, print_table, words, write_json
 from rigkit.stop import Stopped, stoppable
 from rigkit.written import written_file
 from stagectl.config import StageConfig
@@ -60,9 +60,8 @@ def stage_command(
 
     Example: `calibrate stage --config stage.toml --axis x --out stage-x.h5`
     """
-    laid_over = [*(settings or []), *([f"simulator.options.seed={seed}"] if seed is not None else [])]
-    laid_over += ["session.live=true"] * live
-    rig = rig_file.load(config, StageConfig, laid_over)
+    over = laid_over(settings, {"simulator.options.seed": seed, "session.live": live})
+    rig = rig_file.load(config, StageConfig, over)
     axes = axes_of(rig, axis)
     if order is not None and not 1 <= order <= MOST:
         raise ValueError(f"--order is {order}, must be 1 to {MOST}")

@@ -9,7 +9,7 @@ import typer
 
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
-from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, laid_over, print_table, words, write_json
 from rigkit.named_code import named_block
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
@@ -73,8 +73,7 @@ def force(
     Examples: `stagectl force --config cell.toml --force 10 --task pocket --compare --out RUN/`,
     `stagectl force --config cell.toml --live --task slot --out RUN/`
     """
-    given = [*(settings or []), *([f"force.force={newtons}"] if newtons is not None else [])]
-    cell = rig_file.load(config, CellConfig, given)
+    cell = rig_file.load(config, CellConfig, laid_over(settings, {"force.force": newtons}))
     if png is not None and out is None:
         raise ValueError("--png goes with --out RUN/, which is not given")
     job = Job(task, pocket_of(task, cell.segments), planner_name, is_untrained, pockets, seed, compares)

@@ -113,3 +113,9 @@ def test_a_module_run_with_m_counts_as_its_package() -> None:
     line = [sys.executable, "-m", "tests.rigkit.command_line", "end", "value"]
     done = subprocess.run(line, capture_output=True, text=True, timeout=EVER, check=False)
     assert (done.returncode, done.stderr) == (2, "error: audio.rate is 3, must be 4\n")
+
+
+def test_options_are_laid_over_what_was_set_and_those_not_given_stand_for_nothing() -> None:
+    flags = {"a.seed": 0, "a.live": True, "a.quiet": False, "a.side": None, "a.text": "chirp:40:90:5"}
+    assert command.laid_over(["a.seed=3"], flags) == ["a.seed=3", "a.seed=0", "a.live=true", "a.text=chirp:40:90:5"]
+    assert command.laid_over(None, {}) == []

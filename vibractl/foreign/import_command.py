@@ -8,7 +8,7 @@ import typer
 
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
-from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, SetOption, laid_over, print_table, words, write_json
 from rigkit.progress import progress
 from vibractl.config import RigConfig
 from vibractl.foreign.import_request import Request, examined
@@ -77,8 +77,7 @@ def import_command(
         raise ValueError(f"{more[0]} is one file too many: a pattern stands in quotes, as in --drive 'shots/d*.wav'")
     if (out is None) != dry_run:
         raise ValueError("--out RUN/ says where it goes, --dry-run that it goes nowhere: must be one of them")
-    laid_over = [*(settings or []), *([f"reference.signal={reference}"] if reference else [])]
-    rig = rig_file.load(config, RigConfig, laid_over)
+    rig = rig_file.load(config, RigConfig, laid_over(settings, {"reference.signal": reference or None}))
     found = examined(
         Request(
             rig, drive, response, model, silence, parsed_map(channels), _scales(rig, volts, acceleration), delay,

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from rigkit import config as rig_file
-from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, SetOption, laid_over, print_table, words, write_json
 from rigkit.figure_style import styled
 from rigkit.written import made_folder, written_file
 from vibractl.config import RigConfig
@@ -36,8 +36,7 @@ def judge_command(
 
     Example: `vibractl judge heard.wav --reference chirp:40:90:5 --report judged.html`
     """
-    laid_over = [*(settings or []), *([f"reference.signal={reference}"] if reference else [])]
-    rig = rig_file.load(config, RigConfig, laid_over)
+    rig = rig_file.load(config, RigConfig, laid_over(settings, {"reference.signal": reference or None}))
     made, kind = Judging.of(rig), responses_of(rig.audio)
     quiet = None if silence is None else open_kind(silence, kind, rig.audio.rate)
     found = judged(made, open_kind(recorded, kind, rig.audio.rate), quiet)

@@ -8,7 +8,7 @@ import typer
 
 from rigkit import config as rig_file
 from rigkit.code_name import refuse_absent
-from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
+from rigkit.command import ConfigOption, JsonOption, SetOption, laid_over, words, write_json
 from rigkit.written import written_file
 from vibractl.audio import Line
 from vibractl.config import RigConfig
@@ -43,8 +43,7 @@ def play_command(
     """
     refuse_bits(bits)
     flags = {"simulator.options.seed": seed, "simulator.plant": plant}
-    laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
-    rig = rig_file.load(config, RigConfig, [*laid_over, *SIMULATED])
+    rig = rig_file.load(config, RigConfig, [*laid_over(settings, flags), *SIMULATED])
     refuse_absent(STREAM)
     wanted = read_kind(drive, drives_of(rig.audio), rig.audio.rate).astype(np.float32)
     before = PlayedBefore(_machine(rig)) if state is None else PlayedBefore.read(state, _machine(rig))

@@ -12,7 +12,7 @@ import typer
 
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption, agreed, changed_parts, differences
-from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
+from rigkit.command import ConfigOption, JsonOption, SetOption, laid_over, words, write_json
 from rigkit.origin import Origin
 from rigkit.written import written_file
 from vibractl.config import Audio, RigConfig
@@ -53,18 +53,18 @@ def step_command(
     """
     _refuse_half(drive, response)
     refuse_bits(bits)
-    laid_over = [*(settings or []), *([f"reference.signal={reference}"] if reference else [])]
+    over = laid_over(settings, {"reference.signal": reference or None})
     is_new = not state.exists()
     if is_new:
         if model is None or drive is not None:
             raise ValueError(
                 f"{state}: there is no such state yet; begin with --model FILE and --reference, without --drive"
             )
-        begun = _begun(rig_file.load(config, RigConfig, laid_over), model, accept or [], fit_amplitude)
+        begun = _begun(rig_file.load(config, RigConfig, over), model, accept or [], fit_amplitude)
     else:
         _refuse_fit(fit_amplitude, state)
         begun = StepState.read(state)
-        whole = rig_file.load(config, RigConfig, laid_over) if config is not None or settings else None
+        whole = rig_file.load(config, RigConfig, over) if config is not None or settings else None
         _refuse_changed(begun, state, whole, reference, model, accept or [])
     with begun.folder() as place:
         made = setup_of(place)

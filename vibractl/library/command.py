@@ -9,7 +9,17 @@ import typer
 
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
-from rigkit.command import ConfigOption, JsonOption, RunArgument, SetOption, application, print_table, words, write_json
+from rigkit.command import (
+    ConfigOption,
+    JsonOption,
+    RunArgument,
+    SetOption,
+    application,
+    laid_over,
+    print_table,
+    words,
+    write_json,
+)
 from vibractl.config import RigConfig
 from vibractl.library.entry import Entry, EntryError
 from vibractl.library.folder import Candidate, Library, user_library
@@ -155,8 +165,7 @@ def nearest_command(
 
     Example: `vibractl library nearest --reference chirp:40:90:5 --tag depth=12`
     """
-    laid_over = [*(settings or []), *([f"reference.signal={reference}"] if reference else [])]
-    made_with = rig_file.load(config, RigConfig, laid_over)
+    made_with = rig_file.load(config, RigConfig, laid_over(settings, {"reference.signal": reference or None}))
     place = library_at(library)
     found, refused = place.ranked(made_with, reference_of(made_with), parsed(tag or []))
     rows = [[each.name, f"{each.distance:.3g}", *_row(each.name, each.entry)[1:]] for each in found]

@@ -8,7 +8,7 @@ import typer
 
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
-from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.command import ConfigOption, JsonOption, SetOption, laid_over, print_table, words, write_json
 from rigkit.progress import progress
 from rigkit.written import written_file
 from vibractl.config import RigConfig
@@ -46,8 +46,7 @@ def predict_command(
         "learning.side": side,
         "learning.law": law,
     }
-    laid_over = [*(settings or []), *(f"{key}={value}" for key, value in flags.items() if value is not None)]
-    made_with = rig_file.load(config, RigConfig, laid_over)
+    made_with = rig_file.load(config, RigConfig, laid_over(settings, flags))
     matrix, notes = model_for(model, made_with, accept or [])
     made = setup(made_with, matrix, far=read_far_field(model, len(made_with.audio.far_field_channels)))
     sys.stderr.write("".join(f"{note}\n" for note in notes))

@@ -17,6 +17,7 @@ from rigkit.command import (
     PngOption,
     SetOption,
     application,
+    laid_over,
     print_table,
     run,
     words,
@@ -61,7 +62,7 @@ def midrange(
     Examples: `stagectl midrange --controller aimc --scenario thesis-2 --out RUN/`,
     `stagectl midrange --config cell.toml --live --scenario toroid --out RUN/`
     """
-    cell = rig_file.load(config, CellConfig, [*(settings or []), *["midranging.session.live=true"] * live])
+    cell = rig_file.load(config, CellConfig, laid_over(settings, {"midranging.session.live": live}))
     if png is not None and out is None:
         raise ValueError("--png goes with --out RUN/, which is not given")
     if scenario_name == TABLE:
