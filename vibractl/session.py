@@ -26,7 +26,7 @@ from vibractl.learning.stagnation import Stagnation
 from vibractl.lines_file import write_lines
 from vibractl.mains import Hum
 from vibractl.place import Place
-from vibractl.quality import Judge, Marks
+from vibractl.quality import HIDDEN, Judge, Marks
 from vibractl.quality_table import floor_cells, reduced, row_of, summary
 from vibractl.rig_check import SECONDS, ChangedRigError, RigCheck, changed_channels
 from vibractl.run_setup import require_room, shot_files
@@ -222,7 +222,7 @@ class Session:
             return []
         side = int(np.argmax(marks.worst_line_db))
         over, place = float(marks.worst_line_db[side]), float(marks.worst_line_hz[side])
-        still = self._stagnation.take(over, place, shot, self.learner.algorithm)
+        still = self._stagnation.take(over, place, shot, self.learner.algorithm, marks.verdict == HIDDEN)
         cut = self._clipped.take(drive, shot) if over > 0 and not self._made.learned.is_far else None
         return [decision for decision in (still, cut) if decision is not None]
 

@@ -13,6 +13,8 @@ KEPT = 6
 """Changes from shot to shot of which each line's median counts; with fewer than half of them nothing is said."""
 REACH = 2
 """Lines to each side over which their power is averaged: a mode that moves is no narrower."""
+DISTINCT = 2.0
+"""Times the noise's power, from which on a change is none of the noise's own: chance alone reaches 1.7 somewhere."""
 
 
 class Repeatability:
@@ -35,7 +37,7 @@ class Repeatability:
         self._active = law.active > 0
         self._judged = self._active & (law.matrix.frequency >= above)
         self._before: Shot | None = None
-        self._changes: deque[np.ndarray] = deque(maxlen=KEPT)
+        self._changes: deque[tuple[np.ndarray, np.ndarray]] = deque(maxlen=KEPT)
 
     def take(self, shot: Shot, counts: bool = True) -> float:
         """Take a shot; return what is not explained of the change since the one before, dB re the response.
@@ -47,9 +49,10 @@ class Repeatability:
             return float("nan")
         explained = self._algorithm.belief.explained(shot.drive - before.drive)
         left = shot.response - before.response - explained
-        power = np.abs(left) ** 2 - shot.noise - before.noise
         if counts:
-            self._changes.append(smoothed(power, REACH)[self._judged])
+            powers = np.abs(left) ** 2, shot.noise + before.noise
+            changed, noise = (smoothed(power, REACH)[self._judged] for power in powers)
+            self._changes.append((changed, noise))
         active = left[self._active]
         size = max(float(np.linalg.norm(shot.response[self._active])), FAINT)
         return float(decibels(float(np.linalg.norm(active)) / size))
@@ -62,7 +65,8 @@ class Repeatability:
         """
         if 2 * len(self._changes) < KEPT or not self._judged.any():
             return None
-        power = np.median(self._changes, axis=0).max(axis=1)
+        changed, noise = np.median(np.array(self._changes), axis=0)
+        power = np.where(changed > DISTINCT * noise, changed - noise, 0.0).max(axis=1)
         line = int(np.argmax(power))
         if not power[line] > 0:
             return None

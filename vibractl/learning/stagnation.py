@@ -4,6 +4,7 @@ import numpy as np
 
 from vibractl.learning.algorithm import Algorithm
 from vibractl.learning.decision import Decision, tidy
+from vibractl.learning.disturbance import noise_reach
 from vibractl.learning.law import strong_lines
 from vibractl.learning.shot import Shot
 
@@ -11,10 +12,9 @@ WAIT = 6
 """Shots in a row without gain after which learning stands still."""
 GAIN = 1.0
 """dB by which a shot must be better than the best before."""
-HIDDEN = 2.0
-"""Times the noise's rms: an error that is not larger may be noise."""
 LITTLE = 0.3
 """Of the schedule's gain: what is less is held back by caution."""
+_NOISE, _AS_STRONG = "noise and hum", "are about as strong as the error"
 
 
 class Stagnation:
@@ -30,7 +30,9 @@ class Stagnation:
         self.text = ""
         self._best, self._since = np.inf, 0
 
-    def take(self, over_db: float, hz: float, shot: Shot, algorithm: Algorithm) -> Decision | None:
+    def take(
+        self, over_db: float, hz: float, shot: Shot, algorithm: Algorithm, is_hidden: bool = False
+    ) -> Decision | None:
         """Take a shot that was learned from; return the decision by which it is told that learning stands still.
 
         Parameters
@@ -42,6 +44,8 @@ class Stagnation:
         shot : Shot
         algorithm : Algorithm
             After it.
+        is_hidden : bool
+            Whether the ambience may explain all that is over the limit.
         """
         if over_db <= 0 or over_db < self._best - GAIN:
             self._best, self._since, self.text = over_db, 0, ""
@@ -50,7 +54,8 @@ class Stagnation:
         if self._since < WAIT:
             return None
         said = bool(self.text)
-        self.text = f"learning stands still, because {_reason(hz, shot, algorithm)}"
+        reason = f"{_NOISE} at {hz:.1f} Hz {_AS_STRONG}" if is_hidden else _reason(hz, shot, algorithm)
+        self.text = f"learning stands still, because {reason}"
         if said:
             return None
         return Decision("stands_still", {"over_db": tidy(over_db), "at_hz": tidy(hz), "because": self.text})
@@ -65,8 +70,8 @@ def _reason(hz: float, shot: Shot, algorithm: Algorithm) -> str:
     if abs(frequency[line] - hz) > 0.5 * (frequency[1] - frequency[0]) or not daring.is_open[line]:
         return f"nothing is learned {where}"
     error = law.reference - shot.response
-    if np.all(np.abs(error[line]) <= HIDDEN * np.sqrt(shot.noise[line])):
-        return f"noise and hum {where} are about as strong as the error"
+    if np.all(np.abs(error[line]) ** 2 <= noise_reach(shot.noise[line], len(frequency))):
+        return f"{_NOISE} {where} {_AS_STRONG}"
     gain = float(daring.gain[line])
     if gain >= LITTLE * daring.nominal:
         bound = f"the bound on what is left of an error is {daring.certificate[line]:.2f}"

@@ -52,6 +52,11 @@ def test_where_there_is_no_limit_it_does_not_count() -> None:
     assert floor is None or floor[0] < -20
 
 
+def test_noise_is_no_machine_that_moves() -> None:
+    repeats = followed(3 * KEPT)
+    assert repeats.floor is None
+
+
 def test_too_few_shots_say_nothing() -> None:
     assert followed(KEPT // 2, 0.0).floor is None
     assert followed(KEPT // 2 + 1, 0.0).floor is not None
