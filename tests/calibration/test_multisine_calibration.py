@@ -83,6 +83,7 @@ def test_a_quiet_model_of_a_linear_vibrator_is_right(tmp_path: Path) -> None:
     assert np.quantile(off, 0.95) < 0.03
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("amplitude", [1.0, 10.0])
 def test_a_quiet_one_emits_nothing_over_the_limit(tmp_path: Path, amplitude: float) -> None:
     """The reference's judge hears every recording, ramps and all, as it hears a shot."""

@@ -50,6 +50,7 @@ def test_a_side_that_hears_the_other_as_loud_is_a_warning(tmp_path: Path) -> Non
     assert grades(wired(tmp_path, np.array([[10.0, 8.0], [9.0, 10.0]])))["channel map"] == "warn"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("signs", [[[1, -1], [1, -1]], [[1, 1], [-1, -1]]], ids=["coil", "accelerometer"])
 def test_an_inverted_side_is_found(tmp_path: Path, signs: list[list[int]]) -> None:
     found = examine(wired(tmp_path, SIDES * np.array(signs)))
@@ -90,6 +91,7 @@ def test_a_cable_in_the_wrong_input_is_found_there(tmp_path: Path, monkeypatch: 
     assert said.advice == "the cable is in input 2, must be in 3"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("gain", "grade", "words"), [(-1.0, "fail", "inverted"), (0.05, "warn", "-26.0 dB")])
 def test_an_inverted_or_faint_cable_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, gain: float, grade: str, words: str
