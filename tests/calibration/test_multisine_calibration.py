@@ -28,6 +28,7 @@ def found(folder: Path, *settings: str) -> Calibration:
         return calibrate(config(*settings), raw, emitter(1), ABOUT)
 
 
+@pytest.mark.slow
 def test_45_seconds_find_a_nonlinear_vibrator_within_the_stated_variance(tmp_path: Path) -> None:
     """Against the linearisation around the same preload, whose own error is a third of the model's or so.
 
