@@ -58,7 +58,7 @@ def pytest_collection_finish() -> None:
 
 LAID_OUT = ("*report*", "*figures*", "*toroid*", "*page*")
 """Tests of how a figure looks."""
-RENDERED = (*LAID_OUT, "*commands*", "*scenario*", "*full_disk*", "*force_command*")
+RENDERED = (*LAID_OUT, "*commands*", "*joints_in_a_clamp*", "*full_disk*", "*force_command*")
 """Tests whose figures become the files that a person gets; elsewhere they are drawn, every artist, into no file."""
 _lay_out, _rendered = report.lay_out, report._rendered  # noqa: SLF001 (half of what a report takes)
 
