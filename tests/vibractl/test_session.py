@@ -84,6 +84,7 @@ def cut_off(path: Path) -> list[dict[str, object]]:
     return [event for event in read_events(path) if event["event"] == "drive_cut_off"]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("coils", "named"), [(2, [1, 2]), (1, [1])])
 def test_an_amplifier_that_goes_no_further_is_named_with_its_level(
     tmp_path: Path, coils: int, named: list[int]
