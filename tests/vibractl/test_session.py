@@ -213,22 +213,6 @@ def test_a_run_that_begins_faint_says_so_and_goes_on_where_it_stopped(tmp_path: 
     assert "Loudest line of any shot" in page
 
 
-@pytest.mark.slow
-def test_a_run_that_begins_faint_comes_to_its_full_level_with_no_line_over_the_limit(tmp_path: Path) -> None:
-    run(tmp_path / "whole", linear_model(tmp_path), 18, *FAINT)
-    rows = read_quality(tmp_path / "whole")
-    assert [row["verdict"] for row in rows[:6]] == ["rise"] * 6
-    figures = json.loads((tmp_path / "whole" / "summary.json").read_text())
-    assert figures["full_level_shot"] == figures["objective_met_shot"]
-    assert 6 <= figures["full_level_shot"] <= 17
-    assert figures["loudest_line_db"] <= 0
-    assert figures["shots_proven_over"] == 0
-    assert figures["loudest_band_db"] < figures["loudest_line_db"]
-    risen = [event for event in read_events(tmp_path / "whole") if event["event"] == "level"]
-    assert [event["to"] for event in risen] == sorted(event["to"] for event in risen)
-    assert risen[-1]["to"] == 1.0
-
-
 def test_a_reference_that_only_fits_faint_is_refused_before_it_rises(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"the first drive is not played: .* limits.peak is 0.1 V"):
         create(tmp_path / "run", linear_config("limits.peak=0.1", "learning.quiet=true"), linear_model(tmp_path))
