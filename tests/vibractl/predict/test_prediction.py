@@ -21,7 +21,7 @@ def test_it_tells_drives_lines_and_shots_and_emits_nothing(
 ) -> None:
     monkeypatch.setattr("vibractl.audio.Line.__enter__", None)
     target, page = tmp_path / "p.json", tmp_path / "p.html"
-    settings = ("--shots", 12, "--law", "kalman", "--set", "learning.gains=[]")
+    settings = ("--shots", 20, "--law", "kalman", "--set", "learning.gains=[]")
     assert call(monkeypatch, "--model", linear_model(tmp_path), *settings, "--json", target, "--report", page) == 0
     out = capsys.readouterr().out
     assert "coil 2, slew, V/s" in out
