@@ -11,6 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from rigkit import report
+from rigkit.figure_style import styled
 from rigkit.machine_lock import FOLDER
 
 pytest_plugins = ["tests.deadlines"]
@@ -57,14 +58,27 @@ def pytest_collection_finish() -> None:
 
 LAID_OUT = ("*report*", "*figures*", "*toroid*", "*page*")
 """Tests of how a figure looks."""
-_lay_out = report.lay_out
+RENDERED = (*LAID_OUT, "*commands*", "*joints_in_a_clamp*", "*full_disk*", "*force_command*")
+"""Tests whose figures become the files that a person gets; elsewhere they are drawn, every artist, into no file."""
+_lay_out, _rendered = report.lay_out, report._rendered  # noqa: SLF001 (half of what a report takes)
 
 
 def _leave(figure: Figure) -> None:
     figure.set_layout_engine("none")
 
 
+def _only_drawn(figure: Figure, kind: str) -> bytes:
+    """Draw a figure that has changed since it was drawn last, for nobody to see."""
+    if figure.stale:
+        with styled():
+            report.lay_out(figure)
+            figure.draw_without_rendering()
+    return f"a figure as {kind}".encode()
+
+
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Lay figures out where a test is of figures; elsewhere it is half of what drawing them takes."""
-    wanted = any(fnmatch(str(item.path), name) for name in LAID_OUT)
-    report.lay_out = _lay_out if wanted else _leave
+    """Lay figures out and render them where a test is of figures; elsewhere that is most of what a report takes."""
+    path = str(item.path)
+    report.lay_out = _lay_out if any(fnmatch(path, name) for name in LAID_OUT) else _leave
+    rendered = any(fnmatch(path, name) for name in RENDERED)
+    report._rendered = _rendered if rendered else _only_drawn  # noqa: SLF001 (as above)

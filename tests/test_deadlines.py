@@ -46,6 +46,7 @@ def run(folder: Path, stands_still: float, passes_at: int, workers: int = 0) -> 
     return done.stdout + done.stderr, len((folder / "times").read_text())
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("workers", [0, 1])
 def test_it_is_repeated_where_the_machine_stood_still_and_says_so(tmp_path: Path, workers: int) -> None:
     said, times = run(tmp_path, 0.2, 3, workers)

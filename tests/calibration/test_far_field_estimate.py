@@ -54,6 +54,7 @@ def test_two_vibrators_are_told_apart_by_one_hydrophone(tmp_path: Path) -> None:
     assert np.percentile(relative, 95) < 0.02
 
 
+@pytest.mark.slow
 def test_a_stepped_sine_finds_it_as_well(tmp_path: Path) -> None:
     plant = VibratorArrayPlant(RATE, **WATER)
     settings = ("method=stepped", "passes=1", "band=[100, 130]", "tone=0.2", "step=1")

@@ -43,6 +43,7 @@ def calibrate(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
     return main()
 
 
+@pytest.mark.slow
 def test_recordings_of_24_bits_give_a_model_that_a_run_takes(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -45,6 +45,7 @@ def relative(found: Found, truly: np.ndarray | None = None) -> float:
     return float(np.median(off))
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "drives",
     [

@@ -69,6 +69,7 @@ def test_a_picma_stack_is_fitted_to_98_7_percent_of_what_was_held_back() -> None
     assert _fit(moved[4_000:8_000], found.modelled[4_000:8_000]) > 98.7
 
 
+@pytest.mark.slow
 def test_the_inverse_makes_less_than_the_published_error_on_a_model_of_another_record() -> None:
     """0.58 um rms published with an inverse, 1.68 without [Aye and Ang, ICSTSD 2018]; here below 0.35.
 

@@ -28,6 +28,7 @@ def found(folder: Path, *settings: str) -> Calibration:
         return calibrate(config(*settings), raw, emitter(1), ABOUT)
 
 
+@pytest.mark.slow
 def test_45_seconds_find_a_nonlinear_vibrator_within_the_stated_variance(tmp_path: Path) -> None:
     """Against the linearisation around the same preload, whose own error is a third of the model's or so.
 
@@ -83,6 +84,7 @@ def test_a_quiet_model_of_a_linear_vibrator_is_right(tmp_path: Path) -> None:
     assert np.quantile(off, 0.95) < 0.03
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("amplitude", [1.0, 10.0])
 def test_a_quiet_one_emits_nothing_over_the_limit(tmp_path: Path, amplitude: float) -> None:
     """The reference's judge hears every recording, ramps and all, as it hears a shot."""

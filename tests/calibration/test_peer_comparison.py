@@ -40,6 +40,7 @@ def test_the_truth_has_no_damping_error_and_one_slower_pole_has_its_own() -> Non
     assert np.allclose(damping_errors({"A": moved}, truth), [50, 0, 0], atol=0.1)
 
 
+@pytest.mark.slow
 def test_a_method_runs_in_a_process_of_its_own_and_is_measured_there() -> None:
     drive, response = order_7().record(1000, seed=1)
     done = measured(Job("ours", 7, 20, drive[None], response[None]))

@@ -124,6 +124,7 @@ def test_a_resonance_that_moves_with_the_level_is_no_clock() -> None:
     assert not told.is_corrected
 
 
+@pytest.mark.slow
 def test_a_long_recording_takes_no_more_memory() -> None:
     rate, seconds, kernel = 8_000, 240, np.array([1.0, 0.5, -0.3])
 

@@ -19,7 +19,7 @@ FRAMES, PARTS = 512, 8
 FAINT = 1e-300
 """An input that is nearly nothing, in any unit: what is left of it is subnormal after a few time constants."""
 SILENT = 64
-"""Frames of zeros in which what an input left behind dies away."""
+"""Frames of zeros in which what an input left behind dies away, unless an example needs fewer."""
 LARGE = 16_384
 """Samples of a frame in which an array made by mistake cannot be overlooked."""
 
@@ -39,11 +39,14 @@ class Example:
     start : callable(Block)
         What must happen between `prepare` and the first tick, such as opening a guard.
     rate : float, samples/s
+    silent : int
+        Frames of zeros after which all is at rest.
     """
 
     make: Callable[[], Block]
     start: Callable[[Any], None] = _nothing
     rate: float = 44_100.0
+    silent: int = SILENT
 
 
 def every_block() -> list[type[Block]]:
@@ -135,12 +138,14 @@ def check_silence_leaves_nothing_subnormal(example: Example) -> None:
         silence = [np.zeros((FRAMES, port.width)) for port in block.inputs]
         with np.errstate(all="ignore"):  # an orientation of zeros is none
             block.process(*(size / 0.1 * signal for signal in _noise(block)), *outputs)
-            for _ in range(SILENT):
+            for _ in range(example.silent):
                 block.process(*silence, *outputs)
         for numbers in _held(block, set()):
             slow = (numbers != 0.0) & (np.abs(numbers) < np.finfo(float).tiny)
             slow &= numbers != held.get(_place(numbers), 0.0)  # room that is not written yet may hold anything
-            assert not slow.any(), f"{_name(block)} holds {numbers[slow][0]:g} after {SILENT * FRAMES} silent samples"
+            assert not slow.any(), (
+                f"{_name(block)} holds {numbers[slow][0]:g} after {example.silent * FRAMES} silent samples"
+            )
 
 
 CHECKS = (

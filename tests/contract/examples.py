@@ -241,7 +241,7 @@ EXAMPLES: dict[type[Block], Example] = {
     ImpulseResponse: Example(lambda: _measured(ImpulseResponse)),
     VibratorImpulseResponse: Example(lambda: _measured(VibratorImpulseResponse)),
     PiezoStage: Example(PiezoStage),
-    ClampedRobot: Example(ClampedRobot, rate=250.0),
+    ClampedRobot: Example(ClampedRobot, rate=250.0, silent=16),
     ClampSearch: Example(lambda: ClampSearch(clamp_procedure(Clamping(), irb140().with_tool(0.1), (0, 2))), rate=250.0),
     HysteresisCompensation: Example(lambda: HysteresisCompensation([_loops(), None, _loops()])),
     StickingStage: Example(StickingStage),

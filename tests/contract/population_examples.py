@@ -8,7 +8,7 @@ from firmware_sim.population.vibrators import Vibrator
 from tests.contract.conformance import Example
 
 POPULATION_EXAMPLES: dict[type[Block], Example] = {
-    ClampedArm: Example(lambda: ClampedArm(seed=2), rate=250.0),
+    ClampedArm: Example(lambda: ClampedArm(seed=2), rate=250.0, silent=16),
     Cut: Example(lambda: Cut(cell=4, family="chatter"), rate=10_000.0),
     ForceSensor: Example(lambda: ForceSensor(seed=2), rate=8_000.0),
     Robot: Example(lambda: Robot(seed=2, arm="kuka"), rate=8_000.0),

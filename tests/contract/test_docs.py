@@ -44,6 +44,12 @@ _UNIT = re.compile(rf"(?:{_SHAPE.pattern})[^,]*,\s+\S|any unit")
 _NEEDS_NO_UNIT = re.compile(r"\b(?:int|bool|integer|indices)\b")
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _each_file_is_parsed_once() -> Iterator[None]:
+    yield
+    tree.cache_clear()
+
+
 def test_a_file_has_at_most_300_lines() -> None:
     long = {str(file.relative_to(ROOT)): len(file.read_text().splitlines()) for file in sources(*FOLDERS)}
     assert {name: lines for name, lines in long.items() if lines > LONGEST_FILE} == {}

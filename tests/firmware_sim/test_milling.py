@@ -163,6 +163,7 @@ def plunge_and_slot(depth: float) -> np.ndarray:
     return np.vstack([along((0, 0, 1e-3), (0, 0, -depth), 2e-3), along((0, 0, -depth), (5e-3, 0, -depth))])
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("at_once", [0.0, 2e-6, 3.2e-6, 2e-5])
 @pytest.mark.parametrize("depth", [2e-3, 4e-3])
 def test_a_tool_that_gives_way_at_once_does_not_shake(depth: float, at_once: float) -> None:

@@ -21,6 +21,7 @@ def _amplitude(signal: np.ndarray, frequency: float) -> float:
     return float(2 * line / window.sum())
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("direction", "xyz")
 @pytest.mark.parametrize("seed", range(1, 6))
 def test_the_mean_absolute_deflection_is_the_uncompensated_error_of_table_2_1(direction: str, seed: int) -> None:

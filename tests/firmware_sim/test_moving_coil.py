@@ -63,6 +63,7 @@ def noise(frames: int, size: float, seed: int = 3) -> np.ndarray:
     return np.ascontiguousarray(size * drive / np.abs(drive).max())
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("rate", [16_000, 44_100, 96_000])
 def test_a_small_drive_makes_what_the_impedances_say(rate: int) -> None:
     """With all that is nonlinear but the seal, at a level where none of it matters."""
@@ -110,6 +111,7 @@ def slopes_of(whole: MovingCoil) -> tuple[tuple[int, int], Slopes]:
     return shape, slopes
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("rate", [RATE, 2 * RATE])
 def test_at_large_signals_it_follows_an_adaptive_solver(rate: int) -> None:
     whole = vibrator(large=replace(LOUD, seal=()))

@@ -35,6 +35,7 @@ def test_every_option_has_its_row_with_default_and_range(options: type) -> None:
         assert said == ([low] if high == inf else [low, high]), each.name
 
 
+@pytest.mark.slow
 def test_the_figures_are_drawn(tmp_path: Path) -> None:
     script = [sys.executable, ROOT / "examples/piezo_stage.py", tmp_path]
     done = subprocess.run(script, cwd=ROOT, capture_output=True, text=True, check=False)

@@ -149,6 +149,7 @@ def test_other_than_two_times_two_impulse_responses_are_refused_behind_a_vibrato
         VibratorImpulseResponse(files=[one, two], nonlinearity=9.0)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", MEASURED_PAIRS)
 def test_measured_pairs_behind_the_vibrator_have_overtones_like_the_vibrator_itself(name: str, tmp_path: Path) -> None:
     """A sweep from 40 to 90 Hz of 10 m/s^2 on both sides: the loudest line above 101 Hz against the sweep."""

@@ -93,6 +93,7 @@ def test_a_robot_that_gives_way_is_pulled_by_the_mean_of_the_teeth() -> None:
     assert force[:, 0].std() < 0.2 * teeth[:, 0].std()
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("along", "turn"), [(True, 28), (True, 16), (False, 17), (False, 15)])
 def test_it_chatters_beyond_the_depth_at_which_its_equation_is_unstable(along: bool, turn: int) -> None:
     """Where the stability lobes of a tool with one degree of freedom have it: between 0.85 and 1.2 of that."""

@@ -52,6 +52,7 @@ def test_row_3_has_noise_and_beats_the_printed_ratios(rows: list[dict[str, Any]]
     assert 1.474 <= rows[2]["mvpc"] <= 1.50
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seconds", [0.05, 0.3])
 def test_row_2_holds_for_anti_windup_from_0_05_to_0_3_s(seconds: float) -> None:
     config = _config(f"valve.tracking_factor={seconds / (-0.004 / np.log(0.96))}")
@@ -69,6 +70,7 @@ def test_the_ratio_of_row_1_is_that_of_the_closed_form_for_long_steps() -> None:
     assert ratio == pytest.approx(2.0 * rho ** (-1.0 / (rho - 1.0)), rel=0.02)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", ["thesis-1", "thesis-2"])
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_the_control_signal_never_passes_its_limit(name: str, order: int) -> None:
@@ -76,6 +78,7 @@ def test_the_control_signal_never_passes_its_limit(name: str, order: int) -> Non
     assert 1.0 - 1e-9 <= found["control_over_limit"] <= 1.0 + 1e-9
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("forgetting", [0.98, 0.995])
 def test_a_period_after_a_change_of_gain_the_response_is_the_desired_one(forgetting: float) -> None:
     """Within 5 % of the step, of the same controller with the pair known; with (3.4) alone."""

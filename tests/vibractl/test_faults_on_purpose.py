@@ -63,7 +63,7 @@ def check(path: Path, reason: str, said: str) -> None:
         assert worst[-1] < worst[0] + 6  # two shots after the fault has gone
 
 
-@pytest.mark.sample(5)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("kind", FAULTS)
 def test_an_accelerometer_that_fails_is_named_or_makes_no_drive_louder(tmp_path: Path, kind: str) -> None:
     check(*learned(tmp_path, "response_1", kind), SAID.get(kind, ""))
@@ -82,6 +82,7 @@ def test_every_fault_of_every_input_under_both_laws(tmp_path: Path, kind: str, s
         assert "recordings were discarded" in reason
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("kind", FAULTS)
 def test_a_cable_that_fails_spoils_the_recording_or_does_no_harm(kind: str) -> None:
     config = linear_config("audio.attempts=1")

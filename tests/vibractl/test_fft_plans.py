@@ -94,6 +94,7 @@ def test_runs_do_not_see_each_others_plans() -> None:
     assert known(one.wisdom).isdisjoint(known(other.wisdom) - known(Plans().wisdom))
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "overrides",
     [(), ("learning.side=1",), ("learning.structure=common",), ("learning.decimation=1",)],
@@ -103,6 +104,7 @@ def test_the_folder_holds_every_plan_of_its_run(tmp_path: Path, overrides: tuple
     _holds_every_plan(tmp_path, linear_config(*overrides), linear_model(tmp_path))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("sensors", ["accelerometers", "far-field"])
 def test_the_folder_holds_every_plan_of_a_run_with_hydrophones(tmp_path: Path, sensors: str) -> None:
     config = far_config(1, f"learning.sensors={sensors}")
@@ -143,6 +145,7 @@ def test_other_plans_of_the_user_change_nothing_in_a_run_under_way() -> None:
     assert known(made.plans.wisdom) == before
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("fault", ["a file for a folder", "no permission", "damaged", "cut off"])
 def test_a_cache_that_cannot_be_read_is_no_obstacle_to_a_run(
     tmp_path: Path, cache: Path, monkeypatch: pytest.MonkeyPatch, fault: str

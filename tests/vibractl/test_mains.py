@@ -66,6 +66,7 @@ def test_steady_mains_are_known_to_a_millihertz_and_taken_out_from_the_first_sho
     assert abs(found.frequency - frequency) < 1e-3
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("wander", "most"), [(0.002, -25), (0.005, -20), (0.02, -8)])
 def test_mains_that_wander_are_followed_as_far_as_a_line_between_two_phases_does(wander: float, most: float) -> None:
     followed, heard = mains(), Heard(50.02, wander=wander)
@@ -147,6 +148,7 @@ def ringing(frequency: float, size: float, decay: float, level: float, shots: in
     return found, hum
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(("frequency", "decay"), [(150.0, 0.5), (148.0, 0.5), (49.9, 0.5), (150.0, 0.15), (250.0, 2.0)])
 @pytest.mark.parametrize("shots", [1, 3, 12])
 def test_what_rings_down_is_not_hum(frequency: float, decay: float, shots: int) -> None:
@@ -162,6 +164,7 @@ def test_what_rings_down_beside_weak_hum_makes_it_no_louder(level: float) -> Non
     assert np.linalg.norm(rest) <= 1.02 * np.linalg.norm(hum[between])
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("orders", [(2,), (3,), (2, 4), (3, 5)])
 @pytest.mark.parametrize("seed", range(3))
 def test_a_frequency_that_few_harmonics_do_not_tell_is_not_guessed(orders: tuple[int, ...], seed: int) -> None:

@@ -14,6 +14,7 @@ from vibractl.replay_command import replay_command
 from vibractl.run_setup import setup_of, shot_files
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "overrides", [(), ("session.recording=csv",), ("learning.decimation=1",), ("learning.side=1",)]
 )

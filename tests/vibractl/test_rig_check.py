@@ -54,6 +54,7 @@ def test_a_rig_as_calibrated_is_said_to_be_so_and_learns(tmp_path: Path) -> None
     assert checked[0]["off"] < 0.05  # the model is exact
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("kind", "text"),
     [

@@ -99,6 +99,7 @@ def test_without_a_record_of_its_beginning_the_drive_tells(run: Path) -> None:
         gone_on(run)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "override",
     ["audio.input_full_scale=200.0", "limits.peak=5.0", "learning.band=[20.0,640.0]", "simulator.options.seed=4"],

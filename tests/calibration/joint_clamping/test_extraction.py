@@ -12,7 +12,7 @@ def recorded(parts: Joints, joint: int, **surroundings: float) -> TorqueMap:
     return TorqueMap(angle[:, joint], torque[:, joint], RATE)
 
 
-@pytest.mark.sample(5)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("seed", range(20))
 def test_in_a_stiff_clamp_stiffness_is_found_within_2_percent_and_backlash_within_5_percent(seed: int) -> None:
     parts, joint = random_joints(seed), seed % 6
@@ -26,6 +26,7 @@ def test_in_a_stiff_clamp_stiffness_is_found_within_2_percent_and_backlash_withi
     assert found.k_plus.low < parts.k_plus[joint] < found.k_plus.high
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("seed", range(6))
 def test_where_there_is_no_backlash_it_is_called_not_significant_with_its_bound(seed: int) -> None:
     parts, joint = random_joints(seed, backlash=False), seed % 6

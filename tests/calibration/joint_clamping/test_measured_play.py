@@ -7,6 +7,7 @@ from calibration.joint_clamping.extraction import extract
 from tests.shared_data import shared
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("name", "play", "slides"), [(FILES[0], 1.8e-3, 12e3), (FILES[1], 1.3e-3, 12e3)])
 def test_the_loop_is_friction_alone_and_its_flanks_show_the_play(name: str, play: float, slides: float) -> None:
     """The play, m, read off the flanks by eye, within a quarter: it differs from flank to flank by as much."""

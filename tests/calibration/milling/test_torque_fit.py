@@ -7,7 +7,7 @@ import pytest
 
 from calibration.guided_arm import arm_with_tool
 from calibration.milling.sweep_session import SweepAborted, sweep, sweep_steps
-from calibration.milling.torque_fit import SweepError, friction_and_gravity
+from calibration.milling.torque_fit import SweepError, TorqueFit, friction_and_gravity
 from ctlblocks.recording import Recording
 from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.plants.robot_joint_kernel import (
@@ -22,6 +22,8 @@ from firmware_sim.plants.robot_joint_kernel import (
 from rigkit.config import load
 from rigkit.stop import Stopped, StopRequest
 from stagectl.robot.config import CellConfig
+from stagectl.robot.milling.friction_range import FrictionRange
+from stagectl.robot.milling.gravity import Gravity
 
 QUICK = ["friction.poses=7", "friction.seconds=3", "limits.tool_speed=0.6", "friction.creep=[0.03,0.006,0.06,0.015]"]
 CELL = load(None, CellConfig, QUICK)
@@ -39,9 +41,17 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Recording:
     return made
 
 
+Found = tuple[FrictionRange, Gravity, TorqueFit]
+
+
+@pytest.fixture(scope="module")
+def found(swept: Recording) -> Found:
+    return friction_and_gravity(swept, arm_with_tool(CELL), CELL.friction)
+
+
 @pytest.mark.slow
-def test_ranges_hold_the_true_friction_and_noise_is_found(swept: Recording) -> None:
-    friction, _, fit = friction_and_gravity(swept, arm_with_tool(CELL), CELL.friction)
+def test_ranges_hold_the_true_friction_and_noise_is_found(found: Found) -> None:
+    friction, _, fit = found
     joints = RobotPlant(seed=1).joints
     fast = np.abs(friction.speed).min(axis=1) > 0.01
     speed, low, high = friction.speed[fast], friction.low[fast], friction.high[fast]
@@ -60,9 +70,9 @@ def test_ranges_hold_the_true_friction_and_noise_is_found(swept: Recording) -> N
     assert (fit.inside > 0.9).all()
 
 
-def test_gravity_is_found_without_any_drawing(swept: Recording) -> None:
+def test_gravity_is_found_without_any_drawing(found: Found) -> None:
     arm = arm_with_tool(CELL)
-    _, gravity, fit = friction_and_gravity(swept, arm, CELL.friction)
+    _, gravity, fit = found
     plant = RobotPlant(seed=1)
     pose = np.radians([15.0, 10.0, -25.0, 30.0, 40.0, -20.0])
     plant.place(pose)
@@ -72,9 +82,9 @@ def test_gravity_is_found_without_any_drawing(swept: Recording) -> None:
     assert fit.combinations == 10
 
 
-def test_inertia_is_that_of_motors_and_links(swept: Recording) -> None:
+def test_inertia_is_that_of_motors_and_links(swept: Recording, found: Found) -> None:
     """By the plant's own energy, half of inertia times speed squared, one joint at a time, over the poses."""
-    _, _, fit = friction_and_gravity(swept, arm_with_tool(CELL), CELL.friction)
+    _, _, fit = found
     plant, true = RobotPlant(seed=1), np.zeros(6)
     poses = swept.data[::1_000, :6].astype(float)
     for pose in poses:

@@ -51,6 +51,7 @@ def test_a_short_past_costs_the_prediction_nothing(system: ResonantSystem) -> No
     assert shortfall(found, system)[1] < 0.1
 
 
+@pytest.mark.sample(4)
 @named
 @pytest.mark.parametrize("horizon", [20, 40])
 @pytest.mark.parametrize("method", ["n4sid", "moesp"])
@@ -60,6 +61,7 @@ def test_the_order_is_found(system: ResonantSystem, horizon: int, method: subspa
     assert found.candidates[-1].order == system.model.order
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("samples", [3000, 10_000])
 @pytest.mark.parametrize("horizon", [20, 40])
 def test_the_order_is_found_with_a_chirp(samples: int, horizon: int) -> None:
@@ -224,6 +226,7 @@ def odd_record(kind: str) -> tuple[np.ndarray, np.ndarray]:
     return drive, response
 
 
+@pytest.mark.sample(8)
 @pytest.mark.parametrize(
     "kind",
     [

@@ -167,6 +167,7 @@ def ringing(seed: int, share: float) -> float:
     return float(np.sqrt((rest**2).mean() / (last**2).mean()))
 
 
+@pytest.mark.slow
 def test_drawn_tools_chatter_beyond_their_limit_and_not_well_below() -> None:
     """The limit of Altintas and Budak is a mean over half a turn: of two teeth it may be too low by half."""
     beyond = []

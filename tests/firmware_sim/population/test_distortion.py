@@ -40,6 +40,7 @@ def loudest_overtone(exciter: Exciter, drive: np.ndarray) -> float:
     return float(20 * np.log10(lines[orders[orders <= HIGHEST]].max() / LEVEL))
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", distortion.MECHANISMS)
 def test_a_mechanism_is_as_loud_as_its_draw_says(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     silent, wanted = silent_vibrator(), Wanted(ROOT, ROOT)

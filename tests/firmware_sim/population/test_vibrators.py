@@ -272,6 +272,7 @@ def test_measured_responses_are_read_by_their_own_family_alone(monkeypatch: pyte
     Vibrator(seed=1)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.skipif(not DATA.exists(), reason=f"{DATA} is not here")
 @pytest.mark.parametrize("seed", range(4))
 def test_measured_responses_respond_as_they_were_measured(seed: int) -> None:

@@ -8,6 +8,7 @@ import socket
 import subprocess
 import threading
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 import httpx
@@ -150,35 +151,50 @@ def test_with_a_certificate_it_speaks_tls_and_nothing_else(tmp_path: Path) -> No
             plain.snapshot()
 
 
-def test_systemd_is_told_that_it_is_ready_lives_and_ends(tmp_path: Path) -> None:
-    path = str(tmp_path / "notify")
-    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as systemd:
+@dataclass(frozen=True)
+class Life:
+    """What one daemon told others from its beginning to its end: systemd, PlotJuggler and Prometheus."""
+
+    systemd: frozenset[str]
+    plotjuggler: bytes
+    metrics: str
+
+
+@pytest.fixture(scope="module")
+def life(tmp_path_factory: pytest.TempPathFactory) -> Life:
+    folder, told = tmp_path_factory.mktemp("life"), set()
+    path = str(folder / "notify")
+    with listener() as plotting, socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as systemd:
         systemd.bind(path)
         systemd.settimeout(30)
-        told = set()
-        with served(tmp_path / "data", {"NOTIFY_SOCKET": path, "WATCHDOG_USEC": "400000"}):
+        where = "127.0.0.1:{1}".format(*plotting.getsockname())
+        environment = {"NOTIFY_SOCKET": path, "WATCHDOG_USEC": "400000"}
+        with served(folder / "data", environment, plotjuggler=where) as daemon:
+            gauges = plotting.recv(10_000)
+            headers = {"Authorization": f"Bearer {daemon.tokens.view}"}
+            metrics = httpx.get(f"http://{daemon.settings.address}/metrics", headers=headers).text
             while not {"READY=1", "WATCHDOG=1\nSTATUS=DISARMED"} <= told:
                 told.add(systemd.recv(1000).decode())
+            assert "STOPPING=1" not in told
         while "STOPPING=1" not in told:
             told.add(systemd.recv(1000).decode())
+    return Life(frozenset(told), gauges, metrics)
 
 
-def test_plotjuggler_gets_the_gauges_as_json(tmp_path: Path) -> None:
-    with listener() as plotting:
-        where = "127.0.0.1:{1}".format(*plotting.getsockname())
-        with served(tmp_path, plotjuggler=where):
-            told = json.loads(plotting.recv(10_000))
+def test_systemd_is_told_that_it_is_ready_lives_and_ends(life: Life) -> None:
+    assert {"READY=1", "WATCHDOG=1\nSTATUS=DISARMED", "STOPPING=1"} <= life.systemd
+
+
+def test_plotjuggler_gets_the_gauges_as_json(life: Life) -> None:
+    told = json.loads(life.plotjuggler)
     assert told["timestamp"] > 1.7e9
     assert set(told["demo"]) == {"output", "travel", "force", "done"}
 
 
-def test_prometheus_gets_state_gauges_and_limits(tmp_path: Path) -> None:
-    with served(tmp_path) as daemon:
-        headers = {"Authorization": f"Bearer {daemon.tokens.view}"}
-        text = httpx.get(f"http://{daemon.settings.address}/metrics", headers=headers).text
+def test_prometheus_gets_state_gauges_and_limits(life: Life) -> None:
     samples = {
         (sample.name, sample.labels.get("state")): sample.value
-        for family in text_string_to_metric_families(text)
+        for family in text_string_to_metric_families(life.metrics)
         for sample in family.samples
     }
     assert samples["vibrostage_state", "DISARMED"] == 1
@@ -188,7 +204,7 @@ def test_prometheus_gets_state_gauges_and_limits(tmp_path: Path) -> None:
     assert samples["vibrostage_ticks_total", None] > 0
     assert samples["vibrostage_output_on", None] == samples["vibrostage_journal_fault", None] == 0
     assert 0 <= time.time() - samples["vibrostage_snapshot_timestamp_seconds", None] < 60
-    assert monitoring.missing(text, (monitoring.DAEMON,)) == {
+    assert monitoring.missing(life.metrics, (monitoring.DAEMON,)) == {
         "vibrostage_disk_free_bytes",
         "vibrostage_disk_free_bytes_low_limit",
     }

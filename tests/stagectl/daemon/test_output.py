@@ -35,6 +35,7 @@ def live(tmp_path: Path) -> Iterator[Lab]:
         yield made
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("procedure", OPTIONS)
 @pytest.mark.parametrize("kind", ["simulated", "live"])
 def test_the_output_is_measured_while_a_procedure_runs(

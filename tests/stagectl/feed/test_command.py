@@ -54,6 +54,7 @@ def test_a_pocket_that_is_held_is_kept_and_said_by_the_status(
     assert (run / "report.html").exists()
 
 
+@pytest.mark.slow
 def test_the_figure_of_the_thesis_is_made_kept_replayed_and_reported(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -12,6 +12,7 @@ from stagectl.planning.strips import Cut, Rectangle, Standing, costs, untouched
 from tests.stagectl.planning.pockets import EXAMPLE, figure_8_8, least_by_brute_force, random_pocket
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("closed", [True, False])
 @pytest.mark.parametrize(("tool", "feeds", "largest"), [(2, "EW", 6), (3, "EW", 6), (2, "EWNS", 4), (3, "EWNS", 4)])
 def test_the_optimum_is_that_of_every_path_gone_through(tool: int, feeds: str, largest: int, closed: bool) -> None:

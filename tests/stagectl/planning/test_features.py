@@ -24,6 +24,7 @@ def test_random_tables_are_milled_nearly_in_the_least_time() -> None:
     assert max(gaps) < 0.016
 
 
+@pytest.mark.slow
 def test_figure_8_8_turns_when_every_segment_takes_longer_to_begin() -> None:
     fast, slow = figure_8_8(0.243), figure_8_8(4 * 0.243)
     assert check(fast, plan(fast, "features")).total == pytest.approx(69.40, abs=0.005)

@@ -15,6 +15,7 @@ from stagectl.planning.strips import untouched
 from tests.stagectl.planning.pockets import EXAMPLE, check_random_paths, figure_8_8, random_pocket
 
 
+@pytest.mark.slow
 def test_nearly_every_random_table_is_milled_in_the_least_time() -> None:
     rng = np.random.default_rng(8)
     gaps = []

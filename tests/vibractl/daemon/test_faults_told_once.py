@@ -11,7 +11,7 @@ from vibractl.daemon import running
 from vibractl.daemon.rig import Vibrator
 
 
-@pytest.mark.sample(6)
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("sensor", ["response_1", "loopback"])
 @pytest.mark.parametrize("kind", KINDS[1:])
 def test_a_recording_that_is_discarded_again_and_again_has_its_reason_told_once(

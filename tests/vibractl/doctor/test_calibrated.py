@@ -20,13 +20,14 @@ def said(place: Path, sides: np.ndarray) -> Verdict:
     return verdict(examine(wired(place, sides), model=measured()), MODEL)
 
 
+@pytest.mark.usefixtures("brief")
 def test_a_rig_as_it_was_calibrated_passes(tmp_path: Path) -> None:
     found = said(tmp_path, SIDES)
     assert (found.grade, found.advice) == ("pass", "")
     assert found.value < 0.05
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("sides", "text"),
     [
@@ -40,6 +41,7 @@ def test_a_rig_as_it_was_calibrated_passes(tmp_path: Path) -> None:
     ],
     ids=["coil turned", "sensor turned", "all turned", "sensors", "coils", "half", "sensor doubled"],
 )
+@pytest.mark.usefixtures("brief")
 def test_what_was_changed_since_is_named(tmp_path: Path, sides: np.ndarray, text: str) -> None:
     found = said(tmp_path, sides)
     assert found.grade == "fail"
@@ -47,6 +49,7 @@ def test_what_was_changed_since_is_named(tmp_path: Path, sides: np.ndarray, text
     assert "measure a new model" in found.advice
 
 
+@pytest.mark.usefixtures("brief")
 def test_a_machine_of_which_the_model_says_nothing_is_a_warning(tmp_path: Path) -> None:
     found = said(tmp_path, np.array([[10.0, -6.0], [7.0, 8.0]]))
     assert found.grade == "warn"

@@ -39,6 +39,7 @@ def test_nothing_louder_is_played_than_was_announced(tmp_path: Path, monkeypatch
     assert blocks[0] * BLOCK / 44_100 == pytest.approx(duration(config), rel=0.03)
 
 
+@pytest.mark.usefixtures("brief")
 def test_two_crossed_cables_are_named_with_the_setting_that_heals_it(tmp_path: Path) -> None:
     said = verdict(examine(wired(tmp_path, SIDES[::-1])), "channel map")
     assert said.grade == "fail"
@@ -46,10 +47,13 @@ def test_two_crossed_cables_are_named_with_the_setting_that_heals_it(tmp_path: P
     assert "audio.response_channels = [2, 1]" in said.advice
 
 
+@pytest.mark.usefixtures("brief")
 def test_a_side_that_hears_the_other_as_loud_is_a_warning(tmp_path: Path) -> None:
     assert grades(wired(tmp_path, np.array([[10.0, 8.0], [9.0, 10.0]])))["channel map"] == "warn"
 
 
+@pytest.mark.usefixtures("brief")
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("signs", [[[1, -1], [1, -1]], [[1, 1], [-1, -1]]], ids=["coil", "accelerometer"])
 def test_an_inverted_side_is_found(tmp_path: Path, signs: list[list[int]]) -> None:
     found = examine(wired(tmp_path, SIDES * np.array(signs)))
@@ -60,6 +64,7 @@ def test_an_inverted_side_is_found(tmp_path: Path, signs: list[list[int]]) -> No
     assert verdict(found, "channel map").grade == "pass"
 
 
+@pytest.mark.usefixtures("brief")
 def test_a_dead_coil_and_a_dead_accelerometer_are_told_apart(tmp_path: Path) -> None:
     found = examine(wired(tmp_path, SIDES * [[1, 0], [1, 0]]))
     assert "coil 2 is heard by no accelerometer" in verdict(found, "channel map").measured
@@ -68,6 +73,7 @@ def test_a_dead_coil_and_a_dead_accelerometer_are_told_apart(tmp_path: Path) -> 
     assert "response 2 hears no coil" in verdict(found, "channel map").measured
 
 
+@pytest.mark.usefixtures("brief")
 def test_a_missing_cable_fails_and_what_needs_none_is_still_measured(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -79,6 +85,7 @@ def test_a_missing_cable_fails_and_what_needs_none_is_still_measured(
     assert verdict(found, "clock").measured == "not measured: loopback failed"
 
 
+@pytest.mark.usefixtures("brief")
 def test_a_cable_in_the_wrong_input_is_found_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def moved(_: np.ndarray, recorded: np.ndarray) -> None:
         recorded[:, 1] = recorded[:, LOOPBACK]
@@ -90,6 +97,8 @@ def test_a_cable_in_the_wrong_input_is_found_there(tmp_path: Path, monkeypatch: 
     assert said.advice == "the cable is in input 2, must be in 3"
 
 
+@pytest.mark.usefixtures("brief")
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("gain", "grade", "words"), [(-1.0, "fail", "inverted"), (0.05, "warn", "-26.0 dB")])
 def test_an_inverted_or_faint_cable_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, gain: float, grade: str, words: str
@@ -159,6 +168,7 @@ def test_noise_is_judged_as_the_lines_of_a_shot(noise: float, grade: str) -> Non
     assert said.value == pytest.approx(noise + 20 * np.log10(10 * np.sqrt(5 / 44_100) / 1.58), abs=0.7)
 
 
+@pytest.mark.usefixtures("brief")
 @pytest.mark.sample(1)
 @pytest.mark.parametrize(("cubic", "grade"), [(0.0, "pass"), (0.8, "warn"), (10.0, "fail")])
 def test_a_converter_that_bends_is_found_over_the_cable(
@@ -197,6 +207,7 @@ def test_a_card_that_ends_in_the_middle_fails(tmp_path: Path, monkeypatch: pytes
     assert verdict(found, "channel map").measured == "not measured: card failed"
 
 
+@pytest.mark.usefixtures("brief")
 def test_without_a_cable_by_choice_the_rest_is_measured(tmp_path: Path) -> None:
     found = grades(wired(tmp_path, alignment="marker"))
     assert {check for check, grade in found.items() if grade == "warn"} == {"loopback", "clock", "distortion"}

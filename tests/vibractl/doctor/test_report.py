@@ -22,6 +22,7 @@ def test_every_verdict_is_on_the_page_with_its_figures(tmp_path: Path) -> None:
     assert [file.name for file in tmp_path.iterdir()] == ["doctor.html"]
 
 
+@pytest.mark.usefixtures("brief")
 def test_what_could_not_be_measured_is_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     spoil(monkeypatch, lambda _, recorded: recorded[:, 2].fill(0.0))
     write_report(tmp_path / "cable.html", examine(wired(tmp_path, SIDES * [[1, 0], [1, 0]])))

@@ -107,6 +107,7 @@ def written_as(lab: LabOfRecordings, kind: str, name: str, drive: np.ndarray, re
     return file
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("kind", "form", "name"),
     [
@@ -128,6 +129,7 @@ def test_sounds_of_every_kind_give_the_same_figures(
     assert mine["worst_line_db"] == pytest.approx(wanted(recordings)["worst_line_db"], abs=0.5)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("kind", ["csv", "tsv", "semicolon", "hdf5", "mat"])
 def test_tables_and_arrays_give_the_same_figures(recordings: LabOfRecordings, kind: str) -> None:
     file = written_as(recordings, kind, "both", *recorded_shots()[1])

@@ -22,6 +22,7 @@ def heard(lab: LabOfRecordings, delay: float, drift: float = 0.0) -> str:
     return lab.sound("late.wav", (late(response, delay, drift) + noise) / ACCELERATION)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("delay", [0.0, 573.0, 1234.37])
 def test_how_late_a_response_comes_is_found_by_the_model_and_taken_out(
     recordings: LabOfRecordings, delay: float

@@ -36,6 +36,7 @@ def test_without_noise_it_is_exact(delay: float, drift: float) -> None:
     assert shot.likeness[0] == pytest.approx(1.0, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_its_errors_are_what_it_says_they_are() -> None:
     rng, off = np.random.default_rng(5), []
     clean = moved(500.25, 10.0, 3 * RATE)

@@ -77,6 +77,7 @@ def test_a_session_is_imported_with_its_silence_and_reported(lab: LabOfFiles) ->
     assert "worst line, dB over" in lab.done("vibractl", "judge", "lab/shot.mat", *REFERENCE)
 
 
+@pytest.mark.slow
 def test_a_model_of_its_noise_gives_drives_that_it_plays_and_that_are_learned_from(
     lab: LabOfFiles, script: ModuleType
 ) -> None:

@@ -85,6 +85,7 @@ def test_each_part_changes_the_drives(part: str) -> None:
     assert np.abs(with_it.lines - without.lines).max() > 1e-6
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("outputs", "inputs"), [(1, 1), (2, 2), (4, 4), (1, 2)])
 def test_following_g_it_converges_where_the_model_alone_diverges(outputs: int, inputs: int) -> None:
     """The vibrator answers twice as strongly as the model says, and turned by 60 degrees."""

@@ -43,6 +43,7 @@ def test_a_machine_without_distortion_is_at_full_level_after_six_doublings() -> 
     assert algorithm.purpose == "learn"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("distortion", "shots"), [(0.03, 20), (0.1, 40), (0.3, 80)])
 def test_distortion_far_over_the_limit_is_learned_on_the_way_and_never_heard(distortion: float, shots: int) -> None:
     """At full level at once it is up to 30 dB over: 30 % of the reference on every line."""

@@ -31,6 +31,7 @@ def test_the_objective_is_met_and_a_run_ends_when_it_has_held() -> None:
         assert np.isnan(found.worst[met + HELD :, run]).all()
 
 
+@pytest.mark.slow
 def test_a_small_gain_takes_more_shots_and_a_tiny_one_never_gets_there() -> None:
     fast, slow, never = (runs(made_with(f"learning.gains=[{gain}]")) for gain in (0.8, 0.3, 0.001))
     assert fast.quantile(0.5) < slow.quantile(0.5) < np.inf

@@ -114,6 +114,7 @@ def test_a_table_wider_than_a_panel_has_the_whole_row(visit: Visit) -> None:
     assert not visit.tab.run("const box = document.querySelector('.wide'); return box.scrollWidth > box.clientWidth")
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("width", [1000, 1280, 1440, 1920, 2560])
 def test_the_name_of_the_state_and_how_much_is_done_stand_apart(visit: Visit, width: int) -> None:
     visit.tab.resize((width, 1000))

@@ -42,6 +42,7 @@ def test_a_run_is_recorded_and_reported(tmp_path: Path) -> None:
         "positions.png", "error.png", "control-signal.png", "models.png"}  # fmt: skip
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["mvpc", "mvpc-aw", "vpc"])
 def test_a_reference_from_a_file_under_every_other_controller(tmp_path: Path, name: str) -> None:
     wave = 1e-3 * np.sin(2.0 * np.pi * np.arange(1000) / 500.0)[:, None]

@@ -23,6 +23,7 @@ def slack_of(cases: Cases) -> np.ndarray:
     return np.tile(SLACK, (len(cases.torque), 1))
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("tie_break", ["centre", "minimum-norm"])
 @pytest.mark.parametrize("reach", [1.0, 1.2])
 def test_bounds_are_those_of_linear_programming_over_wider_ranges(reach: float, tie_break: str) -> None:

@@ -16,6 +16,7 @@ def objective_at(cases: Cases, n: int, force: np.ndarray) -> float:
     return reference(given, 0)[0]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("reach", "samples"), [(1.0, 700), (1.5, 650), (4.0, 650)])
 def test_the_objective_is_that_of_a_reference_solver(reach: float, samples: int) -> None:
     """2000 cases in all, with noise that is correlated between joints."""
@@ -26,6 +27,7 @@ def test_the_objective_is_that_of_a_reference_solver(reach: float, samples: int)
     assert (reach == 1.0) == (not expected[expected > 1e-9].size)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("tie_break", ["centre", "minimum-norm"])
 @pytest.mark.parametrize("reach", [1.0, 1.5, 4.0])
 def test_the_estimate_is_optimal_and_its_box_is_that_of_linear_programming(reach: float, tie_break: str) -> None:
