@@ -10,12 +10,12 @@ import typer
 
 from calibration.experiment import RawFolder
 from calibration.output import AgainOption, Output, RecomputeOption, Wish, output
+from calibration.stage_axes import order as orders
 from calibration.stage_axes.bench import Bench, ExcitedAxis, RecordedBench
 from calibration.stage_axes.calibration import AxisCalibration, calibrate_axes
 from calibration.stage_axes.experiment import KEPT, KIND, require_room
 from calibration.stage_axes.files import ALL, axes_of, results, write
 from calibration.stage_axes.live_bench import LiveBench
-from calibration.stage_axes.order import MOST
 from calibration.stage_axes.report import (
     INNER_HEAD,
     MODEL_HEAD,
@@ -63,8 +63,8 @@ def stage_command(
     over = laid_over(settings, {"simulator.options.seed": seed, "session.live": live})
     rig = rig_file.load(config, StageConfig, over)
     axes = axes_of(rig, axis)
-    if order is not None and not 1 <= order <= MOST:
-        raise ValueError(f"--order is {order}, must be 1 to {MOST}")
+    if order is not None and not 1 <= order <= orders.MOST:
+        raise ValueError(f"--order is {order}, must be 1 to {orders.MOST}")
     if method not in ("moesp", "n4sid"):
         raise ValueError(f"--method is {method!r}, must be moesp or n4sid")
     made = results(rig, axis, out)
