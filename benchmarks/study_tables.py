@@ -20,6 +20,7 @@ from rigkit.study.tables import endings_table, markdown
 KEPT = DOCS / "populations"
 PAGE = DOCS / "populations.md"
 PLACES = {
+    "around": "calibration.md",
     "learning": "learning.md",
     "prediction": "predict.md",
     "quiet": "calibration.md",
