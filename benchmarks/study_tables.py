@@ -51,7 +51,8 @@ def pages() -> dict[Path, str]:
     for file in kept:
         if file.stem in PLACES:
             page = DOCS / PLACES[file.stem]
-            texts[page] = replaced(page.read_text(encoding="utf-8"), file.stem, tables(file, StudyReport.of(file)))
+            text = texts.get(page) or page.read_text(encoding="utf-8")
+            texts[page] = replaced(text, file.stem, tables(file, StudyReport.of(file)))
     return texts
 
 

@@ -56,3 +56,17 @@ def test_a_prediction_beyond_the_run_is_right_where_nothing_was_observed_either(
     said = predicted_beside_observed([*rows, replace(made, status=1)])
     assert "within 3 shots of what was observed on 2 of 3" in said
     assert said.endswith("predicted on 2.")
+
+
+def test_two_studies_have_their_tables_on_one_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(study_tables, "KEPT", tmp_path / "kept")
+    monkeypatch.setattr(study_tables, "DOCS", tmp_path)
+    monkeypatch.setattr(study_tables, "PLACES", {"one": "page.md", "two": "page.md"})
+    page = tmp_path / "page.md"
+    page.write_text("".join(f"<!-- {name} -->\n<!-- end of {name} -->\n" for name in ("one", "two")))
+    for name, value in (("one", 0.25), ("two", 0.5)):
+        with StudyFolder(tmp_path / name, plan_of(tmp_path)) as folder:
+            Study(folder).run(Hands(lambda task, value=value: outcome(task, value=value)), Meter(), StopRequest())
+        take_in(tmp_path / name)
+    for text in ("| 0.25 | 0.25 |", "| 0.5 | 0.5 |"):
+        assert text in pages()[page]
