@@ -78,16 +78,16 @@ def measure_by_multisine(config: RigConfig, raw: RawFolder, emit: Emit, provenan
     ------
     Pintelon and Schoukens 2012, System Identification, sec. 4.3 and 7.
     """
-    emitted, over, within = 0.0, -np.inf, None
+    emitted, over, within, name = 0.0, -np.inf, None, "multisine"
     limit = EmissionLimit.of(config) if config.characterisation.quiet else _limit_of_a_reference(config)
     if config.characterisation.quiet and limit is not None:
         within = limit
         design, detection, emitted, over = _scouted(config, within, raw, emit)
+    elif config.characterisation.around == "reference":
+        name = "around-reference"
+        design, detection, emitted, over = _at_work(config, limit, raw, emit)
     else:
         design, detection = flat_design(config)
-        if config.characterisation.around == "reference":
-            design, emitted, over = _at_work(config, limit, raw, emit)
-    name = "multisine" if config.characterisation.around == "band" else "around-reference"
     plan = multisine_plan(config, name, design, limit=within)
     spectra, heard = _recorded(plan, design, config, raw, emit)
     about = {**provenance, "recording": f"{raw.path.name}/{plan.name}-*.wav, fingerprint {plan.fingerprint}"}
@@ -127,9 +127,11 @@ def _scouted(
     return shaped, detection, emitted, over
 
 
-def _at_work(config: RigConfig, limit: EmissionLimit | None, raw: RawFolder, emit: Emit) -> tuple[Design, float, float]:
-    """Measure around a band's preload what the reference needs, and put it in its place: design, s, dB."""
-    first, _ = flat_design(config)
+def _at_work(
+    config: RigConfig, limit: EmissionLimit | None, raw: RawFolder, emit: Emit
+) -> tuple[Design, np.ndarray, float, float]:
+    """Measure around a band's preload what the reference needs, and put it in its place; returns as `_scouted`."""
+    first, detection = flat_design(config)
     plan = multisine_plan(config, "multisine", first)
     spectra, _ = _recorded(plan, first, config, raw, emit)
     working = reference_drive(config, _model(config, first, spectra, {}), np.random.default_rng(SEED))
@@ -137,7 +139,7 @@ def _at_work(config: RigConfig, limit: EmissionLimit | None, raw: RawFolder, emi
     design, _ = design_of(config, settings.records, settings.level, working)
     asked = f"characterisation.around = reference, at reference.amplitude {config.reference.amplitude:g} m/s^2,"
     refuse_too_loud(config, design, asked)
-    return design, emitted_seconds(plan), -np.inf if limit is None else _over(limit, first, spectra)
+    return design, detection, emitted_seconds(plan), -np.inf if limit is None else _over(limit, first, spectra)
 
 
 def _over(limit: EmissionLimit, design: Design, spectra: Spectra) -> float:

@@ -7,7 +7,7 @@ import numpy as np
 from calibration.multisine import crest_phases, lines_to_time, low_crest
 from vibractl.config import RigConfig
 from vibractl.fft_plans import Plans
-from vibractl.learning.law import Law, learning_law
+from vibractl.learning.law import learning_law
 from vibractl.setup import reference_of
 from vibractl.transfer_matrix import TransferMatrix
 
@@ -68,7 +68,8 @@ def reference_drive(config: RigConfig, matrix: TransferMatrix, rng: np.random.Ge
     settings, rate = config.characterisation, float(config.audio.rate)
     reference = reference_of(config)
     law = learning_law(config.learning.model_copy(update={"start": "inverse"}), matrix, reference, rate, Plans())
-    frequency, drive = law.matrix.frequency, _coil_drives(law, len(reference.signal) / rate)
+    frequency, seconds = law.matrix.frequency, len(reference.signal) / rate
+    drive = 2.0 / seconds * (law.start @ law.spread.T)  # of steady tones over the reference
     power = np.sum(np.abs(drive) ** 2, axis=1)
     counts = frequency[power >= LEAST * power.max()]
     bins = _odd_bins((counts[0], counts[-1]), settings.period)
@@ -83,12 +84,6 @@ def reference_drive(config: RigConfig, matrix: TransferMatrix, rng: np.random.Ge
     phase = crest_phases(bins, amplitude[:, strongest] / amplitude[:, strongest].max(), rng)
     lines = amplitude * np.exp(1j * (phase[:, None] + np.angle(turned)))
     return WorkingDrive(lines_to_time(bins, lines, round(settings.period * rate)), bins)
-
-
-def _coil_drives(law: Law, seconds: float) -> np.ndarray:
-    """Return the first drive's lines as amplitudes of steady tones over the reference, (lines, coils), V."""
-    amplitude: np.ndarray = 2.0 / seconds * (law.start @ law.spread.T)
-    return amplitude
 
 
 def _odd_bins(band: tuple[float, float], period: float) -> np.ndarray:

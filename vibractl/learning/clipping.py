@@ -77,23 +77,21 @@ def found_cut(drive: np.ndarray, unexplained: np.ndarray, heard: Callable[[np.nd
         return _Fit(level, factor, abs(factor) ** 2 * size / power)
 
     every = tuple(range(drive.shape[1]))
-    best: tuple[tuple[int, ...], _Fit] | None = None
+    coarse = {}
     for coils in dict.fromkeys([every, *((coil,) for coil in every)]):
         top = float(peaks[list(coils)].max())
-        coarse = max((fit(coils, top * part) for part in COARSE), key=lambda each: each.share)
-        if best is None or coarse.share > best[1].share:
-            best = coils, coarse
-    if best is None or best[1].share < SHARE / 2:
+        coarse[coils] = max((fit(coils, top * part) for part in COARSE), key=lambda each: each.share)
+    coils = max(coarse, key=lambda each: coarse[each].share)
+    if coarse[coils].share < SHARE / 2:
         return None
-    coils = best[0]
-    found = max((fit(coils, best[1].level * part) for part in FINE), key=lambda each: each.share)
+    found = max((fit(coils, coarse[coils].level * part) for part in FINE), key=lambda each: each.share)
     if found.share < SHARE or abs(found.factor - 1) > NEAR:
         return None
     return Cut(coils, found.level, found.share)
 
 
 class Clipping:
-    """Follows whether drives are cut off: it is believed when two shots in a row that show it agree on the level.
+    """Follows whether drives are cut off: two shots that show it must agree on the level.
 
     Attributes
     ----------

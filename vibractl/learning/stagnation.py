@@ -14,7 +14,6 @@ GAIN = 1.0
 """dB by which a shot must be better than the best before."""
 LITTLE = 0.3
 """Of the schedule's gain: what is less is held back by caution."""
-_NOISE, _AS_STRONG = "noise and hum", "are about as strong as the error"
 
 
 class Stagnation:
@@ -54,24 +53,26 @@ class Stagnation:
         if self._since < WAIT:
             return None
         said = bool(self.text)
-        reason = f"{_NOISE} at {hz:.1f} Hz {_AS_STRONG}" if is_hidden else _reason(hz, shot, algorithm)
-        self.text = f"learning stands still, because {reason}"
+        self.text = f"learning stands still, because {_reason(hz, shot, algorithm, is_hidden)}"
         if said:
             return None
         return Decision("stands_still", {"over_db": tidy(over_db), "at_hz": tidy(hz), "because": self.text})
 
 
-def _reason(hz: float, shot: Shot, algorithm: Algorithm) -> str:
+def _reason(hz: float, shot: Shot, algorithm: Algorithm, is_hidden: bool) -> str:
     """Say what stands in the way at the line of a frequency, Hz."""
     law, daring = algorithm.law, algorithm.daring
     frequency = law.matrix.frequency
     line = int(np.argmin(np.abs(frequency - hz)))
     where = f"at {hz:.1f} Hz"
+    hidden = f"noise and hum {where} are about as strong as the error"
+    if is_hidden:
+        return hidden
     if abs(frequency[line] - hz) > 0.5 * (frequency[1] - frequency[0]) or not daring.is_open[line]:
         return f"nothing is learned {where}"
     error = law.reference - shot.response
     if np.all(np.abs(error[line]) ** 2 <= noise_reach(shot.noise[line], len(frequency))):
-        return f"{_NOISE} {where} {_AS_STRONG}"
+        return hidden
     gain = float(daring.gain[line])
     if gain >= LITTLE * daring.nominal:
         bound = f"the bound on what is left of an error is {daring.certificate[line]:.2f}"
