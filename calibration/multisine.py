@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.fade import rise
+from rigkit.fade import rise
 
 FADE = 0.1
 """s, raised-cosine ends of a record; the first is part of the run-in."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.fade import rise
+from rigkit.fade import rise
 
 REST = 0.4
 """s more to settle at the start of a batch and at a change of side, where amplitudes and not only frequencies move."""

@@ -68,8 +68,9 @@ def reference_drive(config: RigConfig, matrix: TransferMatrix, rng: np.random.Ge
     settings, rate = config.characterisation, float(config.audio.rate)
     reference = reference_of(config)
     law = learning_law(config.learning.model_copy(update={"start": "inverse"}), matrix, reference, rate, Plans())
-    frequency, seconds = law.matrix.frequency, len(reference.signal) / rate
-    drive = 2.0 / seconds * (law.start @ law.spread.T)  # of steady tones over the reference
+    frequency = law.matrix.frequency
+    seconds = np.sqrt(len(reference.signal) * len(reference.sounded)) / rate
+    drive = 2.0 / seconds * (law.start @ law.spread.T)  # of steady tones, as strong as it is while the reference lasts
     power = np.sum(np.abs(drive) ** 2, axis=1)
     counts = frequency[power >= LEAST * power.max()]
     bins = _odd_bins((counts[0], counts[-1]), settings.period)

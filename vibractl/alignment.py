@@ -5,6 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rigkit.fade import rise
+
 LOOPBACK_BAND = (1000.0, 8000.0)
 MARKER_BAND = (1000.0, 4000.0)
 _SECONDS = 0.0232
@@ -56,9 +58,8 @@ def timing_signal(rate: float, band: tuple[float, float], amplitude: float) -> n
     time = np.arange(length) / rate
     chirp = np.sin(2 * np.pi * (low * time + (high - low) / (2 * length / rate) * time**2))
     edge = max(1, round(_EDGE * length))
-    fade = 0.5 - 0.5 * np.cos(np.pi * (np.arange(edge) + 0.5) / edge)
-    chirp[:edge] *= fade
-    chirp[-edge:] *= fade[::-1]
+    chirp[:edge] *= rise(edge)
+    chirp[-edge:] *= rise(edge)[::-1]
     return np.asarray(amplitude * chirp)
 
 

@@ -81,4 +81,4 @@ class Judging:
         if not max(outputs) < sensors:
             raise ValueError(f"learning.side is {side}, must be 1 to {sensors}, or 0")
         near = at_accelerometers(Decimator(config.learning.decimation).apply(reference.signal), outputs)
-        return cls(config, reference, timeline(config, len(reference.signal)), (near,))
+        return cls(config, reference, timeline(config, reference), (near,))

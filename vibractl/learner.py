@@ -4,34 +4,42 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rigkit.fade import rise
 from vibractl.config import RigConfig
+from vibractl.decibels import FAINT
 from vibractl.fft_plans import Plans
 from vibractl.learning.algorithm import Algorithm
 from vibractl.learning.disturbance import noise_power
 from vibractl.learning.shot import Shot
 from vibractl.mains import Hum, Mains, Pieces
 from vibractl.place import Place
+from vibractl.reference import Reference
 from vibractl.spectrum import Decimator, LineSpectrum
 from vibractl.trial import Trial
 
+SAME, ROUNDS = 1e-4, 50
+"""Of a drive's rms: what lines found for it may leave of it, and after how many rounds no more is looked for."""
 ALIKE = 1e-3
 """Of a drive's rms, by which one rebuilt may differ from the recorded one and still be taken for it."""
 
 
 @dataclass(frozen=True)
 class Timeline:
-    """A shot in samples: silence, the reference, silence.
+    """A shot in samples: silence, the frame that is learned from and judged, silence.
 
     Parameters
     ----------
     lead, frames, tail : int, samples
     rate : float, samples/s
+    rest : int, samples
+        At the end of the frame, in which the reference is over and the vibrator comes to rest.
     """
 
     lead: int
     frames: int
     tail: int
     rate: float
+    rest: int = 0
 
     @property
     def total(self) -> int:
@@ -40,29 +48,44 @@ class Timeline:
 
     @property
     def window(self) -> slice:
-        """Where the reference lies."""
+        """The frame."""
         return slice(self.lead, self.lead + self.frames)
 
+    @property
+    def sounded(self) -> int:
+        """Samples that the reference lasts."""
+        return self.frames - self.rest
 
-def timeline(config: RigConfig, frames: int) -> Timeline:
-    """Return the shot for a reference of `frames` samples; its silences are multiples of the decimation."""
+    @property
+    def after(self) -> int:
+        """Samples of the shot after the reference."""
+        return self.rest + self.tail
+
+
+def timeline(config: RigConfig, reference: Reference) -> Timeline:
+    """Return the shot of a reference, which is the frame; its silences are multiples of the decimation."""
+    lead, after = silences(config)
+    return Timeline(lead, len(reference.signal), after - reference.rest, config.audio.rate, reference.rest)
+
+
+def silences(config: RigConfig) -> tuple[int, int]:
+    """Return how long it is silent before a reference, and after it, samples: multiples of the decimation."""
     step, rate = config.learning.decimation, config.audio.rate
-    lead, tail = (-(-round(seconds * rate) // step) * step for seconds in (config.shot.lead, config.shot.tail))
-    return Timeline(lead, frames, tail, rate)
+    lead, after = (-(-round(seconds * rate) // step) * step for seconds in (config.shot.lead, config.shot.tail))
+    return lead, after
 
 
 class Learner(Trial):
     """Frequency-domain ILC as a Block: `process` streams the trial, `advance` moves to the next one.
 
-    The drive consists of the learned lines alone, with short raised-cosine edges, and is kept in float32's values so
-    that what is recorded is what was meant.
+    The drive consists of the learned lines alone, with short raised-cosine edges, and rests before the frame ends, so
+    that the vibrator has rung out by then.  It is kept in float32's values so that what is recorded is what was meant.
 
     Parameters
     ----------
     algorithm : Algorithm
     shot : Timeline
     decimation : int, 1 or 4, of the response before it is transformed
-    edge : float, s, of the drive at both ends
     responses : int, accelerometers recorded
     place : Place
         Of the sensors that are learned from.
@@ -76,7 +99,6 @@ class Learner(Trial):
         algorithm: Algorithm,
         shot: Timeline,
         decimation: int,
-        edge: float,
         responses: int,
         place: Place,
         plans: Plans,
@@ -93,7 +115,7 @@ class Learner(Trial):
         self._analysis = LineSpectrum(learned, len(place.sensors), rate, band, plans)
         self._synthesis = LineSpectrum(shot.frames, law.spread.shape[1], shot.rate, band, plans)
         self._signal = np.zeros((shot.frames, law.spread.shape[1]))
-        self._edge = _edges(shot.frames, round(edge * shot.rate))[:, None]
+        self._edge = _edges(shot.frames, round(law.edge * shot.rate), round(law.rest * shot.rate))[:, None]
         self.restart()
 
     def restart(self) -> None:
@@ -162,8 +184,25 @@ class Learner(Trial):
         return drive
 
     def lines_of(self, drive: np.ndarray) -> np.ndarray:
-        """Return the lines (lines, inputs), V s, of a drive while the reference lasts, (frames, coils), V."""
-        return self._synthesis.lines(drive / self._edge @ np.linalg.pinv(self.algorithm.law.spread).T)
+        """Return the lines (lines, inputs), V s, of which a drive is made, (frames, coils), V: of `rendered`.
+
+        Its edges have hidden some of them: conjugate gradients find such as make the same drive.
+        """
+        left = drive @ np.linalg.pinv(self.algorithm.law.spread).T
+        lines, enough = np.zeros(self.lines.shape, complex), SAME * float(np.linalg.norm(left))
+        slope = direction = self._synthesis.lines(self._edge * left)
+        steepness = np.vdot(slope, slope).real
+        for _ in range(ROUNDS):
+            if float(np.linalg.norm(left)) <= enough:
+                break
+            self._synthesis.time(direction, self._signal)
+            made = self._edge * self._signal
+            pace = float(np.sum(made * left)) / max(float(np.sum(made**2)), FAINT)
+            lines, left = lines + pace * direction, left - pace * made
+            slope = self._synthesis.lines(self._edge * left)
+            before, steepness = steepness, np.vdot(slope, slope).real
+            direction = slope + steepness / max(before, FAINT**2) * direction
+        return lines
 
     def _play(self) -> None:
         """Put the drive of the present lines into the trial."""
@@ -173,10 +212,11 @@ class Learner(Trial):
         self.rewind()
 
 
-def _edges(frames: int, edge: int) -> np.ndarray:
-    """Return a window (frames,) of ones with raised-cosine edges of `edge` samples."""
-    window = np.ones(frames)
-    rise = 0.5 - 0.5 * np.cos(np.pi * (np.arange(edge) + 0.5) / edge)
-    window[:edge] = rise
-    window[len(window) - edge :] = rise[::-1]
+def _edges(frames: int, edge: int, rest: int) -> np.ndarray:
+    """Return a window (frames,) of ones with raised-cosine edges of `edge` samples, and `rest` of zeros at its end."""
+    sounded = frames - rest
+    window = np.zeros(frames)
+    window[:sounded] = 1.0
+    window[:edge] = rise(edge)
+    window[sounded - edge : sounded] = rise(edge)[::-1]
     return window

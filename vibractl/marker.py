@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from rigkit.fade import rise
 from vibractl import alignment
 from vibractl.config import Audio, Limits
 from vibractl.proof import LARGEST_ROUND_TRIP, Emission, Evidence, evidence
@@ -38,7 +39,7 @@ class Marker:
         self._chirp = alignment.timing_train(chirp, CHIRPS)
         self._lead = len(chirp) // 2  # of the window before the marker, and of silence for it
         self._window = np.ones(len(self._chirp) + 2 * self._lead)
-        self._window[: self._lead] = 0.5 - 0.5 * np.cos(np.pi * (np.arange(self._lead) + 0.5) / self._lead)
+        self._window[: self._lead] = rise(self._lead)
         self._window[-self._lead :] = self._window[self._lead - 1 :: -1]
         self._gap = round(GAP * audio.rate)
         self._template = np.zeros(len(self._window))

@@ -68,10 +68,12 @@ class Place:
         Returns
         -------
         array, shape (frames, sensors), the same unit
+            Silent where the recording has ended.
         """
         frames = len(self.reference)
-        starts = (first + late for late in self.late)
-        return np.stack([heard[start : start + frames, column] for column, start in enumerate(starts)], axis=1)
+        starts, beyond = [first + late for late in self.late], first + max(self.late) + frames - len(heard)
+        padded = np.pad(heard, ((0, max(beyond, 0)), (0, 0)))
+        return np.stack([padded[start : start + frames, column] for column, start in enumerate(starts)], axis=1)
 
 
 def at_accelerometers(reference: np.ndarray, outputs: tuple[int, ...]) -> Place:

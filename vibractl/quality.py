@@ -238,7 +238,7 @@ class Judge:
     def _ambience(self, measured: np.ndarray, hum: Hum | None) -> np.ndarray:
         """Return E |line|^2, (lines, outputs), (m/s^2 s)^2, of noise as in the quieter silence, and the hum's rest."""
         step, frames = self._decimator.factor, len(self._reference)
-        lead, tail = measured[: self._shot.lead // step], measured[-(self._shot.tail // step) // 2 :]
+        lead, tail = measured[: self._shot.lead // step], measured[-(self._shot.after // step) // 2 :]
         power = [noise_power(part, self._rate, self.frequency, frames) for part in (lead, tail)]
         noise: np.ndarray = np.minimum(*power) * np.mean(np.square(self._settled))
         return noise if hum is None else noise + hum.doubted(self.frequency, self._seconds, self._root is not None)

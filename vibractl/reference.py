@@ -1,7 +1,7 @@
 """What the vibrator is to emit: a chirp, a sine, or a recording."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -28,12 +28,24 @@ class Reference:
         Frequency of a sine; None for anything else.
     taper : float, 1
         Part of it that is tapered at each end.
+    rest : int, samples
+        At its end, in which it is silent and the vibrator comes to rest.
     """
 
     text: str
     signal: np.ndarray
     root: float | None = None
     taper: float = 0.0
+    rest: int = 0
+
+    @property
+    def sounded(self) -> np.ndarray:
+        """The signal without its rest, (frames, outputs), m/s^2."""
+        return self.signal[: len(self.signal) - self.rest]
+
+    def with_rest(self, rest: int) -> "Reference":
+        """Return it with so many samples of silence after it."""
+        return replace(self, signal=np.pad(self.signal, ((0, rest), (0, 0))), rest=self.rest + rest)
 
 
 def reference_from(

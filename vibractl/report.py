@@ -68,7 +68,7 @@ def run_report(path: Path, png: Path | None = None) -> dict[str, Any]:
 def _reference_name(result: Result) -> str:
     reference = result.made.reference
     if is_file(reference.text):
-        return f"Recording {Path(reference.text).name}, {result.seconds:.3g} s,"
+        return f"Recording {Path(reference.text).name}, {result.made.shot.sounded / result.made.shot.rate:.3g} s,"
     kind, *numbers = reference.text.split(":")
     return f"{kind.capitalize()} of {' to '.join(numbers[:-1])} Hz, {numbers[-1]} s,"
 

@@ -8,8 +8,9 @@ from vibractl.config import RigConfig
 from vibractl.far_field import FarField
 from vibractl.fft_plans import Plans, Transform
 from vibractl.guard import Violation, violation
-from vibractl.learner import Learner, Timeline, timeline
+from vibractl.learner import Learner, Timeline, silences, timeline
 from vibractl.learning.algorithm import Algorithm
+from vibractl.learning.edges import with_edges
 from vibractl.learning.far_field_law import far_field_law, shared_text
 from vibractl.learning.law import Law, learning_law
 from vibractl.learning.warm_start import KnownDrive
@@ -84,19 +85,16 @@ class Setup:
         """Return a learner at its first drive."""
         config = self.config
         responses = len(config.audio.response_channels)
-        edge = config.limits.ramp
-        if self.reference.root is not None:  # the overtones rise and fall with the root
-            edge = max(edge, self.reference.taper * self.shot.frames / self.shot.rate)
         step = config.learning.decimation
         mains = self.mains(self.learned)
-        return Learner(self.algorithm(), self.shot, step, edge, responses, self.learned, self.plans, mains)
+        return Learner(self.algorithm(), self.shot, step, responses, self.learned, self.plans, mains)
 
     def mains(self, place: Place) -> Mains | None:
         """Return what follows the mains' hum at a place; None where it is not to be, or no silence follows a shot."""
         if not self.config.quality.mains:
             return None
         step, shot = self.config.learning.decimation, self.shot
-        lead, tail, rate = shot.lead // step, shot.tail // step - max(place.late), shot.rate / step
+        lead, tail, rate = shot.lead // step, shot.after // step - max(place.late), shot.rate / step
         if tail < PIECE * rate:
             return None
         highest = max(self.config.learning.band[1], self.config.quality.judged_to)
@@ -107,9 +105,13 @@ class Setup:
 
 
 def reference_of(config: RigConfig) -> Reference:
-    """Make the reference that the settings ask for, as wide as the accelerometers controlled."""
+    """Make the reference that the settings ask for, as wide as the accelerometers controlled.
+
+    The silence after it is part of it: until then the vibrator is to have come to rest.  Of a sine, only the steady
+    state counts.
+    """
     controlled = 1 if config.learning.side else len(config.audio.response_channels)
-    return reference_from(
+    reference = reference_from(
         config.reference.signal,
         config.audio.rate,
         config.reference.amplitude,
@@ -118,6 +120,7 @@ def reference_of(config: RigConfig) -> Reference:
         config.learning.decimation,
         config.reference.full_scale,
     )
+    return reference if reference.root is not None else reference.with_rest(silences(config)[1])
 
 
 def transforms(config: RigConfig, frames: int) -> tuple[Transform, ...]:
@@ -145,6 +148,20 @@ def judged_lines(law: Law, reference: Reference, config: RigConfig) -> np.ndarra
     if reference.root is not None:
         return judged & (frequency > 1.5 * reference.root)
     return judged & (frequency >= quality.above)
+
+
+def drive_edges(config: RigConfig, reference: Reference) -> tuple[float, float]:
+    """Return the length of the edges of a learned drive, and of its rest, s: a sine's has at least its taper."""
+    if reference.root is None:
+        return config.limits.ramp, 0.5 * reference.rest / config.audio.rate
+    taper = reference.taper * len(reference.signal) / config.audio.rate
+    return max(config.limits.ramp, taper), 0.0  # the overtones rise and fall with the root
+
+
+def _importance(law: Law, reference: Reference, config: RigConfig) -> np.ndarray:
+    """Return how much each line counts, (lines,), 1: one that is judged by as much as it is to be fainter."""
+    importance: np.ndarray = np.where(judged_lines(law, reference, config), 10 ** (-config.quality.objective / 20), 1.0)
+    return importance
 
 
 def setup(
@@ -183,10 +200,11 @@ def setup(
     places = _places(config, reference, law, far)
     if config.learning.sensors == "far-field" and far is not None:
         law = far_field_law(law, matrix, far, places[1], config.audio.rate / config.learning.decimation, plans)
+    law = with_edges(law, *drive_edges(config, reference), _importance(law, reference, config))
     known = _known_drive(entry, law, reference, config)
     for transform in transforms(config, len(reference.signal)):
         plans.planned(transform)  # all of them now, so that they can be stored before the first shot
-    return Setup(config, reference, law, timeline(config, len(reference.signal)), places, known, plans)
+    return Setup(config, reference, law, timeline(config, reference), places, known, plans)
 
 
 def warm_setup(

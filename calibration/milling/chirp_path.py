@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.fade import rise
+from rigkit.fade import rise
 from stagectl.robot.pocket_config import Pocket
 from stagectl.robot.tool_path import ramped
 from stagectl.trials.tool_path import RATE, ToolPath

@@ -121,10 +121,10 @@ def _learner() -> Block:
     response = np.broadcast_to(np.eye(2) + 0j, (len(lines), 2, 2))
     matrix = TransferMatrix(lines, response, np.zeros(response.shape), np.ones(response.shape))
     start, active = np.full((len(lines), 2), 1e-3 + 0j), np.ones(len(lines))
-    law = Law(matrix, response, Learning(), 2 * start, start, Gains((0.5,), ()), active, (0, 1), np.eye(2))
+    law = Law(matrix, response, Learning(), 2 * start, start, Gains((0.5,), ()), active, (0, 1), np.eye(2), edge=0.002)
     place = at_accelerometers(np.zeros((shot.frames // 4, 2)), (0, 1))
     mains = Mains(16, 60, shot.total // 4, shot.rate / 4, 650.0)
-    return Learner(Algorithm(law, Adaptation(), Watch(), -40.0), shot, 4, 0.002, 2, place, plans, mains)
+    return Learner(Algorithm(law, Adaptation(), Watch(), -40.0), shot, 4, 2, place, plans, mains)
 
 
 STAGE_MODEL = InnovationModel(

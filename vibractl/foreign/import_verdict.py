@@ -96,7 +96,7 @@ def spoiled(scanned: Scanned, made: Setup | Judging) -> dict[int, str]:
     recorded, found = scanned.recorded, {}
     sides = [recorded.heard.start + side for side in made.places[0].sensors]
     for shot in scanned.shots:
-        first, end = shot.placed.response, shot.placed.response + made.shot.frames
+        first, end = shot.placed.response, shot.placed.response + made.shot.sounded
         at = f"{recorded.name}: shot {shot.number} at {first / made.shot.rate:.3f} s"
         if first < 0 or end > recorded.frames:
             found[shot.number] = f"{at}: is cut off, its reference must lie within 0 to {recorded.frames} samples"
@@ -267,7 +267,7 @@ def _wired(kind: str, exchange: Exchange) -> str:
 def _is_amid(fault: SampleFault, shot: FoundShot, made: Setup | Judging) -> bool:
     """Whether equal samples lie where the reference moves, and so are no silence."""
     first, end = fault.first - shot.placed.response, fault.end - shot.placed.response
-    if first <= 0 or end >= made.shot.frames:
+    if first <= 0 or end >= made.shot.sounded:
         return False
     reference, beside = made.reference.signal, round(BESIDE * made.shot.rate)
     near = np.abs(reference[max(first - beside, 0) : end + beside])

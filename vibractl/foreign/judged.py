@@ -84,8 +84,8 @@ def judged(made: Judging, response: Signals, silence: Signals | None) -> Verdict
     quiet = None if silence is None else silent_lines(judge, silence, made.shot)
     sides, shot, name = list(made.places[0].sensors), made.shot, response.path
     found = _found(made.reference.signal, response, sides)
-    if found.frames < shot.frames:
-        raise RecordingError(f"{name}: {found.frames} samples, must be at least {shot.frames}, the reference's")
+    if found.frames < shot.sounded:
+        raise RecordingError(f"{name}: {found.frames} samples, must be at least {shot.sounded}, the reference's")
     if found.is_silent:
         raise RecordingError(f"{name}: silent, must hold a response")
     if not found.likeness >= LIKE:

@@ -170,15 +170,15 @@ def open_recorded(
             f"{response}: {heard.frames} samples, must be {played.frames}{most}: {drive} has as many, sample by sample "
             "beside it"
         )
-    if played.frames < shot.frames:
-        raise RecordingError(f"{drive}: {played.frames} samples, must be at least {shot.frames}, the reference's")
+    if played.frames < shot.sounded:
+        raise RecordingError(f"{drive}: {played.frames} samples, must be at least {shot.sounded}, the reference's")
     wanted = np.concatenate(list(played.blocks()))
     return Recorded(played, heard, wanted, widths, _begins(played, shot))
 
 
 def _begins(track: Track, shot: Timeline) -> int | None:
     """Return where the reference begins in a drive that is as long as a shot, or as the reference."""
-    return {shot.total: shot.lead, shot.frames: 0}.get(track.frames)
+    return {shot.total: shot.lead, shot.frames: 0, shot.sounded: 0}.get(track.frames)
 
 
 def _files(text: str) -> list[Path]:

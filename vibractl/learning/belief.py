@@ -40,17 +40,18 @@ class Belief:
     """
 
     def __init__(self, law: Law, parts: Adaptation) -> None:
-        is_tonal, model = bool(np.any(law.active == 0.0)), law.matrix
+        is_tonal, model = law.is_tonal, law.matrix
         neighbours = 0 if is_tonal else parts.neighbours
         linked = parts.model and neighbours > 0
         swings = swings_of(model.inputs) if parts.variation and linked else None
-        variation = None if swings is None else Variation(model.frequency, swings)
+        couples = parts.model and not is_tonal
+        variation = Variation(model.frequency, law.edge, law.rest, swings) if couples else None
         self._settings, self._parts = law.settings, parts
         self._filter = LineFilter(model.response, model.variance, parts.walk, parts.doubt, neighbours, variation)
         self._stretch = Stretch(model.frequency, model.response) if parts.stretch and linked else None
         self.reach = 0 if is_tonal else REACH
         self._disturbance = Disturbance(law.reference, parts.coupling, self.reach)
-        self.inverse, self._weight = law.inverse, np.array(law.settings.weights or np.ones(model.outputs))
+        self.inverse, self._weight = law.inverse, law.weight
         self._before: Shot | None = None
 
     @property
@@ -66,6 +67,10 @@ class Belief:
     def explained(self, drive: np.ndarray) -> np.ndarray:
         """Return G U (lines, outputs), m/s^2 s, of lines U (lines, inputs), V s."""
         return self._filter.explained(drive)
+
+    def emitted(self, drive: np.ndarray) -> np.ndarray:
+        """Return what is emitted of lines (lines, inputs), V s: those of the drive with its edges."""
+        return self._filter.emitted(drive)
 
     def disturbance(self, shot: Shot, change: np.ndarray) -> np.ndarray:
         """Return E |v|^2 (lines,), (m/s^2 s)^2, of what changes a response by itself when G U changes by so much.
@@ -97,10 +102,10 @@ class Belief:
         step, change = shot.drive - before.drive, shot.response - before.response
         noise = self._noise_of(shot, before, step, change)
         if self._stretch is not None:
-            surprise = change - self.explained(step)
-            shift = self._stretch.observe(before.drive, surprise, noise + self._filter.spread(step))
+            surprise, played = change - self.explained(step), self.emitted(before.drive)
+            shift = self._stretch.observe(played, surprise, noise + self._filter.spread(step))
             self._filter.shift(shift)
-            change = change - (shift @ before.drive[..., None])[..., 0]
+            change = change - (shift @ played[..., None])[..., 0]
         self._filter.observe(step, change, noise)
         self.inverse = bounded_inverse(self.response, self._settings)
 
@@ -134,10 +139,9 @@ class Belief:
         """
         coming = np.zeros_like(error)
         if self._stretch is not None:
-            coming = (self._stretch.coming() @ drive[..., None])[..., 0]
-        if self._before is None or not self._filter.varies:
-            following = update(drive, self.inverse, error, gain)
-            return following if self._stretch is None else update(following, self.inverse, -coming, is_open)
+            coming = (self._stretch.coming() @ self.emitted(drive)[..., None])[..., 0]
+        if not self._filter.couples:
+            return update(drive, self.inverse, error, gain)
         wanted, inverse = gain[:, None] * error - coming, self.inverse * is_open[:, None, None]
         changed: np.ndarray = drive + self._filter.step_for(wanted, inverse, self._weight)
         return changed

@@ -40,6 +40,10 @@ class Law:
         Which coils each learned input drives.
     window : array, shape (frames, 1), or 1.0
         By which responses are multiplied before they are transformed.
+    edge, rest : float, s
+        The drive's raised cosines at both ends, and how long it rests then until the frame's end.
+    importance : array, shape (lines,), or 1.0
+        How much a line counts where one is better only as another is worse.
     """
 
     matrix: TransferMatrix
@@ -52,6 +56,21 @@ class Law:
     outputs: tuple[int, ...]
     spread: np.ndarray
     window: np.ndarray | float = 1.0
+    edge: float = 0.0
+    rest: float = 0.0
+    importance: np.ndarray | float = 1.0
+
+    @property
+    def is_tonal(self) -> bool:
+        """Whether lines stand apart: a sine's root and overtones."""
+        return bool(np.any(self.active == 0.0))
+
+    @property
+    def weight(self) -> np.ndarray:
+        """How much each line of each output counts, (lines, outputs), 1."""
+        outputs = np.array(self.settings.weights or np.ones(self.reference.shape[1]))
+        weight: np.ndarray = np.reshape(self.importance, (-1, 1)) * np.broadcast_to(outputs, self.reference.shape)
+        return weight
 
 
 def learning_law(settings: Learning, matrix: TransferMatrix, reference: Reference, rate: float, plans: Plans) -> Law:
@@ -107,11 +126,16 @@ def first_drive(settings: Learning, matrix: TransferMatrix, inverse: np.ndarray,
     -------
     complex array, shape (lines, inputs), V s
     """
-    by_law = settings.start in ("by-law", "library")  # what the library has is checked first, and may be refused
-    if settings.start == "inverse" or (by_law and settings.law == "kalman"):
+    if starts_by_inverse(settings):
         solved: np.ndarray = (inverse @ wanted[..., None])[..., 0]
         return solved
     return _scaled_reference(matrix, wanted)
+
+
+def starts_by_inverse(settings: Learning) -> bool:
+    """Say whether the drive to begin with is G^+ R."""
+    by_law = settings.start in ("by-law", "library")  # what the library has is checked first, and may be refused
+    return settings.start == "inverse" or (by_law and settings.law == "kalman")
 
 
 def bounded_inverse(response: np.ndarray, settings: Learning) -> np.ndarray:

@@ -37,7 +37,7 @@ class LineFilter:
     neighbours : int, >= 0
         Lines to each side that measure G as well.
     variation : Variation, optional
-        G is steady without it.
+        G is steady, and drives have no edges, without it.
     """
 
     def __init__(
@@ -68,9 +68,14 @@ class LineFilter:
         return self._rows[..., : self._inputs]
 
     @property
-    def varies(self) -> bool:
-        """Whether G may vary while a shot lasts."""
+    def couples(self) -> bool:
+        """Whether a line of the drive is heard at others, too: by its edges, or as G varies while a shot lasts."""
         return self._variation is not None
+
+    def emitted(self, drive: np.ndarray) -> np.ndarray:
+        """Return what is emitted of lines (lines, inputs), V s: those of the drive with its edges."""
+        lines: np.ndarray = self._parts(drive)[:, : self._inputs]
+        return lines
 
     def explained(self, drive: np.ndarray) -> np.ndarray:
         """Return what a drive (lines, inputs), V s, is believed to make, (lines, outputs), m/s^2 s."""
@@ -78,13 +83,20 @@ class LineFilter:
         return product
 
     def step_for(self, wanted: np.ndarray, inverse: np.ndarray, weight: np.ndarray) -> np.ndarray:
-        """Return the change of drive that is believed to change the response as wanted, see `variation.solved`."""
+        """Return the change of drive that is believed to change the response as wanted, see `variation.solved`.
+
+        Parameters
+        ----------
+        wanted : complex array, shape (lines, outputs), m/s^2 s
+        inverse : complex array, shape (lines, inputs, outputs), V per m/s^2
+        weight : array, shape (lines, outputs), 1
+        """
 
         def adjoint(response: np.ndarray) -> np.ndarray:
             parts = np.einsum("loi,lo->li", self._rows.conj(), response)
             return self._variation.gathered(parts) if self._variation else parts
 
-        return solved(self.explained, adjoint, inverse, wanted, weight)
+        return solved(self.explained, adjoint, self.response, inverse, wanted, weight)
 
     def forget(self, lines: np.ndarray, doubt: float) -> None:
         """Doubt the rows of some lines, bool (lines,), by `doubt` of their size."""
@@ -107,12 +119,13 @@ class LineFilter:
         reach = np.arange(-self._neighbours, self._neighbours + 1)
         near = np.clip(np.arange(len(step))[:, None] + reach, 0, len(step) - 1)
         believed, parts = self.response, self._parts(step)
+        emitted = parts[:, : self._inputs]
         self._rows = self._rows.copy()
         for first in range(0, len(step), BATCH):
             lines = slice(first, first + BATCH)
             seen = near[lines]
             difference = believed[seen] - believed[lines, None]
-            spoilt = noise[seen] + np.abs(np.einsum("lwi,lwoi->lwo", step[seen], difference)) ** 2
+            spoilt = noise[seen] + np.abs(np.einsum("lwi,lwoi->lwo", emitted[seen], difference)) ** 2
             self._correct(lines, parts[seen], change[seen], spoilt)
 
     def _correct(self, lines: slice, steps: np.ndarray, change: np.ndarray, noise: np.ndarray) -> None:
@@ -142,7 +155,8 @@ class LineFilter:
     def around(self, step: np.ndarray) -> np.ndarray:
         """Return |dU|^2 times |G|^2 around each line, (lines, outputs), (m/s^2 s)^2: large in notches, too."""
         square = (np.abs(self.response) ** 2).reshape(len(step), -1)
-        power: np.ndarray = smoothed(square, AROUND).reshape(self.response.shape) @ (np.abs(step) ** 2)[..., None]
+        strength = np.abs(self.emitted(step)) ** 2
+        power: np.ndarray = smoothed(square, AROUND).reshape(self.response.shape) @ strength[..., None]
         return power[..., 0]
 
     @property

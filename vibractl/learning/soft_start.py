@@ -104,7 +104,7 @@ class SoftStart:
         self._rise, self._rate, self._left, self._last, self._held = self.level, 0.0, 0.0, 0.0, 0
         self._predictions: tuple[np.ndarray, np.ndarray] | None = None
         self.has_fallen = False
-        self._reach, self._has_risen = 0 if np.any(law.active == 0.0) else REACH, False
+        self._reach, self._has_risen = 0 if law.is_tonal else REACH, False
 
     @property
     def over(self) -> bool:

@@ -1,4 +1,4 @@
-"""G while a shot lasts: how a drive acts at the ends of a shot, and in slow swings between them."""
+"""A drive in time: its edges, and how G acts at the ends of a shot and in slow swings between them."""
 
 from collections.abc import Callable
 
@@ -18,42 +18,59 @@ ROUNDS = 6
 class Variation:
     """Weighs a drive in time, so that a G that changes while a sweep goes by is a steady one for several drives.
 
-    While the reference fades in and out, joints stick that slide in between; what builds up at the start, and what
-    still rings at the end, is cut off; and between the ends, stiffness swings with the size of motion.  So, at each
-    moment t, G(t) = G + sum over j of w_j(t) H_j, with w_j of mean 0: what is special at the start and at the end, and
-    a cosine and a sine of 1, 2, ... periods in a shot.  In lines that is Y = G U + sum over j of H_j F[w_j u].
+    What is emitted of a drive's lines U has edges, e(t) u(t), and a line of it some of its neighbours: in lines it is
+    F[e u].  A machine that rings for long answers to that loudly, where a small line lies beside large ones.
+
+    While the reference fades in and out, joints stick that slide in between, and between the ends stiffness swings with
+    the size of motion.  So, at each moment t, G(t) = G + sum over j of w_j(t) H_j, with w_j of mean 0: what is special
+    at the start and at the end, and a cosine and a sine of 1, 2, ... periods in a shot.  In lines that is
+    Y = G F[e u] + sum over j of H_j F[w_j e u].
 
     Parameters
     ----------
     frequency : array, shape (lines,), Hz, even
         Their spacing is one over the length of a shot.
-    swings : int, >= 0
-        Periods in a shot of the fastest swing; 0 for the ends alone.
+    edge : float, s, >= 0
+        Of the drive at both ends, raised cosines.
+    rest : float, s, >= 0
+        At the end of a shot, in which the drive is silent.
+    swings : int, >= 0, or None
+        Periods in a shot of the fastest swing; 0 for the ends alone; None where G is steady.
     """
 
-    def __init__(self, frequency: np.ndarray, swings: int) -> None:
+    def __init__(self, frequency: np.ndarray, edge: float, rest: float, swings: int | None) -> None:
         self._size = int(fft.next_fast_len(int(ROOM * len(frequency)) + 1))
         length = 1.0 / (frequency[1] - frequency[0])
-        turn = np.arange(self._size) / self._size
-        fade = np.minimum(turn * length / min(ENDS, length / 4), 1.0)
-        start = 0.5 + 0.5 * np.cos(np.pi * fade)
-        waves = [wave(2 * np.pi * j * turn) for j in range(1, swings + 1) for wave in (np.cos, np.sin)]
-        weights = np.stack([start, start[::-1], *waves])
-        self.weights = weights - weights.mean(axis=1, keepdims=True)
+        time, sounded = length * np.arange(self._size) / self._size, length - rest
+        self.weights = np.zeros((0, self._size)) if swings is None else _swings(time, sounded, swings)
+        inside = np.maximum(np.minimum(time, sounded - time), 0.0)
+        edges = 0.5 - 0.5 * np.cos(np.pi * np.minimum(inside / edge, 1.0)) if edge else (time < sounded) + 0.0
+        self._every = edges * np.concatenate([np.ones((1, self._size)), self.weights])
 
     def parts(self, drive: np.ndarray) -> np.ndarray:
-        """Return lines (lines, inputs), V s, and beside them those of each weighed drive, (lines, parts x inputs)."""
-        moments = fft.ifft(drive, self._size, axis=0)[:, None] * self.weights.T[..., None]
-        weighed = fft.fft(moments, axis=0)[: len(drive)]
-        return np.concatenate([drive, weighed.reshape(len(drive), -1)], axis=1)
+        """Return what is emitted of lines (lines, inputs), V s, and each part weighed, (lines, parts x inputs)."""
+        moments = fft.ifft(drive, self._size, axis=0)[:, None] * self._every.T[..., None]
+        weighed: np.ndarray = fft.fft(moments, axis=0)[: len(drive)].reshape(len(drive), -1)
+        return weighed
 
     def gathered(self, parts: np.ndarray) -> np.ndarray:
         """Apply the adjoint of `parts`: lines (lines, parts x inputs), any unit, to lines (lines, inputs)."""
-        lines, count = len(parts), len(self.weights)
-        shaped = parts.reshape(lines, count + 1, -1)
-        moments = (fft.ifft(shaped[:, 1:], self._size, axis=0) * self.weights.T[..., None]).sum(axis=1)
-        together: np.ndarray = shaped[:, 0] + fft.fft(moments, axis=0)[:lines]
+        shaped = parts.reshape(len(parts), len(self._every), -1)
+        moments = (fft.ifft(shaped, self._size, axis=0) * self._every.T[..., None]).sum(axis=1)
+        together: np.ndarray = fft.fft(moments, axis=0)[: len(parts)]
         return together
+
+
+def _swings(time: np.ndarray, length: float, swings: int) -> np.ndarray:
+    """Return the weights w_j, (parts, moments), of mean 0 over a drive of so many s, of times (moments,), s."""
+    during = time < length
+    start = 0.5 + 0.5 * np.cos(np.pi * np.minimum(time / min(ENDS, length / 4), 1.0))
+    end = np.zeros(len(time))
+    end[during] = start[during][::-1]
+    waves = [wave(2 * np.pi * j * time / length) for j in range(1, swings + 1) for wave in (np.cos, np.sin)]
+    weights = np.stack([start, end, *waves])
+    centred: np.ndarray = weights - weights[:, during].mean(axis=1, keepdims=True)
+    return centred
 
 
 def swings_of(inputs: int) -> int | None:
@@ -71,14 +88,16 @@ def swings_of(inputs: int) -> int | None:
 def solved(
     respond: Callable[[np.ndarray], np.ndarray],
     adjoint: Callable[[np.ndarray], np.ndarray],
+    steady: np.ndarray,
     inverse: np.ndarray,
     wanted: np.ndarray,
     weight: np.ndarray,
 ) -> np.ndarray:
     """Find the change of drive that changes the response as wanted, where each line is heard at others, too.
 
-    Conjugate gradients on the least squares || W (wanted - respond(G^+ z)) ||, from z = wanted on: where a line's own
-    part is smaller than what it hears of others, as in a deep notch, G^+ line by line would not converge.
+    Conjugate gradients on the least squares || W (G G^+ wanted - respond(G^+ z)) ||, from z = wanted on: where a line's
+    own part is smaller than what it hears of others, as in a deep notch, G^+ line by line would not converge.  What G^+
+    leaves of a line, where G is weak, is left here, too: no other line is to suffer from drives that grow for it.
 
     Parameters
     ----------
@@ -86,11 +105,13 @@ def solved(
         From a drive (lines, inputs), V s, to what it makes, (lines, outputs), m/s^2 s; linear.
     adjoint : callable
         Its adjoint.
+    steady : complex array, shape (lines, outputs, inputs), m/s^2 per V
+        G, its part line by line.
     inverse : complex array, shape (lines, inputs, outputs), V per m/s^2
         G^+; 0 on lines whose drive stays.
     wanted : complex array, shape (lines, outputs), m/s^2 s
-    weight : array, shape (outputs,), 1
-        W, those of G^+.
+    weight : array, shape (lines, outputs), 1
+        W: those of G^+, times how much a line counts.
 
     Returns
     -------
@@ -98,7 +119,8 @@ def solved(
     """
     turned = inverse.conj().swapaxes(-1, -2)
     answer = wanted
-    left = weight * (wanted - respond(_applied(inverse, answer)))
+    begin = _applied(inverse, answer)
+    left = weight * (_applied(steady, begin) - respond(begin))
     slope = _applied(turned, adjoint(weight * left))
     direction, steepness = slope, np.vdot(slope, slope).real
     for _ in range(ROUNDS):

@@ -1,11 +1,12 @@
 """How a run may go: the learning itself, in lines, on vibrators drawn from what the model leaves open."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from vibractl.decibels import decibels
+from vibractl.learning.edges import with_edges
 from vibractl.learning.law import reference_level
 from vibractl.learning.shot import Shot
 from vibractl.predict.plant import DrawnPlant
@@ -52,6 +53,8 @@ class Forecast:
 def forecast(made: Setup, runs: int, tell: Callable[[int], None]) -> Forecast:
     """Learn on vibrators as they may be, for at most `session.shots`.
 
+    They are drawn in lines, and know no beginning and no end of a shot: their drives have no edges.
+
     Parameters
     ----------
     made : Setup
@@ -59,6 +62,7 @@ def forecast(made: Setup, runs: int, tell: Callable[[int], None]) -> Forecast:
     tell : callable
         Called with the number of runs done.
     """
+    made = replace(made, law=with_edges(made.law, 0.0, 0.0, made.law.importance))
     law, shots = made.law, made.config.session.shots
     step = made.config.learning.decimation
     band = float(law.matrix.frequency[0]), float(law.matrix.frequency[-1])

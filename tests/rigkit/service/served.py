@@ -44,6 +44,10 @@ class Served:
     def named(self, event: str) -> list[dict[str, Any]]:
         return [entry for entry in self.events() if entry["event"] == event]
 
+    def newest(self, event: str, field: str) -> Any:
+        """Return a field of the newest such event in the file, to which an answer may be ahead; empty without one."""
+        return next((entry[field] for entry in reversed(self.named(event))), "")
+
     @property
     def web(self) -> int:
         """Number of the web process."""

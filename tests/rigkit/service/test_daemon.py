@@ -78,7 +78,7 @@ def test_a_stop_needs_no_web_process(tmp_path: Path) -> None:
         process = holder(tmp_path / LOCK)
         assert process == daemon.process.pid
         os.kill(process, signal.SIGUSR1)
-        until(lambda: daemon.named("end"))
+        until(lambda: daemon.named("end") and daemon.named("stop"))
         assert daemon.named("stop")[0] | {"number": 0, "time": ""} == {
             "number": 0,
             "time": "",

@@ -50,7 +50,7 @@ def test_a_request_that_may_not_is_refused_and_told(
     assert answer.status_code == status
     assert why in answer.json()["error"]
     until(lambda: len(daemon.named("refused")) > before)
-    assert why in daemon.named("refused")[-1]["why"]
+    until(lambda: why in daemon.newest("refused", "why"))
     assert daemon.named("control") == []
 
 
@@ -82,7 +82,7 @@ def test_no_path_leads_out_of_the_runs(daemon: Served, path: str) -> None:
     assert status == 403
     assert daemon.tokens.operate not in text
     until(lambda: len(daemon.named("refused")) > before)
-    assert "leads out of the data folder" in daemon.named("refused")[-1]["why"]
+    until(lambda: "leads out of the data folder" in daemon.newest("refused", "why"))
 
 
 def test_no_path_leads_out_of_the_page(daemon: Served) -> None:
@@ -134,7 +134,7 @@ def test_a_megabyte_that_does_not_say_how_long_it_is_is_cut_off_and_told(daemon:
     answer = httpx.post(f"{base(daemon)}/api/control", content=parts, headers=operating(daemon))
     assert (answer.status_code, answer.json()["error"]) == (413, "a request of more than 65536 bytes")
     until(lambda: len(daemon.named("refused")) > before)
-    assert daemon.named("refused")[-1]["status"] == 413
+    until(lambda: daemon.newest("refused", "status") == 413)
 
 
 def test_another_method_is_refused_with_those_that_there_are(daemon: Served) -> None:
@@ -179,7 +179,7 @@ def test_a_websocket_that_may_not_is_refused_before_it_is_one(daemon: Served, mo
         stream(daemon, **more)
     assert refused.value.response.status_code == 403
     until(lambda: len(daemon.named("refused")) > before)
-    assert daemon.named("refused")[-1]["path"] == "/api/stream"
+    until(lambda: daemon.newest("refused", "path") == "/api/stream")
 
 
 def test_there_is_one_stream_and_no_other(daemon: Served) -> None:
@@ -196,7 +196,7 @@ def test_a_websocket_under_another_name_is_refused(daemon: Served) -> None:
         connect(f"ws://evil.example:{port}/api/stream", subprotocols=offered, sock=line)
     assert refused.value.response.status_code == 403
     until(lambda: len(daemon.named("refused")) > before)
-    assert "the host 'evil.example" in daemon.named("refused")[-1]["why"]
+    until(lambda: "the host 'evil.example" in daemon.newest("refused", "why"))
 
 
 @pytest.mark.parametrize(
@@ -215,7 +215,7 @@ def test_one_that_does_not_speak_as_it_must_is_closed_and_told(daemon: Served, s
         line.send(said)
         drained(line)
     until(lambda: len(daemon.named("dropped")) > before)
-    assert daemon.named("dropped")[-1]["why"] == why
+    until(lambda: daemon.newest("dropped", "why") == why)
 
 
 def test_one_that_does_not_say_that_it_reads_gets_a_few_snapshots_and_is_closed(daemon: Served) -> None:
@@ -223,7 +223,7 @@ def test_one_that_does_not_say_that_it_reads_gets_a_few_snapshots_and_is_closed(
     with stream(daemon) as line:
         assert len(drained(line)) <= WINDOW
     until(lambda: len(daemon.named("dropped")) > before)
-    assert daemon.named("dropped")[-1]["why"] == "it has not read a snapshot for 1.5 s"
+    until(lambda: daemon.newest("dropped", "why") == "it has not read a snapshot for 1.5 s")
 
 
 def test_more_than_may_watch_are_sent_away_and_the_others_go_on(daemon: Served) -> None:

@@ -34,14 +34,14 @@ def test_the_token_to_view_looks_and_stops_and_is_refused_all_else(daemon: Serve
                 assert answer.json()["error"].startswith("this token may view and STOP"), (method, path)
     assert found["looked"] <= {200, 404}
     assert (found["commanded"], found["stopped"]) == ({403}, {200})
-    assert daemon.named("stop")[-1]["who"] == "somebody"
+    until(lambda: daemon.newest("stop", "who") == "somebody")
     daemon.begin(steps=100_000, seconds=0.02)
     with Client(daemon.settings.address, daemon.tokens.view) as client:
         told = client.stop("Eve", "smoke")
         assert (told["before"], told["state"]) == ("RUNNING", "DISARMED")
         with pytest.raises(DaemonError, match="this token may view and STOP"), client.control("Eve"):
             pass
-        assert daemon.named("stop")[-1]["why"] == "smoke"
+        until(lambda: daemon.newest("stop", "why") == "smoke")
         for _ in range(20):
             assert client.stop("Eve", "held down")["state"] == "DISARMED"
     until(lambda: daemon.named("stop")[-1].get("times") == 21)
@@ -62,4 +62,4 @@ def test_the_stream_takes_no_commands_whatever_the_token(daemon: Served, token: 
         dropped = len(daemon.named("dropped"))
         socket.send("stop")
         until(lambda: len(daemon.named("dropped")) > dropped)
-    assert "it says 'stop', which is not the tick" in daemon.named("dropped")[-1]["why"]
+    until(lambda: "it says 'stop', which is not the tick" in daemon.newest("dropped", "why"))

@@ -50,7 +50,9 @@ def test_without_a_model_the_response_is_judged_where_the_reference_is(recording
     Path("RUN").rename("BEFORE")
     assert recordings.imported("d0.wav", "r0.wav")["worst_line_db"] == pytest.approx(before, abs=0.5)
     told = [each["text"] for each in read_events("RUN") if each["event"] == "remark"]
-    assert any(text.startswith("the response comes 700") and "without --model FILE" in text for text in told)
+    (late,) = (text for text in told if text.startswith("the response comes "))
+    assert float(late.split()[3]) == pytest.approx(700.0, abs=0.3)
+    assert "without --model FILE" in late
 
 
 def test_another_clock_is_refused_and_taken_out_where_that_is_asked_for(recordings: LabOfRecordings) -> None:

@@ -149,7 +149,7 @@ ENDS_AND_SWINGS = [0.25, 0.25, 0.01, 0.01]
 
 def varying(response: np.ndarray, swings: int = 1) -> LineFilter:
     frequency = 15.0 + np.arange(len(response))
-    return LineFilter(response, np.zeros(response.shape), STEADY, 0.0, 0, Variation(frequency, swings))
+    return LineFilter(response, np.zeros(response.shape), STEADY, 0.0, 0, Variation(frequency, 0.0, 0.0, swings))
 
 
 def test_what_varies_while_a_shot_lasts_is_half_of_g_at_its_ends_a_tenth_in_swings_and_walks() -> None:
@@ -160,8 +160,8 @@ def test_what_varies_while_a_shot_lasts_is_half_of_g_at_its_ends_a_tenth_in_swin
     found.observe(np.zeros((LINES, 2), complex), np.zeros((LINES, 1), complex), np.ones((LINES, 1)))
     spread = np.einsum("...ii->...i", found.covariance).real[:, 0]
     np.testing.assert_allclose(spread[:, 2:], np.broadcast_to(1.01 * prior, (LINES, 8)), rtol=1e-9)
-    assert found.varies is True
-    assert LineFilter(found.response, np.zeros((LINES, 1, 2)), STEADY, 0.0, 0).varies is False
+    assert found.couples is True
+    assert LineFilter(found.response, np.zeros((LINES, 1, 2)), STEADY, 0.0, 0).couples is False
 
 
 @pytest.mark.parametrize("varies", [False, True])

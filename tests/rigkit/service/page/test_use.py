@@ -56,7 +56,7 @@ def test_a_person_takes_control_arms_with_a_reason_begins_pauses_goes_on_and_end
     tab.until_state("DISARMED")
     tab.press("give-back")
     until(lambda: "Nobody has control" in tab.text("owner"))
-    assert [entry["why"] for entry in visit.daemon.named("arm")][-1] == "to see it"
+    until(lambda: visit.daemon.newest("arm", "why") == "to see it")
 
 
 def test_control_of_another_is_taken_over_and_the_other_page_knows(visit: Visit) -> None:
@@ -80,7 +80,7 @@ def test_the_space_bar_stops_whoever_has_control(visit: Visit) -> None:
     visit.tab.key(" ")
     visit.tab.until_state("DISARMED")
     assert visit.state() == "DISARMED"
-    assert visit.daemon.named("stop")[-1]["why"] == "space bar"
+    until(lambda: visit.daemon.newest("stop", "why") == "space bar")
     until(lambda: visit.tab.text("stop-told") == "STOP: RUNNING → DISARMED")
 
 
@@ -108,7 +108,7 @@ def test_the_button_stops_by_the_keyboard_as_well(visit: Visit) -> None:
     visit.tab.until_state("RUNNING")
     visit.tab.press("stop")
     visit.tab.until_state("DISARMED")
-    assert visit.daemon.named("stop")[-1]["why"] == "STOP of the page"
+    until(lambda: visit.daemon.newest("stop", "why") == "STOP of the page")
 
 
 def test_a_finger_stops_when_it_comes_down(visit: Visit) -> None:
@@ -119,6 +119,7 @@ def test_a_finger_stops_when_it_comes_down(visit: Visit) -> None:
     visit.tab.until_state("DISARMED")
     visit.tab.let_go()
     until(lambda: visit.tab.text("stop-told") == "STOP: RUNNING → DISARMED")
+    until(lambda: len(visit.daemon.named("stop")) > stops)
     assert len(visit.daemon.named("stop")) == stops + 1
 
 
@@ -132,7 +133,7 @@ def test_who_may_only_look_sees_no_commands_and_can_stop(visit: Visit) -> None:
     visit.tab.until_state("DISARMED")
     until(lambda: visit.tab.text("stop-told") == "STOP: RUNNING → DISARMED")
     assert not visit.tab.shows("alarm")
-    assert visit.daemon.named("stop")[-1]["why"] == "STOP of the page"
+    until(lambda: visit.daemon.newest("stop", "why") == "STOP of the page")
 
 
 def test_a_fault_is_shown_with_its_reason_and_acknowledged_with_another(visit: Visit) -> None:

@@ -1,4 +1,4 @@
-"""How an excitation rises from rest."""
+"""How a signal rises from rest."""
 
 import numpy as np
 

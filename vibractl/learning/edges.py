@@ -1,0 +1,34 @@
+"""The edges of a drive, in what is learned: a line with edges is heard at its neighbours, too."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from vibractl.learning.law import Law, starts_by_inverse
+from vibractl.learning.variation import Variation, solved
+
+
+def with_edges(law: Law, edge: float, rest: float, importance: np.ndarray | float) -> Law:
+    """Return a law whose drives have edges, and whose first drive allows for them.
+
+    Parameters
+    ----------
+    law : Law
+    edge, rest : float, s
+        The drive's raised cosines at both ends, and how long it rests then until the frame's end.
+    importance : array, shape (lines,), or float, 1
+        How much a line counts where one is better only as another is worse.
+    """
+    law = replace(law, edge=edge, rest=rest, importance=importance)
+    if law.is_tonal or law.settings.law != "kalman" or not starts_by_inverse(law.settings):
+        return law
+    response, variation = law.matrix.response, Variation(law.matrix.frequency, edge, rest, None)
+
+    def respond(drive: np.ndarray) -> np.ndarray:
+        made: np.ndarray = (response @ variation.parts(drive)[..., None])[..., 0]
+        return made
+
+    def adjoint(heard: np.ndarray) -> np.ndarray:
+        return variation.gathered(np.einsum("loi,lo->li", response.conj(), heard))
+
+    return replace(law, start=solved(respond, adjoint, response, law.inverse, law.reference, law.weight))
