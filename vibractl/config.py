@@ -99,7 +99,7 @@ class Shot(Section):
     """Silence around the reference: room for the ramp and the marker before, for latency and ring-down after."""
 
     lead: float = setting(0.2, "s", "silence before the reference", ge=0.05, le=5)
-    tail: float = setting(0.4, "s", "silence after it, at whose end it has rung out: judged and learned, too", ge=0.1, le=10)
+    tail: float = setting(0.4, "s", "silence after it, for ringing out: judged and learned, too", ge=0.1, le=10)
 
 
 class Learning(Section):

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigkit.fade import rise
-from vibractl.config import RigConfig
+from vibractl.config import Limits, RigConfig
 from vibractl.decibels import FAINT
 from vibractl.fft_plans import Plans
+from vibractl.guard import Violation, violation
 from vibractl.learning.algorithm import Algorithm
+from vibractl.learning.decision import Decision
 from vibractl.learning.disturbance import noise_power
 from vibractl.learning.shot import Shot
 from vibractl.mains import Hum, Mains, Pieces
@@ -19,6 +21,8 @@ from vibractl.trial import Trial
 
 SAME, ROUNDS = 1e-4, 50
 """Of a drive's rms: what lines found for it may leave of it, and after how many rounds no more is looked for."""
+HALVINGS = 6
+"""Of a step that breaks a limit, until what fits of it is known."""
 ALIKE = 1e-3
 """Of a drive's rms, by which one rebuilt may differ from the recorded one and still be taken for it."""
 
@@ -92,6 +96,8 @@ class Learner(Trial):
     plans : Plans
     mains : Mains, optional
         Follows the mains' hum in what the place's sensors hear, at the learner's rate: it is taken out.
+    limits : Limits, optional
+        Of the guard.  A step that would break one is taken as far as it fits.
     """
 
     def __init__(
@@ -103,10 +109,12 @@ class Learner(Trial):
         place: Place,
         plans: Plans,
         mains: Mains | None = None,
+        limits: Limits | None = None,
     ) -> None:
         law = algorithm.law
         super().__init__(np.zeros((shot.total, len(law.spread))), responses)
         self.algorithm, self.shot, self._place, self.mains = algorithm, shot, place, mains
+        self._limits, self.held = limits, ""
         self.far_field = np.zeros((shot.total, len(place.sensors) if place.is_far else 0))
         lines = law.matrix.frequency
         band = (lines[0], lines[-1])
@@ -172,9 +180,33 @@ class Learner(Trial):
 
     def follow(self, shot: Shot) -> None:
         """Learn from a shot in lines, as from what was just recorded."""
-        self.heard = shot.response
+        self.heard, before, self.held = shot.response, self.lines, ""
         self.algorithm.step(shot)
+        if self._limits is not None and self.algorithm.purpose == "learn":
+            self._hold_back(before, self._limits)
         self._play()
+
+    def _hold_back(self, before: np.ndarray, limits: Limits) -> None:
+        """Take of the step from `before`, lines (lines, inputs), V s, only what the limits allow: a convex set."""
+        after = self.lines
+        broken = self._broken(after, limits)
+        if broken is None or self._broken(before, limits) is not None:
+            return
+        fits, breaks = 0.0, 1.0
+        for _ in range(HALVINGS):
+            share = (fits + breaks) / 2
+            is_fit = self._broken(before + share * (after - before), limits) is None
+            fits, breaks = (share, breaks) if is_fit else (fits, share)
+        self.algorithm.lines = before + fits * (after - before)
+        self.held = f"limits.{broken.limit} holds drive {broken.channel + 1} back"
+        fields = {"limit": broken.limit, "drive": broken.channel + 1, "share": fits}
+        self.algorithm.decisions.append(Decision("drive_held_back", fields))
+
+    def _broken(self, lines: np.ndarray, limits: Limits) -> Violation | None:
+        """Return the limit that lines (lines, inputs), V s, break, shot upon shot, for a mean outlasts the silence."""
+        drive = np.zeros_like(self.drive)
+        drive[self.shot.window] = self.rendered(lines)
+        return violation(np.concatenate((drive, drive)), limits, self.shot.rate)
 
     def rendered(self, lines: np.ndarray) -> np.ndarray:
         """Return the drive that has these lines (lines, inputs), V s, while the reference lasts: (frames, coils), V."""

@@ -206,8 +206,8 @@ class Session:
 
     @property
     def remark(self) -> str:
-        """Why learning stands still, and which drives are cut off; nothing while all is well."""
-        return "; ".join(text for text in (self._stagnation.text, self._clipped.text) if text)
+        """Why learning stands still, and which drives are cut off or held back; nothing while all is well."""
+        return "; ".join(text for text in (self._stagnation.text, self._clipped.text, self.learner.held) if text)
 
     def said_of(self, marks: Marks) -> str:
         """Return what a person should know of the last shot, in one line."""

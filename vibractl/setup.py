@@ -87,7 +87,7 @@ class Setup:
         responses = len(config.audio.response_channels)
         step = config.learning.decimation
         mains = self.mains(self.learned)
-        return Learner(self.algorithm(), self.shot, step, responses, self.learned, self.plans, mains)
+        return Learner(self.algorithm(), self.shot, step, responses, self.learned, self.plans, mains, config.limits)
 
     def mains(self, place: Place) -> Mains | None:
         """Return what follows the mains' hum at a place; None where it is not to be, or no silence follows a shot."""
