@@ -16,6 +16,9 @@ from vibractl.learning.variation import Variation, swings_of
 REACH = 10
 """Lines to each side over which powers are averaged."""
 
+STEEPNESS = 4
+"""Power of what G^+ leaves of a drive, by which it is let go: 0.0001 of it where a tenth is left, 0.66 where 0.9 is."""
+
 Evidence = Iterable[tuple[np.ndarray, np.ndarray, np.ndarray]]
 """Steps of the drive (lines, inputs), V s; changes of the response (lines, outputs), m/s^2 s; E |v|^2 of those."""
 
@@ -52,6 +55,7 @@ class Belief:
         self.reach = 0 if is_tonal else REACH
         self._disturbance = Disturbance(law.reference, parts.coupling, self.reach)
         self.inverse, self._weight = law.inverse, law.weight
+        self._releases = np.broadcast_to(law.importance, len(law.active)) < np.max(law.importance)
         self._before: Shot | None = None
 
     @property
@@ -142,9 +146,24 @@ class Belief:
             coming = (self._stretch.coming() @ self.emitted(drive)[..., None])[..., 0]
         if not self._filter.couples:
             return update(drive, self.inverse, error, gain)
+        drive = drive - gain[:, None] * self._out_of_reach(drive)
         wanted, inverse = gain[:, None] * error - coming, self.inverse * is_open[:, None, None]
         changed: np.ndarray = drive + self._filter.step_for(wanted, inverse, self._weight)
         return changed
+
+    def _out_of_reach(self, drive: np.ndarray) -> np.ndarray:
+        """Return what is to be let go of a drive (lines, inputs), V s: what lies where G^+ hardly drives G.
+
+        There the error would be learned for as long as a run lasts, by a drive that grows with every shot, and all that
+        it disturbs with it.  So on lines that count least it ends where the part (I - G^+ G)^4 of the drive, taken
+        away, is as large as what is added; a direction in which G^+ leaves less than a tenth of an error keeps it all.
+        """
+        if not self._releases.any():
+            return np.zeros_like(drive)
+        left = np.eye(drive.shape[1]) - self.inverse @ self.response
+        released: np.ndarray = (np.linalg.matrix_power(left, STEEPNESS) @ drive[..., None])[..., 0]
+        released[~self._releases] = 0.0
+        return released
 
     def _doubt_tones(self, shot: Shot) -> None:
         """Doubt G at tones by as much as it was off in the first shot: it was measured at another drive."""

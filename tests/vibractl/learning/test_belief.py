@@ -1,9 +1,11 @@
 """What is believed of the vibrator: the model where nothing is followed, else what shots show."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from tests.vibractl.learning.line_plant import LinePlant, law_of, matrix_of, modal
+from tests.vibractl.learning.line_plant import FREQUENCY, LinePlant, law_of, matrix_of, modal
 from vibractl.config import Adaptation
 from vibractl.learning.belief import REACH, Belief
 from vibractl.learning.law import Law, bounded_inverse
@@ -23,6 +25,21 @@ def missed(belief: Belief, before: Shot, after: Shot) -> float:
 def two_shots(law: Law, plant: LinePlant) -> tuple[Shot, Shot]:
     """Return shots of the first drive and of one that is a third larger and turned."""
     return plant.shot(law.start), plant.shot(1.3 * np.exp(0.4j) * law.start)
+
+
+def test_a_drive_lets_go_where_g_is_too_weak_to_be_driven_and_counts_least() -> None:
+    """Shot after shot of the same error, the drive of the weak line ends; that of the strong ones goes on."""
+    matrix = matrix_of(np.where(FREQUENCY == 60, 1e-3, 1.0 + 0j)[:, None, None])
+    plain = law_of(matrix)
+    lines = plain.matrix.frequency
+    law = replace(plain, importance=np.where(lines >= 100, 100.0, 1.0))
+    belief, gain = Belief(law, Adaptation(stretch=False)), np.full(len(lines), 0.8)
+    drive, error, sizes = np.zeros((len(lines), 1), complex), np.full((len(lines), 1), 1e-3 + 0j), []
+    for _ in range(40):
+        drive = belief.next_drive(drive, error, gain, law.active)
+        sizes.append(np.abs(drive[np.isin(lines, [60, 80]), 0]))
+    assert sizes[-1][0] < 1.05 * sizes[10][0]
+    assert sizes[-1][1] > 2.5 * sizes[10][1]
 
 
 def test_a_model_that_is_not_followed_stays_and_asks_for_the_update_of_the_thesis() -> None:
