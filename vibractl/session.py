@@ -241,6 +241,8 @@ class Session:
             record = recording.read(path)
             drive, _ = split(record, self.config)
             off = float(np.linalg.norm(drive - self.learner.drive)) / max(float(np.linalg.norm(drive)), FAINT)
+            if DRIVE in self._accept:  # from what was played, whatever would be rebuilt
+                self.learner.played(drive)
             self._learn_unless_changed(path, record, write=number >= judged)
         if not files:
             return

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ctlblocks import recording
 from rigkit import config as rig_file
 from rigkit.agreement import DisagreementError
 from rigkit.run_folder import CONFIG, RunFolder, read_events
@@ -15,6 +16,7 @@ from vibractl.model_file import write_model
 from vibractl.model_origin import model_for
 from vibractl.run_setup import create, refuse_changed, refuse_other_wiring, resumed_setup, shot_files
 from vibractl.session import Session
+from vibractl.shot_file import split
 
 
 def described_model(path: Path, *overrides: str) -> Path:
@@ -90,6 +92,16 @@ def test_a_model_that_was_accepted_still_has_to_give_the_drive_that_was_played(r
     assert session.done == 2
     assert "drive was" in session.note
     assert [event["keys"] for event in read_events(run) if event["event"] == "accepted"] == [["model.h5"]]
+
+
+def test_a_run_that_is_accepted_goes_on_from_the_drive_that_was_played(run: Path) -> None:
+    """With no gain the drive rebuilt is the first one, and the next one is the last that was played."""
+    edited(run, "learning.gains=[0.0]")
+    last, _ = split(recording.read(shot_files(run)[-1]), linear_config())
+    session = gone_on(run, "learning.gains", "drive")
+    assert np.linalg.norm(session.learner.drive - last) < 1e-3 * np.linalg.norm(last)
+    first, _ = split(recording.read(shot_files(run)[0]), linear_config())
+    assert np.linalg.norm(session.learner.drive - first) > 0.01 * np.linalg.norm(last)
 
 
 def test_without_a_record_of_its_beginning_the_drive_tells(run: Path) -> None:
