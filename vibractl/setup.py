@@ -150,7 +150,7 @@ def judged_lines(law: Law, reference: Reference, config: RigConfig) -> np.ndarra
     return judged & (frequency >= quality.above)
 
 
-def drive_edges(config: RigConfig, reference: Reference) -> tuple[float, float]:
+def _drive_edges(config: RigConfig, reference: Reference) -> tuple[float, float]:
     """Return the length of the edges of a learned drive, and of its rest, s: a sine's has at least its taper."""
     if reference.root is None:
         return config.limits.ramp, 0.5 * reference.rest / config.audio.rate
@@ -200,7 +200,7 @@ def setup(
     places = _places(config, reference, law, far)
     if config.learning.sensors == "far-field" and far is not None:
         law = far_field_law(law, matrix, far, places[1], config.audio.rate / config.learning.decimation, plans)
-    law = with_edges(law, *drive_edges(config, reference), _importance(law, reference, config))
+    law = with_edges(law, *_drive_edges(config, reference), _importance(law, reference, config))
     known = _known_drive(entry, law, reference, config)
     for transform in transforms(config, len(reference.signal)):
         plans.planned(transform)  # all of them now, so that they can be stored before the first shot

@@ -158,8 +158,6 @@ class Belief:
         it disturbs with it.  So on lines that count least it ends where the part (I - G^+ G)^4 of the drive, taken
         away, is as large as what is added; a direction in which G^+ leaves less than a tenth of an error keeps it all.
         """
-        if not self._releases.any():
-            return np.zeros_like(drive)
         left = np.eye(drive.shape[1]) - self.inverse @ self.response
         released: np.ndarray = (np.linalg.matrix_power(left, STEEPNESS) @ drive[..., None])[..., 0]
         released[~self._releases] = 0.0

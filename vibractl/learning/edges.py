@@ -22,13 +22,6 @@ def with_edges(law: Law, edge: float, rest: float, importance: np.ndarray | floa
     law = replace(law, edge=edge, rest=rest, importance=importance)
     if law.is_tonal or law.settings.law != "kalman" or not starts_by_inverse(law.settings):
         return law
-    response, variation = law.matrix.response, Variation(law.matrix.frequency, edge, rest, None)
-
-    def respond(drive: np.ndarray) -> np.ndarray:
-        made: np.ndarray = (response @ variation.parts(drive)[..., None])[..., 0]
-        return made
-
-    def adjoint(heard: np.ndarray) -> np.ndarray:
-        return variation.gathered(np.einsum("loi,lo->li", response.conj(), heard))
-
-    return replace(law, start=solved(respond, adjoint, response, law.inverse, law.reference, law.weight))
+    variation = Variation(law.matrix.frequency, edge, rest, None)
+    start = solved(law.matrix.response, variation, law.inverse, law.reference, law.weight)
+    return replace(law, start=start)

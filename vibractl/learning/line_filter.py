@@ -91,12 +91,7 @@ class LineFilter:
         inverse : complex array, shape (lines, inputs, outputs), V per m/s^2
         weight : array, shape (lines, outputs), 1
         """
-
-        def adjoint(response: np.ndarray) -> np.ndarray:
-            parts = np.einsum("loi,lo->li", self._rows.conj(), response)
-            return self._variation.gathered(parts) if self._variation else parts
-
-        return solved(self.explained, adjoint, self.response, inverse, wanted, weight)
+        return solved(self._rows, self._variation, inverse, wanted, weight)
 
     def forget(self, lines: np.ndarray, doubt: float) -> None:
         """Doubt the rows of some lines, bool (lines,), by `doubt` of their size."""

@@ -1,7 +1,5 @@
 """A drive in time: its edges, and how G acts at the ends of a shot and in slow swings between them."""
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy import fft
 
@@ -86,27 +84,20 @@ def swings_of(inputs: int) -> int | None:
 
 
 def solved(
-    respond: Callable[[np.ndarray], np.ndarray],
-    adjoint: Callable[[np.ndarray], np.ndarray],
-    steady: np.ndarray,
-    inverse: np.ndarray,
-    wanted: np.ndarray,
-    weight: np.ndarray,
+    rows: np.ndarray, variation: Variation | None, inverse: np.ndarray, wanted: np.ndarray, weight: np.ndarray
 ) -> np.ndarray:
     """Find the change of drive that changes the response as wanted, where each line is heard at others, too.
 
-    Conjugate gradients on the least squares || W (G G^+ wanted - respond(G^+ z)) ||, from z = wanted on: where a line's
-    own part is smaller than what it hears of others, as in a deep notch, G^+ line by line would not converge.  What G^+
+    Conjugate gradients on the least squares || W (G G^+ wanted - Y(G^+ z)) ||, from z = wanted on: where a line's own
+    part is smaller than what it hears of others, as in a deep notch, G^+ line by line would not converge.  What G^+
     leaves of a line, where G is weak, is left here, too: no other line is to suffer from drives that grow for it.
 
     Parameters
     ----------
-    respond : callable
-        From a drive (lines, inputs), V s, to what it makes, (lines, outputs), m/s^2 s; linear.
-    adjoint : callable
-        Its adjoint.
-    steady : complex array, shape (lines, outputs, inputs), m/s^2 per V
-        G, its part line by line.
+    rows : complex array, shape (lines, outputs, parts x inputs), m/s^2 per V
+        G, and beside it what varies.
+    variation : Variation or None
+        That parts a drive; without it lines are heard at themselves alone.
     inverse : complex array, shape (lines, inputs, outputs), V per m/s^2
         G^+; 0 on lines whose drive stays.
     wanted : complex array, shape (lines, outputs), m/s^2 s
@@ -117,7 +108,15 @@ def solved(
     -------
     complex array, shape (lines, inputs), V s
     """
-    turned = inverse.conj().swapaxes(-1, -2)
+
+    def respond(drive: np.ndarray) -> np.ndarray:
+        return _applied(rows, variation.parts(drive) if variation else drive)
+
+    def adjoint(response: np.ndarray) -> np.ndarray:
+        parts: np.ndarray = np.einsum("loi,lo->li", rows.conj(), response)
+        return variation.gathered(parts) if variation else parts
+
+    turned, steady = inverse.conj().swapaxes(-1, -2), rows[..., : inverse.shape[1]]
     answer = wanted
     begin = _applied(inverse, answer)
     left = weight * (_applied(steady, begin) - respond(begin))

@@ -75,13 +75,10 @@ def test_a_line_too_weak_to_be_driven_costs_no_other_line_anything() -> None:
     variation = Variation(FREQUENCY, EDGE, 0.0, None)
     wanted = Variation(FREQUENCY, 0.2, 0.0, None).parts(spectra(6, 200, 1))  # which edges leave room for
 
-    def adjoint(heard: np.ndarray) -> np.ndarray:
-        return variation.gathered(np.einsum("loi,lo->li", response.conj(), heard))
-
     def respond(drive: np.ndarray) -> np.ndarray:
         return made_by(variation, response, drive)
 
-    found = solved(respond, adjoint, response, inverse, wanted, np.ones((200, 1)))
+    found = solved(response, variation, inverse, wanted, np.ones((200, 1)))
     plain = (inverse @ wanted[..., None])[..., 0]
     assert np.linalg.norm(found[40:60]) < 2 * np.linalg.norm(plain[40:60])
     promised, far = response[:, :, 0] * plain, slice(65, 200)
@@ -104,13 +101,7 @@ def test_a_notch_that_hears_its_neighbours_more_than_itself_is_solved() -> None:
     plain = (inverse @ wanted[..., None])[..., 0]
     notch = slice(95, 106)
     assert np.linalg.norm((wanted - made_by(variation, rows, plain))[notch]) > np.linalg.norm(wanted[notch])
-
-    def adjoint(response: np.ndarray) -> np.ndarray:
-        return variation.gathered(np.einsum("loi,lo->li", rows.conj(), response))
-
-    found = solved(
-        lambda drive: made_by(variation, rows, drive), adjoint, rows[..., :1], inverse, wanted, np.ones((200, 1))
-    )
+    found = solved(rows, variation, inverse, wanted, np.ones((200, 1)))
     assert np.linalg.norm((wanted - made_by(variation, rows, found))[notch]) < 0.3 * np.linalg.norm(wanted[notch])
 
 
