@@ -18,7 +18,8 @@ pytest_plugins = ["tests.deadlines"]
 hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None)
 hypothesis.settings.load_profile("repeatable")
 
-os.environ[FOLDER] = tempfile.mkdtemp(prefix="locks-")  # beside a rig at work, and beside the other worker
+LOCKS = tempfile.TemporaryDirectory(prefix="locks-")  # beside a rig at work, and beside the other worker
+os.environ[FOLDER] = LOCKS.name
 LONGEST = (
     "contract/test_every_block.py",
     "scenario/test_audio_through_jack.py",
