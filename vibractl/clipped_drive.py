@@ -7,7 +7,7 @@ from vibractl.learning.clipping import Clipping, found_cut
 from vibractl.learning.decision import Decision, tidy
 from vibractl.learning.law import strong_lines
 from vibractl.learning.shot import Shot
-from vibractl.setup import Setup
+from vibractl.setup import Setup, judged_lines
 from vibractl.spectrum import Decimator
 
 EVENT = "drive_cut_off"
@@ -16,7 +16,7 @@ EVENT = "drive_cut_off"
 class ClippedDrive:
     """Compares what the model leaves unexplained of a shot with what a cut drive would lack.
 
-    It looks at learned lines from `quality.above` on, outside the reference's own, at the rate learned at.
+    It looks at learned lines that are judged, outside the reference's own, at the rate learned at.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ class ClippedDrive:
         law, step = made.law, made.config.learning.decimation
         frequency = law.matrix.frequency
         spacing = frequency[1] - frequency[0] if len(frequency) > 1 else 1.0
-        chosen = (law.active > 0) & (frequency >= made.config.quality.above) & ~strong_lines(law.reference)
+        chosen = judged_lines(law, made.reference, made.config) & ~strong_lines(law.reference)
         self._bins = np.round(frequency[chosen] / spacing).astype(int)
         self._chosen, self._law, self._rate = chosen, law, made.shot.rate / step
         self._decimator, self._span = (

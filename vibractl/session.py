@@ -30,7 +30,7 @@ from vibractl.quality import HIDDEN, Judge, Marks
 from vibractl.quality_table import floor_cells, reduced, row_of, summary
 from vibractl.rig_check import SECONDS, ChangedRigError, RigCheck, changed_channels
 from vibractl.run_setup import require_room, shot_files
-from vibractl.setup import Setup
+from vibractl.setup import Setup, judged_lines
 from vibractl.shot_file import DISCARDED, far_field_of, keep_discarded, recording_of, set_aside, split
 from vibractl.supervision import ALONE, Supervision
 
@@ -65,7 +65,8 @@ class Session:
         self._judges = [Judge(made, place) for place in made.places]
         self._mains = {place.name: made.mains(place) for place in made.places if place is not made.learned}
         limit = float(self._judges[made.places.index(made.learned)].limit.min())
-        self._repeats = Repeatability(self.learner.algorithm, self.config.quality.above, limit)
+        judged = judged_lines(made.law, made.reference, made.config)
+        self._repeats = Repeatability(self.learner.algorithm, judged, limit)
         self._stagnation, self._clipped = Stagnation(), ClippedDrive(made)
         self._resume()
 

@@ -25,17 +25,15 @@ class Repeatability:
     Parameters
     ----------
     algorithm : Algorithm
-    above : float, Hz
-        The limit holds from here.
+    judged : bool array, shape (lines,)
+        Lines that are learned and for which the limit holds.
     limit : float, m/s^2 s
         Of a line.
     """
 
-    def __init__(self, algorithm: Algorithm, above: float, limit: float) -> None:
-        law = algorithm.law
-        self._algorithm, self._limit = algorithm, limit
-        self._active = law.active > 0
-        self._judged = self._active & (law.matrix.frequency >= above)
+    def __init__(self, algorithm: Algorithm, judged: np.ndarray, limit: float) -> None:
+        self._algorithm, self._judged, self._limit = algorithm, judged, limit
+        self._active = algorithm.law.active > 0
         self._before: Shot | None = None
         self._changes: deque[tuple[np.ndarray, np.ndarray]] = deque(maxlen=KEPT)
 

@@ -10,6 +10,7 @@ from vibractl.learning.shot import Shot
 LIMIT, NOISE = 1e-3, 1e-9
 LAW = law_of(matrix_of(modal(2, 2)))
 LINES = LAW.matrix.frequency
+JUDGED = (LAW.active > 0) & (LINES >= 100.0)
 
 
 def followed(shots: int, moves_db: float = -200.0, drift_hz: float = 210.0, step: float = 0.0) -> Repeatability:
@@ -18,7 +19,7 @@ def followed(shots: int, moves_db: float = -200.0, drift_hz: float = 210.0, step
     rng, shape = np.random.default_rng(1), (len(LINES), 2)
     size = LIMIT * 10 ** (moves_db / 20) * np.exp(-0.5 * ((LINES - drift_hz) / 5) ** 2)[:, None]
     walked, drive = np.zeros(shape, complex), algorithm.law.start.copy()
-    repeats = Repeatability(algorithm, 100.0, LIMIT)
+    repeats = Repeatability(algorithm, JUDGED, LIMIT)
 
     def drawn() -> np.ndarray:
         pair = rng.standard_normal((2, *shape)) / np.sqrt(2)
@@ -64,7 +65,7 @@ def test_too_few_shots_say_nothing() -> None:
 
 def test_shots_for_something_else_do_not_count() -> None:
     algorithm = Algorithm(LAW, Adaptation(), Watch(), -40.0)
-    repeats = Repeatability(algorithm, 100.0, LIMIT)
+    repeats = Repeatability(algorithm, JUDGED, LIMIT)
     shot = Shot(algorithm.law.start, algorithm.law.reference, np.zeros((len(LINES), 2)))
     for number in range(2 * KEPT):
         repeats.take(Shot(shot.drive, shot.response * (1 + number), shot.noise), counts=False)
