@@ -153,7 +153,7 @@ class Adaptation(Section):
     scatter: float = setting(0.1, "1", "part of a step, re G around it, that comes out at other lines", ge=0, le=2)
     variation: bool = setting(True, "", "follow how G differs at the ends of a shot, and swings between them")
     stretch: bool = setting(True, "", "follow modes that go on moving, and drive the next shot for where they will be")
-    cautious: bool = setting(True, "", "learn less where the error is mostly noise, or follows the strong lines")
+    cautious: bool = setting(True, "", "learn less where the error is mostly noise, or has grown, or moves distortion")
     rollback: bool = setting(True, "", "go back to the best shot when the error has grown twice")
 
 

@@ -76,6 +76,22 @@ class Belief:
         """Return what is emitted of lines (lines, inputs), V s: those of the drive with its edges."""
         return self._filter.emitted(drive)
 
+    @property
+    def strong(self) -> np.ndarray:
+        """Lines of the reference's own band, bool (lines,): the others' distortion follows them."""
+        return self._disturbance.strong
+
+    @property
+    def tones(self) -> np.ndarray:
+        """Those of them that stand apart, bool (lines,): a sine's."""
+        return self._disturbance.tones
+
+    def noise(self, shot: Shot) -> np.ndarray:
+        """Return E |N|^2 (lines,), (m/s^2 s)^2, of what is in a shot and in no other."""
+        still = np.zeros_like(shot.noise)
+        power: np.ndarray = self._disturbance.power(shot.noise, still, 0.0).sum(axis=1)
+        return power
+
     def disturbance(self, shot: Shot, change: np.ndarray) -> np.ndarray:
         """Return E |v|^2 (lines,), (m/s^2 s)^2, of what changes a response by itself when G U changes by so much.
 
@@ -110,6 +126,7 @@ class Belief:
             shift = self._stretch.observe(played, surprise, noise + self._filter.spread(step))
             self._filter.shift(shift)
             change = change - (shift @ played[..., None])[..., 0]
+        self._measure_coupling(shot, before, step, change)
         self._filter.observe(step, change, noise)
         self.inverse = bounded_inverse(self.response, self._settings)
 
@@ -171,9 +188,20 @@ class Belief:
             left = float(np.linalg.norm(self._unexplained(shot)[tones]))
             self._filter.forget(tones, left / max(expected, left, np.finfo(float).tiny))
 
+    def _measure_coupling(self, shot: Shot, before: Shot, step: np.ndarray, change: np.ndarray) -> None:
+        """Measure by how many times distortion of the strong lines has changed as they have."""
+        share = self._disturbance.change(shot.response - before.response, shot.response)
+        surprise = np.abs(change - self.explained(step)) ** 2
+        self._disturbance.observe(surprise, shot.noise + before.noise, self._distortion(shot, before), share)
+
+    def _distortion(self, shot: Shot, before: Shot) -> np.ndarray:
+        """Return the power (lines, outputs), (m/s^2 s)^2, of what G explains of neither of two shots."""
+        power: np.ndarray = np.abs(self._unexplained(shot)) ** 2 + np.abs(self._unexplained(before)) ** 2
+        return power
+
     def _noise_of(self, shot: Shot, before: Shot, step: np.ndarray, change: np.ndarray) -> np.ndarray:
         """Return E |v|^2 (lines, outputs) of what changed the response beside the step, G's own drift included."""
-        power = np.abs(self._unexplained(shot)) ** 2 + np.abs(self._unexplained(before)) ** 2
+        power = self._distortion(shot, before)
         share = self._disturbance.change(change, shot.response)
         moved = (self._parts.drift * np.abs(self.explained(shot.drive))) ** 2
         spilt = (self._parts.spill * np.abs(self.explained(step))) ** 2

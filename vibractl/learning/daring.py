@@ -5,11 +5,14 @@ import numpy as np
 from vibractl.learning.belief import Belief
 from vibractl.learning.disturbance import smoothed
 from vibractl.learning.law import Law
+from vibractl.learning.pace import Pace
 from vibractl.learning.shot import Shot
 from vibractl.transfer_matrix import contraction
 
 DEVIATIONS = 2.0
 """Standard deviations that a bound allows for."""
+NOISY = 2.0
+"""Times the power of noise by which it alone makes the error of a line larger from shot to shot."""
 CONFIDENCE = 0.97
 """Part of the lines whose last error should have been within its bound; bounds widen until it is."""
 
@@ -23,7 +26,8 @@ class Daring:
     ----------
     law : Law
     is_cautious : bool
-        Learn less where the error is mostly noise, or follows the strong lines.
+        Learn less where the error is mostly noise, and at the strong lines the more distortion follows them, or where
+        the error has grown.
     belief : Belief
 
     Attributes
@@ -48,7 +52,7 @@ class Daring:
 
     def __init__(self, law: Law, is_cautious: bool, belief: Belief) -> None:
         self._law, self._is_cautious, self._learned = law, is_cautious, law.active > 0
-        self.updates, self._widened = 0, 1.0
+        self.updates, self._widened, self._pace = 0, 1.0, Pace(len(law.active))
         self.is_open = law.active.copy()
         self.nominal = law.gains.at(0)
         self.gain = self.nominal * law.active
@@ -73,6 +77,7 @@ class Daring:
     def promise_nothing(self) -> None:
         """Begin the schedule anew, without a bound on the next error: that of another level."""
         self.updates, self.error_bound = 0, np.full_like(self.error_bound, np.inf)
+        self._pace.forget()
 
     def choose(self, belief: Belief, shot: Shot, error: np.ndarray, pace: float) -> None:
         """Choose the gain of the coming update, and bound what it leaves.
@@ -89,14 +94,27 @@ class Daring:
         """
         self.nominal = self._law.gains.at(self.updates) * pace
         self.gain = self.nominal * self.is_open
-        coming = belief.disturbance(shot, self.nominal * error)
         if self._is_cautious:
-            power = smoothed(np.abs(error) ** 2, belief.reach).sum(axis=1)
-            self.gain = self.gain * power / (power + coming)
+            self.gain = self.gain * self._caution(belief, shot, error)
+        coming = belief.disturbance(shot, self.gain[:, None] * error)
         self.certificate = contraction(belief.response, belief.variance, belief.inverse, self.gain, DEVIATIONS)
         size = np.linalg.norm(error, axis=1)
         self._widened = self._outcome(size) if self.updates else 1.0
         self.error_bound = self._widened * (self.certificate * size + DEVIATIONS * np.sqrt(coming))
+
+    def _caution(self, belief: Belief, shot: Shot, error: np.ndarray) -> np.ndarray:
+        """Return the part of the schedule's gain that is dared at each line, (lines,).
+
+        A step at the strong lines changes distortion everywhere, at themselves as well, and so takes less of the error
+        the more of it will have changed.  At all other lines a distortion that has changed is there to be learned: it
+        stays, and only noise is gone in the next shot.  At tones an error that has grown says more of G than of haste.
+        """
+        power = smoothed(np.abs(error) ** 2, belief.reach).sum(axis=1)
+        noise = belief.noise(shot)
+        self._pace.take(power, NOISY * smoothed(noise[:, None], belief.reach)[:, 0])
+        spoilt = np.where(belief.strong, belief.disturbance(shot, self.nominal * error), noise)
+        caution: np.ndarray = power / (power + spoilt) * np.where(belief.strong & ~belief.tones, self._pace.part, 1.0)
+        return caution
 
     def _outcome(self, size: np.ndarray) -> float:
         """Return by how much bounds are to be wider than computed, from how the last one, (lines,), has held."""

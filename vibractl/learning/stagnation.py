@@ -12,8 +12,8 @@ WAIT = 6
 """Shots in a row without gain after which learning stands still."""
 GAIN = 1.0
 """dB by which a shot must be better than the best before."""
-LITTLE = 0.3
-"""Of the schedule's gain: what is less is held back by caution."""
+LARGE = 0.5
+"""Of the error's power: by so much distortion may change until the reference's own lines are right."""
 
 
 class Stagnation:
@@ -73,11 +73,10 @@ def _reason(hz: float, shot: Shot, algorithm: Algorithm, is_hidden: bool) -> str
     error = law.reference - shot.response
     if np.all(np.abs(error[line]) ** 2 <= noise_reach(shot.noise[line], len(frequency))):
         return hidden
-    gain = float(daring.gain[line])
-    if gain >= LITTLE * daring.nominal:
+    follows = algorithm.belief.disturbance(shot, daring.nominal * error)[line] - shot.noise[line].sum()
+    if follows < LARGE * float(np.sum(np.abs(error[line]) ** 2)):
         bound = f"the bound on what is left of an error is {daring.certificate[line]:.2f}"
         return f"{where} what is taken away comes back: the machine moves, or is not as the model says ({bound})"
     strong = strong_lines(law.reference)
     off = np.linalg.norm(error[strong]) / np.linalg.norm(law.reference[strong])
-    own = f"the reference's own lines, which are {100 * off:.2g} % off themselves"
-    return f"distortion follows {own}: the gain {where} is {gain:.2g}"
+    return f"distortion {where} follows the reference's own lines, which are still {100 * off:.2g} % off"

@@ -41,6 +41,18 @@ def test_caution_takes_less_where_the_error_is_mostly_noise() -> None:
     assert np.all(daring.gain <= daring.nominal)
 
 
+def test_distortion_slows_the_lines_that_move_it_and_not_those_it_is_learned_at() -> None:
+    law = law_of(matrix_of(1.5 * TRUE))
+    belief = Belief(law, Adaptation())
+    shot = LinePlant(TRUE, law, distortion=0.3).shot(law.start)
+    shot = Shot(shot.drive, shot.response + 0.3 * np.roll(shot.response, 1, axis=0), shot.noise)
+    daring = Daring(law, True, belief)
+    daring.choose(belief, shot, law.reference - shot.response, 1.0)
+    assert np.median(daring.gain[belief.strong]) < 0.5 * daring.nominal
+    weak = ~belief.strong & (law.matrix.frequency > 100)
+    assert np.min(daring.gain[weak]) > 0.99 * daring.nominal
+
+
 def test_frozen_lines_are_learned_no_more_and_are_not_expected_of() -> None:
     law, belief, daring, shot, error = made(is_cautious=True)
     before, frozen = daring.expected, np.arange(len(law.active)) % 2 == 0

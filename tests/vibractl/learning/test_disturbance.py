@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from vibractl.learning.disturbance import FLOOR, MOST, Disturbance, noise_power, smoothed
+from vibractl.learning.disturbance import FLOOR, KEPT, LEAST, MOST, Disturbance, noise_power, smoothed
 
 RATE, SILENCE, FRAMES = 11_025.0, 2_205, 55_125
 """Of the default shot, decimated by 4: 0.2 s of silence before 5 s."""
@@ -117,3 +117,37 @@ def test_strong_lines_that_stand_apart_follow_no_others() -> None:
     np.testing.assert_allclose(power[10:30], 0.5 + (FLOOR * 2.0) ** 2)
     np.testing.assert_allclose(power[30:], 0.5 + 0.16 * 3.0 + (FLOOR * 2.0) ** 2)
     assert not disturbance(reach=1).tones.any()
+
+
+@pytest.mark.parametrize("order", [0.5, 1.0, 3.0])
+def test_the_coupling_of_the_strong_lines_is_measured_and_that_of_the_others_is_not(order: float) -> None:
+    noise, distortion, part = np.full((100, 2), 1e-9), np.full((100, 2), 3.0), 0.1
+    measured = disturbance(reach=1)
+    for _ in range(KEPT):
+        measured.observe((order * part) ** 2 * distortion + noise, noise, distortion, part)
+    assert measured.coupling == pytest.approx(order)
+    power = measured.power(0 * noise, distortion, part)
+    np.testing.assert_allclose(power[11:29], (order * part) ** 2 * 3.0, rtol=1e-6)
+    np.testing.assert_allclose(power[30:], 0.16 * 3.0, rtol=1e-6)
+
+
+def test_a_coupling_is_never_more_than_configured_nor_taken_for_none() -> None:
+    noise, distortion = np.full((100, 2), 1e-9), np.full((100, 2), 3.0)
+    for surprise, coupling in ((100.0, 4.0), (0.0, LEAST)):
+        measured = disturbance(reach=1)
+        for _ in range(KEPT):
+            measured.observe(surprise * distortion, noise, distortion, 0.1)
+        assert measured.coupling == pytest.approx(coupling)
+
+
+def test_a_shot_of_which_noise_hides_what_distortion_did_measures_no_coupling() -> None:
+    noise, distortion = np.full((100, 2), 1.0), np.full((100, 2), 3.0)
+    hidden = disturbance(reach=1)
+    hidden.observe(noise, noise, distortion, 0.1)
+    assert hidden.coupling == pytest.approx(4.0)
+
+
+def test_without_a_coupling_none_is_measured() -> None:
+    off, distortion = disturbance(coupling=0.0, reach=1), np.full((100, 2), 3.0)
+    off.observe(distortion, 0 * distortion, distortion, 0.1)
+    assert off.coupling == 0.0
