@@ -9,6 +9,11 @@ import numpy as np
 
 from firmware_sim.laboratory import Laboratory
 
+SILENCE = 30.0
+"""s without a period, after which a server is taken to be gone: libjack does not always tell."""
+LEAVING = 5.0
+"""s that libjack may take to leave a server; it can wait for ever for one that is gone."""
+
 
 class JackError(OSError):
     """The JACK server, or the library that talks to it, is not there or not as wanted."""
@@ -34,7 +39,7 @@ class JackClient:
     def __init__(self, laboratory: Laboratory, rate: float, name: str) -> None:
         self._laboratory = laboratory
         self._ended = threading.Event()
-        self.fault = ""
+        self.fault, self._periods = "", 0
         self._client = _connect(name)
         if self._client.samplerate != rate:
             served = self._client.samplerate
@@ -66,10 +71,14 @@ class JackClient:
         gc.disable()
         self._client.activate()
         ready()
-        self._ended.wait()
-        if not self.fault:
-            self._client.deactivate()
-        self._client.close()
+        served = -1
+        while not self._ended.wait(SILENCE):
+            if served == self._periods:
+                self._fail(f"the JACK server has ended: no period for {SILENCE:g} s")
+            served = self._periods
+        leaving = threading.Thread(target=self._leave, daemon=True)
+        leaving.start()
+        leaving.join(LEAVING)
         if self.fault:
             raise JackError(self.fault)
 
@@ -77,7 +86,13 @@ class JackClient:
         """Let `run` return; safe in a signal handler."""
         self._ended.set()
 
+    def _leave(self) -> None:
+        if not self.fault:
+            self._client.deactivate()
+        self._client.close()
+
     def _process(self, frames: int) -> None:
+        self._periods += 1
         try:
             if frames != len(self._played):
                 raise ValueError(f"the period is {frames} samples, must stay {len(self._played)}")
