@@ -1,11 +1,13 @@
 """Subspace identification: records in, a model in innovation form (2.1) out."""
 
-from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from calibration.gaps import without_gaps
 from calibration.one_thread import on_one_thread
-from calibration.records import as_records
+from calibration.records import Side, sides_of
 from calibration.subspace.estimate import Compressed, Estimate, compress, estimate
 from calibration.subspace.gain_refinement import refine_gain
 from calibration.subspace.horizons import given, longer, usual
@@ -25,8 +27,8 @@ _SEGMENTS = 16
 
 @on_one_thread
 def identify(
-    drive: np.ndarray | Sequence[np.ndarray],
-    response: np.ndarray | Sequence[np.ndarray],
+    drive: Any,
+    response: Any,
     rate: float,
     order: int | None = None,
     method: Method = "moesp",
@@ -43,9 +45,10 @@ def identify(
 
     Parameters
     ----------
-    drive : array, shape (N, m), or a sequence of such, the inputs' units
-        One record, or several of any lengths.
-    response : array, shape (N, p), or a sequence of such, the outputs' units
+    drive : array, shape (N, m) or (N,), list, pandas or polars table, or a sequence of such, the inputs' units
+        One record, or several of any lengths.  Where samples are not finite a record ends, and another one begins.
+        Names and units of channels are those of a table's columns: "force [N]".
+    response : array, shape (N, p) or (N,), list or table as `drive`, or a sequence of such, the outputs' units
         As many samples as `drive`, record by record.
     rate : float, samples/s
     order : int, optional
@@ -84,23 +87,19 @@ def identify(
         raise ValueError(f"method is {method!r}, must be 'n4sid' or 'moesp'")
     if not (np.isfinite(rate) and rate > 0):
         raise ValueError(f"rate is {rate}, must be > 0 samples/s")
-    drives, responses = as_records(drive, response)
+    inputs, outputs = sides_of(drive, response)
+    drives, responses = without_gaps(inputs.records, outputs.records)
     data = signals(drives, responses, detrend)
     terms = Terms(direct, constant=detrend == "mean")
-    layout = usual(data, order) if horizon is None else given(data, horizon, order)
-    windows, compressed, tried, found = _attempt(data, layout, order, method, terms)
-    while horizon is None and (further := longer(layout, data, found.transition)) is not None:
-        layout = further
-        del windows, compressed  # large
-        windows, compressed, tried, found = _attempt(data, layout, order, method, terms)
+    windows, compressed, tried, found = _reaching_over_oscillations(data, horizon, order, method, terms)
     left = left_by_free_run(found, data.drives, data.responses)
     gain = refine_gain(found.transition, found.outlet, found.gain, left)
     found = weighted(found, gain, data.drives, data.responses, terms)
     return Identified(
-        model=_in_units(found, gain, data, rate),
+        model=_named(_in_units(found, gain, data, rate), inputs, outputs),
         singular_values=compressed.projection.singular_values,
         candidates=tried,
-        horizon=(layout.past, layout.future),
+        horizon=(windows.layout.past, windows.layout.future),
         input_offset=data.input_offset,
         output_offset=data.output_offset + data.output_scale * found.constant,
         moved_poles=found.moved,
@@ -110,6 +109,19 @@ def identify(
         drives=tuple(drives),
         responses=tuple(responses),
     )
+
+
+def _reaching_over_oscillations(
+    data: Signals, horizon: int | tuple[int, int] | None, order: int | None, method: Method, terms: Terms
+) -> tuple[Windows, Compressed, tuple[Candidate, ...], Estimate]:
+    """Estimate with the horizons that were asked for, or with ones that reach over what is found to oscillate."""
+    layout = usual(data, order) if horizon is None else given(data, horizon, order)
+    attempt = _attempt(data, layout, order, method, terms)
+    while horizon is None and (further := longer(layout, data, attempt[-1].transition)) is not None:
+        layout = further
+        del attempt  # large
+        attempt = _attempt(data, layout, order, method, terms)
+    return attempt
 
 
 def _attempt(
@@ -134,4 +146,15 @@ def _in_units(found: Estimate, gain: Gain, data: Signals, rate: float) -> Innova
         gain.matrix / large,
         rate,
         large[:, None] * gain.innovation * large,
+    )
+
+
+def _named(model: InnovationModel, inputs: Side, outputs: Side) -> InnovationModel:
+    """Return a model that has its channels' names and units."""
+    return replace(
+        model,
+        input_names=inputs.names,
+        output_names=outputs.names,
+        input_units=inputs.units,
+        output_units=outputs.units,
     )

@@ -1,0 +1,63 @@
+"""That records are cut where samples are missing, and that it is said."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+from calibration.gaps import ENOUGH, without_gaps
+
+DRIVE, RESPONSE = np.arange(40.0).reshape(20, 2), np.arange(20.0)[:, None]
+
+
+def test_a_record_without_gaps_is_itself() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        drives, responses = without_gaps([DRIVE], [RESPONSE], 3)
+    assert drives[0] is DRIVE
+    assert responses[0] is RESPONSE
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_what_is_whole_between_gaps_of_either_side_is_used(value: float) -> None:
+    drive, response = DRIVE.copy(), RESPONSE.copy()
+    drive[4, 1] = response[12] = response[13] = value
+    with pytest.warns(UserWarning, match="3 of 20 samples are missing: 17 in 3 stretches are used"):
+        drives, responses = without_gaps([drive], [response], 3)
+    for (first, last), left, right in zip([(0, 4), (5, 12), (14, 20)], drives, responses, strict=True):
+        np.testing.assert_array_equal(left, DRIVE[first:last])
+        np.testing.assert_array_equal(right, RESPONSE[first:last])
+
+
+def test_what_is_too_short_is_left_out() -> None:
+    response = RESPONSE.copy()
+    response[5] = np.nan
+    with pytest.warns(UserWarning, match="1 of 40 samples are missing: 34 in 2 stretches are used"):
+        drives, _ = without_gaps([DRIVE, DRIVE], [response, RESPONSE], 6)
+    assert [len(drive) for drive in drives] == [14, 20]
+
+
+def test_nothing_that_is_long_enough_is_refused() -> None:
+    response = RESPONSE.copy()
+    response[::4] = np.nan
+    with pytest.raises(ValueError, match="5 samples are missing, and between them there is no stretch of 4 samples"):
+        without_gaps([DRIVE], [response], 4)
+
+
+@pytest.mark.parametrize(
+    ("gaps", "kept"),
+    [
+        ((100, 104), [795]),  # the first hundred would shorten all horizons
+        ((450,), [450, 449]),
+        (tuple(range(ENOUGH, 900, ENOUGH + 1)), [ENOUGH] * 5),
+        (tuple(range(20, 900, 21)), [20] * 42),
+    ],
+)
+def test_without_a_length_that_is_asked_for_most_is_kept_of_what_is_long(
+    gaps: tuple[int, ...], kept: list[int]
+) -> None:
+    response = np.zeros((900, 1))
+    response[list(gaps)] = np.nan
+    with pytest.warns(UserWarning, match="samples are missing"):
+        drives, _ = without_gaps([np.zeros((900, 1))], [response])
+    assert [len(drive) for drive in drives] == kept
