@@ -55,7 +55,7 @@ class Belief:
         self.reach = 0 if is_tonal else REACH
         self._disturbance = Disturbance(law.reference, parts.coupling, self.reach)
         self.inverse, self._weight = law.inverse, law.weight
-        self._releases = np.broadcast_to(law.importance, len(law.active)) < np.max(law.importance)
+        self._releases = law.counts_less
         self._before: Shot | None = None
 
     @property

@@ -106,14 +106,18 @@ class Daring:
         """Return the part of the schedule's gain that is dared at each line, (lines,).
 
         A step at the strong lines changes distortion everywhere, at themselves as well, and so takes less of the error
-        the more of it will have changed.  At all other lines a distortion that has changed is there to be learned: it
-        stays, and only noise is gone in the next shot.  At tones an error that has grown says more of G than of haste.
+        the more of it will have changed.  At judged lines a distortion that has changed is there to be learned: it
+        stays, and only noise is gone in the next shot.  Lines that do not count as much are learned as the strong ones
+        are, for what is wrong there disturbs all others.  At tones an error that has grown says more of G than of
+        haste.
         """
         power = smoothed(np.abs(error) ** 2, belief.reach).sum(axis=1)
         noise = belief.noise(shot)
         self._pace.take(power, NOISY * smoothed(noise[:, None], belief.reach)[:, 0])
-        spoilt = np.where(belief.strong, belief.disturbance(shot, self.nominal * error), noise)
-        caution: np.ndarray = power / (power + spoilt) * np.where(belief.strong & ~belief.tones, self._pace.part, 1.0)
+        careful = belief.strong | self._law.counts_less
+        spoilt = np.where(careful, belief.disturbance(shot, self.nominal * error), noise)
+        pace = np.where(careful & ~belief.tones, self._pace.part, 1.0)
+        caution: np.ndarray = power / (power + spoilt) * pace
         return caution
 
     def _outcome(self, size: np.ndarray) -> float:

@@ -66,6 +66,13 @@ class Law:
         return bool(np.any(self.active == 0.0))
 
     @property
+    def counts_less(self) -> np.ndarray:
+        """Lines that count less than others, bool (lines,): which are not judged."""
+        importance = np.broadcast_to(self.importance, len(self.active))
+        less: np.ndarray = importance < importance.max()
+        return less
+
+    @property
     def weight(self) -> np.ndarray:
         """How much each line of each output counts, (lines, outputs), 1."""
         outputs = np.array(self.settings.weights or np.ones(self.reference.shape[1]))

@@ -1,5 +1,7 @@
 """How much is dared, and what that promises."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -51,6 +53,11 @@ def test_distortion_slows_the_lines_that_move_it_and_not_those_it_is_learned_at(
     assert np.median(daring.gain[belief.strong]) < 0.5 * daring.nominal
     weak = ~belief.strong & (law.matrix.frequency > 100)
     assert np.min(daring.gain[weak]) > 0.99 * daring.nominal
+    counted = replace(law, importance=np.where(law.matrix.frequency > 120, 100.0, 1.0))
+    daring = Daring(counted, True, belief)
+    daring.choose(belief, shot, law.reference - shot.response, 1.0)
+    assert np.median(daring.gain[weak & counted.counts_less]) < 0.5 * daring.nominal
+    assert np.min(daring.gain[weak & ~counted.counts_less]) > 0.99 * daring.nominal
 
 
 def test_frozen_lines_are_learned_no_more_and_are_not_expected_of() -> None:
