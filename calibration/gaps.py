@@ -5,6 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from calibration.stretches import stretches
+
 ENOUGH = 160
 """Samples beyond which a longer stretch is worth no more than its samples: four horizons of the usual length."""
 
@@ -46,13 +48,13 @@ def without_gaps(
     missing = sum(int(np.sum(~present)) for present in whole)
     if not missing:
         return list(drives), list(responses)
-    stretches = [
+    between = [
         (drive[first:last], response[first:last])
         for (drive, response), present in zip(pairs, whole, strict=True)
-        for first, last in _stretches(present)
+        for first, last in stretches(present)
     ]
-    least = _best_of([len(drive) for drive, _ in stretches]) if shortest is None else shortest
-    found = [(drive, response) for drive, response in stretches if len(drive) >= least]
+    least = _best_of([len(drive) for drive, _ in between]) if shortest is None else shortest
+    found = [(drive, response) for drive, response in between if len(drive) >= least]
     if not found:
         raise ValueError(f"{missing} samples are missing, and between them there is no stretch of {least} samples")
     kept, samples = sum(len(drive) for drive, _ in found), sum(len(present) for present in whole)
@@ -67,9 +69,3 @@ def _best_of(lengths: list[int]) -> int:
     """Return the least length that is worth keeping."""
     worth = {length: sum(each for each in lengths if each >= length) * min(length, ENOUGH) for length in lengths}
     return max(worth, key=lambda length: worth[length], default=1)
-
-
-def _stretches(present: np.ndarray) -> list[tuple[int, int]]:
-    """Return first and last + 1 of each run of what is present, bool (N,)."""
-    edges = np.flatnonzero(np.diff(np.pad(present.astype(int), 1)))
-    return [(int(first), int(last)) for first, last in edges.reshape(-1, 2)]

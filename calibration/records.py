@@ -1,15 +1,15 @@
 """Records of inputs and outputs as people hand them over: one or several, checked before anything is computed."""
 
-import re
 import warnings
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from rigkit.column_titles import names_and_units
+
 WIDE = 4
 """Times as many channels as samples that are taken for a record that lies on its side."""
-_UNIT = re.compile(r"^(?P<name>.*\S)\s*[\[(](?P<unit>[^\[\]()]+)[\])]$")
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,5 @@ def _words(part: Any, width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
     titles = [str(column) for column in columns]
     if len(titles) != width or len(set(titles)) != width:
         return (), ()
-    found = [_UNIT.match(title) for title in titles]
-    names = tuple(match["name"] if match else title for match, title in zip(found, titles, strict=True))
-    units = tuple(match["unit"].strip() if match else "1" for match in found)
+    names, units = names_and_units(titles)
     return (names, units) if len(set(names)) == width else (tuple(titles), ("1",) * width)

@@ -1,7 +1,6 @@
 """What stands above the rows of a table: names and units of its columns, how its numbers are written, its rate."""
 
 import itertools
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,13 +8,13 @@ from typing import Literal
 
 from ctlblocks import csv_file
 from ctlblocks.recording import RecordingError
+from rigkit.column_titles import names_and_units
 from rigkit.table_rows import Cells, as_text, cells_of, is_number, lines_of, text_blocks
 
 LOOKED_AT = 1000
 """Rows by which it is found whether numbers have a decimal comma."""
 LONGEST_UNIT = 16
 """Characters in a row of units."""
-_HEAD = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<unit>[^\[\]]*)\]|\((?P<other>[^()]*)\))?", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -70,7 +69,7 @@ def own_head(path: Path) -> Head:
         raise RecordingError(f"{path}: row 1 says samples are {said['dtype']!r}, must be float32 or float64")
     if said["frames"] is not None:
         _refuse_cut_off(path)
-    names, units = _bracketed(cells_of(second, ","))
+    names, units = names_and_units(cells_of(second, ","))
     about = said["frames"], said["dtype"], said["provenance"]
     return Head(names, units, 3, Cells(",", len(names)), said["rate"], 0.0, *about)
 
@@ -97,7 +96,7 @@ def plain_head(path: Path) -> Head:
         return Head(tuple(f"channel_{n + 1}" for n in range(len(first))), ("1",) * len(first), row, cells)
     if any(is_number(cell) and not cell.isdecimal() for cell in first):
         raise RecordingError(f"{path}: row {row} is {line[:60]!r}, must be names, or numbers")
-    names, units = _bracketed(first)
+    names, units = names_and_units(first)
     second = cells_of(rows[1][1], between)
     if set(units) != {"1"} or not _are_units(second, len(first)):
         return Head(names, units, below, cells)
@@ -142,17 +141,6 @@ def _are_units(cells: Sequence[str], width: int) -> bool:
     words = [cell.strip("[]() ") for cell in cells]
     short = all(len(word) <= LONGEST_UNIT and not is_number(word.replace(",", ".")) for word in words)
     return len(cells) == width and any(words) and short
-
-
-def _bracketed(heads: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return names and units of cells as "force [N]" or "force (N)"."""
-    names, units = [], []
-    for head in heads:
-        found = _HEAD.fullmatch(head.strip())
-        name, unit = (found["name"], found["unit"] or found["other"]) if found else (head, None)
-        names.append(name.strip() or head.strip())
-        units.append((unit or "").strip() or "1")
-    return tuple(names), tuple(units)
 
 
 def _refuse_cut_off(path: Path) -> None:

@@ -5,7 +5,6 @@ import numpy as np
 from vibractl.learning.algorithm import Algorithm
 from vibractl.learning.decision import Decision, tidy
 from vibractl.learning.disturbance import noise_reach
-from vibractl.learning.law import strong_lines
 from vibractl.learning.shot import Shot
 
 WAIT = 6
@@ -77,6 +76,6 @@ def _reason(hz: float, shot: Shot, algorithm: Algorithm, is_hidden: bool) -> str
     if follows < LARGE * float(np.sum(np.abs(error[line]) ** 2)):
         bound = f"the bound on what is left of an error is {daring.certificate[line]:.2f}"
         return f"{where} what is taken away comes back: the machine moves, or is not as the model says ({bound})"
-    strong = strong_lines(law.reference)
+    strong = algorithm.belief.strong
     off = np.linalg.norm(error[strong]) / np.linalg.norm(law.reference[strong])
     return f"distortion {where} follows the reference's own lines, which are still {100 * off:.2g} % off"
