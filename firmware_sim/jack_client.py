@@ -1,6 +1,5 @@
 """The simulated laboratory as a client of a JACK audio server, where any program can play to it and record from it."""
 
-import gc
 import threading
 from collections.abc import Callable
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from firmware_sim.laboratory import Laboratory
+from rigkit.priority import uncollected
 
 SILENCE = 30.0
 """s without a period, after which a server is taken to be gone: libjack does not always tell."""
@@ -66,16 +66,14 @@ class JackClient:
         ------
         JackError : the server is gone, or the plant has failed.
         """
-        gc.collect()
-        gc.freeze()
-        gc.disable()
-        self._client.activate()
-        ready()
-        served = -1
-        while not self._ended.wait(SILENCE):
-            if served == self._periods:
-                self._fail(f"the JACK server has ended: no period for {SILENCE:g} s")
-            served = self._periods
+        with uncollected():
+            self._client.activate()
+            ready()
+            served = -1
+            while not self._ended.wait(SILENCE):
+                if served == self._periods:
+                    self._fail(f"the JACK server has ended: no period for {SILENCE:g} s")
+                served = self._periods
         leaving = threading.Thread(target=self._leave, daemon=True)
         leaving.start()
         leaving.join(LEAVING)

@@ -42,16 +42,26 @@ def undisturbed() -> Iterator[None]:
     interpreter's lock and not its turn on a busy machine would keep the others waiting.  Enter it before the other end
     is started.
     """
-    turn, collects = sys.getswitchinterval(), gc.isenabled()
+    turn = sys.getswitchinterval()
+    with uncollected():
+        sys.setswitchinterval(_TURN)
+        try:
+            with _raised(_threads()):
+                yield
+        finally:
+            sys.setswitchinterval(turn)
+
+
+@contextlib.contextmanager
+def uncollected() -> Iterator[None]:
+    """Run the block without a search for garbage, which stops every thread; afterwards all is as it was before."""
+    collects = gc.isenabled()
     gc.collect()
     gc.freeze()
     gc.disable()
-    sys.setswitchinterval(_TURN)
     try:
-        with _raised(_threads()):
-            yield
+        yield
     finally:
-        sys.setswitchinterval(turn)
         gc.unfreeze()
         if collects:
             gc.enable()

@@ -1,5 +1,6 @@
 """That a client leaves a JACK server which is gone, whatever libjack does about it."""
 
+import gc
 import threading
 from types import SimpleNamespace
 from typing import Any
@@ -83,3 +84,4 @@ def test_one_that_has_periods_is_served_until_the_end(server: StandIn, monkeypat
     server.free.set()
     client().run(lambda: None)
     assert waits == 5
+    assert gc.isenabled()  # as it was before
