@@ -37,7 +37,7 @@ def ways(case: Case) -> dict[str, Callable[[], InnovationModel]]:
     found: dict[str, InnovationModel] = {}
 
     def start(method: Method) -> InnovationModel:
-        found[method] = subspace.identify(*case.own, 1.0, case.order, method, case.horizon).model
+        found[method] = subspace.identify(*case.own, 1.0, order=case.order, horizon=case.horizon, method=method).model
         return found[method]
 
     def cut() -> InnovationModel:

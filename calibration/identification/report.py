@@ -9,12 +9,13 @@ import numpy as np
 from calibration.fit_measures import Fit
 from calibration.identification.figures import free_run_figure, residual_figure, singular_value_figure
 from calibration.identification.workflow import Identification
+from calibration.subspace.order import Candidate
 from rigkit.figure_style import styled
 from rigkit.report import Fact, Plot, Report, Section, Table
 
 FIT_HEAD = ("output", "free run NRMSE, %", "VAF, %", "MAE", "one step NRMSE, %", "VAF, %", "MAE")
 MODE_HEAD = ("pole", "natural frequency, Hz", "+-", "damping ratio", "+-")
-CANDIDATE_HEAD = ("order tried", "free run, %", "one step, %")
+CANDIDATE_HEAD = ("order tried", "at horizon", "free run, %", "one step, %")
 NEARLY_HEAD = ("inputs nearly go together, Hz", "inputs", "weakest combination over strongest, power")
 
 ONE_IN_20 = 0.05
@@ -56,9 +57,14 @@ def mode_rows(found: Identification) -> list[tuple[str, ...]]:
 
 
 def candidate_rows(found: Identification) -> list[tuple[str, ...]]:
-    """Return a row for each order tried; none where it was given."""
-    tried = found.started.candidates
-    return [(f"{each.order}", f"{each.free_run:.2f}", f"{each.one_step:.2f}") for each in tried]
+    """Return a row for each order tried, at the horizon where it did best; none where both were given."""
+    best: dict[int, Candidate] = {}
+    for each in found.started.candidates:
+        if each.order not in best or each.error < best[each.order].error:
+            best[each.order] = each
+    return [
+        (f"{each.order}", f"{each.horizon}", f"{each.free_run:.2f}", f"{each.one_step:.2f}") for each in best.values()
+    ]
 
 
 EXPLAINED = 20.0
@@ -104,7 +110,12 @@ def identification_figures(found: Identification) -> dict[str, Any]:
         "horizon": list(started.horizon),
         "singular_values": started.singular_values,
         "orders_tried": [
-            {"order": each.order, "free_run_nrmse": each.free_run, "one_step_nrmse": each.one_step}
+            {
+                "order": each.order,
+                "horizon": each.horizon,
+                "free_run_nrmse": each.free_run,
+                "one_step_nrmse": each.one_step,
+            }
             for each in started.candidates
         ],
         "poles_moved_inside": started.moved_poles,

@@ -108,7 +108,7 @@ def identify_recordings(
     early = _sides([each[:cut] for each, cut in zip(records, cuts, strict=True)], inputs)
     start: Literal["n4sid", "moesp"] = "n4sid" if method == "n4sid" else "moesp"
     show(0, "orders and the model")
-    found = subspace.identify(*early, first.rate, order, start, horizon)
+    found = subspace.identify(*early, first.rate, order=order, horizon=horizon, method=start)
     around = np.concatenate((found.input_offset, found.output_offset))
     early = _sides([each[:cut] - around for each, cut in zip(records, cuts, strict=True)], inputs)
     late = _sides([each[cut:] - around for each, cut in zip(records, cuts, strict=True)], inputs)

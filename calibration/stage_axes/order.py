@@ -34,7 +34,7 @@ def proposed(values: np.ndarray, tried: Sequence[Candidate]) -> int:
     --------
     >>> values = np.array([9.0, 8.0, 0.2, 0.1, 0.01, 0.009])
     >>> fits = {1: 40.0, 2: 93.0, 3: 94.5, 4: 95.0, 5: 95.1}
-    >>> proposed(values, [Candidate(order, fit, fit) for order, fit in fits.items()])
+    >>> proposed(values, [Candidate(order, fit, fit, 40) for order, fit in fits.items()])
     2
     """
     best = max(each.free_run for each in tried)
@@ -67,7 +67,7 @@ def tried(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], method:
             found = estimate(compressed, order, data.drives, data.responses, _TERMS)
             missed[order - 1] += _missed(found, low, high - found.constant, data.output_scale)
     fits = 100 * (1 - np.sqrt(missed / moved))
-    return tuple(Candidate(order, *map(float, fit)) for order, fit in enumerate(fits, start=1))
+    return tuple(Candidate(order, float(fit[0]), float(fit[1]), HORIZON) for order, fit in enumerate(fits, start=1))
 
 
 def identify(
@@ -91,7 +91,7 @@ def identify(
     if order is None:
         _, compressed = _compressed(drives, responses, method)
         order = proposed(compressed.projection.singular_values, candidates)
-    found = subspace.identify(drives, responses, rate, order, method, HORIZON)
+    found = subspace.identify(drives, responses, rate, order=order, horizon=HORIZON, method=method)
     return replace(found, candidates=candidates)
 
 

@@ -33,10 +33,10 @@ class Compressed:
     projection: Projection
 
 
-def compress(windows: Windows, method: Method, without: int | None = None) -> Compressed:
-    """Compress windows, with or without one segment, and take their singular values."""
-    triangle, count = windows.triangle(without), windows.count(without)
-    return Compressed(triangle, windows.layout, count, project(triangle, windows.layout, method))
+def compress(windows: Windows, method: Method, without: Sequence[int] = (), layout: Layout | None = None) -> Compressed:
+    """Compress windows, without some segments or with all, in shorter horizons or their own; take singular values."""
+    triangle, inside = windows.triangle(without, layout), windows.layout if layout is None else layout
+    return Compressed(triangle, inside, windows.count(without), project(triangle, inside, method))
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import solve_triangular
 
+from calibration.subspace.forgetting import forgetting, slowest
 from calibration.subspace.kalman_gain import Gain, is_stable, whitening
 from calibration.subspace.modal import Modal, modal
 from calibration.subspace.modal_regression import regress, responses, sums
@@ -12,13 +13,14 @@ from calibration.subspace.regression import Terms
 
 _STEPS = 15
 _HALVINGS = 5
-_SETTLED = 1e-5
-"""Change of the log determinant of the innovations' covariance that ends it."""
+SETTLED = 1e-5
 _ENOUGH = 20_000
 """Samples on which all steps but the last are taken: what so many leave uncertain the last one corrects."""
 
 
-def refine_gain(transition: np.ndarray, outlet: np.ndarray, gain: Gain, missed: Sequence[np.ndarray]) -> Gain:
+def refine_gain(
+    transition: np.ndarray, outlet: np.ndarray, gain: Gain, missed: Sequence[np.ndarray], settled: float = SETTLED
+) -> Gain:
     """Lower the determinant of the one-step-ahead errors' covariance by the choice of K.
 
     The Riccati equation's gain knows no more of the noise than past horizons reach, and little where inputs excite few
@@ -35,6 +37,8 @@ def refine_gain(transition: np.ndarray, outlet: np.ndarray, gain: Gain, missed: 
         To start from.
     missed : sequence of arrays, each of shape (N, p), 1
         What the free run leaves of each record.
+    settled : float, 1
+        Change of the log determinant of the innovations' covariance that ends it.
 
     Source
     ------
@@ -46,10 +50,14 @@ def refine_gain(transition: np.ndarray, outlet: np.ndarray, gain: Gain, missed: 
     nothing = np.zeros_like(gain.matrix)
     doubtful = _loss(transition, outlet, nothing, early) < _loss(transition, outlet, gain.matrix, early)
     starts = [gain.matrix, nothing] if doubtful else [gain.matrix]
-    ends = [_descend(transition, outlet, start, early, _STEPS) for start in starts]
+    ends = [_descend(transition, outlet, start, early, settled) for start in starts]
     matrix, innovation, _ = min(ends, key=lambda each: each[2])
     if early is stretch:
-        matrix, innovation, _ = _descend(transition, outlet, matrix, missed, 1)
+        matrix, innovation, _ = _descend(transition, outlet, matrix, missed, settled, steps=1)
+    radius = slowest(max(len(each) for each in missed))
+    if not is_stable(transition - matrix @ outlet, radius):
+        matrix = forgetting(transition, outlet, matrix, innovation, radius)
+        matrix, innovation, _ = _descend(transition, outlet, matrix, missed, settled, radius)
     return Gain(matrix, innovation, gain.by_riccati)
 
 
@@ -59,7 +67,13 @@ def _loss(transition: np.ndarray, outlet: np.ndarray, gain: np.ndarray, missed: 
 
 
 def _descend(
-    transition: np.ndarray, outlet: np.ndarray, gain: np.ndarray, missed: Sequence[np.ndarray], steps: int
+    transition: np.ndarray,
+    outlet: np.ndarray,
+    gain: np.ndarray,
+    missed: Sequence[np.ndarray],
+    settled: float,
+    radius: float = 1.0,
+    steps: int = _STEPS,
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Take Gauss-Newton steps, each shortened until it helps; return gain, innovations' covariance and loss."""
     modes = modal(transition - gain @ outlet)
@@ -74,14 +88,14 @@ def _descend(
         before = loss
         for _ in range(_HALVINGS):
             trial = gain + step
-            if is_stable(transition - trial @ outlet):
+            if is_stable(transition - trial @ outlet, radius):
                 near = modal(transition - trial @ outlet)
                 outcome = _errors(near, outlet, trial, missed)
                 if outcome[2] < loss:
                     gain, modes, (errors, covariance, loss) = trial, near, outcome
                     break
             step = step / 2
-        if not before - loss > _SETTLED:
+        if not before - loss > settled:
             break
     return gain, covariance, loss
 

@@ -59,7 +59,7 @@ def usual(data: Signals, order: int | None) -> Layout:
     order : int, optional
     """
     wanted = _HORIZON if order is None else max(_HORIZON, 2 * -(-order // len(data.output_scale)))
-    return given(data, max(_SHORTEST, min(wanted, _affordable(data), _shortest(data) // 4)), order)
+    return given(data, max(_SHORTEST, min(wanted, affordable(data), _shortest(data) // 4)), order)
 
 
 def longer(layout: Layout, data: Signals, transition: np.ndarray) -> Layout | None:
@@ -76,17 +76,17 @@ def longer(layout: Layout, data: Signals, transition: np.ndarray) -> Layout | No
         The model's A.
     """
     found = modes(np.linalg.eigvals(transition), 1.0)
-    oscillating = found.frequency[found.damping < _OSCILLATES]
+    oscillating = found.frequency[(found.damping < _OSCILLATES) & (found.frequency > 0)]
     if not len(oscillating):
         return None
-    room = min(_affordable(data), _ROWS // (2 * _width(data)), _shortest(data) // 4)
+    room = min(affordable(data), _ROWS // (2 * _width(data)), _shortest(data) // 4)
     horizon = min(int(np.ceil(_PERIODS / oscillating.min())), room)
     if not horizon > _ENOUGH * layout.future:
         return None
     return Layout(horizon, horizon, layout.inputs, layout.outputs)
 
 
-def _affordable(data: Signals) -> int:
+def affordable(data: Signals) -> int:
     """Return the longest horizon that leaves so many windows for each row of the triangle."""
     return (data.samples + 2) // (2 * _WINDOWS * _width(data) + 2 * len(data.drives))
 

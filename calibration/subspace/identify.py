@@ -8,17 +8,16 @@ import numpy as np
 from calibration.gaps import without_gaps
 from calibration.one_thread import on_one_thread
 from calibration.records import Side, sides_of
-from calibration.subspace.estimate import Compressed, Estimate, compress, estimate
+from calibration.subspace.choice import choose
+from calibration.subspace.estimate import Estimate, compress, estimate
 from calibration.subspace.gain_refinement import refine_gain
-from calibration.subspace.horizons import given, longer, usual
 from calibration.subspace.identified import Identified
 from calibration.subspace.kalman_gain import Gain
-from calibration.subspace.order import Candidate, candidates, proposed
 from calibration.subspace.realization import Method
 from calibration.subspace.regression import Terms
 from calibration.subspace.signals import Detrend, Signals, signals
 from calibration.subspace.weighting import left_by_free_run, weighted
-from calibration.subspace.windows import Layout, Windows
+from calibration.subspace.windows import Windows
 from stagectl.models import InnovationModel
 
 _SEGMENTS = 16
@@ -27,12 +26,13 @@ _SEGMENTS = 16
 
 @on_one_thread
 def identify(
-    drive: Any,
-    response: Any,
+    u: Any,
+    y: Any,
     rate: float,
+    *,
     order: int | None = None,
-    method: Method = "moesp",
     horizon: int | tuple[int, int] | None = None,
+    method: Method = "moesp",
     direct: bool = True,
     detrend: Detrend = "mean",
 ) -> Identified:
@@ -45,20 +45,21 @@ def identify(
 
     Parameters
     ----------
-    drive : array, shape (N, m) or (N,), list, pandas or polars table, or a sequence of such, the inputs' units
+    u : array, shape (N, m) or (N,), list, pandas or polars table, or a sequence of such, the inputs' units
         One record, or several of any lengths.  Where samples are not finite a record ends, and another one begins.
         Names and units of channels are those of a table's columns: "force [N]".
-    response : array, shape (N, p) or (N,), list or table as `drive`, or a sequence of such, the outputs' units
-        As many samples as `drive`, record by record.
+    y : array, shape (N, p) or (N,), list or table as `u`, or a sequence of such, the outputs' units
+        As many samples as `u`, record by record.
     rate : float, samples/s
     order : int, optional
-        States; where not given, as many as stand out of the noise and improve the fit.
+        States.  Where order or horizon are not given, models of several are identified from parts of the records and
+        held against the part that each has not seen; what is left of its free run and of its prediction one step ahead
+        decides.  `candidates` of the result tells of all of them.
+    horizon : int or (past, future), samples, optional
+        Longer ones are tried as well where an oscillation that is found takes more than half of it.
     method : "n4sid" or "moesp", optional
         Which projection's singular values are taken.  On inputs that excite all frequencies both give nearly the same;
         on chirps and other inputs that their own future tells, the oblique projection of N4SID is the weaker one.
-    horizon : int or (past, future), samples, optional
-        Both should reach over two periods of the slowest oscillation.  Where not given 40 and 40, less if records
-        are short, more if the order wants it; and once more with longer ones if an oscillation found is that slow.
     direct : bool, optional
         Whether D is fitted; it is 0 otherwise.
     detrend : "mean" or "none", optional
@@ -75,11 +76,11 @@ def identify(
 
     Examples
     --------
-    >>> drive = np.random.default_rng(1).standard_normal((500, 1))
-    >>> response = np.zeros((500, 1))
+    >>> u = np.random.default_rng(1).standard_normal(500)
+    >>> y = np.zeros(500)
     >>> for n in range(1, 500):
-    ...     response[n] = 0.9 * response[n - 1] + 0.5 * drive[n - 1]
-    >>> found = identify(drive, response, rate=100.0, horizon=5)
+    ...     y[n] = 0.9 * y[n - 1] + 0.5 * u[n - 1]
+    >>> found = identify(u, y, rate=100.0)
     >>> found.model.order, round(float(found.model.poles[0].real), 6)
     (1, 0.9)
     """
@@ -87,11 +88,14 @@ def identify(
         raise ValueError(f"method is {method!r}, must be 'n4sid' or 'moesp'")
     if not (np.isfinite(rate) and rate > 0):
         raise ValueError(f"rate is {rate}, must be > 0 samples/s")
-    inputs, outputs = sides_of(drive, response)
+    inputs, outputs = sides_of(u, y)
     drives, responses = without_gaps(inputs.records, outputs.records)
     data = signals(drives, responses, detrend)
     terms = Terms(direct, constant=detrend == "mean")
-    windows, compressed, tried, found = _reaching_over_oscillations(data, horizon, order, method, terms)
+    layout, chosen, tried = choose(data, horizon, order, method, terms)
+    windows = Windows(data.joined, layout, _SEGMENTS, terms.constant)
+    compressed = compress(windows, method)
+    found = estimate(compressed, chosen, data.drives, data.responses, terms)
     left = left_by_free_run(found, data.drives, data.responses)
     gain = refine_gain(found.transition, found.outlet, found.gain, left)
     found = weighted(found, gain, data.drives, data.responses, terms)
@@ -109,30 +113,6 @@ def identify(
         drives=tuple(drives),
         responses=tuple(responses),
     )
-
-
-def _reaching_over_oscillations(
-    data: Signals, horizon: int | tuple[int, int] | None, order: int | None, method: Method, terms: Terms
-) -> tuple[Windows, Compressed, tuple[Candidate, ...], Estimate]:
-    """Estimate with the horizons that were asked for, or with ones that reach over what is found to oscillate."""
-    layout = usual(data, order) if horizon is None else given(data, horizon, order)
-    attempt = _attempt(data, layout, order, method, terms)
-    while horizon is None and (further := longer(layout, data, attempt[-1].transition)) is not None:
-        layout = further
-        del attempt  # large
-        attempt = _attempt(data, layout, order, method, terms)
-    return attempt
-
-
-def _attempt(
-    data: Signals, layout: Layout, order: int | None, method: Method, terms: Terms
-) -> tuple[Windows, Compressed, tuple[Candidate, ...], Estimate]:
-    """Estimate with these horizons, before the gain is refined."""
-    windows = Windows(data.joined, layout, _SEGMENTS, terms.constant)
-    compressed = compress(windows, method)
-    tried = candidates(compressed, data, terms) if order is None else ()
-    found = estimate(compressed, proposed(tried) if order is None else order, data.drives, data.responses, terms)
-    return windows, compressed, tried, found
 
 
 def _in_units(found: Estimate, gain: Gain, data: Signals, rate: float) -> InnovationModel:

@@ -97,14 +97,15 @@ def whitening(innovation: np.ndarray) -> np.ndarray:
     return root
 
 
-def is_stable(matrix: np.ndarray) -> bool:
-    """Whether every eigenvalue of a matrix, shape (n, n), lies inside of the unit circle.
+def is_stable(matrix: np.ndarray, radius: float = 1.0) -> bool:
+    """Whether every eigenvalue of a matrix, shape (n, n), lies inside of the unit circle, or of a smaller one.
 
     Parameters
     ----------
     matrix : array, shape (n, n), 1
+    radius : float, 1
     """
-    return bool(np.isfinite(matrix).all() and np.all(np.abs(np.linalg.eigvals(matrix)) < 1))
+    return bool(np.isfinite(matrix).all() and np.all(np.abs(np.linalg.eigvals(matrix)) < radius))
 
 
 def _covariances(

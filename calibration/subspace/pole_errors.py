@@ -50,7 +50,7 @@ def pole_errors(windows: Windows, method: Method, modes: Modes, order: int, rate
     count = windows.segments
     frequency, damping = np.empty((count, len(modes.pole))), np.empty((count, len(modes.pole)))
     for segment in range(count):
-        gamma = compress(windows, method, without=segment).projection.observability(order)
+        gamma = compress(windows, method, without=[segment]).projection.observability(order)
         poles = np.linalg.eigvals(transition(gamma, windows.layout.outputs)[0]).astype(complex)
         _, nearest = linear_sum_assignment(np.abs(modes.pole[:, None] - poles))
         frequency[segment], damping[segment] = frequency_and_damping(poles[nearest], rate)

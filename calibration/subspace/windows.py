@@ -56,6 +56,14 @@ class Layout:
         second = first + self.past * (self.inputs + self.outputs)
         return slice(0, first), slice(first, second), slice(second, len(self.order))
 
+    def within(self, longer: "Layout") -> np.ndarray:
+        """Return which rows of longer horizons' windows are those of these, about the same sample: shape (rows,)."""
+        width = self.inputs + self.outputs
+        row = np.empty(len(longer.order), dtype=int)
+        row[longer.order] = np.arange(len(row))
+        inside: np.ndarray = row[(longer.past - self.past) * width :][self.order]
+        return inside
+
     def rows(self, start: int, stop: int, channels: slice = slice(None)) -> np.ndarray:
         """Return the rows, shape (count,), of some channels (inputs first) of samples start to stop of a window."""
         row = np.empty(len(self.order), dtype=int)
@@ -71,24 +79,24 @@ class Windows:
     ----------
     records : sequence of arrays, each of shape (inputs + outputs, N), contiguous, of like size, 1
     layout : Layout
-    segments : int
-        In all, shared out by length; at least one a record.
+    segments : int, or sequence of (record, first, last) of int
+        In all, shared out by length, at least one a record; or where the windows of each begin, `last` not among them.
     constant : bool
         Whether a constant is taken out of every row, the same for all records.
     """
 
-    def __init__(self, records: Sequence[np.ndarray], layout: Layout, segments: int, constant: bool) -> None:
+    def __init__(
+        self,
+        records: Sequence[np.ndarray],
+        layout: Layout,
+        segments: int | Sequence[tuple[int, int, int]],
+        constant: bool,
+    ) -> None:
         self.layout = layout
         self._records = records
         self._constant = constant
-        windows = np.array([record.shape[1] - layout.length + 1 for record in records])
-        pieces = np.maximum(1, np.round(segments * windows / windows.sum())).astype(int)
-        edges = [np.linspace(0, count, parts + 1).astype(int) for count, parts in zip(windows, pieces, strict=True)]
-        self._bounds = [
-            (number, int(start), int(stop))
-            for number, each in enumerate(edges)
-            for start, stop in zip(each[:-1], each[1:], strict=True)
-        ]
+        starts = [record.shape[1] - layout.length + 1 for record in records]
+        self._bounds = _shared_out(starts, segments) if isinstance(segments, int) else list(segments)
         self._sizes = np.array([stop - start for _, start, stop in self._bounds])
 
     @property
@@ -96,11 +104,11 @@ class Windows:
         """How many there are."""
         return len(self._bounds)
 
-    def count(self, without: int | None = None) -> int:
-        """Count the windows, all or without those of a segment."""
-        return int(self._sizes.sum() - (0 if without is None else self._sizes[without]))
+    def count(self, without: Sequence[int] = ()) -> int:
+        """Count the windows, all or without those of some segments."""
+        return int(self._sizes.sum() - self._sizes[list(without)].sum())
 
-    def triangle(self, without: int | None = None) -> np.ndarray:
+    def triangle(self, without: Sequence[int] = (), layout: Layout | None = None) -> np.ndarray:
         """Return the lower triangle L, shape (rows, rows), whose L L' is the mean of w w' over the windows w.
 
         By Cholesky of the sums of products; where signals nearly depend on one
@@ -108,20 +116,25 @@ class Windows:
 
         Parameters
         ----------
-        without : int, optional
-            A segment to leave out.
+        without : sequence of int, optional
+            Segments to leave out.
+        layout : Layout, optional
+            Shorter horizons.
         """
-        chosen = np.arange(self.segments) != (-1 if without is None else without)
+        chosen = ~np.isin(np.arange(self.segments), list(without))
         count = self.count(without)
+        rows = (self.layout if layout is None else layout).within(self.layout)
         if self._is_conditioned:
             try:
-                factor: np.ndarray = cholesky(self._sums(chosen) / count, lower=True, check_finite=False)
+                sums = self._sums(chosen)[np.ix_(rows, rows)]
+                factor: np.ndarray = cholesky(sums / count, lower=True, check_finite=False)
             except LinAlgError:
                 pass
             else:
                 return factor
-        stacked = _upper(np.concatenate([self._triangles[segment] for segment in np.flatnonzero(chosen)]))
         spare = int(self._constant)
+        columns = np.concatenate([np.arange(spare), spare + rows])
+        stacked = _upper(np.concatenate([self._triangles[segment][:, columns] for segment in np.flatnonzero(chosen)]))
         lower: np.ndarray = stacked[spare:, spare:].T / np.sqrt(count)
         return lower
 
@@ -181,6 +194,17 @@ class Windows:
             rows[:, spare:] = part.transpose(1, 2, 0).reshape(part.shape[1], size)[:, self.layout.order]
             triangle = _upper(np.concatenate([triangle, rows]))
         return triangle
+
+
+def _shared_out(starts: Sequence[int], segments: int) -> list[tuple[int, int, int]]:
+    """Share out segments among records by how many windows begin in each."""
+    pieces = np.maximum(1, np.round(segments * np.array(starts) / sum(starts))).astype(int)
+    edges = [np.linspace(0, count, parts + 1).astype(int) for count, parts in zip(starts, pieces, strict=True)]
+    return [
+        (number, int(start), int(stop))
+        for number, each in enumerate(edges)
+        for start, stop in zip(each[:-1], each[1:], strict=True)
+    ]
 
 
 def _upper(rows: np.ndarray) -> np.ndarray:

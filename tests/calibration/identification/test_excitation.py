@@ -48,7 +48,7 @@ def test_the_factor_that_is_told_is_that_of_the_errors() -> None:
     for seed in range(3):
         errors = []
         for drive in (alike(seed, 0.01), white(seed, 4_000)):
-            model = identify(drive, response(drive, seed=seed), RATE, 8, horizon=20).model
+            model = identify(drive, response(drive, seed=seed), RATE, order=8, horizon=20).model
             errors.append(off(model.frequency_response(frequency), frequency))
         ratios.append(errors[0] / errors[1])
         (found,) = nearly_collinear([alike(seed, 0.01)], RATE, NAMES)

@@ -44,7 +44,7 @@ def test_a_model_of_thinned_recordings_is_that_of_the_plant_and_one_of_every_nth
     heard = response(drive, seed=1, rate=FAST)
     errors = []
     for slow in (thinned, lambda signal, every: signal[::every]):
-        model = identify(slow(drive, factor), slow(heard, factor), FAST / factor, 8).model
+        model = identify(slow(drive, factor), slow(heard, factor), FAST / factor, order=8).model
         errors.append(off(model.frequency_response(frequency), frequency, FAST))
     assert errors[0] < 0.05
     assert errors[1] > 0.5

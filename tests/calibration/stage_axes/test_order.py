@@ -8,7 +8,7 @@ from tests.calibration.resonant_systems import RATE, order_7, sweep
 
 
 def candidates(*fits: float) -> list[Candidate]:
-    return [Candidate(order, fit, fit) for order, fit in enumerate(fits, start=1)]
+    return [Candidate(order, fit, fit, 40) for order, fit in enumerate(fits, start=1)]
 
 
 def test_the_largest_fall_counts_only_among_orders_that_do_well() -> None:

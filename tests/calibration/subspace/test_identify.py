@@ -39,7 +39,7 @@ def test_the_model_is_within_a_tenth_of_a_point_of_the_truth_on_fresh_data(
     system: ResonantSystem, method: subspace.Method
 ) -> None:
     """10 000 samples; the least standard deviation that any method can have of a damping is up to 1.3 %."""
-    found = subspace.identify(*system.record(10_000, seed=3), RATE, system.model.order, method, horizon=40)
+    found = subspace.identify(*system.record(10_000, seed=3), RATE, order=system.model.order, method=method, horizon=40)
     free_run, one_step = shortfall(found, system)
     assert free_run < (0.2 if system.model.order == 18 else 0.12)
     assert one_step < 0.1
@@ -49,7 +49,7 @@ def test_the_model_is_within_a_tenth_of_a_point_of_the_truth_on_fresh_data(
 @named
 def test_a_short_past_costs_the_prediction_nothing(system: ResonantSystem) -> None:
     """The best predictor remembers hundreds of samples; the past horizon is 20."""
-    found = subspace.identify(*system.record(10_000, seed=3), RATE, system.model.order, horizon=20)
+    found = subspace.identify(*system.record(10_000, seed=3), RATE, order=system.model.order, horizon=20)
     assert shortfall(found, system)[1] < 0.1
 
 
@@ -60,7 +60,7 @@ def test_a_short_past_costs_the_prediction_nothing(system: ResonantSystem) -> No
 def test_the_order_is_found(system: ResonantSystem, horizon: int, method: subspace.Method) -> None:
     found = subspace.identify(*system.record(10_000, seed=4), RATE, method=method, horizon=horizon)
     assert found.model.order == system.model.order
-    assert found.candidates[-1].order == system.model.order
+    assert system.model.order in {each.order for each in found.candidates}
 
 
 @pytest.mark.sample(2)
@@ -77,7 +77,7 @@ def test_an_input_that_its_own_future_tells_does_not_spoil_the_model(method: sub
     """Of a chirp's past little is its own; what N4SID took for it would be noise."""
     system = order_7()
     record = system.record(10_000, seed=5, drive=sweep(10_000, 5.0, 150.0))
-    found = subspace.identify(*record, RATE, 7, method, horizon=40)
+    found = subspace.identify(*record, RATE, order=7, method=method, horizon=40)
     truth = fit(system.model, [record[0]], [record[1]])
     assert found.fit.free_run.nrmse > truth.free_run.nrmse - 0.5
     assert np.all(damping_errors(found.model, system.model) < 0.08)
@@ -86,8 +86,8 @@ def test_an_input_that_its_own_future_tells_does_not_spoil_the_model(method: sub
 def test_residuals_of_the_right_order_are_white_and_of_too_small_a_one_are_not() -> None:
     system = order_7()
     record, fresh = system.record(10_000, seed=6), system.record(10_000, seed=7)
-    right = subspace.identify(*record, RATE, 7).assess(*fresh)
-    small = subspace.identify(*record, RATE, 5).assess(*fresh)
+    right = subspace.identify(*record, RATE, order=7).assess(*fresh)
+    small = subspace.identify(*record, RATE, order=5).assess(*fresh)
     assert right.whiteness.probability > 0.01
     assert right.cross_correlation.outside < 0.1
     assert small.whiteness.probability < 1e-6
@@ -97,7 +97,7 @@ def test_residuals_of_the_right_order_are_white_and_of_too_small_a_one_are_not()
 @pytest.mark.parametrize("method", ["n4sid", "moesp"])
 def test_a_record_without_noise_is_explained_wholly(system: ResonantSystem, method: subspace.Method) -> None:
     drive, response = system.record(2000, seed=8, noise=0.0)
-    found = subspace.identify(drive, response, RATE, system.model.order, method, horizon=20)
+    found = subspace.identify(drive, response, RATE, order=system.model.order, method=method, horizon=20)
     assert np.all(found.fit.free_run.nrmse > 99.999)
     np.testing.assert_allclose(found.model.modes.frequency, system.model.modes.frequency, rtol=1e-6)
     np.testing.assert_allclose(found.model.modes.damping, system.model.modes.damping, rtol=1e-4)
@@ -112,16 +112,16 @@ def test_a_pure_delay_without_noise_is_a_model_of_its_length() -> None:
     """All poles coincide at zero, which no set of modes describes."""
     drive = np.random.default_rng(9).standard_normal((1500, 1))
     response = np.concatenate([np.zeros((4, 1)), drive[:-4]])
-    found = subspace.identify(drive, response, RATE, 4, horizon=8)
+    found = subspace.identify(drive, response, RATE, order=4, horizon=8)
     assert found.fit.free_run.nrmse > 99.99
 
 
 def test_two_records_are_one_experiment() -> None:
     system = order_7()
     drive, response = system.record(10_000, seed=10)
-    whole = subspace.identify(drive, response, RATE, 7, horizon=20)
-    cut = [slice(0, 2500), slice(2500, 10_000)]
-    parts = subspace.identify([drive[each] for each in cut], [response[each] for each in cut], RATE, 7, horizon=20)
+    whole = subspace.identify(drive, response, RATE, order=7, horizon=20)
+    sides = [[side[:2500], side[2500:]] for side in (drive, response)]
+    parts = subspace.identify(*sides, RATE, order=7, horizon=20)
     np.testing.assert_allclose(parts.model.modes.frequency, whole.model.modes.frequency, rtol=1e-3)
     np.testing.assert_allclose(parts.fit.one_step.nrmse, whole.fit.one_step.nrmse, atol=0.1)
 
@@ -129,15 +129,15 @@ def test_two_records_are_one_experiment() -> None:
 def test_a_jump_between_records_is_not_taken_for_dynamics() -> None:
     system = order_7()
     first, second = system.record(5000, seed=11), system.record(5000, seed=12)
-    apart = subspace.identify([first[0], second[0]], [first[1], second[1]], RATE, 7, horizon=20)
+    apart = subspace.identify([first[0], second[0]], [first[1], second[1]], RATE, order=7, horizon=20)
     assert np.all(damping_errors(apart.model, system.model) < 0.05)
 
 
 def test_an_operating_point_is_taken_away_and_reported() -> None:
     system = order_7()
     drive, response = system.record(4000, seed=13)
-    plain = subspace.identify(drive, response, RATE, 7, horizon=20)
-    moved = subspace.identify(drive + 5.0, 3.0 * response - 100.0, RATE, 7, horizon=20)
+    plain = subspace.identify(drive, response, RATE, order=7, horizon=20)
+    moved = subspace.identify(drive + 5.0, 3.0 * response - 100.0, RATE, order=7, horizon=20)
     np.testing.assert_allclose(moved.input_offset, plain.input_offset + 5.0)
     np.testing.assert_allclose(moved.output_offset, 3.0 * plain.output_offset - 100.0, rtol=1e-6)
     np.testing.assert_allclose(
@@ -150,7 +150,7 @@ def test_an_operating_point_is_taken_away_and_reported() -> None:
 
 def test_zero_is_the_operating_point_when_the_mean_is_not_to_be_taken_away() -> None:
     drive, response = order_7().record(4000, seed=14)
-    found = subspace.identify(drive, response, RATE, 7, horizon=20, detrend="none")
+    found = subspace.identify(drive, response, RATE, order=7, horizon=20, detrend="none")
     assert not np.any(found.input_offset)
     assert not np.any(found.output_offset)
 
@@ -159,8 +159,8 @@ def test_signals_of_very_unlike_size_count_alike() -> None:
     system = order_9()
     drive, response = system.record(6000, seed=15)
     size = np.array([1e-9, 1.0, 1e6])
-    plain = subspace.identify(drive, response, RATE, 9, horizon=20)
-    scaled = subspace.identify(1e-3 * drive, size * response, RATE, 9, horizon=20)
+    plain = subspace.identify(drive, response, RATE, order=9, horizon=20)
+    scaled = subspace.identify(1e-3 * drive, size * response, RATE, order=9, horizon=20)
     np.testing.assert_allclose(scaled.fit.free_run.nrmse, plain.fit.free_run.nrmse, atol=1e-6)
     np.testing.assert_allclose(scaled.model.innovation / np.outer(size, size), plain.model.innovation, rtol=1e-5)
 
@@ -170,33 +170,37 @@ def test_the_direct_term_is_found_or_left_out() -> None:
     drive = rng.standard_normal((4000, 2))
     truth = InnovationModel([[0.8]], [[1.0, 0.5]], [[1.0]], [[0.7, -0.3]], [[0.3]], RATE, [[0.01]])
     response = truth.simulate(drive) + 0.1 * rng.standard_normal((4000, 1))
-    np.testing.assert_allclose(subspace.identify(drive, response, RATE, 1).model.D, truth.D, atol=0.01)
-    assert not np.any(subspace.identify(drive, response, RATE, 1, direct=False).model.D)
+    np.testing.assert_allclose(subspace.identify(drive, response, RATE, order=1).model.D, truth.D, atol=0.01)
+    assert not np.any(subspace.identify(drive, response, RATE, order=1, direct=False).model.D)
 
 
 def test_a_model_is_stable_even_of_a_record_that_grows() -> None:
     drive = np.random.default_rng(17).standard_normal((600, 1))
     growing = InnovationModel([[1.004]], [[1.0]], [[1.0]], [[0.0]], [[0.0]], RATE, [[1.0]])
-    found = subspace.identify(drive, growing.simulate(drive), RATE, 1, detrend="none")
+    found = subspace.identify(drive, growing.simulate(drive), RATE, order=1, detrend="none")
     assert found.moved_poles == 1
     assert found.model.is_stable
 
 
 def test_the_predictor_is_stable_and_the_innovations_are_a_covariance() -> None:
     for system in (order_7(), order_18()):
-        model = subspace.identify(*system.record(3000, seed=18), RATE, system.model.order, horizon=20).model
+        model = subspace.identify(*system.record(3000, seed=18), RATE, order=system.model.order, horizon=20).model
         assert np.all(np.abs(np.linalg.eigvals(model.A - model.K @ model.C)) < 1)
         assert np.all(np.linalg.eigvalsh(model.innovation) > 0)
 
 
-@pytest.mark.parametrize(("samples", "order", "horizon"), [(4000, None, 40), (150, 4, 10), (40, 2, 5)])
-def test_horizons_suit_order_and_length_where_none_are_given(samples: int, order: int | None, horizon: int) -> None:
-    found = subspace.identify(*order_7().record(samples, seed=21), RATE, order)
-    assert found.horizon == (horizon, horizon)
+@pytest.mark.parametrize(
+    ("samples", "order", "least", "most"), [(4000, None, 20, 60), (150, 4, 5, 12), (40, 2, 5, 5), (4000, 30, 40, 60)]
+)
+def test_horizons_suit_order_and_length_where_none_are_given(
+    samples: int, order: int | None, least: int, most: int
+) -> None:
+    found = subspace.identify(*order_7().record(samples, seed=21), RATE, order=order)
+    assert least <= found.horizon[0] == found.horizon[1] <= most
 
 
 def test_past_and_future_can_be_chosen_apart() -> None:
-    found = subspace.identify(*order_7().record(4000, seed=22), RATE, 7, horizon=(15, 45))
+    found = subspace.identify(*order_7().record(4000, seed=22), RATE, order=7, horizon=(15, 45))
     assert found.horizon == (15, 45)
     assert len(found.singular_values) == 30
     assert np.all(damping_errors(found.model, order_7().model) < 0.1)
@@ -228,6 +232,7 @@ def odd_record(kind: str) -> tuple[np.ndarray, np.ndarray]:
     return drive, response
 
 
+@pytest.mark.filterwarnings("ignore:.* samples are few")
 @pytest.mark.sample(8)
 @pytest.mark.parametrize(
     "kind",
@@ -245,7 +250,7 @@ def odd_record(kind: str) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("method", ["n4sid", "moesp"])
 @pytest.mark.parametrize("order", [None, 3])
 def test_an_odd_record_gives_a_stable_model_all_the_same(kind: str, method: subspace.Method, order: int | None) -> None:
-    found = subspace.identify(*odd_record(kind), RATE, order, method)
+    found = subspace.identify(*odd_record(kind), RATE, order=order, method=method)
     assert found.model.is_stable
     assert np.all(np.abs(np.linalg.eigvals(found.model.A - found.model.K @ found.model.C)) < 1)
     assert np.all(np.isfinite(found.fit.one_step.nrmse))
@@ -260,18 +265,18 @@ def test_an_odd_record_gives_a_stable_model_all_the_same(kind: str, method: subs
         ({"horizon": 300}, r"records have \[500\] samples, too few for horizons of 300 and 300: each must have 600"),
         ({"horizon": (10, 1)}, "horizon is 10 past and 1 future samples, must be at least 1 and 2"),
         ({"rate": 0.0}, "rate is 0.0, must be > 0"),
-        ({"drive": np.zeros((500, 1))}, "input 1 never changes"),
-        ({"drive": np.ones(500)}, "input 1 never changes"),
-        ({"drive": np.full((500, 1), np.nan)}, "500 samples are missing, and between them there is no stretch"),
-        ({"drive": np.ones((400, 1))}, r"inputs have \[400\] samples and outputs \[500\]"),
-        ({"drive": []}, "there is no record of input"),
+        ({"u": np.zeros((500, 1))}, "input 1 never changes"),
+        ({"u": np.ones(500)}, "input 1 never changes"),
+        ({"u": np.full((500, 1), np.nan)}, "500 samples are missing, and between them there is no stretch"),
+        ({"u": np.ones((400, 1))}, r"inputs have \[400\] samples and outputs \[500\]"),
+        ({"u": []}, "there is no record of input"),
         ({"detrend": "linear"}, "detrend is 'linear', must be 'mean' or 'none'"),
         ({"method": "cva"}, "method is 'cva', must be 'n4sid' or 'moesp'"),
     ],
 )
 def test_what_cannot_be_identified_is_refused_with_the_reason(change: dict[str, object], said: str) -> None:
     drive, response = order_7().record(500, seed=19)
-    arguments = {"drive": drive, "response": response, "rate": RATE, "order": 7, "horizon": 20}
+    arguments = {"u": drive, "y": response, "rate": RATE, "order": 7, "horizon": 20}
     with pytest.raises(ValueError, match=said):
         subspace.identify(**arguments | change)  # type: ignore[arg-type]  # what is wrong is the point
 
@@ -281,15 +286,15 @@ def test_names_and_units_are_those_of_a_table_and_what_is_missing_ends_a_record(
     columns = SimpleNamespace(columns=["force [N]"], to_numpy=lambda: drive)
     response[1_500] = np.nan
     with pytest.warns(UserWarning, match="1 of 4000 samples are missing: 3999 in 2 stretches are used"):
-        found = subspace.identify(columns, response, RATE, 7, horizon=20)
+        found = subspace.identify(columns, response, RATE, order=7, horizon=20)
     assert (found.model.input_names, found.model.input_units) == (("force",), ("N",))
     assert (found.model.output_names, found.model.output_units) == (("y1",), ("1",))
     pieces = [drive[:1_500], drive[1_501:]], [response[:1_500], response[1_501:]]
-    np.testing.assert_array_equal(found.model.A, subspace.identify(*pieces, RATE, 7, horizon=20).model.A)
+    np.testing.assert_array_equal(found.model.A, subspace.identify(*pieces, RATE, order=7, horizon=20).model.A)
 
 
 def test_lists_and_single_channels_are_records_like_any() -> None:
     drive, response = order_7().record(600, seed=21)
-    wanted = subspace.identify(drive, response, RATE, 3, horizon=10).model
+    wanted = subspace.identify(drive, response, RATE, order=3, horizon=10).model
     for pair in ((drive[:, 0], response[:, 0]), (drive.tolist(), response[:, 0].tolist())):
-        np.testing.assert_array_equal(subspace.identify(*pair, RATE, 3, horizon=10).model.A, wanted.A)
+        np.testing.assert_array_equal(subspace.identify(*pair, RATE, order=3, horizon=10).model.A, wanted.A)

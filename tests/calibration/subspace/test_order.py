@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from calibration import subspace
 from calibration.subspace.estimate import compress
-from calibration.subspace.order import Candidate, proposed, standing_out
+from calibration.subspace.order import standing_out
 from calibration.subspace.signals import signals
 from calibration.subspace.windows import Layout, Windows
 from tests.calibration.resonant_systems import RATE, order_7, order_18
@@ -43,21 +43,3 @@ def test_a_weak_state_behind_the_largest_gap_is_found_all_the_same(horizon: int)
     values = found.singular_values
     assert int(np.argmax(values[:12] / values[1:13])) + 1 == 7
     assert found.model.order == 8
-
-
-def candidate(order: int, free_run: float, one_step: float) -> Candidate:
-    """Return one that was tried."""
-    return Candidate(order, free_run, one_step)
-
-
-def test_the_smallest_order_that_fits_as_well_is_proposed() -> None:
-    tried = (candidate(4, 60.0, 80.0), candidate(7, 89.9, 91.9), candidate(9, 90.0, 92.0))
-    assert proposed(tried) == 7
-
-
-def test_an_order_that_only_predicts_worse_is_not_proposed() -> None:
-    assert proposed((candidate(4, 90.0, 90.5), candidate(6, 90.0, 92.0))) == 6
-
-
-def test_without_one_that_is_good_at_both_all_that_stand_out_are_proposed() -> None:
-    assert proposed((candidate(2, 90.0, 60.0), candidate(4, 80.0, 92.0), candidate(5, 85.0, 85.0))) == 5

@@ -76,9 +76,9 @@ def test_a_segment_left_out_is_as_if_it_had_not_been(spoiled: bool) -> None:
     windows = Windows(parts, LAYOUT, 5, constant=False)
     whole = windows.count() * windows.triangle() @ windows.triangle().T
     for segment in range(windows.segments):
-        rest = windows.triangle(without=segment)
-        left = whole - windows.count(without=segment) * rest @ rest.T
-        number = windows.count() - windows.count(without=segment)
+        rest = windows.triangle(without=[segment])
+        left = whole - windows.count(without=[segment]) * rest @ rest.T
+        number = windows.count() - windows.count(without=[segment])
         assert np.linalg.matrix_rank(left, tol=1e-6 * np.abs(whole).max(), hermitian=True) <= number
         assert np.min(np.linalg.eigvalsh(left)) > -1e-9 * np.abs(whole).max()
 
