@@ -38,6 +38,8 @@ class Fit:
         Of the response to the drive alone, from the initial state that fits best.
     one_step : Measures
         Of each sample as predicted from those before it, from the initial state that fits best.
+    from_rest : Measures
+        The same from the zero state, as one begins who knows nothing.
     whiteness : Whiteness
         Of the residuals one step ahead.
     cross_correlation : CrossCorrelation
@@ -46,6 +48,7 @@ class Fit:
 
     free_run: Measures
     one_step: Measures
+    from_rest: Measures
     whiteness: Whiteness
     cross_correlation: CrossCorrelation
 
@@ -127,15 +130,17 @@ def fit(
     fitted : int
         Coefficients of the noise model that were fitted to these very records; 0 on fresh data.
     """
-    free, ahead = [], []
+    free, ahead, rested = [], [], []
     for drive, response in zip(drives, responses, strict=True):
         free.append(model.simulate(drive, model.initial_state(drive, response)))
         ahead.append(model.predict(drive, response, model.initial_predictor_state(drive, response)))
+        rested.append(model.predict(drive, response))
     measured = np.concatenate(responses)
     residuals = [response - predicted for response, predicted in zip(responses, ahead, strict=True)]
     return Fit(
         measures(measured, np.concatenate(free)),
         measures(measured, np.concatenate(ahead)),
+        measures(measured, np.concatenate(rested)),
         whiteness(residuals, lags, fitted),
         cross_correlation(residuals, drives, lags),
     )

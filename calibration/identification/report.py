@@ -13,7 +13,7 @@ from calibration.subspace.order import Candidate
 from rigkit.figure_style import styled
 from rigkit.report import Fact, Plot, Report, Section, Table
 
-FIT_HEAD = ("output", "free run NRMSE, %", "VAF, %", "MAE", "one step NRMSE, %", "VAF, %", "MAE")
+FIT_HEAD = ("output", "free run NRMSE, %", "VAF, %", "MAE", "one step NRMSE, %", "VAF, %", "MAE", "from rest, %")
 MODE_HEAD = ("pole", "natural frequency, Hz", "+-", "damping ratio", "+-")
 CANDIDATE_HEAD = ("order tried", "at horizon", "free run, %", "one step, %")
 NEARLY_HEAD = ("inputs nearly go together, Hz", "inputs", "weakest combination over strongest, power")
@@ -35,6 +35,7 @@ def fit_rows(found: Identification) -> list[tuple[str, ...]]:
             f"{step.nrmse[row]:.2f}",
             f"{step.vaf[row]:.3f}",
             f"{step.mae[row]:.4g} {unit}",
+            f"{found.fresh.from_rest.nrmse[row]:.2f}",
         )
         for row, (name, unit) in enumerate(zip(found.model.output_names, found.model.output_units, strict=True))
     ]
@@ -192,7 +193,7 @@ def _fit_figures(found: Identification, fit: Fit) -> dict[str, Any]:
         "outputs": {
             name: {
                 f"{kind}_{measure}": float(np.asarray(getattr(each, measure))[row])
-                for kind, each in (("free_run", fit.free_run), ("one_step", fit.one_step))
+                for kind, each in (("free_run", fit.free_run), ("one_step", fit.one_step), ("from_rest", fit.from_rest))
                 for measure in ("nrmse", "vaf", "mae")
             }
             for row, name in enumerate(names)

@@ -3,19 +3,31 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from calibration.fit_measures import Fit, fit
+from calibration.fit_measures import Fit
 from calibration.records import as_records
+from calibration.subspace import telling
+from calibration.subspace.comparison import Comparison
+from calibration.subspace.diagnosis import Diagnosis, diagnose
+from calibration.subspace.excitation import persistence
 from calibration.subspace.order import Candidate
 from calibration.subspace.pole_errors import PoleErrors, pole_errors
 from calibration.subspace.realization import Method
 from calibration.subspace.windows import Windows
+from stagectl.model_conversion import to_control, to_scipy
 from stagectl.models import InnovationModel
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-@dataclass(frozen=True)
+_FIELDS = ("frequency", "frequency_error", "damping", "damping_error")
+
+
+@dataclass(frozen=True, repr=False)
 class Identified:
     """A model from records, about their operating point.
 
@@ -55,27 +67,98 @@ class Identified:
     responses: tuple[np.ndarray, ...]
 
     @cached_property
+    def own(self) -> Comparison:
+        """It and the records it was identified from."""
+        return self._beside(self.drives, self.responses, self.model.order * self.model.outputs)
+
+    @property
     def fit(self) -> Fit:
         """How well it fits the records it was identified from; computed when first asked for."""
-        coefficients = self.model.order * self.model.outputs
-        return self._fit(self.drives, self.responses, coefficients)
+        return self.own.fit
+
+    @cached_property
+    def diagnosis(self) -> Diagnosis:
+        """What is to be thought of it and of the records; computed when first asked for."""
+        samples = sum(len(drive) for drive in self.drives)
+        excites = persistence([drive - self.input_offset for drive in self.drives])
+        return diagnose(self.fit, self.model.order, samples, excites, self.moved_poles)
 
     @cached_property
     def pole_errors(self) -> PoleErrors:
         """Standard errors of natural frequencies and damping ratios; computed when first asked for."""
         return pole_errors(self.windows, self.method, self.model.modes, self.model.order, self.model.rate)
 
-    def assess(self, drive: np.ndarray | Sequence[np.ndarray], response: np.ndarray | Sequence[np.ndarray]) -> Fit:
-        """Measure how well it fits other records, about the same operating point.
+    def compare(self, u: Any, y: Any) -> Comparison:
+        """Hold it against other records, about the same operating point.
 
         Parameters
         ----------
-        drive : array, shape (N, m), or a sequence of such, the inputs' units
-        response : array, shape (N, p), or a sequence of such, the outputs' units
-        """
-        return self._fit(*as_records(drive, response), 0)
+        u : array, shape (N, m) or (N,), list or table, or a sequence of such, the inputs' units
+            As of `identify`.
+        y : array, shape (N, p) or (N,), list or table, or a sequence of such, the outputs' units
 
-    def _fit(self, drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], fitted: int) -> Fit:
-        low = [drive - self.input_offset for drive in drives]
-        high = [response - self.output_offset for response in responses]
-        return fit(self.model, low, high, fitted=fitted)
+        Raises
+        ------
+        ValueError : other numbers of channels, lengths that differ, a value that is not finite.
+        """
+        drives, responses = as_records(u, y)
+        for name, records, wanted in (("input", drives, self.model.inputs), ("output", responses, self.model.outputs)):
+            if records[0].shape[1] != wanted:
+                raise ValueError(f"records have {records[0].shape[1]} {name}s, the model has {wanted}")
+        return self._beside(drives, responses, 0)
+
+    def residuals(self) -> tuple[np.ndarray, ...]:
+        """Return what the prediction one step ahead leaves of the records: arrays of shape (N, p), outputs' units."""
+        return self.own.residuals
+
+    def poles(self) -> np.ndarray:
+        """Return poles with what they mean and their standard errors.
+
+        Returns
+        -------
+        structured array, shape (modes,)
+            Fields `pole` (1), `frequency` and `frequency_error` (Hz), `damping` and `damping_error` (1); one entry a
+            mode, by rising natural frequency.
+        """
+        modes, errors = self.model.modes, self.pole_errors
+        columns = (modes.pole, modes.frequency, errors.frequency, modes.damping, errors.damping)
+        kinds = [("pole", complex), *((name, float) for name in _FIELDS)]
+        return np.array(list(zip(*columns, strict=True)), dtype=kinds)
+
+    def summary(self) -> str:
+        """Return fits, modes with standard errors, and what is to be thought of them, in lines of text."""
+        return telling.summary(self)
+
+    def bode(self, frequency: np.ndarray | None = None) -> "Figure":
+        """Return a figure of gain and phase, at frequencies in Hz, shape (bins,), where some are given."""
+        from calibration.subspace.drawing import bode_figure
+
+        figure: Figure = bode_figure(self.model, frequency)
+        return figure
+
+    def to_control(self) -> Any:
+        """Return a `control.StateSpace` of the model, from inputs to outputs; python-control must be installed."""
+        return to_control(self.model)
+
+    def to_scipy(self) -> Any:
+        """Return a discrete `scipy.signal.StateSpace` of the model, from inputs to outputs."""
+        return to_scipy(self.model)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the model as an HDF5 model file, which `stagectl` and `read_model` take; return where it is."""
+        from stagectl.model_file import write_model
+
+        write_model(Path(path), self.model.described(method=self.method, order=str(self.model.order)))
+        return Path(path)
+
+    def __repr__(self) -> str:
+        """Return a line."""
+        return f"<Identified: {telling.title(self)}>"
+
+    def _repr_html_(self) -> str:
+        return telling.html(self)
+
+    def _beside(self, drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], fitted: int) -> Comparison:
+        low = tuple(drive - self.input_offset for drive in drives)
+        high = tuple(response - self.output_offset for response in responses)
+        return Comparison(self.model, low, high, fitted)

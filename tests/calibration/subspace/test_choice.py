@@ -55,7 +55,9 @@ def test_a_model_of_a_short_record_is_worth_something_on_a_fresh_one() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         fits = [
-            subspace.identify(*order_7().record(400, seed), RATE).assess(*order_7().record(4000, 100 + seed)).free_run
+            subspace.identify(*order_7().record(400, seed), RATE)
+            .compare(*order_7().record(4000, 100 + seed))
+            .fit.free_run
             for seed in range(2)
         ]
     assert min(each.nrmse[0] for each in fits) > 75

@@ -30,7 +30,7 @@ def test_a_stage_sampled_at_its_own_rate_needs_no_thought_about_horizons() -> No
     found = subspace.identify(*system.record(40_000, seed=23), 10_000.0)
     assert found.model.order == 7
     assert worst_damping(found.model, system.model) < 0.1
-    assert found.assess(*system.record(20_000, seed=24)).free_run.nrmse[0] > 89
+    assert found.compare(*system.record(20_000, seed=24)).fit.free_run.nrmse[0] > 89
     assert found.horizon == (160, 160)
 
 

@@ -26,7 +26,7 @@ def damping_errors(found: InnovationModel, truth: InnovationModel) -> np.ndarray
 def shortfall(found: subspace.Identified, system: ResonantSystem) -> tuple[float, float]:
     """Return how many points of NRMSE the truth is better on fresh data: free run, one step."""
     fresh = system.record(20_000, seed=1000)
-    truth, ours = fit(system.model, [fresh[0]], [fresh[1]]), found.assess(*fresh)
+    truth, ours = fit(system.model, [fresh[0]], [fresh[1]]), found.compare(*fresh).fit
     return (
         float(np.mean(truth.free_run.nrmse - ours.free_run.nrmse)),
         float(np.mean(truth.one_step.nrmse - ours.one_step.nrmse)),
@@ -86,8 +86,8 @@ def test_an_input_that_its_own_future_tells_does_not_spoil_the_model(method: sub
 def test_residuals_of_the_right_order_are_white_and_of_too_small_a_one_are_not() -> None:
     system = order_7()
     record, fresh = system.record(10_000, seed=6), system.record(10_000, seed=7)
-    right = subspace.identify(*record, RATE, order=7).assess(*fresh)
-    small = subspace.identify(*record, RATE, order=5).assess(*fresh)
+    right = subspace.identify(*record, RATE, order=7).compare(*fresh).fit
+    small = subspace.identify(*record, RATE, order=5).compare(*fresh).fit
     assert right.whiteness.probability > 0.01
     assert right.cross_correlation.outside < 0.1
     assert small.whiteness.probability < 1e-6

@@ -1,0 +1,119 @@
+"""What is to be thought of records and of a model of them: a verdict in a sentence each."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from calibration.fit_measures import Fit
+from calibration.subspace.excitation import MOST
+
+WHITE = 0.01
+"""Probability of residuals as far from white ones, below which they are not."""
+CROSSED = 0.05
+"""Share of correlations beyond the bound of one in a hundred, up to which there are none."""
+FED_BACK = 0.1
+"""The same at negative lags, beyond which inputs follow from outputs."""
+SPENT = 20
+"""Samples for each coefficient of the model, below which there are few."""
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Of a model and the records that it was identified from.
+
+    Parameters
+    ----------
+    order : int
+    inputs, outputs : int
+    samples : int
+    persistence : int
+        Order of which the inputs excite persistently, see `excitation.persistence`.
+    whiteness : float, 0 to 1
+        Probability of such residuals one step ahead, were they white.
+    left_out, fed_back : float, 0 to 1
+        Share of correlations of residuals with earlier and with later inputs that are beyond a bound of 1 %.
+    moved_poles : int
+        Poles that had to be moved into the unit circle.
+    """
+
+    order: int
+    inputs: int
+    outputs: int
+    samples: int
+    persistence: int
+    whiteness: float
+    left_out: float
+    fed_back: float
+    moved_poles: int
+
+    @property
+    def coefficients(self) -> int:
+        """Of the model, that data determine."""
+        return self.order * (self.inputs + 2 * self.outputs) + self.inputs * self.outputs
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Verdicts, what is well as well as what is not."""
+        return tuple(self._verdicts())
+
+    def __str__(self) -> str:
+        """Return them a line each."""
+        return "\n".join(self.sentences)
+
+    def _verdicts(self) -> Iterator[str]:
+        if self.persistence < min(2 * self.order, MOST):
+            yield (
+                f"inputs excite persistently of order {self.persistence} only, {2 * self.order} is wanted: "
+                "much of the model is guessed"
+            )
+        else:
+            yield "inputs excite enough for a model of this order"
+        if self.samples * self.outputs < SPENT * self.coefficients:
+            yield f"{self.samples} samples are few for {self.coefficients} coefficients"
+        if self.whiteness >= WHITE:
+            yield f"residuals one step ahead are white (probability {self.whiteness:.2g})"
+        else:
+            yield "residuals one step ahead are not white: noise or response have more to them than the model"
+        if self.left_out > CROSSED:
+            yield (
+                f"{100 * self.left_out:.0f} % of the residuals' correlations with earlier inputs are beyond their "
+                "bound: the response has more to it than the model (order, delay, or a plant that is not linear)"
+            )
+        else:
+            yield "nothing of the inputs is left in the residuals"
+        if self.fed_back > FED_BACK:
+            yield (
+                f"{100 * self.fed_back:.0f} % of those with later inputs are beyond it: inputs follow from outputs. "
+                "Where a loop was closed, refine the model by prediction error"
+            )
+        if self.moved_poles:
+            yield f"{self.moved_poles} poles were moved into the unit circle: look at the records for drift or a step"
+
+
+def diagnose(fit: Fit, order: int, samples: int, persistence: int, moved_poles: int) -> Diagnosis:
+    """Diagnose from a fit to the records themselves.
+
+    Parameters
+    ----------
+    fit : Fit
+    order : int
+    samples : int
+    persistence : int
+    moved_poles : int
+    """
+    cross = fit.cross_correlation
+    beyond = np.abs(cross.correlation) > cross.bound
+    outputs, inputs = cross.correlation.shape[1:]
+    later, earlier = beyond[cross.lag < 0], beyond[cross.lag > 0]
+    return Diagnosis(
+        order,
+        inputs,
+        outputs,
+        samples,
+        persistence,
+        float(fit.whiteness.probability),
+        float(np.mean(earlier)),
+        float(np.mean(later)),
+        moved_poles,
+    )

@@ -1,0 +1,70 @@
+"""Figures of a model and of what it makes of records; matplotlib is imported here alone."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from calibration.subspace.comparison import Comparison
+from calibration.subspace.telling import frequencies
+from rigkit.figure_style import COLOURS, styled
+from stagectl.models import InnovationModel
+
+SHOWN = 2000
+"""Samples of a record that are drawn at most."""
+
+
+def bode_figure(model: InnovationModel, frequency: np.ndarray | None = None) -> Figure:
+    """Draw gain and phase from each input to each output.
+
+    Parameters
+    ----------
+    model : InnovationModel
+    frequency : array, shape (bins,), Hz, optional
+        Where not given, from a tenth of the slowest mode to half the rate.
+    """
+    with styled():
+        return _bode(model, frequencies(model) if frequency is None else np.asarray(frequency, float))
+
+
+def _bode(model: InnovationModel, grid: np.ndarray) -> Figure:
+    response = model.frequency_response(grid)
+    figure = Figure(figsize=(1.5 + 4.0 * model.inputs, 1.0 + 3.4 * model.outputs))
+    axes = figure.subplots(2 * model.outputs, model.inputs, sharex=True, squeeze=False)
+    for output, (name, unit) in enumerate(zip(model.output_names, model.output_units, strict=True)):
+        for drive, (source, per) in enumerate(zip(model.input_names, model.input_units, strict=True)):
+            gain, phase = axes[2 * output, drive], axes[2 * output + 1, drive]
+            element = response[:, output, drive]
+            gain.loglog(grid, np.abs(element), color=COLOURS[0])
+            phase.semilogx(grid, np.degrees(np.unwrap(np.angle(element))), color=COLOURS[0])
+            gain.set_title(f"{source} to {name}")
+            gain.set_ylabel(f"{unit}/{per}" if (unit, per) != ("1", "1") else "gain")
+            phase.set_ylabel("degrees")
+            for each in (gain, phase):
+                each.grid(visible=True, which="both", linewidth=0.3)
+    for each in axes[-1]:
+        each.set_xlabel("Hz")
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+def comparison_figure(comparison: Comparison) -> Figure:
+    """Draw the first record: what was measured, the free run, and the difference."""
+    with styled():
+        return _comparison(comparison)
+
+
+def _comparison(comparison: Comparison) -> Figure:
+    model, fit = comparison.model, comparison.fit
+    measured, modelled = comparison.responses[0][:SHOWN], comparison.free_run[0][:SHOWN]
+    time = np.arange(len(measured)) / model.rate
+    figure = Figure(figsize=(8.0, 1.2 + 2.2 * model.outputs))
+    grid = figure.subplots(model.outputs, 1, sharex=True, squeeze=False)[:, 0]
+    for row, axes in enumerate(grid):
+        axes.plot(time, measured[:, row], color=COLOURS[0], linewidth=1.0, label="measured")
+        axes.plot(time, modelled[:, row], color=COLOURS[1], linewidth=0.9, linestyle="--", label="free run")
+        axes.plot(time, measured[:, row] - modelled[:, row], color=COLOURS[2], linewidth=0.7, label="difference")
+        axes.set_title(f"{model.output_names[row]}: {fit.free_run.nrmse[row]:.2f} %")
+        axes.set_ylabel(model.output_units[row] if model.output_units[row] != "1" else "")
+    grid[0].legend(ncols=3)
+    grid[-1].set_xlabel("s")
+    figure.set_layout_engine("constrained")
+    return figure

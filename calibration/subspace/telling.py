@@ -1,0 +1,95 @@
+"""What was identified, in words: for a terminal, and for a notebook."""
+
+from collections.abc import Sequence
+from html import escape
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from calibration.fit_measures import Fit
+from stagectl.models import InnovationModel
+
+if TYPE_CHECKING:
+    from calibration.subspace.identified import Identified
+
+_FIT_HEAD = ("output", "free run, %", "one step, %", "one step from rest, %")
+_MODE_HEAD = ("natural frequency, Hz", "+-", "damping ratio", "+-")
+
+
+def title(found: "Identified") -> str:
+    """Return a line: size, rate and fit."""
+    model, own = found.model, found.fit
+    return (
+        f"order {model.order}, {model.inputs} input{'s' * (model.inputs > 1)}, "
+        f"{model.outputs} output{'s' * (model.outputs > 1)}, {model.rate:g} samples/s: free run "
+        f"{own.free_run.nrmse.mean():.1f} %, one step {own.one_step.nrmse.mean():.1f} %"
+    )
+
+
+def summary(found: "Identified") -> str:
+    """Return what a person wants to know first: fits, modes with their errors, and what is to be thought of them."""
+    samples = sum(len(each) for each in found.drives)
+    past, future = found.horizon
+    lines = [
+        title(found),
+        f"from {samples} samples in {len(found.drives)} record{'s' * (len(found.drives) > 1)}, "
+        f"by {found.method}, horizon {past} and {future}",
+        *fit_lines(found.model, found.fit),
+        *_aligned(_MODE_HEAD, _mode_rows(found)),
+        *found.diagnosis.sentences,
+    ]
+    return "\n".join(lines)
+
+
+def fit_lines(model: InnovationModel, fit: Fit) -> list[str]:
+    """Return a heading and a line an output: NRMSE of free run and prediction."""
+    return _aligned(_FIT_HEAD, _fit_rows(model, fit))
+
+
+def html(found: "Identified") -> str:
+    """Return the summary as a notebook shows it."""
+    said = "".join(f"<li>{escape(sentence)}</li>" for sentence in found.diagnosis.sentences)
+    tables = _table(_FIT_HEAD, _fit_rows(found.model, found.fit)) + _table(_MODE_HEAD, _mode_rows(found))
+    return f"<p><b>{escape(title(found))}</b></p>{tables}<ul>{said}</ul>"
+
+
+def _fit_rows(model: InnovationModel, fit: Fit) -> list[tuple[str, ...]]:
+    columns = (fit.free_run.nrmse, fit.one_step.nrmse, fit.from_rest.nrmse)
+    rows = zip(model.output_names, *columns, strict=True)
+    return [(name, *(f"{value:.2f}" for value in values)) for name, *values in rows]
+
+
+def _mode_rows(found: "Identified") -> list[tuple[str, ...]]:
+    poles = found.poles()
+    return [
+        (
+            f"{pole['frequency']:.5g}",
+            f"{pole['frequency_error']:.2g}",
+            f"{pole['damping']:.4f}",
+            f"{pole['damping_error']:.2g}",
+        )
+        for pole in poles
+    ]
+
+
+def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    widths = [max(len(cell) for cell in column) for column in zip(head, *rows, strict=True)]
+    return [
+        "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in (head, *rows)
+    ]
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    cells = "".join(f"<th>{escape(cell)}</th>" for cell in head)
+    body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
+    return f"<table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def frequencies(model: InnovationModel, count: int = 400) -> np.ndarray:
+    """Return frequencies, Hz, that show all modes of a model and end at half its rate: shape (count + modes,)."""
+    half, found = model.rate / 2, model.modes.frequency
+    low = min([half / 1000, *found[(found > 0) & np.isfinite(found)] / 10])
+    grid: np.ndarray = np.unique(
+        np.concatenate([np.geomspace(low, half, count), found[(found > low) & (found < half)]])
+    )
+    return grid
