@@ -34,7 +34,7 @@ def identified() -> InnovationModel:
     asked = np.repeat(0.02 + 0.01 * rng.choice([-1.0, 1.0], 400), 10)[:, None]
     seen = [np.zeros((len(asked), width)) for width in (1, 2, 2, 1, 1)]
     plant.run(asked, *seen)
-    return identify(asked[50:], seen[0][50:], rate=250.0, order=3, direct=False).model
+    return identify(asked[50:], seen[0][50:], rate=250.0, order=3, direct=False, delay=0).model
 
 
 def figure() -> None:

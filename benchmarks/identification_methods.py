@@ -34,7 +34,9 @@ def ours(method: str, refined: bool) -> Method:
     from calibration.prediction_error import refine
 
     def identify(drive: np.ndarray, response: np.ndarray, order: int, horizon: int) -> Matrices:
-        found = subspace.identify(drive, response, RATE, order=order or None, horizon=horizon or None, method=method)
+        found = subspace.identify(
+            drive, response, RATE, order=order or None, horizon=horizon or None, method=method, delay=0
+        )
         model = found.model
         if refined:
             model = refine(model, drive - found.input_offset, response - found.output_offset).model

@@ -17,6 +17,7 @@ from calibration.identification.report import (
     FIT_HEAD,
     MODE_HEAD,
     candidate_rows,
+    delay_notes,
     fit_rows,
     identification_figures,
     identification_report,
@@ -169,15 +170,16 @@ def _made_ready(measured: Measured, factor: int, correct_clock: bool) -> Measure
 
 def _print(found: Identification, measured: Measured, out: Path | None, json: str | None) -> None:
     stream, model = words(json), found.model
-    title = f"{measured.source}: order {model.order} by {found.method}, {len(found.response)} samples held back"
+    title = f"{measured.source}: order {found.order} by {found.method}, {len(found.response)} samples held back"
     print_table(title, FIT_HEAD, fit_rows(found), stream)
     print_table("modes, with one standard error", MODE_HEAD, mode_rows(found), stream)
     if found.started.candidates:
         print_table("orders", CANDIDATE_HEAD, candidate_rows(found), stream)
     values = found.started.singular_values
-    shown = ", ".join(f"{value:.3g}" for value in values[: model.order + 3])
-    stream.write(f"singular values: {shown}{' ...' if len(values) > model.order + 3 else ''}\n")
-    for sentence in (*measured.notes, *verdicts(found), *excitation_notes(found.nearly), *pair_notes(found)):
+    shown = ", ".join(f"{value:.3g}" for value in values[: found.order + 3])
+    stream.write(f"singular values: {shown}{' ...' if len(values) > found.order + 3 else ''}\n")
+    said = (*verdicts(found), *delay_notes(found), *excitation_notes(found.nearly), *pair_notes(found))
+    for sentence in (*measured.notes, *said):
         stream.write(f"{sentence}\n")
     if not model.is_stable:
         stream.write("the model is not stable\n")

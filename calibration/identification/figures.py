@@ -18,7 +18,7 @@ MOST_ROWS = 6
 
 def singular_value_figure(found: Identification) -> Figure:
     """Draw the singular values, those of the order in one colour, the rest in another."""
-    values, order = found.started.singular_values, found.model.order
+    values, order = found.started.singular_values, found.order
     values = values[values > ROUNDING * values[0]]
     figure = Figure()
     axes = figure.subplots(1, 1, squeeze=False)[0, 0]

@@ -57,6 +57,13 @@ def mode_rows(found: Identification) -> list[tuple[str, ...]]:
     ]
 
 
+def delay_notes(found: Identification) -> list[str]:
+    """Return a sentence where inputs come late; none where they do not."""
+    late = zip(found.model.input_names, found.started.delays, strict=True)
+    told = [f"{name} by {each} samples" for name, each in late if each]
+    return [f"inputs that come late, which the model has as states more: {', '.join(told)}"] if told else []
+
+
 def candidate_rows(found: Identification) -> list[tuple[str, ...]]:
     """Return a row for each order tried, at the horizon where it did best; none where both were given."""
     best: dict[int, Candidate] = {}
@@ -106,7 +113,8 @@ def identification_figures(found: Identification) -> dict[str, Any]:
     model, errors, started = found.model, found.errors, found.started
     return {
         "method": found.method,
-        "order": model.order,
+        "order": found.order,
+        "delays": list(started.delays),
         "rate": model.rate,
         "horizon": list(started.horizon),
         "singular_values": started.singular_values,
@@ -141,7 +149,7 @@ def identification_report(found: Identification, source: str, notes: Sequence[st
     """Put the report of an identification together, with what is to be said of its recordings."""
     model, fresh = found.model, found.fresh
     facts = (
-        Fact("order", f"{model.order}"),
+        Fact("order", f"{found.order}"),
         Fact("free run on held back data", f"{fresh.free_run.nrmse.mean():.2f} %"),
         Fact("one step ahead on held back data", f"{fresh.one_step.nrmse.mean():.2f} %"),
         Fact("every pole is stable", "yes" if model.is_stable else "no", model.is_stable),
@@ -182,7 +190,7 @@ def identification_report(found: Identification, source: str, notes: Sequence[st
 
 def _of_recordings(found: Identification, notes: Sequence[str]) -> tuple[Section, ...]:
     """Return a section where there is something to be said of them."""
-    about = "\n\n".join(f"{note[0].upper()}{note[1:]}." for note in notes)
+    about = "\n\n".join(f"{note[0].upper()}{note[1:]}." for note in (*notes, *delay_notes(found)))
     near = (Table(NEARLY_HEAD, tuple(nearly_rows(found))),) if found.nearly else ()
     return (Section("Recordings", about, (), near),) if about or near else ()
 

@@ -58,6 +58,11 @@ class Identification:
     free_run: np.ndarray
     nearly: tuple[Nearly, ...] = ()
 
+    @property
+    def order(self) -> int:
+        """States, those that hold inputs which come late left out."""
+        return self.started.core.order
+
 
 def unseen(done: int, name: str) -> None:
     """Show nothing of it."""
@@ -107,8 +112,9 @@ def identify_recordings(
     cuts = [_cut(len(each), number, hold_back) for number, each in enumerate(records, 1)]
     early = _sides([each[:cut] for each, cut in zip(records, cuts, strict=True)], inputs)
     start: Literal["n4sid", "moesp"] = "n4sid" if method == "n4sid" else "moesp"
+    delay: Literal["auto"] | int = 0 if method == "pem" else "auto"
     show(0, "orders and the model")
-    found = subspace.identify(*early, first.rate, order=order, horizon=horizon, method=start)
+    found = subspace.identify(*early, first.rate, order=order, horizon=horizon, method=start, delay=delay)
     around = np.concatenate((found.input_offset, found.output_offset))
     early = _sides([each[:cut] - around for each, cut in zip(records, cuts, strict=True)], inputs)
     late = _sides([each[cut:] - around for each, cut in zip(records, cuts, strict=True)], inputs)
@@ -116,7 +122,7 @@ def identify_recordings(
     model, errors = _refined(found, *early) if method == "pem" else _plain(found)
     model = _labelled(model, first, inputs, method, sum(cuts))
     show(2, "fits")
-    own, fresh = fit(model, *early, fitted=model.order * model.outputs), fit(model, *late)
+    own, fresh = fit(model, *early, fitted=found.core.order * model.outputs), fit(model, *late)
     runs = [model.simulate(drive, model.initial_state(drive, heard)) for drive, heard in zip(*late, strict=True)]
     drive, response, free_run = (np.concatenate(each) for each in (*late, runs))
     return Identification(model, found, method, errors, own, fresh, drive, response, free_run, nearly)
@@ -147,7 +153,7 @@ def _refined(
 
 def _plain(found: subspace.Identified) -> tuple[InnovationModel, ModeErrors]:
     errors = found.pole_errors
-    return found.model, ModeErrors(found.model.modes, errors.frequency, errors.damping)
+    return found.model, ModeErrors(found.core.modes, errors.frequency, errors.damping)
 
 
 def _check_moving(names: Sequence[str], records: Sequence[np.ndarray]) -> None:

@@ -137,7 +137,7 @@ def _best(drive: np.ndarray, response: np.ndarray, rate: float, cut: int) -> tup
 
 
 def _identified(drive: np.ndarray, response: np.ndarray, rate: float, order: int) -> InnovationModel:
-    return subspace.identify(drive, response, rate, order=order, horizon=HORIZON, detrend="none").model
+    return subspace.identify(drive, response, rate, order=order, horizon=HORIZON, detrend="none", delay=0).model
 
 
 def _from_position(speed_model: InnovationModel) -> InnovationModel:

@@ -57,7 +57,7 @@ def identify_velocity(record: Recording, order: int = 3) -> Velocity:
             raise ValueError(f"channel {name!r} never changes: it has nothing to identify from")
     cut = round(len(data) * (1.0 - HELD_BACK))
     drive, response = data[:, :1], data[:, 1:]
-    found = identify(drive[:cut], response[:cut], record.rate, order=order, method="n4sid", direct=False)
+    found = identify(drive[:cut], response[:cut], record.rate, order=order, method="n4sid", direct=False, delay=0)
     drive, response = drive - found.input_offset, response - found.output_offset
     words = {**record.provenance, "computed": now(), "software": software(), "method": "n4sid", "samples": str(cut)}
     model = replace(

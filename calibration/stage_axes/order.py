@@ -91,7 +91,7 @@ def identify(
     if order is None:
         _, compressed = _compressed(drives, responses, method)
         order = proposed(compressed.projection.singular_values, candidates)
-    found = subspace.identify(drives, responses, rate, order=order, horizon=HORIZON, method=method)
+    found = subspace.identify(drives, responses, rate, order=order, horizon=HORIZON, method=method, delay=0)
     return replace(found, candidates=candidates)
 
 
@@ -102,7 +102,7 @@ def _without(records: Sequence[np.ndarray], out: int) -> list[np.ndarray]:
 def _compressed(
     drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], method: Method
 ) -> tuple[Signals, Compressed]:
-    data = signals(drives, responses, "mean")
+    data = signals(drives, responses, True)
     layout = Layout(HORIZON, HORIZON, drives[0].shape[1], responses[0].shape[1])
     return data, compress(Windows(data.joined, layout, 1, True), method)
 

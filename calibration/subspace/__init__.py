@@ -3,5 +3,6 @@
 from calibration.subspace.identified import Identified
 from calibration.subspace.identify import identify
 from calibration.subspace.realization import Method
+from calibration.subspace.signals import Detrend
 
-__all__ = ["Identified", "Method", "identify"]
+__all__ = ["Detrend", "Identified", "Method", "identify"]

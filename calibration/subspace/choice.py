@@ -2,6 +2,7 @@
 
 import math
 import warnings
+from dataclasses import dataclass
 
 from calibration.subspace.horizons import affordable, given, longer, usual
 from calibration.subspace.order import Candidate
@@ -15,9 +16,34 @@ HORIZONS = (5, 10, 15, 20, 30, 40, 60)
 """Samples, past and future, as far as records allow."""
 
 
+@dataclass(frozen=True)
+class Choice:
+    """A horizon and an order.
+
+    Parameters
+    ----------
+    layout : Layout
+    order : int
+    candidates : tuple of Candidate
+        All that were tried, by rising order and horizon; none where nothing was.
+    score : float
+        Of the one that was chosen, see `Trial.score`; not a number where it was not tried.
+    """
+
+    layout: Layout
+    order: int
+    candidates: tuple[Candidate, ...] = ()
+    score: float = math.nan
+
+
 def choose(
-    data: Signals, horizon: int | tuple[int, int] | None, order: int | None, method: Method, terms: Terms
-) -> tuple[Layout, int, tuple[Candidate, ...]]:
+    data: Signals,
+    horizon: int | tuple[int, int] | None,
+    order: int | None,
+    method: Method,
+    terms: Terms,
+    is_compared: bool = False,
+) -> Choice:
     """Choose what was not given of horizon and order.
 
     Parameters
@@ -27,21 +53,16 @@ def choose(
     order : int, optional
     method : "n4sid" or "moesp"
     terms : Terms
-
-    Returns
-    -------
-    layout : Layout
-    order : int
-    candidates : tuple of Candidate
-        All that were tried, by rising order and horizon; none where both were given.
+    is_compared : bool, optional
+        Try what was chosen even where both were given, for its score.
 
     Raises
     ------
     ValueError : records that are too short, an order or a horizon that they do not allow.
     """
     layouts = horizons(data, order) if horizon is None else [given(data, horizon, order)]
-    if horizon is not None and order is not None:
-        return layouts[0], order, ()
+    if horizon is not None and order is not None and not is_compared:
+        return Choice(layouts[0], order)
     trials = Trials(data, layouts[-1], method, terms)
     best = trials.thin_out([each for layout in layouts[::2] for each in trials.open(layout, order)])
     while near := trials.around(best, layouts, order):
@@ -60,7 +81,7 @@ def choose(
     if order is None and 2 * best.order >= trials.most:
         warnings.warn(f"{data.samples} samples are few: orders beyond {trials.most} were not tried", stacklevel=4)
     told = [each.candidate for each in done if math.isfinite(each.score)]
-    return best.layout, best.order, tuple(sorted(told, key=lambda each: (each.order, each.horizon)))
+    return Choice(best.layout, best.order, tuple(sorted(told, key=lambda each: (each.order, each.horizon))), best.score)
 
 
 def horizons(data: Signals, order: int | None) -> list[Layout]:

@@ -48,8 +48,14 @@ def persistence(drives: Sequence[np.ndarray]) -> int:
 
 
 def repeated(drives: Sequence[np.ndarray]) -> tuple[int, int] | None:
-    """Return two inputs, counted from 0, that are one signal; none where all differ."""
+    """Return two inputs, counted from 0, that are one signal; none where all differ.
+
+    Parameters
+    ----------
+    drives : sequence of arrays, each of shape (N, m), any unit
+    """
     whole = np.concatenate(drives)
-    correlation = np.atleast_2d(np.corrcoef(whole.T))
-    pairs = np.argwhere(np.triu(np.abs(correlation), 1) > SAME)
+    whole = whole - whole.mean(axis=0)
+    size = np.linalg.norm(whole, axis=0)
+    pairs = np.argwhere(np.triu(np.abs(whole.T @ whole), 1) > SAME * np.outer(size, size))
     return (int(pairs[0, 0]), int(pairs[0, 1])) if len(pairs) else None

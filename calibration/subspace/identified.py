@@ -34,7 +34,11 @@ class Identified:
     Parameters
     ----------
     model : InnovationModel
-        Between deviations from the operating point.
+        Between deviations from the operating point, delays included.
+    core : InnovationModel
+        The same without delays: of the order that was chosen.
+    delays : tuple of int, samples
+        Of each input.
     singular_values : array, shape (count,), 1, falling
         Those of the method; the order is where they end.
     candidates : tuple of Candidate
@@ -54,6 +58,8 @@ class Identified:
     """
 
     model: InnovationModel
+    core: InnovationModel
+    delays: tuple[int, ...]
     singular_values: np.ndarray
     candidates: tuple[Candidate, ...]
     horizon: tuple[int, int]
@@ -69,7 +75,7 @@ class Identified:
     @cached_property
     def own(self) -> Comparison:
         """It and the records it was identified from."""
-        return self._beside(self.drives, self.responses, self.model.order * self.model.outputs)
+        return self._beside(self.drives, self.responses, self.core.order * self.model.outputs)
 
     @property
     def fit(self) -> Fit:
@@ -81,12 +87,12 @@ class Identified:
         """What is to be thought of it and of the records; computed when first asked for."""
         samples = sum(len(drive) for drive in self.drives)
         excites = persistence([drive - self.input_offset for drive in self.drives])
-        return diagnose(self.fit, self.model.order, samples, excites, self.moved_poles)
+        return diagnose(self.fit, self.core.order, samples, excites, self.moved_poles)
 
     @cached_property
     def pole_errors(self) -> PoleErrors:
         """Standard errors of natural frequencies and damping ratios; computed when first asked for."""
-        return pole_errors(self.windows, self.method, self.model.modes, self.model.order, self.model.rate)
+        return pole_errors(self.windows, self.method, self.core.modes, self.core.order, self.core.rate)
 
     def compare(self, u: Any, y: Any) -> Comparison:
         """Hold it against other records, about the same operating point.
@@ -112,7 +118,7 @@ class Identified:
         return self.own.residuals
 
     def poles(self) -> np.ndarray:
-        """Return poles with what they mean and their standard errors.
+        """Return poles with what they mean and their standard errors; those of delays, at zero, are left out.
 
         Returns
         -------
@@ -120,7 +126,7 @@ class Identified:
             Fields `pole` (1), `frequency` and `frequency_error` (Hz), `damping` and `damping_error` (1); one entry a
             mode, by rising natural frequency.
         """
-        modes, errors = self.model.modes, self.pole_errors
+        modes, errors = self.core.modes, self.pole_errors
         columns = (modes.pole, modes.frequency, errors.frequency, modes.damping, errors.damping)
         kinds = [("pole", complex), *((name, float) for name in _FIELDS)]
         return np.array(list(zip(*columns, strict=True)), dtype=kinds)
@@ -148,7 +154,7 @@ class Identified:
         """Write the model as an HDF5 model file, which `stagectl` and `read_model` take; return where it is."""
         from stagectl.model_file import write_model
 
-        write_model(Path(path), self.model.described(method=self.method, order=str(self.model.order)))
+        write_model(Path(path), self.model.described(method=self.method, order=str(self.core.order)))
         return Path(path)
 
     def __repr__(self) -> str:

@@ -1,21 +1,26 @@
 """Subspace identification: records in, a model in innovation form (2.1) out."""
 
+import warnings
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from calibration.gaps import without_gaps
 from calibration.one_thread import on_one_thread
 from calibration.records import Side, sides_of
-from calibration.subspace.choice import choose
+from calibration.subspace.choice import Choice, choose
+from calibration.subspace.delays import advanced, checked, delayed, delays
 from calibration.subspace.estimate import Estimate, compress, estimate
+from calibration.subspace.excitation import repeated
 from calibration.subspace.gain_refinement import refine_gain
 from calibration.subspace.identified import Identified
 from calibration.subspace.kalman_gain import Gain
 from calibration.subspace.realization import Method
 from calibration.subspace.regression import Terms
-from calibration.subspace.signals import Detrend, Signals, signals
+from calibration.subspace.signals import Detrend, Signals, levelled, signals
+from calibration.subspace.trials import ALIKE
 from calibration.subspace.weighting import left_by_free_run, weighted
 from calibration.subspace.windows import Windows
 from stagectl.models import InnovationModel
@@ -35,6 +40,7 @@ def identify(
     method: Method = "moesp",
     direct: bool = True,
     detrend: Detrend = "mean",
+    delay: Literal["auto"] | int | Sequence[int] = "auto",
 ) -> Identified:
     """Identify a state-space model with its Kalman gain from one or more records.
 
@@ -62,9 +68,14 @@ def identify(
         on chirps and other inputs that their own future tells, the oblique projection of N4SID is the weaker one.
     direct : bool, optional
         Whether D is fitted; it is 0 otherwise.
-    detrend : "mean" or "none", optional
+    detrend : "mean", "record", "linear" or "none", optional
         Whether there is an operating point, the inputs' mean over all records and what the outputs are there, or it is
-        zero.
+        zero.  With "record" each record has one of its own, with "linear" one that drifts along a line: what is taken
+        away from the records leaves the mean over all of them.
+    delay : "auto", int or a sequence of int, samples, optional
+        Dead time of all inputs, or of each: states of the model that do not count as its order.  "auto": where the
+        first three or more lags of an input tell nothing of any output, and a model with them is no worse on what was
+        held out.
 
     Raises
     ------
@@ -89,20 +100,19 @@ def identify(
     if not (np.isfinite(rate) and rate > 0):
         raise ValueError(f"rate is {rate}, must be > 0 samples/s")
     inputs, outputs = sides_of(u, y)
-    drives, responses = without_gaps(inputs.records, outputs.records)
-    data = signals(drives, responses, detrend)
-    terms = Terms(direct, constant=detrend == "mean")
-    layout, chosen, tried = choose(data, horizon, order, method, terms)
-    windows = Windows(data.joined, layout, _SEGMENTS, terms.constant)
+    drives, responses = _ready(inputs, outputs, detrend)
+    terms = Terms(direct, constant=detrend != "none")
+    late, data, chosen = _chosen(drives, responses, delay, (horizon, order, method, terms))
+    windows = Windows(data.joined, chosen.layout, _SEGMENTS, terms.constant)
     compressed = compress(windows, method)
-    found = estimate(compressed, chosen, data.drives, data.responses, terms)
-    left = left_by_free_run(found, data.drives, data.responses)
-    gain = refine_gain(found.transition, found.outlet, found.gain, left)
-    found = weighted(found, gain, data.drives, data.responses, terms)
+    found, gain = _refined(estimate(compressed, chosen.order, data.drives, data.responses, terms), data, terms)
+    core = _named(_in_units(found, gain, data, rate), inputs, outputs)
     return Identified(
-        model=_named(_in_units(found, gain, data, rate), inputs, outputs),
+        model=delayed(core, late),
+        core=core,
+        delays=late,
         singular_values=compressed.projection.singular_values,
-        candidates=tried,
+        candidates=chosen.candidates,
         horizon=(windows.layout.past, windows.layout.future),
         input_offset=data.input_offset,
         output_offset=data.output_offset + data.output_scale * found.constant,
@@ -113,6 +123,53 @@ def identify(
         drives=tuple(drives),
         responses=tuple(responses),
     )
+
+
+def _check(method: str, rate: float) -> None:
+    if method not in ("n4sid", "moesp"):
+        raise ValueError(f"method is {method!r}, must be 'n4sid' or 'moesp'")
+    if not (np.isfinite(rate) and rate > 0):
+        raise ValueError(f"rate is {rate}, must be > 0 samples/s")
+
+
+def _ready(inputs: Side, outputs: Side, detrend: Detrend) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return records without gaps, and without what each is to lose of its own."""
+    drives, responses = without_gaps(inputs.records, outputs.records)
+    if pair := repeated(drives):
+        first, second = (each + 1 for each in pair)
+        warnings.warn(f"inputs {first} and {second} are the same signal: they share a response", stacklevel=4)
+    return levelled(drives, detrend), levelled(responses, detrend)
+
+
+def _chosen(
+    drives: list[np.ndarray],
+    responses: list[np.ndarray],
+    delay: Literal["auto"] | int | Sequence[int],
+    wanted: tuple[int | tuple[int, int] | None, int | None, Method, Terms],
+) -> tuple[tuple[int, ...], Signals, Choice]:
+    """Return what is taken for the delays of the inputs, the records without them, and horizon and order."""
+    has_mean, inputs = wanted[3].constant, drives[0].shape[1]
+    data = signals(drives, responses, has_mean)
+    if delay == "auto":
+        seen = delays(data.drives, data.responses)
+        late = (0,) * inputs if seen is None else seen.of_inputs
+    else:
+        late = checked(delay, inputs, min(len(drive) for drive in drives))
+    if not any(late):
+        return late, data, choose(data, *wanted)
+    moved = signals(*advanced(drives, responses, late), has_mean)
+    with_delay = choose(moved, *wanted, is_compared=delay == "auto")
+    if delay == "auto":
+        without = choose(data, *wanted, is_compared=True)
+        if without.score > with_delay.score + ALIKE:
+            return (0,) * inputs, data, without
+    return late, moved, with_delay
+
+
+def _refined(found: Estimate, data: Signals, terms: Terms) -> tuple[Estimate, Gain]:
+    """Return an estimate with a better gain, and B and D by what that knows of the noise."""
+    gain = refine_gain(found.transition, found.outlet, found.gain, left_by_free_run(found, data.drives, data.responses))
+    return weighted(found, gain, data.drives, data.responses, terms), gain
 
 
 def _in_units(found: Estimate, gain: Gain, data: Signals, rate: float) -> InnovationModel:

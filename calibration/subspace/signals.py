@@ -2,11 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
-Detrend = Literal["mean", "none"]
+_STILL = 1e-12
+"""Spread re the largest value below which there is rounding alone."""
+
+Detrend = Literal["mean", "record", "linear", "none"]
 
 
 @dataclass(frozen=True)
@@ -42,28 +45,55 @@ class Signals:
         return sum(len(drive) for drive in self.drives)
 
 
-def signals(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], detrend: Detrend) -> Signals:
+def levelled(records: Sequence[np.ndarray], detrend: Detrend) -> list[np.ndarray]:
+    """Return records without a mean or a line of their own, about the mean over all of them.
+
+    Parameters
+    ----------
+    records : sequence of arrays, each of shape (N, width), any unit
+    detrend : "mean", "record", "linear" or "none"
+
+    Raises
+    ------
+    ValueError : another word.
+    """
+    if detrend not in get_args(Detrend):
+        raise ValueError(f"detrend is {detrend!r}, must be one of {', '.join(get_args(Detrend))}")
+    if detrend in ("mean", "none"):
+        return list(records)
+    whole = np.concatenate(records).mean(axis=0)
+    return [whole + _without_line(record, detrend == "linear") for record in records]
+
+
+def _without_line(record: np.ndarray, has_slope: bool) -> np.ndarray:
+    """Return a record without its mean, and without its slope as well if wanted."""
+    left: np.ndarray = record - record.mean(axis=0)
+    if has_slope:
+        time = np.arange(len(record)) - (len(record) - 1) / 2
+        left -= np.outer(time, time @ left / (time @ time))
+    return left
+
+
+def signals(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], has_mean: bool) -> Signals:
     """Take away what records have in common, and scale them.
 
     Parameters
     ----------
     drives : sequence of arrays, each of shape (N, m), the inputs' units
     responses : sequence of arrays, each of shape (N, p), the outputs' units
-    detrend : "mean" or "none"
+    has_mean : bool
         Whether the mean over all records is the operating point, or zero is.
 
     Raises
     ------
     ValueError : a signal that never changes.
     """
-    if detrend not in ("mean", "none"):
-        raise ValueError(f"detrend is {detrend!r}, must be 'mean' or 'none'")
     sides = []
     for name, records in (("input", drives), ("output", responses)):
         whole = np.concatenate(records)
-        offset = whole.mean(axis=0) if detrend == "mean" else np.zeros(whole.shape[1])
+        offset = whole.mean(axis=0) if has_mean else np.zeros(whole.shape[1])
         spread = np.sqrt(np.mean((whole - offset) ** 2, axis=0))
-        if not np.all(spread > 0):
+        if not np.all(spread > _STILL * np.abs(whole).max(axis=0)):
             raise ValueError(f"{name} {int(np.argmin(spread)) + 1} never changes, nothing can be identified from it")
         sides.append(([(record - offset) / spread for record in records], offset, spread))
     (driven, low, small), (measured, high, large) = sides

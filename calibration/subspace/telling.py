@@ -20,7 +20,7 @@ def title(found: "Identified") -> str:
     """Return a line: size, rate and fit."""
     model, own = found.model, found.fit
     return (
-        f"order {model.order}, {model.inputs} input{'s' * (model.inputs > 1)}, "
+        f"order {found.core.order}, {model.inputs} input{'s' * (model.inputs > 1)}, "
         f"{model.outputs} output{'s' * (model.outputs > 1)}, {model.rate:g} samples/s: free run "
         f"{own.free_run.nrmse.mean():.1f} %, one step {own.one_step.nrmse.mean():.1f} %"
     )
@@ -34,11 +34,17 @@ def summary(found: "Identified") -> str:
         title(found),
         f"from {samples} samples in {len(found.drives)} record{'s' * (len(found.drives) > 1)}, "
         f"by {found.method}, horizon {past} and {future}",
+        *_delay_lines(found),
         *fit_lines(found.model, found.fit),
         *_aligned(_MODE_HEAD, _mode_rows(found)),
         *found.diagnosis.sentences,
     ]
     return "\n".join(lines)
+
+
+def _delay_lines(found: "Identified") -> list[str]:
+    late = [f"{name} {each}" for name, each in zip(found.model.input_names, found.delays, strict=True) if each]
+    return [f"dead time, samples: {', '.join(late)}"] if late else []
 
 
 def fit_lines(model: InnovationModel, fit: Fit) -> list[str]:

@@ -14,7 +14,7 @@ LONG, SHORT = Layout(12, 12, 1, 1), Layout(5, 5, 1, 1)
 
 def data(*samples: int) -> Signals:
     records = [order_7().record(count, seed) for seed, count in enumerate(samples)]
-    return signals([drive for drive, _ in records], [response for _, response in records], "mean")
+    return signals([drive for drive, _ in records], [response for _, response in records], True)
 
 
 @pytest.mark.parametrize("samples", [(400,), (300, 150), (90, 80, 70, 60, 50)])
@@ -62,4 +62,4 @@ def test_a_sweep_and_a_step_cannot_be_held_out_in_parts(samples: int) -> None:
     step = (np.arange(samples) > samples // 3)[:, None] * 1.0
     for drive, are_alike in ((None, True), (sweep(samples, 5.0, 150.0), False), (step, False)):
         record = order_7().record(samples, seed=5, drive=drive)
-        assert Folds(signals(record[:1], record[1:], "mean"), LONG, True).are_alike == are_alike
+        assert Folds(signals(record[:1], record[1:], True), LONG, True).are_alike == are_alike

@@ -15,7 +15,7 @@ TURN = np.array([[np.cos(0.02), np.sin(0.02)], [-np.sin(0.02), np.cos(0.02)]])
 def noise(samples: int, inputs: int = 1, outputs: int = 1, records: int = 1) -> Signals:
     rng = np.random.default_rng(1)
     sides = ([rng.standard_normal((samples, width)) for _ in range(records)] for width in (inputs, outputs))
-    return signals(*sides, "mean")
+    return signals(*sides, True)
 
 
 def worst_damping(found: InnovationModel, truth: InnovationModel) -> float:

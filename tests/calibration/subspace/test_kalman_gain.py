@@ -19,7 +19,7 @@ TERMS = Terms(direct=True, constant=True)
 
 def prepared(past: int = 40, samples: int = 10_000):  # type: ignore[no-untyped-def]  # a test's own pieces
     """Return an order 9 record, scaled, and its estimate before the gain is refined."""
-    data = signals(*([each] for each in order_9().record(samples, seed=1)), "mean")
+    data = signals(*([each] for each in order_9().record(samples, seed=1)), True)
     windows = Windows(data.joined, Layout(past, 20, 1, 3), 1, constant=True)
     return data, estimate(compress(windows, "moesp"), 9, data.drives, data.responses, TERMS)
 
@@ -81,7 +81,7 @@ def test_a_gain_too_large_is_halved_until_the_predictor_is_stable() -> None:
 def test_weighting_keeps_to_a_free_run_that_a_simple_model_needs() -> None:
     """Of order 4 the model lacks modes; what it predicts best would be a worse free run."""
     drive, response = order_7().record(10_000, seed=2)
-    data = signals([drive], [response + drive], "mean")
+    data = signals([drive], [response + drive], True)
     windows = Windows(data.joined, Layout(20, 20, 1, 1), 1, constant=True)
     for order, changed in ((4, False), (7, True)):
         found = estimate(compress(windows, "moesp"), order, data.drives, data.responses, TERMS)

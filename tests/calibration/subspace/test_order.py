@@ -14,7 +14,7 @@ from tests.calibration.resonant_systems import RATE, order_7, order_18
 
 def count(drive: np.ndarray, response: np.ndarray, horizon: int) -> int:
     """Count the states that stand out of a record."""
-    data = signals([drive], [response], "mean")
+    data = signals([drive], [response], True)
     layout = Layout(horizon, horizon, drive.shape[1], response.shape[1])
     windows = Windows(data.joined, layout, 1, constant=True)
     return standing_out(compress(windows, "moesp").triangle, layout, windows.count())

@@ -1,0 +1,174 @@
+"""Dead time: how many samples pass until an output hears of an input, and models that have it as states."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
+
+from stagectl.models import InnovationModel
+
+OWN, LONGEST = 12, 100
+"""Lags of the outputs, and of the inputs at most, that each output is explained by."""
+SAMPLES, ROWS = 10_000, 20
+"""Samples that are looked at; of those, so many are wanted for each coefficient."""
+HEARD = 5.0
+"""Standard errors beyond which a coefficient is no chance: one in a million."""
+LEAST = 3
+"""Samples below which a delay is left to the states of the model."""
+
+
+@dataclass(frozen=True)
+class Delays:
+    """How long each output takes to hear of each input.
+
+    Parameters
+    ----------
+    samples : array of int, shape (p, m)
+        -1 where it never does within the lags that were looked at.
+    certainty : array, shape (p, m), 1
+        The coefficient there over its standard error; the largest one where none is beyond `HEARD`.
+    """
+
+    samples: np.ndarray
+    certainty: np.ndarray
+
+    @property
+    def of_inputs(self) -> tuple[int, ...]:
+        """Samples by which each input comes late at all outputs; 0 where that is too little, or nobody hears it."""
+        heard = np.where(self.samples < 0, np.iinfo(int).max, self.samples).min(axis=0)
+        known: np.ndarray = np.any(self.samples >= 0, axis=0)
+        return tuple(
+            int(late) if is_known and late >= LEAST else 0 for late, is_known in zip(heard, known, strict=True)
+        )
+
+
+def delays(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]) -> Delays | None:
+    """Find the first lag of each input that tells something of each output, beside all other lags.
+
+    Each output by itself is explained by its past and that of the others, which takes the colour of the noise away, and
+    by the inputs' lags from 0 on.  None where records are too short, or inputs too poor, to tell lags apart.
+
+    Parameters
+    ----------
+    drives : sequence of arrays, each of shape (N, m), any unit
+        Without their mean.
+    responses : sequence of arrays, each of shape (N, p), any unit
+
+    Source
+    ------
+    Ljung 1999, System Identification, 2nd ed., sections 4.2 and 16.4 (delays from ARX models).
+    """
+    inputs, outputs = drives[0].shape[1], responses[0].shape[1]
+    total = min(SAMPLES, sum(len(drive) for drive in drives))
+    lags = min(LONGEST, (total // ROWS - OWN * outputs) // inputs - 1)
+    if lags < 2 * LEAST:
+        return None
+    regressors, wanted = _stacked(drives, responses, lags)
+    products = regressors.T @ regressors
+    scale = np.sqrt(np.diag(products))
+    if len(regressors) < 2 * len(products) or not np.all(scale > 0):
+        return None
+    try:
+        factor = cho_factor(products / np.outer(scale, scale))
+    except LinAlgError:
+        return None
+    found = cho_solve(factor, regressors.T @ wanted / scale[:, None])
+    inverse = np.diag(cho_solve(factor, np.eye(len(products))))
+    left = wanted - (regressors / scale) @ found
+    size = np.sqrt(np.mean(left**2, axis=0) * len(left) / (len(left) - len(products)))
+    sure = np.abs(found) / (np.sqrt(np.maximum(inverse, 0.0))[:, None] * size)
+    told = sure[OWN * outputs :].reshape(lags + 1, inputs, outputs).transpose(2, 1, 0)
+    first = np.argmax(told > HEARD, axis=2)
+    is_heard = (told > HEARD).any(axis=2)
+    certainty = np.where(is_heard, np.take_along_axis(told, first[..., None], axis=2)[..., 0], told.max(axis=2))
+    return Delays(np.where(is_heard, first, -1), certainty)
+
+
+def _stacked(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], lags: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return lagged outputs (from 1) and inputs (from 0), and the outputs, of the first samples of all records."""
+    rows, wanted, room = [], [], SAMPLES
+    start = max(OWN, lags)
+    for drive, response in zip(drives, responses, strict=True):
+        stop = min(len(drive), start + room)
+        if stop <= start:
+            continue
+        past = [response[start - lag : stop - lag] for lag in range(1, OWN + 1)]
+        pushed = [drive[start - lag : stop - lag] for lag in range(lags + 1)]
+        rows.append(np.concatenate(past + pushed, axis=1))
+        wanted.append(response[start:stop])
+        room -= stop - start
+    if not rows:
+        return np.zeros((0, OWN * responses[0].shape[1])), np.zeros((0, responses[0].shape[1]))
+    return np.concatenate(rows), np.concatenate(wanted)
+
+
+def checked(delay: int | Sequence[int], inputs: int, shortest: int) -> tuple[int, ...]:
+    """Return the delay of each input.
+
+    Parameters
+    ----------
+    delay : int or sequence of int, samples
+    inputs : int
+    shortest : int, samples
+        Of the records.
+
+    Raises
+    ------
+    ValueError : not one delay or one for each input, a negative one, or one as long as a record.
+    """
+    late = (delay,) * inputs if isinstance(delay, int) else tuple(int(each) for each in delay)
+    if len(late) != inputs:
+        raise ValueError(f"delay has {len(late)} entries, must be one number or one for each of {inputs} inputs")
+    if not all(0 <= each < shortest // 2 for each in late):
+        raise ValueError(f"delay is {delay}, must be 0 to {shortest // 2 - 1} samples, half of the shortest record")
+    return late
+
+
+def advanced(
+    drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], late: Sequence[int]
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return records in which every output hears of the inputs at once: inputs moved, both cut at the beginning.
+
+    Parameters
+    ----------
+    drives : sequence of arrays, each of shape (N, m), any unit
+    responses : sequence of arrays, each of shape (N, p), any unit
+    late : sequence of int, samples
+        By which each input comes late, fewer than any record has samples.
+    """
+    longest = max(late)
+    moved = [
+        np.stack([drive[longest - each : len(drive) - each, channel] for channel, each in enumerate(late)], axis=1)
+        for drive in drives
+    ]
+    return moved, [response[longest:] for response in responses]
+
+
+def delayed(model: InnovationModel, late: Sequence[int]) -> InnovationModel:
+    """Return a model whose inputs come late: as many states more as there are samples of delay, that hold them.
+
+    Parameters
+    ----------
+    model : InnovationModel
+    late : sequence of int, samples
+        For each input.
+    """
+    if not any(late):
+        return model
+    order, held = model.order, sum(late)
+    transition, inlet = np.zeros((order + held, order + held)), np.zeros((order + held, model.inputs))
+    outlet, direct = np.zeros((model.outputs, order + held)), np.zeros((model.outputs, model.inputs))
+    transition[:order, :order], outlet[:, :order] = model.A, model.C
+    first = order
+    for channel, each in enumerate(late):
+        if not each:
+            inlet[:order, channel], direct[:, channel] = model.B[:, channel], model.D[:, channel]
+            continue
+        inlet[first, channel] = 1.0
+        transition[first + 1 : first + each, first : first + each - 1] = np.eye(each - 1)
+        last = first + each - 1
+        transition[:order, last], outlet[:, last] = model.B[:, channel], model.D[:, channel]
+        first += each
+    gain = np.concatenate([model.K, np.zeros((held, model.outputs))])
+    return replace(model, A=transition, B=inlet, C=outlet, D=direct, K=gain)
