@@ -17,12 +17,12 @@ from calibration.identification.report import (
     FIT_HEAD,
     MODE_HEAD,
     candidate_rows,
-    delay_notes,
     fit_rows,
     identification_figures,
     identification_report,
     mode_rows,
     pair_notes,
+    record_notes,
     verdicts,
 )
 from calibration.identification.thinning import thinned_recordings, thinning_note
@@ -178,7 +178,7 @@ def _print(found: Identification, measured: Measured, out: Path | None, json: st
     values = found.started.singular_values
     shown = ", ".join(f"{value:.3g}" for value in values[: found.order + 3])
     stream.write(f"singular values: {shown}{' ...' if len(values) > found.order + 3 else ''}\n")
-    said = (*verdicts(found), *delay_notes(found), *excitation_notes(found.nearly), *pair_notes(found))
+    said = (*verdicts(found), *record_notes(found), *excitation_notes(found.nearly), *pair_notes(found))
     for sentence in (*measured.notes, *said):
         stream.write(f"{sentence}\n")
     if not model.is_stable:

@@ -57,11 +57,12 @@ def mode_rows(found: Identification) -> list[tuple[str, ...]]:
     ]
 
 
-def delay_notes(found: Identification) -> list[str]:
-    """Return a sentence where inputs come late; none where they do not."""
-    late = zip(found.model.input_names, found.started.delays, strict=True)
-    told = [f"{name} by {each} samples" for name, each in late if each]
-    return [f"inputs that come late, which the model has as states more: {', '.join(told)}"] if told else []
+def record_notes(found: Identification) -> list[str]:
+    """Return sentences on what identification warned of, and on inputs that come late."""
+    inputs = zip(found.model.input_names, found.started.delays, strict=True)
+    told = [f"{name} by {each} samples" for name, each in inputs if each]
+    late = [f"inputs that come late, which the model has as states more: {', '.join(told)}"] if told else []
+    return [*found.notes, *late]
 
 
 def candidate_rows(found: Identification) -> list[tuple[str, ...]]:
@@ -190,7 +191,7 @@ def identification_report(found: Identification, source: str, notes: Sequence[st
 
 def _of_recordings(found: Identification, notes: Sequence[str]) -> tuple[Section, ...]:
     """Return a section where there is something to be said of them."""
-    about = "\n\n".join(f"{note[0].upper()}{note[1:]}." for note in (*notes, *delay_notes(found)))
+    about = "\n\n".join(f"{note[0].upper()}{note[1:]}." for note in (*notes, *record_notes(found)))
     near = (Table(NEARLY_HEAD, tuple(nearly_rows(found))),) if found.nearly else ()
     return (Section("Recordings", about, (), near),) if about or near else ()
 

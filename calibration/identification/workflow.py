@@ -1,5 +1,6 @@
 """Identify a model on the first part of each recording, and judge it on the rest."""
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -45,6 +46,8 @@ class Identification:
         What the model gives for that drive alone, in each recording from the initial state that suits it best.
     nearly : tuple of Nearly
         Bands in which inputs nearly go together.
+    notes : tuple of str
+        What identification warned of.
     """
 
     model: InnovationModel
@@ -57,6 +60,7 @@ class Identification:
     response: np.ndarray
     free_run: np.ndarray
     nearly: tuple[Nearly, ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def order(self) -> int:
@@ -114,7 +118,10 @@ def identify_recordings(
     start: Literal["n4sid", "moesp"] = "n4sid" if method == "n4sid" else "moesp"
     delay: Literal["auto"] | int = 0 if method == "pem" else "auto"
     show(0, "orders and the model")
-    found = subspace.identify(*early, first.rate, order=order, horizon=horizon, method=start, delay=delay)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        found = subspace.identify(*early, first.rate, order=order, horizon=horizon, method=start, delay=delay)
+    notes = tuple(str(each.message) for each in told)
     around = np.concatenate((found.input_offset, found.output_offset))
     early = _sides([each[:cut] - around for each, cut in zip(records, cuts, strict=True)], inputs)
     late = _sides([each[cut:] - around for each, cut in zip(records, cuts, strict=True)], inputs)
@@ -125,7 +132,7 @@ def identify_recordings(
     own, fresh = fit(model, *early, fitted=found.core.order * model.outputs), fit(model, *late)
     runs = [model.simulate(drive, model.initial_state(drive, heard)) for drive, heard in zip(*late, strict=True)]
     drive, response, free_run = (np.concatenate(each) for each in (*late, runs))
-    return Identification(model, found, method, errors, own, fresh, drive, response, free_run, nearly)
+    return Identification(model, found, method, errors, own, fresh, drive, response, free_run, nearly, notes)
 
 
 def _cut(samples: int, number: int, hold_back: float) -> int:

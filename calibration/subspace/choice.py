@@ -79,7 +79,7 @@ def choose(
             break
         best = again
     if order is None and 2 * best.order >= trials.most:
-        warnings.warn(f"{data.samples} samples are few: orders beyond {trials.most} were not tried", stacklevel=4)
+        warnings.warn(f"{data.samples} samples are few: orders beyond {trials.most} were not tried", stacklevel=5)
     told = [each.candidate for each in done if math.isfinite(each.score)]
     return Choice(best.layout, best.order, tuple(sorted(told, key=lambda each: (each.order, each.horizon))), best.score)
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calibration.identification.report import record_notes
 from calibration.identification.workflow import identify_recordings
 from ctlblocks.recording import Recording
 from tests.calibration.resonant_systems import order_7, order_9
@@ -61,3 +62,19 @@ def test_what_cannot_be_done_is_refused() -> None:
     still[:, 2] = 1.0
     with pytest.raises(ValueError, match="channel 'y2' never changes"):
         identify_recordings([replace(measured, data=still)], 1)
+
+
+def test_a_delay_is_told_and_does_not_count_as_order() -> None:
+    whole = recorded(3000).data
+    late = replace(recorded(), data=np.concatenate([whole[20:, :1], whole[:-20, 1:]], axis=1))
+    found = identify_recordings([late], 1, order=9, horizon=20)
+    assert found.order == 9
+    assert found.model.order == 9 + sum(found.started.delays)
+    (said,) = record_notes(found)
+    assert said.startswith("inputs that come late, which the model has as states more: u by 2")
+
+
+def test_what_identification_warns_of_is_kept() -> None:
+    found = identify_recordings([recorded(200)], 1, horizon=5)
+    assert found.notes == ("140 samples are few: orders beyond 2 were not tried",)
+    assert found.notes[0] in record_notes(found)
