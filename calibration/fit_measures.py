@@ -35,7 +35,7 @@ class Fit:
     Parameters
     ----------
     free_run : Measures
-        Of the response to the drive alone, from the initial state that fits best.
+        Of the response to the drive alone, from the initial state that fits best; not numbers of an unstable model.
     one_step : Measures
         Of each sample as predicted from those before it, from the initial state that fits best.
     from_rest : Measures
@@ -132,7 +132,7 @@ def fit(
     """
     free, ahead, rested = [], [], []
     for drive, response in zip(drives, responses, strict=True):
-        free.append(model.simulate(drive, model.initial_state(drive, response)))
+        free.append(_free_run(model, drive, response))
         ahead.append(model.predict(drive, response, model.initial_predictor_state(drive, response)))
         rested.append(model.predict(drive, response))
     measured = np.concatenate(responses)
@@ -144,6 +144,13 @@ def fit(
         whiteness(residuals, lags, fitted),
         cross_correlation(residuals, drives, lags),
     )
+
+
+def _free_run(model: InnovationModel, drive: np.ndarray, response: np.ndarray) -> np.ndarray:
+    """Return the free run from the best state, shape (N, p); of an unstable model, which has none, not a number."""
+    if not model.is_stable:
+        return np.full_like(response, np.nan)
+    return model.simulate(drive, model.initial_state(drive, response))
 
 
 def _share(missed: np.ndarray, moved: np.ndarray) -> np.ndarray:

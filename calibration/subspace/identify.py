@@ -12,11 +12,12 @@ from calibration.one_thread import on_one_thread
 from calibration.records import Side, sides_of
 from calibration.subspace.choice import Choice, choose
 from calibration.subspace.delays import advanced, checked, delayed, delays
-from calibration.subspace.estimate import Estimate, compress, estimate
+from calibration.subspace.estimate import Compressed, Estimate, compress
 from calibration.subspace.excitation import repeated
 from calibration.subspace.gain_refinement import refine_gain
 from calibration.subspace.identified import Identified
-from calibration.subspace.kalman_gain import Gain
+from calibration.subspace.kalman_gain import Gain, is_stable
+from calibration.subspace.predicted import estimated
 from calibration.subspace.realization import Method
 from calibration.subspace.regression import Terms
 from calibration.subspace.signals import Detrend, Signals, levelled, signals
@@ -40,6 +41,7 @@ def identify(
     method: Method = "moesp",
     direct: bool = True,
     detrend: Detrend = "mean",
+    stable: bool = True,
     delay: Literal["auto"] | int | Sequence[int] = "auto",
 ) -> Identified:
     """Identify a state-space model with its Kalman gain from one or more records.
@@ -72,6 +74,9 @@ def identify(
         Whether there is an operating point, the inputs' mean over all records and what the outputs are there, or it is
         zero.  With "record" each record has one of its own, with "linear" one that drifts along a line: what is taken
         away from the records leaves the mean over all of them.
+    stable : bool, optional
+        Poles on or outside of the unit circle are moved inside.  False: they stay, and B, D and first states are fitted
+        to the prediction one step ahead, which also chooses horizon and order.
     delay : "auto", int or a sequence of int, samples, optional
         Dead time of all inputs, or of each: states of the model that do not count as its order.  "auto": where the
         first three or more lags of an input tell nothing of any output, and a model with them is no worse on what was
@@ -101,11 +106,11 @@ def identify(
         raise ValueError(f"rate is {rate}, must be > 0 samples/s")
     inputs, outputs = sides_of(u, y)
     drives, responses = _ready(inputs, outputs, detrend)
-    terms = Terms(direct, constant=detrend != "none")
+    terms = Terms(direct, detrend != "none", stable)
     late, data, chosen = _chosen(drives, responses, delay, (horizon, order, method, terms))
     windows = Windows(data.joined, chosen.layout, _SEGMENTS, terms.constant)
     compressed = compress(windows, method)
-    found, gain = _refined(estimate(compressed, chosen.order, data.drives, data.responses, terms), data, terms)
+    found, gain = _fitted(compressed, chosen.order, data, terms)
     core = _named(_in_units(found, gain, data, rate), inputs, outputs)
     return Identified(
         model=delayed(core, late),
@@ -166,8 +171,11 @@ def _chosen(
     return late, moved, with_delay
 
 
-def _refined(found: Estimate, data: Signals, terms: Terms) -> tuple[Estimate, Gain]:
-    """Return an estimate with a better gain, and B and D by what that knows of the noise."""
+def _fitted(compressed: Compressed, order: int, data: Signals, terms: Terms) -> tuple[Estimate, Gain]:
+    """Return an estimate with a better gain, and B and D by what that knows of the noise; an unstable one as it is."""
+    found = estimated(compressed, order, data.drives, data.responses, terms)
+    if not is_stable(found.transition):
+        return found, found.gain
     gain = refine_gain(found.transition, found.outlet, found.gain, left_by_free_run(found, data.drives, data.responses))
     return weighted(found, gain, data.drives, data.responses, terms), gain
 

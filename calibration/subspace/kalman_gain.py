@@ -54,17 +54,56 @@ def kalman_gain(
     """
     transition, _, outlet, _ = system
     process, mixed, measurement = _covariances(triangle, layout, mapped, system)
+    if (found := riccati_gain(transition, outlet, process, mixed, measurement)) is not None:
+        return found
+    gain = mixed @ np.linalg.pinv(measurement, hermitian=True)
+    return Gain(halved_until_stable(transition, outlet, gain), measurement, by_riccati=False)
+
+
+def riccati_gain(
+    transition: np.ndarray, outlet: np.ndarray, process: np.ndarray, mixed: np.ndarray, measurement: np.ndarray
+) -> Gain | None:
+    """Solve the Riccati equation; none where it has no stabilizing solution.
+
+    Parameters
+    ----------
+    transition : array, shape (n, n), 1
+        A, stable or not.
+    outlet : array, shape (p, n), any unit
+        C.
+    process : array, shape (n, n), 1
+    mixed : array, shape (n, p), the outputs' units
+    measurement : array, shape (p, p), products of the outputs' units
+    """
     try:
         error = solve_discrete_are(transition.T, outlet.T, process, measurement, s=mixed)
         innovation = outlet @ error @ outlet.T + measurement
         gain = np.linalg.solve(innovation, (transition @ error @ outlet.T + mixed).T).T
     except (LinAlgError, ValueError):
-        pass
-    else:
-        if is_stable(transition - gain @ outlet) and np.all(np.linalg.eigvalsh(innovation) > 0):
-            return Gain(gain, (innovation + innovation.T) / 2, by_riccati=True)
-    gain = mixed @ np.linalg.pinv(measurement, hermitian=True)
-    return Gain(halved_until_stable(transition, outlet, gain), measurement, by_riccati=False)
+        return None
+    if not (is_stable(transition - gain @ outlet) and np.all(np.linalg.eigvalsh(innovation) > 0)):
+        return None
+    return Gain(gain, (innovation + innovation.T) / 2, by_riccati=True)
+
+
+def residual_covariances(
+    triangle: np.ndarray, layout: Layout, mapped: np.ndarray, transition: np.ndarray, outlet: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the noise's covariances with B and D fitted to the windows themselves, as of `_covariances`.
+
+    Parameters
+    ----------
+    triangle : array, shape (rows, rows), 1
+    layout : Layout
+    mapped : array, shape (n, rows of the past), 1
+    transition : array, shape (n, n), 1
+    outlet : array, shape (p, n), 1
+    """
+    order, drive = len(transition), layout.rows(layout.past, layout.past + 1, slice(0, layout.inputs))
+    nothing = np.zeros((order, layout.inputs)), np.zeros((layout.outputs, layout.inputs))
+    left = _left(layout, mapped, (transition, nothing[0], outlet, nothing[1])) @ triangle
+    through = np.linalg.lstsq(triangle[drive].T, left.T, rcond=None)[0].T
+    return _split(left - through @ triangle[drive], order)
 
 
 def halved_until_stable(transition: np.ndarray, outlet: np.ndarray, gain: np.ndarray) -> np.ndarray:
@@ -115,18 +154,28 @@ def _covariances(
     system: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return those of w, of w with v, and of v: what x[k+1] = A x + B u + w, y = C x + D u + v leave, past to past."""
+    return _split(_left(layout, mapped, system) @ triangle, len(system[0]))
+
+
+def _left(
+    layout: Layout, mapped: np.ndarray, system: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+) -> np.ndarray:
+    """Return what makes w above v of the rows of a window, shape (n + p, rows)."""
     transition, inlet, outlet, direct = system
     order, now = len(transition), layout.past
     before, after = layout.rows(0, now), layout.rows(1, now + 1)
     drive = layout.rows(now, now + 1, slice(0, layout.inputs))
     response = layout.rows(now, now + 1, slice(layout.inputs, None))
-    left = np.zeros((order + layout.outputs, len(triangle)))
+    left = np.zeros((order + layout.outputs, len(layout.order)))
     left[:order, after] += mapped
     left[:order, before] -= transition @ mapped
     left[:order, drive] -= inlet
     left[order:, response] += np.eye(layout.outputs)
     left[order:, before] -= outlet @ mapped
     left[order:, drive] -= direct
-    noise = left @ triangle
+    return left
+
+
+def _split(noise: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     covariance = noise @ noise.T
     return covariance[:order, :order], covariance[:order, order:], covariance[order:, order:]

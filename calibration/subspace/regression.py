@@ -24,10 +24,13 @@ class Terms:
         A direct term from each drive to each output.
     constant : bool
         A constant in each output, the same for all records.
+    stable : bool, optional
+        Poles are kept inside of the unit circle.
     """
 
     direct: bool
     constant: bool
+    stable: bool = True
 
     def columns(self, output: int, outputs: int, drives: int) -> np.ndarray:
         """Return what one output's terms take of the drives and of a constant 1: shape (drives + 1, terms).

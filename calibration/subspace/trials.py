@@ -6,10 +6,12 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from scipy.linalg import LinAlgError
 
-from calibration.subspace.estimate import Compressed, estimate
-from calibration.subspace.folds import Folds
+from calibration.subspace.estimate import Compressed, Estimate
+from calibration.subspace.folds import Folds, Part
 from calibration.subspace.gain_refinement import refine_gain
+from calibration.subspace.kalman_gain import Gain, is_stable
 from calibration.subspace.order import standing_out
+from calibration.subspace.predicted import estimated
 from calibration.subspace.realization import Method, transition
 from calibration.subspace.regression import Terms
 from calibration.subspace.signals import Signals
@@ -41,6 +43,7 @@ class Trials:
     Free run and prediction one step ahead count alike, each by the log of its error: a tenth less of either is worth as
     much.  What does badly on the first folds is not tried on the others.  Where folds are not alike (a sweep excites
     each frequency once) nothing can be held out: then all is fitted, and judged, with less trust in larger orders.
+    Where models may be unstable the prediction counts alone.
 
     Parameters
     ----------
@@ -120,18 +123,26 @@ class Trials:
         """Fit it to all other folds and hold it against one."""
         kept, held = self._folds.kept(fold), self._folds.held_out(fold)
         try:
-            found = estimate(self._of(fold, trial.layout), trial.order, kept.drives, kept.responses, self._terms)
-            missed = left_by_free_run(found, kept.drives, kept.responses)
-            model = found.model(refine_gain(found.transition, found.outlet, found.gain, missed, SETTLED))
+            found = estimated(self._of(fold, trial.layout), trial.order, kept.drives, kept.responses, self._terms)
+            model = found.model(_gain(found, kept))
         except (LinAlgError, ValueError):
             trial.free_run[fold] = trial.one_step[fold] = np.full(trial.layout.outputs, np.inf)
             return
         free, ahead = [], []
         for drive, measured in zip(held.drives, held.responses, strict=True):
             response = measured - found.constant
-            free.append(response - model.simulate(drive, model.initial_state(drive, response)))
             start = model.initial_predictor_state(drive, response)
             ahead.append(response - model.predict(drive, response, start))
+            if self._terms.stable:
+                free.append(response - model.simulate(drive, model.initial_state(drive, response)))
         trial.free_run[fold], trial.one_step[fold] = (
-            np.mean(np.concatenate(each) ** 2, axis=0) for each in (free, ahead)
+            np.mean(np.concatenate(each) ** 2, axis=0) for each in (free or ahead, ahead)
         )
+
+
+def _gain(found: Estimate, kept: Part) -> Gain:
+    """Return a gain that is nearly as good as it will be; that of an unstable model as it is."""
+    if not is_stable(found.transition):
+        return found.gain
+    missed = left_by_free_run(found, kept.drives, kept.responses)
+    return refine_gain(found.transition, found.outlet, found.gain, missed, SETTLED)
