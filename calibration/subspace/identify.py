@@ -100,10 +100,7 @@ def identify(
     >>> found.model.order, round(float(found.model.poles[0].real), 6)
     (1, 0.9)
     """
-    if method not in ("n4sid", "moesp"):
-        raise ValueError(f"method is {method!r}, must be 'n4sid' or 'moesp'")
-    if not (np.isfinite(rate) and rate > 0):
-        raise ValueError(f"rate is {rate}, must be > 0 samples/s")
+    _check(method, rate)
     inputs, outputs = sides_of(u, y)
     drives, responses = _ready(inputs, outputs, detrend)
     terms = Terms(direct, detrend != "none", stable)
