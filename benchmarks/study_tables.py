@@ -15,6 +15,7 @@ from rigkit.origin import checksum
 from rigkit.report import Table
 from rigkit.study.report import StudyReport
 from rigkit.study.results import Row, write_rows
+from rigkit.study.summary import share_of
 from rigkit.study.tables import endings_table, markdown
 
 KEPT = DOCS / "populations"
@@ -99,7 +100,38 @@ def _shots(row: Row) -> tuple[float, ...]:
     return tuple(math.inf if row.figures[name] is None else float(row.figures[name]) for name in names)
 
 
-BESIDE: dict[str, Callable[[Sequence[Row]], str]] = {"prediction": predicted_beside_observed}
+EARLY = 14
+"""Shot by which the objective is wanted."""
+
+
+def within_the_floor(rows: Sequence[Row]) -> str:
+    """Say how many machines that do not move by more than the limit are learned, by both laws, and which are not."""
+    ended = [row for row in rows if not row.status]
+    able = [row for row in ended if row.figures["floor"] is None or float(row.figures["floor"]) <= 0]
+    held = [row for row in able if row.figures["shot"] is not None]
+    early = [row for row in held if float(row.figures["shot"]) <= EARLY]
+    by_thesis = [row for row in able if row.figures["thesis"] is not None]
+    lost = [f"{row.seed}-{row.case['reference']} ({row.figures['worst']:+.1f} dB)" for row in able if row not in held]
+    shares = [share_of(len(each), len(able)) for each in (held, early, by_thesis)]
+    met, soon, thesis = (f"{each.text} ({each.interval})" for each in shares)
+    others = len(ended) - len(able)
+    return (
+        f"Of {len(ended)} that ran to the end, {len(able)} move by no more than the limit from shot to shot by "
+        f"themselves, as the program says. Of those {met} meet the objective and hold it to shot 60, {soon} from shot "
+        f"{EARLY} or sooner; by the thesis' law {thesis}. Not met, with the worst bin at shot 60: "
+        f"{', '.join(lost) or 'none'}. Of the {others} others "
+        f"{sum(row.figures['shot'] is not None for row in ended if row not in able)} are met."
+    )
+
+
+EARLY = 14
+"""Shot by which the objective is wanted."""
+
+
+BESIDE: dict[str, Callable[[Sequence[Row]], str]] = {
+    "prediction": predicted_beside_observed,
+    "vibrators": within_the_floor,
+}
 """What else is said of a study."""
 
 

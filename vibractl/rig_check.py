@@ -7,7 +7,7 @@ import numpy as np
 from rigkit.agreement import CHANNELS, DisagreementError
 from vibractl.decibels import rms
 from vibractl.learning.algorithm import Algorithm
-from vibractl.learning.changed_rig import Change, change_of, unexplained
+from vibractl.learning.changed_rig import Change, change_of, mismatch, unexplained
 from vibractl.learning.law import strong_lines
 from vibractl.learning.shot import Shot
 from vibractl.setup import Setup
@@ -18,6 +18,8 @@ LEVEL_DB = -12.0
 LEAD, BURST, TAIL = 0.2, 2.0, 1.0
 """s of silence, of the burst, and of silence while it rings down."""
 SECONDS = LEAD + BURST + TAIL
+SUDDEN = 2.0
+"""Times the mismatch of the shot before: what a machine comes to by and by is no change of its channels."""
 EDGE = 0.25
 """Part of the burst that rises, and that falls."""
 
@@ -100,12 +102,15 @@ class RigCheck:
 
 
 def changed_channels(algorithm: Algorithm, shot: Shot) -> Change | None:
-    """Return what has been changed about the rig, as the strong lines of a shot show it to what is believed of G."""
-    law = algorithm.law
+    """Return what has changed about the rig since the shot before, as strong lines show it to what is believed of G."""
+    law, before = algorithm.law, algorithm.belief.before
     strong = strong_lines(law.reference) & (law.active > 0)
-    return change_of(
-        algorithm.belief.response[strong], shot.drive[strong], shot.response[strong], law.matrix.frequency[strong]
-    )
+    response, drive, heard = algorithm.belief.response[strong], shot.drive[strong], shot.response[strong]
+    if before is not None:
+        usual = mismatch(response, before.drive[strong], before.response[strong])
+        if mismatch(response, drive, heard) < SUDDEN * usual:
+            return None
+    return change_of(response, drive, heard, law.matrix.frequency[strong])
 
 
 def _burst(samples: int, rate: float, band: tuple[float, float], inputs: int) -> np.ndarray:

@@ -1,6 +1,8 @@
 """A run begins with a weak burst, and goes no further on a rig whose channels are not those of its model."""
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,7 +11,8 @@ from ctlblocks import recording
 from rigkit.faults import FaultTable
 from rigkit.run_folder import RunFolder, read_events
 from tests.vibractl.linear_rig import linear_config, linear_model
-from vibractl.rig_check import LEVEL_DB, ChangedRigError, RigCheck
+from vibractl.learning.shot import Shot
+from vibractl.rig_check import LEVEL_DB, ChangedRigError, RigCheck, changed_channels
 from vibractl.run_setup import create, resumed_setup, shot_files
 from vibractl.session import Session
 from vibractl.setup import Setup
@@ -121,3 +124,17 @@ def test_nothing_is_played_or_refused_where_nobody_wants_to_know(tmp_path: Path)
     with folder:
         assert go(folder, made, 2, "sign-flip").done == 2
     assert "checked" not in [event["event"] for event in read_events(tmp_path / "run")]
+
+
+@pytest.mark.parametrize(("earlier", "said"), [(1.0, "every drive is 1.6 times as large"), (1.4, None)])
+def test_what_comes_by_and_by_is_no_change_of_the_channels(earlier: float, said: str | None) -> None:
+    """A machine that drifts, or distorts more and more, ends where a gain that was changed does, and is to go on."""
+    rng = np.random.default_rng(1)
+    believed, drive = (rng.standard_normal((80, 2, each)) + 1j * rng.standard_normal((80, 2, each)) for each in (2, 1))
+    usual = (believed @ drive)[..., 0]
+    before, now = (Shot(drive[..., 0], factor * usual, np.ones((80, 2))) for factor in (earlier, 1.6))
+    matrix = SimpleNamespace(frequency=np.linspace(40.0, 90.0, 80))
+    law = SimpleNamespace(reference=np.ones((80, 2)), active=np.ones(80), matrix=matrix)
+    algorithm: Any = SimpleNamespace(law=law, belief=SimpleNamespace(response=believed, before=before))
+    found = changed_channels(algorithm, now)
+    assert (found and found.text.split(", or: ")[0]) == said

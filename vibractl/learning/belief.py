@@ -59,6 +59,11 @@ class Belief:
         self._before: Shot | None = None
 
     @property
+    def before(self) -> Shot | None:
+        """The last shot that was kept."""
+        return self._before
+
+    @property
     def response(self) -> np.ndarray:
         """G, (lines, outputs, inputs), m/s^2 per V."""
         return self._filter.response

@@ -96,6 +96,22 @@ def change_of(response: np.ndarray, drive: np.ndarray, heard: np.ndarray, freque
     return Change(text, float(np.sqrt(off)), float(np.sqrt(left))) if text else None
 
 
+def mismatch(response: np.ndarray, drive: np.ndarray, heard: np.ndarray) -> float:
+    """Return by how much a response is not what G says, 1: of the worst output, re the smaller of both.
+
+    Parameters
+    ----------
+    response : complex array, shape (lines, outputs, inputs), m/s^2 per V
+    drive : complex array, shape (lines, inputs), V s
+    heard : complex array, shape (lines, outputs), m/s^2 s
+    """
+    predicted = (response @ drive[..., None])[..., 0]
+    weight = _weight(predicted)
+    heard, predicted = weight * heard, weight * predicted
+    smaller = np.minimum(_energy(predicted), _energy(heard))
+    return float(np.sqrt((_energy(heard - predicted) / np.maximum(smaller, _TINY)).max()))
+
+
 def unexplained(response: np.ndarray, drive: np.ndarray, heard: np.ndarray) -> float:
     """Return what G leaves unexplained of a response, 1, rms over lines and outputs, of what is heard.
 
