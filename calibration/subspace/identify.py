@@ -160,12 +160,13 @@ def _chosen(
     if not any(late):
         return late, data, choose(data, *wanted)
     moved = signals(*advanced(drives, responses, late), has_mean)
-    with_delay = choose(moved, *wanted, is_compared=delay == "auto")
+    horizon, order, method, terms = wanted
+    found = choose(moved, horizon, order, method, terms, is_compared=delay == "auto")
     if delay == "auto":
-        without = choose(data, *wanted, is_compared=True)
-        if without.score > with_delay.score + ALIKE:
-            return (0,) * inputs, data, without
-    return late, moved, with_delay
+        same = choose(data, (found.layout.past, found.layout.future), found.order, method, terms, is_compared=True)
+        if same.score > found.score + ALIKE:
+            return (0,) * inputs, data, choose(data, *wanted)
+    return late, moved, found
 
 
 def _fitted(compressed: Compressed, order: int, data: Signals, terms: Terms) -> tuple[Estimate, Gain]:

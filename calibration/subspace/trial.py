@@ -1,6 +1,6 @@
 """A horizon and an order that are tried, and which of several is taken."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,7 +16,7 @@ _LEAST = 1e-14
 """Power of an error, re the signal's, below which there is rounding alone."""
 
 
-@dataclass
+@dataclass(eq=False)
 class Trial:
     """A horizon and an order while they are tried.
 
@@ -38,8 +38,19 @@ class Trial:
 
     @property
     def score(self) -> float:
-        """Mean over outputs of the log of both errors' root mean squares, turned round; -inf where a fit failed."""
-        return _score([np.mean(list(side.values()), axis=0) for side in (self.free_run, self.one_step)])
+        """Of all folds on which it was tried, see `score_on`."""
+        return self.score_on(self.free_run)
+
+    def score_on(self, folds: Collection[int | None]) -> float:
+        """Return the mean over outputs of the log of both errors' root mean squares, turned round; -inf of a failure.
+
+        Parameters
+        ----------
+        folds : collection of int or None
+            On which it was tried.
+        """
+        powers = [np.mean([side[fold] for fold in folds], axis=0) for side in (self.free_run, self.one_step)]
+        return -0.5 * float(sum(np.log(np.maximum(power, _LEAST)).mean() for power in powers))
 
     @property
     def candidate(self) -> Candidate:
@@ -64,7 +75,3 @@ def smallest(trials: Sequence[Trial], near: float) -> Trial:
 def by_score(trial: Trial) -> float:
     """Return its score, to sort by."""
     return trial.score
-
-
-def _score(powers: Sequence[np.ndarray]) -> float:
-    return -0.5 * float(sum(np.log(np.maximum(power, _LEAST)).mean() for power in powers))

@@ -1,6 +1,5 @@
 """Models of several horizons and orders, each held against blocks of the records that it was not identified from."""
 
-import math
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -15,7 +14,7 @@ from calibration.subspace.predicted import estimated
 from calibration.subspace.realization import Method, transition
 from calibration.subspace.regression import Terms
 from calibration.subspace.signals import Signals
-from calibration.subspace.trial import Trial, by_score, smallest
+from calibration.subspace.trial import Trial, smallest
 from calibration.subspace.weighting import left_by_free_run
 from calibration.subspace.windows import Layout
 
@@ -27,11 +26,11 @@ LARGEST = 30
 """Order up to which more is tried than what stands out of the noise."""
 SAMPLES = 10
 """So many are wanted for each coefficient of a model."""
-SETTLED = 1e-3
+SETTLED = 3e-3
 """Change of the log determinant of the innovations' covariance that ends the refinement of a candidate's gain."""
 ROUNDS: tuple[tuple[int | None, ...], ...] = ((1,), (3,), (0, 2))
 """Folds on which what is left is judged, before it is thinned out."""
-KEPT, FEWEST = 3, 5
+KEPT, FEWEST = 4, 4
 """One in so many is left after a round, and the best few of all and of those that stand out of the noise."""
 ALIKE, SEEN = 0.01, 0.03
 """Part of its errors by which an order may be worse that is taken since it is smaller; the same on what was fitted."""
@@ -75,17 +74,17 @@ class Trials:
     def thin_out(self, trials: Iterable[Trial]) -> Trial:
         """Try them on more and more folds, the best of them alone; return the one to take."""
         left = list(trials)
+        seen: list[int | None] = []
         for folds in self._rounds:
             for trial in left:
                 for fold in folds:
                     self._judge(trial, fold)
-            whole = [each for each in left if math.isfinite(each.score)] or left
-            self.done = [each for each in self.done if each not in whole] + whole
-            ranked = sorted(whole, key=by_score, reverse=True)
+            seen += folds
+            self.done += [each for each in left if each not in self.done]
+            ranked = sorted(left, key=lambda each: -each.score_on(seen))
             sure = [each for each in ranked if each.stands_out]
-            left = list(
-                {id(each): each for each in (*ranked[: len(whole) // KEPT], *ranked[:FEWEST], *sure[:FEWEST])}.values()
-            )
+            best = [*ranked[: max(FEWEST, len(ranked) // KEPT)], *sure[:FEWEST]]
+            left = [each for each in ranked if each in best]
         return smallest(left, self._near)
 
     def around(self, best: Trial, layouts: Sequence[Layout], order: int | None) -> list[Trial]:
@@ -120,7 +119,9 @@ class Trials:
         return self._compressed[fold, layout]
 
     def _judge(self, trial: Trial, fold: int | None) -> None:
-        """Fit it to all other folds and hold it against one."""
+        """Fit it to all other folds and hold it against one, unless that was done."""
+        if fold in trial.free_run:
+            return
         kept, held = self._folds.kept(fold), self._folds.held_out(fold)
         try:
             found = estimated(self._of(fold, trial.layout), trial.order, kept.drives, kept.responses, self._terms)
