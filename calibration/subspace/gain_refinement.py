@@ -1,6 +1,7 @@
 """The Kalman gain that predicts the records best: Gauss-Newton steps on the one-step-ahead error, all else held."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -11,15 +12,32 @@ from calibration.subspace.modal import Modal, modal
 from calibration.subspace.modal_regression import regress, responses, sums
 from calibration.subspace.regression import Terms
 
-_STEPS = 15
 _HALVINGS = 5
 SETTLED = 1e-5
 _ENOUGH = 20_000
 """Samples on which all steps but the last are taken: what so many leave uncertain the last one corrects."""
 
 
+@dataclass(frozen=True)
+class Effort:
+    """When a search ends.
+
+    Parameters
+    ----------
+    steps : int
+    settled : float, 1
+        Change of the log determinant of the innovations' covariance.
+    """
+
+    steps: int
+    settled: float
+
+
+FULL, QUICK = Effort(15, 1e-5), Effort(4, 3e-3)
+
+
 def refine_gain(
-    transition: np.ndarray, outlet: np.ndarray, gain: Gain, missed: Sequence[np.ndarray], settled: float = SETTLED
+    transition: np.ndarray, outlet: np.ndarray, gain: Gain, missed: Sequence[np.ndarray], effort: Effort = FULL
 ) -> Gain:
     """Lower the determinant of the one-step-ahead errors' covariance by the choice of K.
 
@@ -37,8 +55,7 @@ def refine_gain(
         To start from.
     missed : sequence of arrays, each of shape (N, p), 1
         What the free run leaves of each record.
-    settled : float, 1
-        Change of the log determinant of the innovations' covariance that ends it.
+    effort : Effort
 
     Source
     ------
@@ -50,14 +67,14 @@ def refine_gain(
     nothing = np.zeros_like(gain.matrix)
     doubtful = _loss(transition, outlet, nothing, early) < _loss(transition, outlet, gain.matrix, early)
     starts = [gain.matrix, nothing] if doubtful else [gain.matrix]
-    ends = [_descend(transition, outlet, start, early, settled) for start in starts]
+    ends = [_descend(transition, outlet, start, early, effort) for start in starts]
     matrix, innovation, _ = min(ends, key=lambda each: each[2])
     if early is stretch:
-        matrix, innovation, _ = _descend(transition, outlet, matrix, missed, settled, steps=1)
+        matrix, innovation, _ = _descend(transition, outlet, matrix, missed, replace(effort, steps=1))
     radius = slowest(max(len(each) for each in missed))
     if not is_stable(transition - matrix @ outlet, radius):
         matrix = forgetting(transition, outlet, matrix, innovation, radius)
-        matrix, innovation, _ = _descend(transition, outlet, matrix, missed, settled, radius)
+        matrix, innovation, _ = _descend(transition, outlet, matrix, missed, effort, radius)
     return Gain(matrix, innovation, gain.by_riccati)
 
 
@@ -71,14 +88,13 @@ def _descend(
     outlet: np.ndarray,
     gain: np.ndarray,
     missed: Sequence[np.ndarray],
-    settled: float,
+    effort: Effort,
     radius: float = 1.0,
-    steps: int = _STEPS,
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Take Gauss-Newton steps, each shortened until it helps; return gain, innovations' covariance and loss."""
     modes = modal(transition - gain @ outlet)
     errors, covariance, loss = _errors(modes, outlet, gain, missed)
-    for _ in range(steps):
+    for _ in range(effort.steps):
         if not np.isfinite(loss):
             break
         root = whitening(covariance)
@@ -95,7 +111,7 @@ def _descend(
                     gain, modes, (errors, covariance, loss) = trial, near, outcome
                     break
             step = step / 2
-        if not before - loss > settled:
+        if not before - loss > effort.settled:
             break
     return gain, covariance, loss
 

@@ -26,6 +26,8 @@ from calibration.subspace.weighting import left_by_free_run, weighted
 from calibration.subspace.windows import Windows
 from stagectl.models import InnovationModel
 
+FEW = 10
+"""Samples of delay that a model can as well have as states: then both are chosen freely before they are compared."""
 _SEGMENTS = 16
 """That can be left out, for the uncertainty of poles."""
 
@@ -163,9 +165,10 @@ def _chosen(
     horizon, order, method, terms = wanted
     found = choose(moved, horizon, order, method, terms, is_compared=delay == "auto")
     if delay == "auto":
-        same = choose(data, (found.layout.past, found.layout.future), found.order, method, terms, is_compared=True)
-        if same.score > found.score + ALIKE:
-            return (0,) * inputs, data, choose(data, *wanted)
+        alone = (horizon, order) if max(late) <= FEW else ((found.layout.past, found.layout.future), found.order)
+        without = choose(data, *alone, method, terms, is_compared=True)
+        if without.score > found.score + ALIKE:
+            return (0,) * inputs, data, without if max(late) <= FEW else choose(data, *wanted)
     return late, moved, found
 
 

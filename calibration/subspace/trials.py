@@ -7,7 +7,7 @@ from scipy.linalg import LinAlgError
 
 from calibration.subspace.estimate import Compressed, Estimate
 from calibration.subspace.folds import Folds, Part
-from calibration.subspace.gain_refinement import refine_gain
+from calibration.subspace.gain_refinement import QUICK, refine_gain
 from calibration.subspace.kalman_gain import Gain, is_stable
 from calibration.subspace.order import standing_out
 from calibration.subspace.predicted import estimated
@@ -26,8 +26,6 @@ LARGEST = 30
 """Order up to which more is tried than what stands out of the noise."""
 SAMPLES = 10
 """So many are wanted for each coefficient of a model."""
-SETTLED = 3e-3
-"""Change of the log determinant of the innovations' covariance that ends the refinement of a candidate's gain."""
 ROUNDS: tuple[tuple[int | None, ...], ...] = ((1,), (3,), (0, 2))
 """Folds on which what is left is judged, before it is thinned out."""
 KEPT, FEWEST = 4, 4
@@ -146,4 +144,4 @@ def _gain(found: Estimate, kept: Part) -> Gain:
     if not is_stable(found.transition):
         return found.gain
     missed = left_by_free_run(found, kept.drives, kept.responses)
-    return refine_gain(found.transition, found.outlet, found.gain, missed, SETTLED)
+    return refine_gain(found.transition, found.outlet, found.gain, missed, QUICK)

@@ -41,7 +41,7 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def identified(lab: Path, folder: Path, monkeypatch: pytest.MonkeyPatch, name: str, *words: str) -> int:
     files = ["--from", str(lab / "drive.wav"), str(lab / f"{name}.wav"), "--out", str(folder / "m.h5")]
-    monkeypatch.setattr(sys, "argv", ["calibrate", "identify", *files, "--order", "8", *words])
+    monkeypatch.setattr(sys, "argv", ["calibrate", "identify", *files, "--order", "8", "--horizon", "20", *words])
     return main()
 
 

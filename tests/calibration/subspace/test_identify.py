@@ -189,7 +189,7 @@ def test_the_predictor_is_stable_and_the_innovations_are_a_covariance() -> None:
 
 
 @pytest.mark.parametrize(
-    ("samples", "order", "least", "most"), [(4000, None, 20, 60), (150, 4, 5, 12), (40, 2, 5, 5), (4000, 30, 40, 60)]
+    ("samples", "order", "least", "most"), [(2000, None, 20, 60), (150, 4, 5, 12), (40, 2, 5, 5), (2000, 30, 40, 100)]
 )
 def test_horizons_suit_order_and_length_where_none_are_given(
     samples: int, order: int | None, least: int, most: int
