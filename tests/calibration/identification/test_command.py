@@ -61,8 +61,8 @@ def test_how_long_much_data_takes_is_said_beforehand(
 def test_columns_go_by_number_and_figures_to_the_standard_output(
     table: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    arguments = ("--inputs", "1", "--outputs", "2", "--rate", "1000", "--order", "3", "--method", "pem", "--json", "-")
-    assert call(monkeypatch, table, *arguments) == 0
+    arguments = ("--inputs", "1", "--outputs", "2", "--rate", "1000", "--order", "3", "--horizon", "20")
+    assert call(monkeypatch, table, *arguments, "--method", "pem", "--json", "-") == 0
     printed = capsys.readouterr()
     assert json.loads(printed.out)["order"] == 3
     assert "order 3 by pem" in printed.err

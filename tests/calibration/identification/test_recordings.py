@@ -171,9 +171,9 @@ def test_inputs_that_nearly_go_together_are_warned_of(
 def test_files_that_do_not_belong_together_are_warned_of(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert identify(monkeypatch, "--from", "d2.csv", "other.csv", "--order", "4") == 0
+    assert identify(monkeypatch, "--from", "d2.csv", "other.csv", "--order", "4", "--horizon", "20") == 0
     assert "warning: the free run explains " in capsys.readouterr().out
-    assert identify(monkeypatch, "--from", "d2.csv", "r2.tsv", "--order", "8") == 0
+    assert identify(monkeypatch, "--from", "d2.csv", "r2.tsv", "--order", "8", "--horizon", "20") == 0
     assert "warning" not in capsys.readouterr().out
 
 
