@@ -124,10 +124,6 @@ def within_the_floor(rows: Sequence[Row]) -> str:
     )
 
 
-EARLY = 14
-"""Shot by which the objective is wanted."""
-
-
 BESIDE: dict[str, Callable[[Sequence[Row]], str]] = {
     "prediction": predicted_beside_observed,
     "vibrators": within_the_floor,

@@ -109,6 +109,22 @@ def measures(measured: np.ndarray, modelled: np.ndarray) -> Measures:
     return Measures(nrmse(measured, modelled), vaf(measured, modelled), mae(measured, modelled))
 
 
+def free_run(model: InnovationModel, drive: np.ndarray, response: np.ndarray) -> np.ndarray:
+    """Return the response to a drive alone, shape (N, p), from the state that suits a measured one best.
+
+    Not numbers of an unstable model, which has none.
+
+    Parameters
+    ----------
+    model : InnovationModel
+    drive : array, shape (N, m), the inputs' units
+    response : array, shape (N, p), the outputs' units
+    """
+    if not model.is_stable:
+        return np.full_like(response, np.nan)
+    return model.simulate(drive, model.initial_state(drive, response))
+
+
 def fit(
     model: InnovationModel,
     drives: Sequence[np.ndarray],
@@ -132,7 +148,7 @@ def fit(
     """
     free, ahead, rested = [], [], []
     for drive, response in zip(drives, responses, strict=True):
-        free.append(_free_run(model, drive, response))
+        free.append(free_run(model, drive, response))
         ahead.append(model.predict(drive, response, model.initial_predictor_state(drive, response)))
         rested.append(model.predict(drive, response))
     measured = np.concatenate(responses)
@@ -144,13 +160,6 @@ def fit(
         whiteness(residuals, lags, fitted),
         cross_correlation(residuals, drives, lags),
     )
-
-
-def _free_run(model: InnovationModel, drive: np.ndarray, response: np.ndarray) -> np.ndarray:
-    """Return the free run from the best state, shape (N, p); of an unstable model, which has none, not a number."""
-    if not model.is_stable:
-        return np.full_like(response, np.nan)
-    return model.simulate(drive, model.initial_state(drive, response))
 
 
 def _share(missed: np.ndarray, moved: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from calibration.identification.workflow import Identification
+from calibration.subspace import drawing
 from rigkit.figure_style import COLOURS, LIMIT
 
 SHOWN = 500
@@ -33,21 +34,10 @@ def singular_value_figure(found: Identification) -> Figure:
 
 def free_run_figure(found: Identification) -> Figure:
     """Draw what was measured on fresh data, what the free run gives, and the difference."""
-    model, shown = found.model, min(SHOWN, len(found.response))
-    rows = min(model.outputs, MOST_ROWS)
-    time = np.arange(shown) / model.rate
-    figure = Figure(figsize=(8.0, 1.2 + 2.2 * rows))
-    grid = figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
-    for row, axes in enumerate(grid):
-        measured, modelled = found.response[:shown, row], found.free_run[:shown, row]
-        axes.plot(time, measured, color=COLOURS[0], linewidth=1.0, label="measured")
-        axes.plot(time, modelled, color=COLOURS[1], linewidth=0.9, linestyle="--", label="free run")
-        axes.plot(time, measured - modelled, color=COLOURS[2], linewidth=0.7, label="difference")
-        axes.set_title(f"{model.output_names[row]}: {found.fresh.free_run.nrmse[row]:.2f} %")
-        axes.set_ylabel(model.output_units[row])
-    grid[0].legend(ncols=3)
-    grid[-1].set_xlabel("s")
-    return figure
+    shown = slice(SHOWN), slice(MOST_ROWS)
+    return drawing.free_run_figure(
+        found.model, found.response[shown], found.free_run[shown], found.fresh.free_run.nrmse
+    )
 
 
 def residual_figure(found: Identification) -> Figure:

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from calibration import subspace
-from calibration.fit_measures import Fit, fit
+from calibration.fit_measures import Fit, fit, free_run
 from calibration.identification.excitation import Nearly, nearly_collinear
 from calibration.one_thread import on_one_thread
 from calibration.prediction_error import ModeErrors, refine
@@ -130,9 +130,9 @@ def identify_recordings(
     model = _labelled(model, first, inputs, method, sum(cuts))
     show(2, "fits")
     own, fresh = fit(model, *early, fitted=found.core.order * model.outputs), fit(model, *late)
-    runs = [model.simulate(drive, model.initial_state(drive, heard)) for drive, heard in zip(*late, strict=True)]
-    drive, response, free_run = (np.concatenate(each) for each in (*late, runs))
-    return Identification(model, found, method, errors, own, fresh, drive, response, free_run, nearly, notes)
+    runs = [free_run(model, drive, heard) for drive, heard in zip(*late, strict=True)]
+    drive, response, modelled = (np.concatenate(each) for each in (*late, runs))
+    return Identification(model, found, method, errors, own, fresh, drive, response, modelled, nearly, notes)
 
 
 def _cut(samples: int, number: int, hold_back: float) -> int:

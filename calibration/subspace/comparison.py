@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from calibration.fit_measures import Fit, fit
+from calibration.fit_measures import Fit, fit, free_run
 from stagectl.models import InnovationModel
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ class Comparison:
     def free_run(self) -> tuple[np.ndarray, ...]:
         """Responses to the drives alone, from the states that fit best: arrays of shape (N, p), the outputs' units."""
         pairs = zip(self.drives, self.responses, strict=True)
-        return tuple(self.model.simulate(drive, self.model.initial_state(drive, response)) for drive, response in pairs)
+        return tuple(free_run(self.model, drive, response) for drive, response in pairs)
 
     @cached_property
     def residuals(self) -> tuple[np.ndarray, ...]:

@@ -48,23 +48,34 @@ def _bode(model: InnovationModel, grid: np.ndarray) -> Figure:
 
 def comparison_figure(comparison: Comparison) -> Figure:
     """Draw the first record: what was measured, the free run, and the difference."""
-    with styled():
-        return _comparison(comparison)
-
-
-def _comparison(comparison: Comparison) -> Figure:
-    model, fit = comparison.model, comparison.fit
     measured, modelled = comparison.responses[0][:SHOWN], comparison.free_run[0][:SHOWN]
-    time = np.arange(len(measured)) / model.rate
-    figure = Figure(figsize=(8.0, 1.2 + 2.2 * model.outputs))
-    grid = figure.subplots(model.outputs, 1, sharex=True, squeeze=False)[:, 0]
+    with styled():
+        figure = free_run_figure(comparison.model, measured, modelled, comparison.fit.free_run.nrmse)
+    figure.set_layout_engine("constrained")
+    return figure
+
+
+def free_run_figure(model: InnovationModel, measured: np.ndarray, modelled: np.ndarray, nrmse: np.ndarray) -> Figure:
+    """Draw what was measured, what the free run gives, and the difference, output by output.
+
+    Parameters
+    ----------
+    model : InnovationModel
+    measured, modelled : arrays, shape (N, rows), the outputs' units
+        Of the first outputs.
+    nrmse : array, shape (p,), %
+        What stands in the titles.
+    """
+    samples, rows = measured.shape
+    time = np.arange(samples) / model.rate
+    figure = Figure(figsize=(8.0, 1.2 + 2.2 * rows))
+    grid = figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
     for row, axes in enumerate(grid):
         axes.plot(time, measured[:, row], color=COLOURS[0], linewidth=1.0, label="measured")
         axes.plot(time, modelled[:, row], color=COLOURS[1], linewidth=0.9, linestyle="--", label="free run")
         axes.plot(time, measured[:, row] - modelled[:, row], color=COLOURS[2], linewidth=0.7, label="difference")
-        axes.set_title(f"{model.output_names[row]}: {fit.free_run.nrmse[row]:.2f} %")
-        axes.set_ylabel(model.output_units[row] if model.output_units[row] != "1" else "")
+        axes.set_title(f"{model.output_names[row]}: {nrmse[row]:.2f} %")
+        axes.set_ylabel(model.output_units[row])
     grid[0].legend(ncols=3)
     grid[-1].set_xlabel("s")
-    figure.set_layout_engine("constrained")
     return figure

@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.linalg import LinAlgError, solve_triangular
+from scipy.linalg import LinAlgError
 
+from calibration.subspace.ahead import regress_ahead
 from calibration.subspace.estimate import Compressed, Estimate, estimate
-from calibration.subspace.kalman_gain import Gain, is_stable, residual_covariances, riccati_gain, whitening
+from calibration.subspace.kalman_gain import Gain, is_stable, residual_covariances, riccati_gain
 from calibration.subspace.modal import modal
-from calibration.subspace.modal_regression import regress, responses, sums
+from calibration.subspace.modal_regression import responses
 from calibration.subspace.realization import state_map, transition
 from calibration.subspace.regression import Terms
 
@@ -64,28 +65,25 @@ def predicted(
     matrix, outlet = transition(gamma, layout.outputs)
     mapped = state_map(compressed.triangle, layout, gamma)
     gain = riccati_gain(matrix, outlet, *residual_covariances(compressed.triangle, layout, mapped, matrix, outlet))
-    if gain is None or not is_stable(matrix - gain.matrix @ outlet):
+    if gain is None:
         raise LinAlgError(f"no gain makes a stable predictor of order {order}")
     predictor = modal(matrix - gain.matrix @ outlet)
-    root, rest = whitening(gain.innovation), np.zeros(order)
-    known = [responses(predictor, outlet, gain.matrix, each, rest) for each in measured]
-    records = [
-        sums(predictor, drive, solve_triangular(root, (response - told).T, lower=True).T)
-        for drive, response, told in zip(drives, measured, known, strict=True)
-    ]
-    found = regress(predictor, solve_triangular(root, outlet, lower=True), records, terms)
-    direct, level = root @ found.direct, root @ found.constant
+    found, known = regress_ahead(predictor, outlet, gain, drives, measured, terms)
     errors = [
-        response - told - level - drive @ direct.T - responses(predictor, outlet, found.inlet, drive, state)
+        response
+        - told
+        - found.constant
+        - drive @ found.direct.T
+        - responses(predictor, outlet, found.inlet, drive, state)
         for drive, response, told, state in zip(drives, measured, known, found.states, strict=True)
     ]
     power = sum(each.T @ each for each in errors)
     return Estimate(
         matrix,
-        found.inlet + gain.matrix @ direct,
+        found.inlet + gain.matrix @ found.direct,
         outlet,
-        direct,
-        offset(matrix, outlet, gain.matrix, level),
+        found.direct,
+        offset(matrix, outlet, gain.matrix, found.constant),
         Gain(gain.matrix, power / sum(len(each) for each in errors), by_riccati=True),
         found.states,
         0,

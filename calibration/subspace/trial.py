@@ -64,14 +64,13 @@ def smallest(trials: Sequence[Trial], near: float) -> Trial:
 
     One that does not stand out of the noise must be better than all that do.
     """
-    best, sure = max(trials, key=by_score), [each for each in trials if each.stands_out]
+    best, sure = max(trials, key=_by_score), [each for each in trials if each.stands_out]
     if sure and max(each.score for each in sure) >= best.score - SURE:
-        best, trials = max(sure, key=by_score), sure
+        best, trials = max(sure, key=_by_score), sure
     good = [each for each in trials if each.score >= best.score - near]
     order = min(each.order for each in good)
-    return max((each for each in good if each.order == order), key=by_score)
+    return max((each for each in good if each.order == order), key=_by_score)
 
 
-def by_score(trial: Trial) -> float:
-    """Return its score, to sort by."""
+def _by_score(trial: Trial) -> float:
     return trial.score

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
+from calibration.subspace.ahead import regress_ahead
 from calibration.subspace.estimate import Estimate
-from calibration.subspace.kalman_gain import Gain, whitening
+from calibration.subspace.kalman_gain import Gain
 from calibration.subspace.modal import modal
-from calibration.subspace.modal_regression import regress, responses, sums
+from calibration.subspace.modal_regression import responses
 from calibration.subspace.regression import Terms
 from calibration.subspace.response import CONDITION, EXACT
 
@@ -60,19 +60,12 @@ def weighted(
     power = sum(float(np.sum(response**2)) for response in measured)
     if predictor.condition > CONDITION or not estimate.left > EXACT * power:
         return estimate
-    root = whitening(gain.innovation)
-    rest = np.zeros(len(gain.matrix))
-    records = []
-    for drive, response in zip(drives, measured, strict=True):
-        known = responses(predictor, estimate.outlet, gain.matrix, response, rest)
-        records.append(sums(predictor, drive, solve_triangular(root, (response - known).T, lower=True).T))
-    found = regress(predictor, solve_triangular(root, estimate.outlet, lower=True), records, terms)
-    direct = root @ found.direct
+    found, _ = regress_ahead(predictor, estimate.outlet, gain, drives, measured, terms)
     again = replace(
         estimate,
-        inlet=found.inlet + gain.matrix @ direct,
-        direct=direct,
-        constant=root @ found.constant,
+        inlet=found.inlet + gain.matrix @ found.direct,
+        direct=found.direct,
+        constant=found.constant,
         states=found.states,
     )
     left = sum(float(np.sum(each**2)) for each in left_by_free_run(again, drives, measured))

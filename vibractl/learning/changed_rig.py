@@ -78,10 +78,8 @@ def change_of(response: np.ndarray, drive: np.ndarray, heard: np.ndarray, freque
     heard : complex array, shape (lines, outputs), m/s^2 s
     frequency : array, shape (lines,), Hz
     """
-    predicted = (response @ drive[..., None])[..., 0]
-    weight = _weight(predicted)
-    response, heard, predicted = weight[..., None] * response, weight * heard, weight * predicted
-    error, smaller = _energy(heard - predicted), np.minimum(_energy(predicted), _energy(heard))
+    response, heard, predicted = _weighted(response, drive, heard)
+    error, smaller = _mismatch(heard, predicted)
     is_off = error > OFF**2 * smaller
     if len(frequency) < FEWEST or not is_off.any():
         return None
@@ -105,11 +103,9 @@ def mismatch(response: np.ndarray, drive: np.ndarray, heard: np.ndarray) -> floa
     drive : complex array, shape (lines, inputs), V s
     heard : complex array, shape (lines, outputs), m/s^2 s
     """
-    predicted = (response @ drive[..., None])[..., 0]
-    weight = _weight(predicted)
-    heard, predicted = weight * heard, weight * predicted
-    smaller = np.minimum(_energy(predicted), _energy(heard))
-    return float(np.sqrt((_energy(heard - predicted) / np.maximum(smaller, _TINY)).max()))
+    _, heard, predicted = _weighted(response, drive, heard)
+    error, smaller = _mismatch(heard, predicted)
+    return float(np.sqrt((error / np.maximum(smaller, _TINY)).max()))
 
 
 def unexplained(response: np.ndarray, drive: np.ndarray, heard: np.ndarray) -> float:
@@ -135,6 +131,18 @@ def _alike(simple: list[_Explanation], late: _Explanation, is_off: np.ndarray) -
     if left(late) * ALIKE**2 < least:
         return [late]
     return sorted((each for each in simple if left(each) <= ALIKE**2 * least), key=left)
+
+
+def _weighted(response: np.ndarray, drive: np.ndarray, heard: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return G, what is heard and what is predicted, each line by its weight."""
+    predicted = (response @ drive[..., None])[..., 0]
+    weight = _weight(predicted)
+    return weight[..., None] * response, weight * heard, weight * predicted
+
+
+def _mismatch(heard: np.ndarray, predicted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the energies of each output's error, and of the smaller of what is heard and predicted: (outputs,)."""
+    return _energy(heard - predicted), np.minimum(_energy(predicted), _energy(heard))
 
 
 def _weight(predicted: np.ndarray) -> np.ndarray:
