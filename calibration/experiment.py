@@ -134,6 +134,14 @@ class RawFolder:
         there = (batch for number, batch in enumerate(plan.batches) if self.file(plan, number).is_file())
         return sum(batch.samples for batch in there) / plan.rate
 
+    def left(self, plans: Sequence[Plan]) -> Sequence[Plan]:
+        """Return which of several plans, each for where the one before it is too loud, are still to be tried.
+
+        From the last on that was begun; all of them where none was.
+        """
+        begun = [number for number, plan in enumerate(plans) if self._settings_of(plan).is_file()]
+        return plans[max(begun, default=0) :]
+
     def require_room(self, samples: int, channels: int) -> None:
         """Refuse, by a `DiskFault`, recordings that the disk has no room for beside those that are there.
 
@@ -173,7 +181,7 @@ class RawFolder:
 
     def _keep(self, plan: Plan) -> None:
         """Write what a plan was made from, or compare with what is written."""
-        path = self.path / f"{plan.name}.json"
+        path = self._settings_of(plan)
         if not path.is_file():
             atomic.write(path, f"{json_text(dict(plan.settings), indent=2)}\n")
             return
@@ -188,3 +196,6 @@ class RawFolder:
                 f"{self.path}/ was recorded with {key} = {before.get(key)}, now it is {plan.settings.get(key)}{more}; "
                 "go back to the old settings, or use another folder"
             )
+
+    def _settings_of(self, plan: Plan) -> Path:
+        return self.path / f"{plan.name}.json"

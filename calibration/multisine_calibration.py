@@ -1,5 +1,6 @@
 """A calibration by multisines: records them, quiet ones in two steps, and turns them into a model and its levels."""
 
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
@@ -31,9 +32,13 @@ from calibration.vibrator_multisine import (
 )
 from calibration.working_drive import reference_drive
 from rigkit.progress import progress
+from vibractl.audio import Clipped
 from vibractl.config import RigConfig
 from vibractl.far_field import FarField
 from vibractl.transfer_matrix import TransferMatrix
+
+QUIETER, WEAKER = 0.5, 3
+"""By how much the records are weaker, and how often they may be, where a sensor clips."""
 
 
 @dataclass(frozen=True)
@@ -78,24 +83,68 @@ def measure_by_multisine(config: RigConfig, raw: RawFolder, emit: Emit, provenan
     ------
     Pintelon and Schoukens 2012, System Identification, sec. 4.3 and 7.
     """
-    emitted, over, within, name = 0.0, -np.inf, None, "multisine"
+    emitted, over, within = 0.0, -np.inf, None
     limit = EmissionLimit.of(config) if config.characterisation.quiet else _limit_of_a_reference(config)
     if config.characterisation.quiet and limit is not None:
         within = limit
-        design, detection, emitted, over = _scouted(config, within, raw, emit)
+        designed, emitted, over = _scouted(config, within, raw, emit)
+        played = _played("multisine", designed, config, raw, emit, within)
     elif config.characterisation.around == "reference":
-        name = "around-reference"
-        design, detection, emitted, over = _at_work(config, limit, raw, emit)
+        designed, emitted, over = _at_work(config, limit, raw, emit)
+        played = _played("around-reference", designed, config, raw, emit)
     else:
-        design, detection = flat_design(config)
-    plan = multisine_plan(config, name, design, limit=within)
-    spectra, heard = _recorded(plan, design, config, raw, emit)
+        played = _unclipped(config, raw, emit)
+    plan, (design, detection), spectra = played.plan, played.design, played.felt
     about = {**provenance, "recording": f"{raw.path.name}/{plan.name}-*.wav, fingerprint {plan.fingerprint}"}
     matrix = _model(config, design, spectra, about)
     loudest = None if within is not None else _loudest(config, design, spectra)
-    seconds, far = emitted + emitted_seconds(plan), _far_field(config, design, spectra, heard, matrix.frequency)
-    found = Multisined(matrix, levels(design, spectra, detection), seconds, loudest, far)
+    far = _far_field(config, design, spectra, played.heard, matrix.frequency)
+    found = Multisined(matrix, levels(design, spectra, detection), emitted + emitted_seconds(plan), loudest, far)
     return found if limit is None else replace(found, over=max(over, _over(limit, design, spectra)))
+
+
+Designed = tuple[Design, np.ndarray]
+"""A design, and the odd bins that it does not excite."""
+
+
+@dataclass(frozen=True)
+class _Played:
+    """A plan that was played, what it was made from, and what accelerometers and hydrophones have heard."""
+
+    plan: Plan
+    design: Designed
+    felt: Spectra
+    heard: Spectra
+
+
+def _played(
+    name: str, design: Designed, config: RigConfig, raw: RawFolder, emit: Emit, limit: EmissionLimit | None = None
+) -> _Played:
+    plan = multisine_plan(config, name, design[0], limit=limit)
+    return _Played(plan, design, *_recorded(plan, design[0], config, raw, emit))
+
+
+def _unclipped(config: RigConfig, raw: RawFolder, emit: Emit) -> _Played:
+    """Play records around the band's preload; weaker ones, preload and all, where a sensor clips."""
+    asked = dict(_quieter(config))
+    plans = [multisine_plan(each, name, flat_design(each)[0]) for name, each in asked.items()]
+    *louder, weakest = raw.left(plans)
+    for plan in louder:
+        try:
+            return _played(plan.name, flat_design(asked[plan.name]), asked[plan.name], raw, emit)
+        except Clipped as fault:
+            sys.stderr.write(f"{plan.name}: {fault}; again, {-20 * np.log10(QUIETER):.0f} dB weaker\n")
+    return _played(weakest.name, flat_design(asked[weakest.name]), asked[weakest.name], raw, emit)
+
+
+def _quieter(config: RigConfig) -> Iterator[tuple[str, RigConfig]]:
+    """Give what is played, by name: first as it is asked for."""
+    for number in range(WEAKER + 1):
+        part = QUIETER**number
+        asked = config.characterisation
+        weaker = {"operating": part * asked.operating, "probe": part * asked.probe}
+        name = "multisine" if number == 0 else f"multisine-{number + 1}"
+        yield name, config.model_copy(update={"characterisation": asked.model_copy(update=weaker)})
 
 
 def _limit_of_a_reference(config: RigConfig) -> EmissionLimit | None:
@@ -106,10 +155,8 @@ def _limit_of_a_reference(config: RigConfig) -> EmissionLimit | None:
         return None
 
 
-def _scouted(
-    config: RigConfig, limit: EmissionLimit, raw: RawFolder, emit: Emit
-) -> tuple[Design, np.ndarray, float, float]:
-    """Find how loud every line may be: return design, detection lines, s emitted, and the loudest line, dB."""
+def _scouted(config: RigConfig, limit: EmissionLimit, raw: RawFolder, emit: Emit) -> tuple[Designed, float, float]:
+    """Find how loud every line may be: return what is to be played, s emitted, and the loudest line, dB."""
     probes, emitted, over, number = Probes(scout_design(config), limit), 0.0, -np.inf, 0
     while not probes.done:
         one, number = probes.design, number + 1
@@ -123,23 +170,21 @@ def _scouted(
     emitted, over = emitted + emitted_seconds(plan), max(over, _over(limit, scout, spectra))
     wanted = np.arange(scout.bins[0], scout.bins[-1] + 1)
     response, _ = matrix_on(scout, raw_matrix(scout, spectra), wanted)
-    shaped, detection = shaped_design(config, wanted * scout.rate / scout.period, response, limit)
-    return shaped, detection, emitted, over
+    return shaped_design(config, wanted * scout.rate / scout.period, response, limit), emitted, over
 
 
 def _at_work(
     config: RigConfig, limit: EmissionLimit | None, raw: RawFolder, emit: Emit
-) -> tuple[Design, np.ndarray, float, float]:
+) -> tuple[Designed, float, float]:
     """Measure around a band's preload what the reference needs, and put it in its place; returns as `_scouted`."""
-    first, detection = flat_design(config)
-    plan = multisine_plan(config, "multisine", first)
-    spectra, _ = _recorded(plan, first, config, raw, emit)
-    working = reference_drive(config, _model(config, first, spectra, {}), np.random.default_rng(SEED))
+    first = _unclipped(config, raw, emit)
+    working = reference_drive(config, _model(config, first.design[0], first.felt, {}), np.random.default_rng(SEED))
     settings = config.characterisation
-    design, _ = design_of(config, settings.records, settings.level, working)
+    designed = design_of(config, settings.records, settings.level, working)
     asked = f"characterisation.around = reference, at reference.amplitude {config.reference.amplitude:g} m/s^2,"
-    refuse_too_loud(config, design, asked)
-    return design, detection, emitted_seconds(plan), -np.inf if limit is None else _over(limit, first, spectra)
+    refuse_too_loud(config, designed[0], asked)
+    over = -np.inf if limit is None else _over(limit, first.design[0], first.felt)
+    return designed, emitted_seconds(first.plan), over
 
 
 def _over(limit: EmissionLimit, design: Design, spectra: Spectra) -> float:

@@ -15,7 +15,7 @@ from vibractl.audio_engine import Engine
 from vibractl.audio_memory import Memory, Word
 from vibractl.audio_process import AudioProcess
 from vibractl.audio_stream import AudioError
-from vibractl.capture import Capture, Discarded, spoiled, told, unmoved
+from vibractl.capture import CLIPPED, Capture, Discarded, spoiled, told, unmoved
 from vibractl.config import RigConfig
 from vibractl.guard import Violation, as_violation, violation
 from vibractl.levels import Levels, lately, levels
@@ -35,6 +35,10 @@ _STANDSTILL = 5.0
 
 class ShotAbandoned(AudioError):
     """Every attempt at an emission was discarded."""
+
+
+class Clipped(ShotAbandoned):
+    """Every attempt was, since a sensor or its converter goes no further: what is emitted is too loud for it."""
 
 
 class GuardLatched(AudioError):
@@ -146,6 +150,7 @@ class Line:
         ------
         ValueError : the drive has the wrong shape or length, or would break a limit; nothing was played.
         ShotAbandoned : every one of `audio.attempts` was discarded; it says why, each reason once.
+        Clipped : every one was, and all of them for that reason.
         GuardLatched : the guard has shut itself, now or before.
         Stopped : `stop` was called.
         AudioError : the stream has failed.
@@ -162,7 +167,7 @@ class Line:
                 return capture
             reasons.append(reason)
             self._on_discard(Discarded(attempt, reason, capture))
-        raise ShotAbandoned(told(reasons))
+        raise (Clipped if all(reason.startswith(CLIPPED) for reason in reasons) else ShotAbandoned)(told(reasons))
 
     def stop(self) -> None:
         """Ramp down the emission under way, from another thread or a signal handler; `emit` raises `Stopped`."""

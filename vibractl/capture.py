@@ -13,6 +13,8 @@ _NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 FULL_SCALE = 1.0 - 2.0**-14
 """A recorded sample from here on is clipped: the largest number of 16 bits is above."""
+CLIPPED = "clipped"
+"""How a reason begins that is of a signal that goes no further."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,12 +94,12 @@ def spoiled(capture: Capture, audio: Audio) -> str:
         return f"a sample that is not finite, {_first(~finite, [*names, 'loopback'], audio.rate)}"
     clipped = np.abs(signals) >= FULL_SCALE
     if clipped.any():
-        return f"clipped at full scale, {_first(clipped, [*names, 'loopback'], audio.rate)}"
+        return f"{CLIPPED} at full scale, {_first(clipped, [*names, 'loopback'], audio.rate)}"
     units = ["m/s^2"] * capture.response.shape[1] + ["Pa"] * capture.far_field.shape[1]
     for name, unit, signal in zip(names, units, (*capture.response.T, *capture.far_field.T), strict=True):
         if (found := flat_top(signal)) is not None:
             value, count = found
-            return f"clipped below full scale, {name} does not pass {value:.3g} {unit} at {count} peaks"
+            return f"{CLIPPED} below full scale, {name} does not pass {value:.3g} {unit} at {count} peaks"
     return ""
 
 

@@ -16,7 +16,7 @@ from stagectl.cell import CHUNK, simulated
 from stagectl.config import StageConfig
 from stagectl.stage.controller import PiezoController
 from stagectl.stage.guard import VoltageGuard
-from stagectl.stage.loop import Stage
+from stagectl.stage.loop import Stage, fault_of
 from stagectl.stage.piezo_pid import Pid
 from stagectl.stage.sensors import SensorCheck
 
@@ -156,11 +156,11 @@ class Bench:
         axes, lead = len(self.config.stage.axes), self._lead
         whole = np.full((lead + len(drive), axes), self.centre)
         whole[lead:, self.axis] += drive[:, 0]
-        graph, guard, start, record = self._wired(whole)
+        graph, shut, start, record = self._wired(whole)
         try:
-            self._run(graph, guard, lead)
+            self._run(graph, shut, lead)
             start()
-            self._run(graph, guard, len(drive))
+            self._run(graph, shut, len(drive))
         finally:
             self.see(np.full(axes, np.nan), np.full(axes, self.config.limits.rest_voltage))
         kept = record.recording().data[lead:]
@@ -170,10 +170,11 @@ class Bench:
     def _lead(self) -> int:
         return round(2 * self.config.limits.ramp * self.config.stage.rate)
 
-    def _wired(self, whole: np.ndarray) -> tuple[Graph, VoltageGuard, Callable[[], None], Record]:
+    def _wired(self, whole: np.ndarray) -> tuple[Graph, Callable[[], str | None], Callable[[], None], Record]:
+        """Return the graph, what says why the stage was shut, what starts it, and the record."""
         config, axes = self.config, len(self.config.stage.axes)
         graph = Graph(config.stage.rate)
-        guard, start = self._stage(graph)
+        shut, start = self._stage(graph)
         unit, drive, let_out = (
             ("V", "guard.request", "guard.voltage")
             if self.loop is None
@@ -191,30 +192,31 @@ class Bench:
             graph.connect(source, f"sensors.{name}", delayed=delayed)
             graph.connect(source, f"record.{name}", delayed=delayed)
         graph.prepare()
-        return graph, guard, start, record
+        return graph, shut, start, record
 
-    def _stage(self, graph: Graph) -> tuple[VoltageGuard, Callable[[], None]]:
-        """Add what checks and guards, and closed loops; return the guard, and what starts it all."""
+    def _stage(self, graph: Graph) -> tuple[Callable[[], str | None], Callable[[], None]]:
+        """Add what checks and guards, and closed loops; return what says why it was shut, and what starts it all."""
         config = self.config
         if self.loop is not None:
             still = Pid(0.0, 0.0, 0.0, self.loop.smoothing, self.loop.tracking)
             loops = [self.loop if axis == self.axis else still for axis in range(len(config.stage.axes))]
             stage = Stage(graph, config, PiezoController(loops, config.limits))
-            return stage.guard, stage.start
+            return lambda: stage.fault, stage.start
+        sensors = SensorCheck(config.sensors, len(config.stage.axes))
         guard = VoltageGuard(config.limits, len(config.stage.axes))
-        graph.add("sensors", SensorCheck(config.sensors, len(config.stage.axes)))
+        graph.add("sensors", sensors)
         graph.add("guard", guard)
         graph.connect("sensors.fault", "guard.fault")
-        return guard, guard.open
+        return lambda: fault_of(sensors, guard), guard.open
 
-    def _run(self, graph: Graph, guard: VoltageGuard, samples: int) -> None:
+    def _run(self, graph: Graph, shut: Callable[[], str | None], samples: int) -> None:
         end = graph.ticks + samples
         while graph.ticks < end:
             run_offline(graph, min(CHUNK, end - graph.ticks))
             self.see(graph.signal("plant.position")[-1], graph.signal("guard.voltage")[-1])
-            if guard.latched:
+            if (cause := shut()) is not None:
                 raise ExcitationError(
-                    f"axis {self.config.stage.axes[self.axis]}: the guard shut the stage: {guard.cause}; "
+                    f"axis {self.config.stage.axes[self.axis]}: the guard shut the stage: {cause}; "
                     "lower characterisation.excursion or characterisation.scout"
                 )
             if self.stopped():

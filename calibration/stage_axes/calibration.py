@@ -1,7 +1,7 @@
 """One axis from its first chirp to its loops: open, the PID that this makes, closed with it, and the loop around."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from calibration.experiment import RawFolder
 from calibration.identification.workflow import Identification
 from calibration.stage_axes.bench import ExcitedAxis
 from calibration.stage_axes.experiment import Experiment, record
-from calibration.stage_axes.faster import at_rate, stack_at_rate
+from calibration.stage_axes.faster import at_rate, control_at_rate, stack_at_rate
 from calibration.stage_axes.identification import Wanted, identified, simo, siso, stretched
 from calibration.subspace.realization import Method
 from stagectl.config import Inner, StageConfig
@@ -183,9 +183,10 @@ def _closed(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Metho
     experiment = record(bench, raw)
     about = {**words, **_recorded(raw, experiment), "inner": repr(bench.loop)}
     drive = (f"extension_reference_{config.stage.axes[axis]}", "m")
+    own, others = _positions(config, axis, drive, order, method)
     one, every = (
         identified(experiment, wanted, config.stage.rate, config.characterisation.band[1], about)
-        for wanted in _positions(config, axis, drive, order, method)
+        for wanted in (replace(own, convert=control_at_rate), others)
     )
     return Closed(experiment, one, every)
 

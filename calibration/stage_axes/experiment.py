@@ -1,6 +1,7 @@
-"""What is recorded of an axis: a weak chirp that tells how loud to be, then two to learn from and one to judge by."""
+"""What is recorded of an axis: weak chirps that tell how loud to be, then two to learn from and one to judge by."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from calibration.experiment import Plan, RawFolder
 from calibration.stage_axes.bench import HEARD, ExcitationError, ExcitedAxis
 from calibration.stage_axes.chirp import Chirp
+from calibration.stage_axes.level import APPROACH, HEADROOM, Step, strongest
 from rigkit.agreement import GOING_ON
 from rigkit.progress import progress
 from stagectl.config import StageConfig
@@ -19,8 +21,10 @@ DOWN, FRESH = 1.15, 1.25
 """Length of the falling chirp and of the fresh one, re the first."""
 ONCE_MORE = 0.95
 """Share of the band that the other chirps begin or end at, so that none repeats another."""
-HEADROOM = 0.98
-"""Of limits, what a chirp may use."""
+USED = 0.98
+"""Of the drive's limits, what a chirp may use."""
+WEAKER = 1.0, 0.6, 0.36
+"""Of the amplitude that was foreseen, what is played in turn where plate or stack go too far."""
 REST = 0.5
 """s before a chirp over which rest is averaged."""
 
@@ -34,11 +38,14 @@ class Excited:
     drive : array, shape (N, 1), V or m
     extension, position : arrays, shape (N, axes), m
         Deviations from rest.
+    rest : array, shape (2, axes), m
+        Extensions, and positions, before it.
     """
 
     drive: np.ndarray
     extension: np.ndarray
     position: np.ndarray
+    rest: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -78,21 +85,21 @@ def record(bench: ExcitedAxis, raw: RawFolder) -> Experiment:
     ------
     ExcitationError : the plate left its travel, or the guard shut the stage.
     """
-    settings, rate = bench.config.characterisation, bench.config.stage.rate
-    low, high = settings.band
+    settings = bench.config.characterisation
     quiet = settings.scout if bench.loop is None else settings.scout * _gain(bench)
-    scout = _plan(bench, "scout", [Chirp(rate, settings.settle, settings.seconds, low, high, quiet)])
-    (weak,) = _recorded(bench, scout, raw)
-    amplitude = _amplitude(bench, quiet, float(np.abs(weak.position[:, bench.axis]).max()))
-    chirps = [
-        Chirp(rate, settings.settle, settings.seconds, low, high, amplitude),
-        Chirp(rate, settings.settle, DOWN * settings.seconds, ONCE_MORE * high, low / ONCE_MORE, amplitude),
-        Chirp(rate, settings.settle, FRESH * settings.seconds, low * ONCE_MORE, high, ONCE_MORE * amplitude),
-    ]
-    plan = _plan(bench, "chirp", chirps)
-    *learned, fresh = _recorded(bench, plan, raw)
-    prints = scout.fingerprint, plan.fingerprint
-    return Experiment(amplitude, tuple(learned), fresh, scout.seconds + plan.seconds, prints)
+    scout, (weak,) = _scouted(bench, raw, "scout", quiet)
+    steps, played = [_step(bench, quiet, weak)], [scout]
+    amplitude = _amplitude(bench, steps, weak)
+    if amplitude > APPROACH * quiet:
+        weaker = _rounded(amplitude / APPROACH)
+        approach, (weak,) = _scouted(bench, raw, "approach", weaker)
+        played.append(approach)
+        steps.append(_step(bench, weaker, weak))
+        amplitude = _amplitude(bench, steps, weak)
+    amplitude, plan, (*learned, fresh) = _within_limits(bench, raw, amplitude)
+    played.append(plan)
+    seconds = sum(each.seconds for each in played)
+    return Experiment(amplitude, tuple(learned), fresh, seconds, tuple(each.fingerprint for each in played))
 
 
 def require_room(config: StageConfig, axes: int, raw: RawFolder) -> None:
@@ -106,7 +113,7 @@ def require_room(config: StageConfig, axes: int, raw: RawFolder) -> None:
         What it has already needs no room.
     """
     settings, channels = config.characterisation, 1 + len(HEARD) * len(config.stage.axes)
-    seconds = 4 * settings.settle + (2 + DOWN + FRESH) * settings.seconds  # scout, up, down, fresh
+    seconds = 5 * settings.settle + (3 + DOWN + FRESH) * settings.seconds  # scout, approach, up, down, fresh
     raw.require_room(round(axes * 2 * seconds * config.stage.rate), channels)  # inner loop open, closed
 
 
@@ -136,15 +143,64 @@ def _gain(bench: ExcitedAxis) -> float:
     return gain[bench.axis % len(gain)]
 
 
-def _amplitude(bench: ExcitedAxis, quiet: float, moved: float) -> float:
-    """Return how loud the chirps may be: as far as the plate may move, within range and rate of the drive."""
+def _scouted(bench: ExcitedAxis, raw: RawFolder, what: str, amplitude: float) -> tuple[Plan, list[Excited]]:
+    settings, rate = bench.config.characterisation, bench.config.stage.rate
+    plan = _plan(bench, what, [Chirp(rate, settings.settle, settings.seconds, *settings.band, amplitude)])
+    return plan, _recorded(bench, plan, raw)
+
+
+def _within_limits(bench: ExcitedAxis, raw: RawFolder, foreseen: float) -> tuple[float, Plan, list[Excited]]:
+    """Record the chirps at the amplitude that was foreseen, or weaker where the plate leaves its travel.
+
+    So it does where a simulated stage is shut by its guard; a live one stays shut until a person has looked.
+    """
+    plans = [_chirps(bench, number, part * foreseen) for number, part in enumerate(WEAKER)]
+    *louder, weakest = raw.left(plans)
+    for plan in louder:
+        with suppress(ExcitationError):
+            return _loudest(plan), plan, _recorded(bench, plan, raw, f"again with {100 * WEAKER[1]:.0f} % of it")
+    return _loudest(weakest), weakest, _recorded(bench, weakest, raw)
+
+
+def _loudest(plan: Plan) -> float:
+    return max(batch.amplitude for batch in plan.batches if isinstance(batch, Chirp))
+
+
+def _chirps(bench: ExcitedAxis, number: int, amplitude: float) -> Plan:
+    settings, rate, amplitude = bench.config.characterisation, bench.config.stage.rate, _rounded(amplitude)
+    low, high = settings.band
+    chirps = [
+        Chirp(rate, settings.settle, settings.seconds, low, high, amplitude),
+        Chirp(rate, settings.settle, DOWN * settings.seconds, ONCE_MORE * high, low / ONCE_MORE, amplitude),
+        Chirp(rate, settings.settle, FRESH * settings.seconds, low * ONCE_MORE, high, ONCE_MORE * amplitude),
+    ]
+    return _plan(bench, "chirp" if number == 0 else f"chirp{number + 1}", chirps)
+
+
+def _step(bench: ExcitedAxis, amplitude: float, heard: Excited) -> Step:
+    moved = [np.abs(signal[:, bench.axis]).max() for signal in (heard.position, heard.position, heard.extension)]
+    return Step(amplitude, np.array(moved))
+
+
+def _amplitude(bench: ExcitedAxis, steps: Sequence[Step], heard: Excited) -> float:
+    """Return how loud the chirps may be: as far as plate and stack may move, within range and rate of the drive."""
     config, top = bench.config, 2 * np.pi * bench.config.characterisation.band[1]
-    limits = config.limits
+    limits, (extension, position) = config.limits, heard.rest[:, bench.axis]
+    room = np.array(
+        [
+            config.characterisation.excursion,
+            HEADROOM * min(limits.travel[1] - position, position - limits.travel[0]),
+            HEADROOM * min(config.sensors.extension[1] - extension, extension - config.sensors.extension[0]),
+        ]
+    )
     low, high = limits.voltage if bench.loop is None else limits.extension
     slew = limits.voltage_slew if bench.loop is None else limits.extension_slew
-    wanted = quiet * config.characterisation.excursion / moved
-    most = HEADROOM * min(high - bench.centre, bench.centre - low, slew / top)
-    return float(f"{min(wanted, most):.3g}")
+    most = USED * min(high - bench.centre, bench.centre - low, slew / top)
+    return _rounded(min(strongest(steps, np.maximum(room, 0.0)), most))
+
+
+def _rounded(amplitude: float) -> float:
+    return float(f"{amplitude:.3g}")
 
 
 def _plan(bench: ExcitedAxis, what: str, chirps: Sequence[Chirp]) -> Plan:
@@ -168,25 +224,34 @@ def _which_stage(config: StageConfig) -> dict[str, str]:
     return {"simulator.plant": config.simulator.plant, **options}
 
 
-def _recorded(bench: ExcitedAxis, plan: Plan, raw: RawFolder) -> list[Excited]:
-    axes, done = len(bench.config.stage.axes), 0.0
-    low, high = bench.config.limits.travel
-    parts = []
+def _recorded(bench: ExcitedAxis, plan: Plan, raw: RawFolder, otherwise: str = "") -> list[Excited]:
+    """Record a plan, or read it; where it goes too far, raise an ExcitationError, and say what comes then."""
+    done, parts = 0.0, []
     with progress(f"{plan.name}, {plan.seconds:.0f} s of signal", plan.seconds, start=raw.recorded(plan)) as meter:
-        for batch, kept in raw.record(plan, bench.emit):
-            assert isinstance(batch, Chirp)
-            data, before = kept.data.astype(float), slice(batch.rest - round(REST * plan.rate), batch.rest)
-            place = data[:, 1 + axes + bench.axis]
-            if not (place[batch.rest :].min() >= low and place[batch.rest :].max() <= high):
-                raise ExcitationError(
-                    f"{plan.name}: the plate went from {place.min():.3g} to {place.max():.3g} m, must stay within "
-                    f"limits.travel, {low:g} to {high:g} m; lower characterisation.excursion"
-                )
-            moved = data[batch.rest :] - data[before].mean(axis=0)
-            position = moved[:, 1 + axes :]
-            others = np.arange(axes) != bench.axis
-            position[:, others] = without_creep(position[:, others], batch.settle, plan.rate)
-            parts.append(Excited(moved[:, :1], moved[:, 1 : 1 + axes], position))
-            done += batch.samples / plan.rate
-            meter.show(done)
+        try:
+            for batch, kept in raw.record(plan, bench.emit):
+                assert isinstance(batch, Chirp)
+                parts.append(_excited(bench, plan, batch, kept.data.astype(float)))
+                done += batch.samples / plan.rate
+                meter.show(done)
+        except ExcitationError as fault:
+            if otherwise:
+                meter.say(f"{fault}; {otherwise}")
+            raise
     return parts
+
+
+def _excited(bench: ExcitedAxis, plan: Plan, batch: Chirp, data: np.ndarray) -> Excited:
+    axes, (low, high) = len(bench.config.stage.axes), bench.config.limits.travel
+    place = data[:, 1 + axes + bench.axis]
+    if not (place[batch.rest :].min() >= low and place[batch.rest :].max() <= high):
+        raise ExcitationError(
+            f"{plan.name}: the plate went from {place.min():.3g} to {place.max():.3g} m, must stay within "
+            f"limits.travel, {low:g} to {high:g} m; lower characterisation.excursion"
+        )
+    rest = data[batch.rest - round(REST * plan.rate) : batch.rest].mean(axis=0)
+    moved = data[batch.rest :] - rest
+    position = moved[:, 1 + axes :]
+    others = np.arange(axes) != bench.axis
+    position[:, others] = without_creep(position[:, others], batch.settle, plan.rate)
+    return Excited(moved[:, :1], moved[:, 1 : 1 + axes], position, rest[1:].reshape(2, axes))

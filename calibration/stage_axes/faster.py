@@ -1,6 +1,6 @@
 """A model of thinned records made one at the records' own rate."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +17,13 @@ from stagectl.modes import frequency_and_damping
 SLOWEST, FASTEST = 1e-6, 1e-3
 """Least 1 - |z|, and least |z|, of a pole of the thinned model: others are taken there before they are converted."""
 RINGING = 0.3
-"""Damping ratio up to which a pole of a stack is one of the mechanics."""
+"""Damping ratio up to which a pole is one of the mechanics."""
+CREEP = 0.1
+"""Of the lowest resonance: what is slower and does not ring is creep and hysteresis, which integral action meets."""
+CREEP_ALONE = 0.002
+"""The same re the rate of the thinned records, where nothing rings."""
+BEYOND = 0.25
+"""Of the rate of the thinned records: what rings above was not excited, and is noise."""
 LAG = 0.5
 """Corner of a stack's lag, re the rate of the thinned records."""
 
@@ -50,6 +56,36 @@ def at_rate(
     return _driven(model, _modal(model, rate / model.rate), drives, responses, rate)
 
 
+def control_at_rate(
+    model: InnovationModel, drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], rate: float
+) -> InnovationModel:
+    """Convert a model to a higher rate as `at_rate` does, and keep what a loop is designed on: mechanics and lags.
+
+    Creep and the slope of hysteresis are poles far below the first resonance, often below the lowest frequency that is
+    excited, so that their gain at rest, and its sign, are chance.  They help to fit how the others are driven, and are
+    left out then: the gain at rest becomes that of the frequencies between them and the resonances, and below it
+    integral action sees to the rest.  What rings above the frequencies that were excited is left out before the fit.
+
+    Parameters
+    ----------
+    model : InnovationModel
+        Of thinned records, of one output.
+    drives : sequence of arrays, each of shape (N, m), the inputs' units
+        At `rate`, as deviations from the operating point.
+    responses : sequence of arrays, each of shape (N, 1), the output's unit
+    rate : float, samples/s
+    """
+    found = model.modes
+    heard = (found.damping <= RINGING) & (found.frequency <= BEYOND * model.rate)
+    below = CREEP * min(found.frequency[heard], default=CREEP_ALONE / CREEP * model.rate)
+    modes = _modal(
+        model, rate / model.rate, lambda frequency, damping: damping > RINGING or frequency <= BEYOND * model.rate
+    )
+    frequency, damping = frequency_and_damping(_poles(modes[0]), rate)
+    kept = (damping <= RINGING) | (frequency >= below)
+    return _driven(model, modes, drives, responses, rate, kept if kept.any() else None)
+
+
 def stack_at_rate(
     model: InnovationModel, drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], rate: float
 ) -> InnovationModel:
@@ -68,7 +104,7 @@ def stack_at_rate(
     responses : sequence of arrays, each of shape (N, 1), m
     rate : float, samples/s
     """
-    slow, outlet = _modal(model, rate / model.rate, RINGING)
+    slow, outlet = _modal(model, rate / model.rate, lambda _, damping: damping <= RINGING)
     transition = block_diag(slow, [[0.0]], [[np.exp(-2 * np.pi * LAG * model.rate / rate)]])
     size = np.std(np.concatenate(responses))
     return _driven(model, (transition, np.hstack([outlet, [[size, size]]])), drives, responses, rate)
@@ -80,8 +116,9 @@ def _driven(
     drives: Sequence[np.ndarray],
     responses: Sequence[np.ndarray],
     rate: float,
+    kept: np.ndarray | None = None,
 ) -> InnovationModel:
-    """Fit B, and K, to records; A and C are given."""
+    """Fit B, and K, to records; A and C are given, and so is which states are kept when B is known (None: all)."""
     size_in = np.std(np.concatenate(drives), axis=0)
     size_out = np.std(np.concatenate(responses), axis=0)
     low, high = [each / size_in for each in drives], [each / size_out for each in responses]
@@ -93,13 +130,15 @@ def _driven(
         free = np.empty_like(response)
         model_kernel.free_run(a, b, c, d, np.ascontiguousarray(drive), state.copy(), free)
         missed.append(response - free)
+    every = np.ones(len(transition), bool) if kept is None else kept
+    transition, outlet, inlet = transition[np.ix_(every, every)], outlet[:, every], fitted.inlet[every]
     everything = np.concatenate(missed)
     start = Gain(np.zeros((len(transition), model.outputs)), everything.T @ everything / len(everything), False)
     gain = refine_gain(transition, outlet, start, missed)
     return replace(
         model,
         A=transition,
-        B=fitted.inlet / size_in,
+        B=inlet / size_in,
         C=size_out[:, np.newaxis] * outlet,
         D=np.zeros_like(model.D),
         K=gain.matrix / size_out,
@@ -108,16 +147,25 @@ def _driven(
     )
 
 
-def _modal(model: InnovationModel, factor: float, heaviest: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+def _poles(blocks: np.ndarray) -> np.ndarray:
+    """Return the pole that each state of a matrix from `_modal` belongs to: shape (n,), 1."""
+    own = np.diag(blocks)
+    poles: np.ndarray = own + 1j * (np.abs(blocks).sum(axis=1) - np.abs(own))
+    return poles
+
+
+def _modal(
+    model: InnovationModel, factor: float, kept: Callable[[float, float], bool] = lambda *_: True
+) -> tuple[np.ndarray, np.ndarray]:
     """Return A, block by block for each mode, at a rate `factor` times as high, and C in those coordinates.
 
-    Poles of a damping ratio above `heaviest` are left out.
+    Only poles whose natural frequency, Hz, and damping ratio are `kept`.
     """
     poles, shapes = np.linalg.eig(model.A)
-    blocks, columns = [], []
-    _, dampings = frequency_and_damping(poles.astype(complex), model.rate)
-    for pole, shape, damping in zip(poles, shapes.T, dampings, strict=True):
-        if pole.imag < 0 or (1.0 if pole.imag == 0 else damping) > heaviest:
+    blocks, columns = [np.zeros((0, 0))], [np.zeros((model.outputs, 0))]
+    frequencies, dampings = frequency_and_damping(poles.astype(complex), model.rate)
+    for pole, shape, frequency, damping in zip(poles, shapes.T, frequencies, dampings, strict=True):
+        if pole.imag < 0 or not kept(frequency, 1.0 if pole.imag == 0 else damping):
             continue
         size = np.clip(abs(pole), FASTEST, 1 - SLOWEST) ** (1 / factor)
         seen = model.C @ shape

@@ -82,9 +82,14 @@ class Stage:
     @property
     def fault(self) -> str | None:
         """What latched the guard, in a line, or None."""
-        if self.sensors.fault is not None and self.guard.latched:
-            return str(self.sensors.fault)
-        return self.guard.cause
+        return fault_of(self.sensors, self.guard)
+
+
+def fault_of(sensors: SensorCheck, guard: VoltageGuard) -> str | None:
+    """Return what latched a guard, in a line: what the sensor did where it was one; None if nothing did."""
+    if sensors.fault is not None and guard.latched:
+        return str(sensors.fault)
+    return guard.cause
 
 
 def stage_controller(config: StageConfig, outer: Sequence[StateFeedback]) -> StageController:

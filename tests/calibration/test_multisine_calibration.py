@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from benchmarks.identification import BANDS, FREQUENCY, errors, truth_at_preload
-from calibration.experiment import RawFolder
+from calibration.experiment import RawFolder, refuse_to_emit
 from calibration.vibrator import Calibration, calibrate
 from calibration.vibrator_multisine import PROBES
 from ctlblocks import recording
 from rigkit import config as rig_file
 from tests.calibration.linear_vibrator import ABOUT, LINEAR, emitter, linear_response
+from vibractl.audio import Clipped
 from vibractl.config import RigConfig
 from vibractl.decibels import decibels
 from vibractl.judging import Judging
@@ -144,3 +145,40 @@ def test_the_model_covers_the_band_and_says_where_it_comes_from(tmp_path: Path) 
     assert matrix.frequency[-1] == 160
     assert "m.raw/multisine-*.wav" in matrix.provenance["recording"]
     assert matrix.provenance["rig"] == "simulated-vibrator"
+
+
+def test_where_a_sensor_clips_it_is_played_again_at_half_and_found_as_well(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    whole, room = emitter(2, **LINEAR), 40.0
+
+    def clipping(drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        emitted, response = whole(drive)
+        if np.abs(response).max() > room:
+            raise Clipped("3 recordings were discarded: clipped at full scale, response 1 at 0.5 s, and 7 more")
+        return emitted, response
+
+    loud = config(*SHORT, "operating=3.0", "probe=0.3")
+    with RawFolder(tmp_path) as raw:
+        measured = calibrate(loud, raw, clipping, ABOUT)
+        told = capsys.readouterr().err
+        assert "multisine: 3 recordings were discarded: clipped" in told
+        assert "again, 6 dB weaker" in told
+        again = calibrate(loud, raw, refuse_to_emit, ABOUT)
+    played = max(float(np.abs(recording.read(file).data[:, 2:]).max()) for file in tmp_path.glob("multisine-*.wav"))
+    assert room / 4 < played <= room, "no weaker than it has to be"
+    np.testing.assert_array_equal(again.matrix.response, measured.matrix.response)
+    with RawFolder(tmp_path / "quiet") as raw:
+        asked = calibrate(config(*SHORT, "operating=0.375", "probe=0.0375"), raw, emitter(2, **LINEAR), ABOUT)
+    off = np.abs(measured.matrix.response - asked.matrix.response) / np.sqrt(2 * asked.matrix.variance)
+    assert np.median(off) < 1.0, "as sure as one that is asked for at that level"
+
+
+def test_what_clips_however_weak_it_is_says_so(tmp_path: Path) -> None:
+    def clipping(drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        if drive.any():
+            raise Clipped("3 recordings were discarded: clipped at full scale")
+        return drive, drive
+
+    with RawFolder(tmp_path) as raw, pytest.raises(Clipped, match="clipped at full scale"):
+        calibrate(config(*SHORT), raw, clipping, ABOUT)

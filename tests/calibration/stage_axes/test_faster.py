@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import block_diag
 from scipy.signal import chirp
 
-from calibration.stage_axes.faster import at_rate, stack_at_rate
+from calibration.stage_axes.faster import at_rate, control_at_rate, stack_at_rate
 from stagectl.models import InnovationModel
 from tests.stagectl.linear_stage import RATE, model
 
@@ -77,3 +77,69 @@ def test_a_stack_keeps_what_follows_its_voltage_at_once_and_loses_what_creeps() 
     assert fast.modes.frequency.min() > 60.0
     rest = fast.frequency_response(np.zeros(1))[0, 0, 0].real
     assert rest == pytest.approx(1.0 + 0.05 * 5.0, rel=0.02)
+
+
+def crept(resonance: InnovationModel, corner: float, gain: float) -> InnovationModel:
+    """Return a system with a slow pole, of that corner, Hz, and gain at rest, m/m, beside a resonance."""
+    slow = np.exp(-2 * np.pi * corner / RATE)
+    return InnovationModel(
+        A=block_diag(resonance.A, [[slow]]),
+        B=np.vstack([resonance.B, [[gain * (1 - slow)]]]),
+        C=np.hstack([resonance.C, [[1.0]]]),
+        D=np.zeros((1, 1)),
+        K=np.zeros((resonance.order + 1, 1)),
+        rate=RATE,
+        innovation=np.ones((1, 1)),
+    )
+
+
+@pytest.mark.parametrize("gain", [2.0, -20.0])
+def test_a_model_for_a_loop_has_no_creep_and_the_gain_of_what_is_faster(gain: float) -> None:
+    resonance = model("z")
+    true = crept(resonance, 0.05, gain)
+    fast = control_at_rate(thinned(true), *excited(true), RATE)
+    assert fast.order == resonance.order
+    at = np.array([0.0, 5.0, 20.0, 74.0])
+    expected = resonance.frequency_response(at)[:, 0, 0]
+    np.testing.assert_allclose(fast.frequency_response(at)[:, 0, 0], expected, rtol=0.03)
+    assert np.abs(np.linalg.eigvals(fast.A - fast.K @ fast.C)).max() < 1.0
+
+
+def test_a_model_for_a_loop_keeps_a_lag_that_is_no_slower_than_its_mechanics() -> None:
+    true = crept(model("z"), 40.0, 2.0)
+    fast = control_at_rate(thinned(true), *excited(true), RATE)
+    assert fast.order == true.order
+    at = np.array([0.0, 20.0, 40.0, 100.0])
+    np.testing.assert_allclose(
+        fast.frequency_response(at)[:, 0, 0], true.frequency_response(at)[:, 0, 0], rtol=0.02, atol=0.02
+    )
+
+
+def test_what_rings_above_all_that_was_excited_is_no_part_of_a_model_for_a_loop() -> None:
+    true = model("z")
+    slow, turn = thinned(true), 2 * np.pi * 0.45
+    ghost = 0.99 * np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    haunted = InnovationModel(
+        block_diag(slow.A, ghost),
+        np.vstack([slow.B, np.zeros((2, 1))]),
+        np.hstack([slow.C, [[1e-3, 0.0]]]),
+        slow.D,
+        np.vstack([slow.K, np.zeros((2, 1))]),
+        THIN,
+        slow.innovation,
+    )
+    assert at_rate(haunted, *excited(true), RATE).order == true.order + 2
+    assert control_at_rate(haunted, *excited(true), RATE).order == true.order
+
+
+def test_a_stack_that_nothing_rings_in_is_what_follows_its_voltage_at_once() -> None:
+    corner = 3.0
+    lag = np.exp(-2 * np.pi * corner / RATE)
+    still = InnovationModel(
+        np.array([[lag]]), np.array([[0.5 * (1 - lag)]]), np.ones((1, 1)), np.zeros((1, 1)), np.zeros((1, 1)),
+        RATE, np.ones((1, 1)),
+    )  # fmt: skip
+    drives, responses = excited(still)
+    responses = [each + 2.0 * np.vstack([[[0.0]], drive[:-1]]) for drive, each in zip(drives, responses, strict=True)]
+    fast = stack_at_rate(thinned(still), drives, responses, RATE)
+    assert fast.frequency_response(np.array([50.0]))[0, 0, 0].real == pytest.approx(2.0, rel=0.05)
