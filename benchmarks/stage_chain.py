@@ -86,7 +86,7 @@ def hand_made(seed: int, folder: Path) -> list[Path]:
         files.append(folder / f"{name}.h5")
         model = lagging(sampled(main), LAG)  # type: ignore[arg-type]  # rows of three
         write_model(files[-1], model)
-        found = outer_loop(StageConfig(), axis, model)
+        found = outer_loop(StageConfig().outer, axis, model)
         if isinstance(found, str):
             raise ValueError(f"seed {seed}: {found}")
         chosen.append(found.weights)

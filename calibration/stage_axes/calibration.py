@@ -7,19 +7,23 @@ import numpy as np
 
 from calibration.experiment import RawFolder
 from calibration.identification.workflow import Identification
+from calibration.stage_axes.above import largest_gain
 from calibration.stage_axes.bench import ExcitedAxis
-from calibration.stage_axes.experiment import Experiment, record
+from calibration.stage_axes.experiment import Experiment, above_band, record
 from calibration.stage_axes.faster import at_rate, control_at_rate, stack_at_rate
 from calibration.stage_axes.identification import Wanted, identified, simo, siso, stretched
 from calibration.subspace.realization import Method
-from stagectl.config import Inner, StageConfig
+from stagectl.config import Inner, Outer, StageConfig
 from stagectl.models import InnovationModel
 from stagectl.stage.design import Design, design
+from stagectl.stage.design_bounds import of_axis
 from stagectl.stage.design_refinement import refined
 from stagectl.stage.piezo_pid import Pid, gain_at_rest, pid, robust_pid
 from stagectl.stage.sensitivity import Robustness, robustness
 from stagectl.stage.state_space import plant_of
 
+SMALL = 0.5
+"""Largest gain of the loop where the model knows nothing: with it, whatever the phase is there, Ms is 2 at most."""
 FASTEST = 0.1
 """Of the highest frequency that is excited: the bandwidth up to which a PID is designed on such a model."""
 
@@ -60,11 +64,14 @@ class Closed:
     experiment : Experiment
     one, every : Identification
         From the inner loop's reference to the axis' position, and to those of all axes.
+    above : float, m/m
+        Largest gain to the axis' position above the frequencies that the models are made of.
     """
 
     experiment: Experiment
     one: Identification
     every: Identification
+    above: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +87,8 @@ class AxisCalibration:
     closed : Closed
     outer : Design or str
         The outer loop on the closed loop's model; or why there is none.
+    beyond : float, 1
+        `Outer.beyond` that it was chosen with.
     """
 
     axis: str
@@ -87,6 +96,7 @@ class AxisCalibration:
     opened: Opened
     closed: Closed
     outer: Design | str
+    beyond: float
 
 
 def calibrate_axes(
@@ -122,23 +132,45 @@ def calibrate_axes(
     for axis in axes:
         opened = _opened(bench(axis, None), raw, order, method, about)
         closed = _closed(bench(axis, opened.loop), raw, order, method, about)
-        outer = outer_loop(config, axis, closed.one.model)
-        found.append(AxisCalibration(config.stage.axes[axis], config.characterisation.band[1], opened, closed, outer))
+        settings = quiet_above(config.outer, axis, closed)
+        outer = outer_loop(settings, axis, closed.one.model)
+        name, beyond = config.stage.axes[axis], of_axis(settings.beyond, axis)
+        found.append(AxisCalibration(name, config.characterisation.band[1], opened, closed, outer, beyond))
     return found
 
 
-def outer_loop(config: StageConfig, axis: int, model: InnovationModel) -> Design | str:
+def quiet_above(outer: Outer, axis: int, closed: Closed) -> Outer:
+    """Return the settings of an axis, with a bound above `reach` that what was measured there allows.
+
+    Small gain: a resonance that no model has may have any phase, so the loop's gain must be below one there.
+
+    Parameters
+    ----------
+    outer : Outer
+    axis : int, counted from 0
+    closed : Closed
+
+    Source
+    ------
+    Skogestad and Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, section 4.9.
+    """
+    at_rest = abs(closed.one.model.frequency_response(np.zeros(1))[0, 0, 0])
+    most = SMALL * at_rest / closed.above
+    return outer.model_copy(update={"beyond": (float(f"{min(of_axis(outer.beyond, axis), most):.3g}"),)})
+
+
+def outer_loop(outer: Outer, axis: int, model: InnovationModel) -> Design | str:
     """Choose the outer loop for a model, within the bounds of `[outer]`; return it, or why there is none.
 
     Parameters
     ----------
-    config : StageConfig
+    outer : Outer
     axis : int, counted from 0
     model : InnovationModel
         From the inner loop's reference (m) to the position (m).
     """
     try:
-        return refined(design(model, config.outer, axis), model, config.outer, axis)
+        return refined(design(model, outer, axis), model, outer, axis)
     except ValueError as fault:
         return str(fault)
 
@@ -188,7 +220,10 @@ def _closed(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Metho
         identified(experiment, wanted, config.stage.rate, config.characterisation.band[1], about)
         for wanted in (replace(own, convert=control_at_rate), others)
     )
-    return Closed(experiment, one, every)
+    assert experiment.above is not None
+    heard = experiment.above
+    above = largest_gain(heard.drive[:, 0], heard.position[:, axis], config.stage.rate, above_band(config))
+    return Closed(experiment, one, every, above)
 
 
 def _positions(

@@ -25,6 +25,12 @@ USED = 0.98
 """Of the drive's limits, what a chirp may use."""
 WEAKER = 1.0, 0.6, 0.36
 """Of the amplitude that was foreseen, what is played in turn where plate or stack go too far."""
+BEGUN = 0.85
+"""Of its own band, where that chirp begins, faint at first."""
+NYQUIST = 0.4
+"""Of the rate, up to which a chirp goes."""
+HIGHER, SHORTER = 4.0, 0.5
+"""How far above the band one more chirp goes with closed inner loop, re its end, and its length, re the first."""
 REST = 0.5
 """s before a chirp over which rest is averaged."""
 
@@ -63,6 +69,8 @@ class Experiment:
         Of signal.
     fingerprints : tuple of str
         Of the plans.
+    above : Excited or None
+        With closed inner loop: from the band's end on, to see what the models know nothing of.
     """
 
     amplitude: float
@@ -70,6 +78,7 @@ class Experiment:
     fresh: Excited
     seconds: float
     fingerprints: tuple[str, ...]
+    above: Excited | None = None
 
 
 def record(bench: ExcitedAxis, raw: RawFolder) -> Experiment:
@@ -98,8 +107,13 @@ def record(bench: ExcitedAxis, raw: RawFolder) -> Experiment:
         amplitude = _amplitude(bench, steps, weak)
     amplitude, plan, (*learned, fresh) = _within_limits(bench, raw, amplitude)
     played.append(plan)
+    above = None
+    if bench.loop is not None:
+        higher = _higher(bench, amplitude)
+        played.append(higher)
+        (above,) = _recorded(bench, higher, raw)
     seconds = sum(each.seconds for each in played)
-    return Experiment(amplitude, tuple(learned), fresh, seconds, tuple(each.fingerprint for each in played))
+    return Experiment(amplitude, tuple(learned), fresh, seconds, tuple(each.fingerprint for each in played), above)
 
 
 def require_room(config: StageConfig, axes: int, raw: RawFolder) -> None:
@@ -113,8 +127,9 @@ def require_room(config: StageConfig, axes: int, raw: RawFolder) -> None:
         What it has already needs no room.
     """
     settings, channels = config.characterisation, 1 + len(HEARD) * len(config.stage.axes)
-    seconds = 5 * settings.settle + (3 + DOWN + FRESH) * settings.seconds  # scout, approach, up, down, fresh
-    raw.require_room(round(axes * 2 * seconds * config.stage.rate), channels)  # inner loop open, closed
+    seconds = 2 * (5 * settings.settle + (3 + DOWN + FRESH) * settings.seconds)  # scout, approach, up, down, fresh
+    seconds += settings.settle + SHORTER * settings.seconds  # with closed inner loop alone: above the band
+    raw.require_room(round(axes * seconds * config.stage.rate), channels)
 
 
 def without_creep(position: np.ndarray, settled: float, rate: float) -> np.ndarray:
@@ -175,6 +190,20 @@ def _chirps(bench: ExcitedAxis, number: int, amplitude: float) -> Plan:
         Chirp(rate, settings.settle, FRESH * settings.seconds, low * ONCE_MORE, high, ONCE_MORE * amplitude),
     ]
     return _plan(bench, "chirp" if number == 0 else f"chirp{number + 1}", chirps)
+
+
+def _higher(bench: ExcitedAxis, amplitude: float) -> Plan:
+    """Return a chirp from the band's end on, at the amplitude of the others or what the drive's rate allows."""
+    settings, rate = bench.config.characterisation, bench.config.stage.rate
+    low, high = BEGUN * settings.band[1], above_band(bench.config)[1]
+    quiet = _rounded(min(amplitude, USED * bench.config.limits.extension_slew / (2 * np.pi * high)))
+    return _plan(bench, "above", [Chirp(rate, settings.settle, SHORTER * settings.seconds, low, high, quiet)])
+
+
+def above_band(config: StageConfig) -> tuple[float, float]:
+    """Return from where to where the chirp above the band goes, Hz."""
+    top = config.characterisation.band[1]
+    return top, min(HIGHER * top, NYQUIST * config.stage.rate)
 
 
 def _step(bench: ExcitedAxis, amplitude: float, heard: Excited) -> Step:

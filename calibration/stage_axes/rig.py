@@ -1,12 +1,12 @@
-"""The rig file that a calibration makes: the given one with the PIDs and the outer loops' weights that were found."""
+"""The rig file that a calibration makes: the given one with the PIDs, the outer loops' weights and a bound on them."""
 
 from collections.abc import Sequence
 
 from calibration.stage_axes.calibration import AxisCalibration
-from stagectl.config import ChosenWeights, Inner, StageConfig
+from stagectl.config import ChosenWeights, Inner, Outer, StageConfig
 from stagectl.stage.design import Design
 
-CHOSEN = "inner", "weights"
+CHOSEN = "inner", "outer", "weights"
 """Tables of a rig file that a calibration chooses."""
 
 
@@ -18,7 +18,8 @@ def calibrated_rig(config: StageConfig, found: Sequence[AxisCalibration]) -> Sta
     config : StageConfig
     found : sequence of AxisCalibration
     """
-    return config.model_copy(update={"inner": _inner(config, found), "weights": _weights(config, found)})
+    made = {"inner": _inner(config, found), "outer": _outer(config, found), "weights": _weights(config, found)}
+    return config.model_copy(update=made)
 
 
 def _inner(config: StageConfig, found: Sequence[AxisCalibration]) -> Inner:
@@ -31,6 +32,12 @@ def _inner(config: StageConfig, found: Sequence[AxisCalibration]) -> Inner:
             for at, axis in enumerate(config.stage.axes)
         )
     return config.inner.model_copy(update=whole)
+
+
+def _outer(config: StageConfig, found: Sequence[AxisCalibration]) -> Outer:
+    made, given = {each.axis: each.beyond for each in found}, config.outer.beyond
+    beyond = tuple(made.get(axis, given[at % len(given)]) for at, axis in enumerate(config.stage.axes))
+    return config.outer.model_copy(update={"beyond": beyond if len(set(beyond)) > 1 else beyond[:1]})
 
 
 def _weights(config: StageConfig, found: Sequence[AxisCalibration]) -> ChosenWeights:

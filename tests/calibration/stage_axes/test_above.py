@@ -1,0 +1,34 @@
+"""The largest gain above a band, against systems whose response is known."""
+
+import numpy as np
+import pytest
+from scipy.signal import bilinear, chirp, lfilter
+
+from calibration.stage_axes.above import largest_gain
+
+RATE = 10_000.0
+BAND = 200.0, 800.0
+
+
+def swept(seconds: float = 10.0) -> np.ndarray:
+    time = np.arange(round(seconds * RATE)) / RATE
+    fade = np.minimum(1.0, np.minimum(time, time[::-1]) / 0.2)
+    return fade * chirp(time, 170.0, time[-1], 850.0)
+
+
+@pytest.mark.parametrize("damping", [0.005, 0.03])
+@pytest.mark.parametrize("natural", [246.0, 700.0])
+def test_a_resonance_that_a_chirp_goes_through_is_seen_at_its_height(natural: float, damping: float) -> None:
+    omega = 2 * np.pi * natural
+    top, bottom = bilinear([0.01 * omega**2], [1.0, 2 * damping * omega, omega**2], RATE)
+    drive = swept()
+    noise = 1e-4 * np.random.default_rng(1).standard_normal(len(drive))
+    found = largest_gain(drive, lfilter(top, bottom, drive) + noise, RATE, BAND)
+    assert found == pytest.approx(0.01 / (2 * damping), rel=0.15)
+
+
+def test_what_rings_below_does_not_count() -> None:
+    omega = 2 * np.pi * 100.0
+    top, bottom = bilinear([omega**2], [1.0, 0.02 * omega, omega**2], RATE)
+    drive = swept()
+    assert largest_gain(drive, lfilter(top, bottom, drive), RATE, BAND) == pytest.approx(1 / 3, rel=0.02)
