@@ -140,9 +140,10 @@ def calibrate_axes(
 
 
 def quiet_above(outer: Outer, axis: int, closed: Closed) -> Outer:
-    """Return the settings of an axis, with a bound above `reach` that what was measured there allows.
+    """Return the settings of an axis, with bounds above `reach` that what was measured there allows.
 
-    Small gain: a resonance that no model has may have any phase, so the loop's gain must be below one there.
+    Small gain: a resonance that no model has may have any phase, so the loop's gain must be below one there.  Nor may
+    it answer a reference, or its noise, more strongly than those that the model has.
 
     Parameters
     ----------
@@ -155,8 +156,10 @@ def quiet_above(outer: Outer, axis: int, closed: Closed) -> Outer:
     Skogestad and Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, section 4.9.
     """
     at_rest = abs(closed.one.model.frequency_response(np.zeros(1))[0, 0, 0])
-    most = SMALL * at_rest / closed.above
-    return outer.model_copy(update={"beyond": (float(f"{min(of_axis(outer.beyond, axis), most):.3g}"),)})
+    louder = closed.above / at_rest
+    beyond = float(f"{min(of_axis(outer.beyond, axis), SMALL / louder):.3g}")
+    forward = min(outer.forward_beyond, outer.mistuned_sensitivity / louder)
+    return outer.model_copy(update={"beyond": (beyond,), "forward_beyond": forward})
 
 
 def outer_loop(outer: Outer, axis: int, model: InnovationModel) -> Design | str:

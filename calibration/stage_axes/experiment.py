@@ -24,7 +24,8 @@ ONCE_MORE = 0.95
 USED = 0.98
 """Of the drive's limits, what a chirp may use."""
 WEAKER = 1.0, 0.6, 0.36
-"""Of the amplitude that was foreseen, what is played in turn where plate or stack go too far."""
+FAINTER = 1.0, 0.3, 0.1
+"""Of the amplitude that was foreseen, what is played in turn where plate or stack go too far; of an approach to it."""
 BEGUN = 0.85
 """Of its own band, where that chirp begins, faint at first."""
 NYQUIST = 0.4
@@ -96,16 +97,20 @@ def record(bench: ExcitedAxis, raw: RawFolder) -> Experiment:
     """
     settings = bench.config.characterisation
     quiet = settings.scout if bench.loop is None else settings.scout * _gain(bench)
-    scout, (weak,) = _scouted(bench, raw, "scout", quiet)
+    scout = _scout(bench, "scout", quiet)
+    (weak,) = _recorded(bench, scout, raw)
     steps, played = [_step(bench, quiet, weak)], [scout]
     amplitude = _amplitude(bench, steps, weak)
     if amplitude > APPROACH * quiet:
-        weaker = _rounded(amplitude / APPROACH)
-        approach, (weak,) = _scouted(bench, raw, "approach", weaker)
+        parts = [part for part in FAINTER if part * amplitude > APPROACH * quiet] or FAINTER[:1]
+        plans = [_scout(bench, f"approach{_numbered(n)}", part * amplitude / APPROACH) for n, part in enumerate(parts)]
+        approach, (weak,) = _first_within_limits(bench, raw, plans)
         played.append(approach)
-        steps.append(_step(bench, weaker, weak))
+        steps.append(_step(bench, _loudest(approach), weak))
         amplitude = _amplitude(bench, steps, weak)
-    amplitude, plan, (*learned, fresh) = _within_limits(bench, raw, amplitude)
+    plans = [_chirps(bench, number, part * amplitude) for number, part in enumerate(WEAKER)]
+    plan, (*learned, fresh) = _first_within_limits(bench, raw, plans)
+    amplitude = _loudest(plan)
     played.append(plan)
     above = None
     if bench.loop is not None:
@@ -158,23 +163,26 @@ def _gain(bench: ExcitedAxis) -> float:
     return gain[bench.axis % len(gain)]
 
 
-def _scouted(bench: ExcitedAxis, raw: RawFolder, what: str, amplitude: float) -> tuple[Plan, list[Excited]]:
+def _scout(bench: ExcitedAxis, what: str, amplitude: float) -> Plan:
     settings, rate = bench.config.characterisation, bench.config.stage.rate
-    plan = _plan(bench, what, [Chirp(rate, settings.settle, settings.seconds, *settings.band, amplitude)])
-    return plan, _recorded(bench, plan, raw)
+    return _plan(bench, what, [Chirp(rate, settings.settle, settings.seconds, *settings.band, _rounded(amplitude))])
 
 
-def _within_limits(bench: ExcitedAxis, raw: RawFolder, foreseen: float) -> tuple[float, Plan, list[Excited]]:
-    """Record the chirps at the amplitude that was foreseen, or weaker where the plate leaves its travel.
+def _first_within_limits(bench: ExcitedAxis, raw: RawFolder, plans: Sequence[Plan]) -> tuple[Plan, list[Excited]]:
+    """Record the first of ever weaker plans with which the plate stays within its travel.
 
-    So it does where a simulated stage is shut by its guard; a live one stays shut until a person has looked.
+    A plan that shuts a simulated stage's guard is too loud as well; a live stage stays shut until a person has looked.
     """
-    plans = [_chirps(bench, number, part * foreseen) for number, part in enumerate(WEAKER)]
     *louder, weakest = raw.left(plans)
     for plan in louder:
         with suppress(ExcitationError):
-            return _loudest(plan), plan, _recorded(bench, plan, raw, f"again with {100 * WEAKER[1]:.0f} % of it")
-    return _loudest(weakest), weakest, _recorded(bench, weakest, raw)
+            return plan, _recorded(bench, plan, raw, "again, weaker")
+    return weakest, _recorded(bench, weakest, raw)
+
+
+def _numbered(number: int) -> str:
+    """Return what is added to a name that comes once more: nothing at first, then 2."""
+    return f"{number + 1}" if number else ""
 
 
 def _loudest(plan: Plan) -> float:
@@ -189,7 +197,7 @@ def _chirps(bench: ExcitedAxis, number: int, amplitude: float) -> Plan:
         Chirp(rate, settings.settle, DOWN * settings.seconds, ONCE_MORE * high, low / ONCE_MORE, amplitude),
         Chirp(rate, settings.settle, FRESH * settings.seconds, low * ONCE_MORE, high, ONCE_MORE * amplitude),
     ]
-    return _plan(bench, "chirp" if number == 0 else f"chirp{number + 1}", chirps)
+    return _plan(bench, f"chirp{_numbered(number)}", chirps)
 
 
 def _higher(bench: ExcitedAxis, amplitude: float) -> Plan:

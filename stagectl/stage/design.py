@@ -18,7 +18,7 @@ SHARES = Ranges(
     drive=tuple(0.3 ** np.arange(4)),
     trust_and_doubt=((1.0, 0.0), (0.0, 0.01), (0.0, 0.03), (0.0, 0.1), (0.0, 0.3)),
     caution=(0.0, 1.0, 3.0),
-    feedforward=(1.0, 0.5, 0.2),
+    feedforward=(1.0, 0.5, 0.2, 0.0),
 )
 """What the design chooses from; bandwidth, drive and feedforward re those asked for.  The identified filter knows the
 hysteresis of the chirps, the others are made for noise in the input."""

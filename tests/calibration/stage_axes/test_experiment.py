@@ -92,6 +92,18 @@ def test_a_simulated_stage_that_its_guard_shuts_is_excited_more_weakly_as_well(t
     assert again.fingerprints == found.fingerprints
 
 
+def test_a_plate_that_sticks_until_it_breaks_away_is_approached_more_faintly(tmp_path: Path) -> None:
+    bench = Sticking()
+    found = recorded(bench, tmp_path)
+    excited = bench.config.characterisation.excursion
+    assert 0.5 * excited < excursion(found) < 1.5 * excited
+    assert sorted(path.name for path in tmp_path.glob("*approach*.json")) == [
+        "x-open-approach.json",
+        "x-open-approach2.json",
+    ]
+    assert recorded(Sticking(records=True), tmp_path).fingerprints == found.fingerprints
+
+
 def test_one_that_leaves_it_however_weak_the_drive_is_says_what_to_lower(tmp_path: Path) -> None:
     with pytest.raises(ExcitationError, match=r"must stay within limits\.travel, .* lower characterisation\.excursion"):
         recorded(Breaking(breaks=0.05), tmp_path)
@@ -112,4 +124,16 @@ class Breaking(Bending):
             if self.shuts:
                 raise ExcitationError("axis x: the guard shut the stage: extension 1 is out of its range")
             heard[len(heard) // 2, 3] = 2 * self.config.limits.travel[1]
+        return emitted, heard
+
+
+@dataclass
+class Sticking(Bending):
+    """One that hardly moves with a weak drive."""
+
+    def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        emitted, heard = super().emit(drive)
+        middle = sum(self.config.limits.travel) / 2
+        sticks = np.abs(drive).max() <= self.config.characterisation.scout
+        heard[:, 3] = middle + (0.25 if sticks else 5.0) * (heard[:, 3] - middle)
         return emitted, heard
