@@ -135,5 +135,5 @@ class Sticking(Bending):
         emitted, heard = super().emit(drive)
         middle = sum(self.config.limits.travel) / 2
         sticks = np.abs(drive).max() <= self.config.characterisation.scout
-        heard[:, 3] = middle + (0.25 if sticks else 5.0) * (heard[:, 3] - middle)
+        heard[:, 3] = middle + (0.25 if sticks else 4.0) * (heard[:, 3] - middle)
         return emitted, heard
