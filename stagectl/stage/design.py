@@ -155,11 +155,12 @@ def only(weights: Weights) -> Ranges:
 
 def _no_loop(outer: Outer, axis: int, tried: int, nearest: Reached) -> str:
     advice = (
-        "the loop of [weights] does not keep its bounds; calibrate again, or leave [weights] out"
+        "the loop of [weights] does not keep its bounds; calibrate again, or leave [weights] out: it has"
         if tried == 1
-        else f"none of {tried} outer loops keeps its bounds; raise these, or lower outer.mistuning or outer.delay"
+        else f"none of {tried} outer loops keeps its bounds; what binds is {nearest.binding(outer, axis)}; "
+        "the nearest has"
     )
     return (
-        f"axis {axis + 1}: {advice}: the nearest has {nearest}; allowed are {of_axis(outer.beyond, axis):g}, "
+        f"axis {axis + 1}: {advice} {nearest}; allowed are {of_axis(outer.beyond, axis):g}, "
         f"{outer.forward_beyond:g}, {outer.max_sensitivity:g}, and twice {outer.mistuned_sensitivity:g}"
     )

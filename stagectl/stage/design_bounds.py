@@ -37,13 +37,27 @@ class Reached:
 
     def over(self, outer: Outer, axis: int) -> float:
         """Return the largest of these re its bound."""
-        shares = (
-            self.beyond / of_axis(outer.beyond, axis),
-            self.forward_beyond / outer.forward_beyond,
-            self.sensitivity / outer.max_sensitivity,
-            max(self.mistuned_sensitivity, self.answer) / outer.mistuned_sensitivity,
-        )
-        return max(shares)
+        return max(self._shares(outer, axis).values())
+
+    def binding(self, outer: Outer, axis: int) -> str:
+        """Say which bound is exceeded most, and what would be changed for it."""
+        shares = self._shares(outer, axis)
+        return max(shares, key=lambda each: shares[each])
+
+    def _shares(self, outer: Outer, axis: int) -> dict[str, float]:
+        """Return what is reached re its bound, by what to do about it."""
+        return {
+            "the controller's gain above outer.reach: calibrate with a wider characterisation.band and raise "
+            "outer.reach with it, or lower outer.disturbance": self.beyond / of_axis(outer.beyond, axis),
+            "the gain from the reference above outer.reach: lower outer.feedforward or outer.disturbance": (
+                self.forward_beyond / outer.forward_beyond
+            ),
+            "Ms: lower outer.delay, outer.bandwidth or outer.disturbance, or raise outer.max_sensitivity": (
+                self.sensitivity / outer.max_sensitivity
+            ),
+            "Ms or the answer to a reference where natural frequencies are off: lower outer.mistuning, or raise "
+            "outer.mistuned_sensitivity": max(self.mistuned_sensitivity, self.answer) / outer.mistuned_sensitivity,
+        }
 
     def __str__(self) -> str:
         """Say it in one line."""
