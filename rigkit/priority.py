@@ -55,14 +55,15 @@ def undisturbed() -> Iterator[None]:
 @contextlib.contextmanager
 def uncollected() -> Iterator[None]:
     """Run the block without a search for garbage, which stops every thread; afterwards all is as it was before."""
-    collects = gc.isenabled()
+    collects, is_frozen = gc.isenabled(), gc.get_freeze_count() > 0
     gc.collect()
     gc.freeze()
     gc.disable()
     try:
         yield
     finally:
-        gc.unfreeze()
+        if not is_frozen:
+            gc.unfreeze()
         if collects:
             gc.enable()
 

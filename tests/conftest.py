@@ -20,6 +20,8 @@ hypothesis.settings.load_profile("repeatable")
 
 LOCKS = tempfile.TemporaryDirectory(prefix="locks-")  # beside a rig at work, and beside the other worker
 os.environ[FOLDER] = LOCKS.name
+RARE = 50_000
+"""Objects after which garbage is searched for."""
 LONGEST = (
     "contract/test_every_block.py",
     "scenario/test_audio_through_jack.py",
@@ -52,9 +54,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Leave what was imported and collected out of the search for garbage: a twentieth of all processor time."""
+    """Leave what was imported and collected out of the search for garbage, which is rarer then: a tenth of all time."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(RARE, *gc.get_threshold()[1:])
 
 
 LAID_OUT = ("*report*", "*figures*", "*toroid*", "*page*")

@@ -13,7 +13,7 @@ def largest_gain(drive: np.ndarray, response: np.ndarray, rate: float, band: tup
 
     Parameters
     ----------
-    drive, response : arrays, shape (N,)
+    drive, response : arrays, shape (N,), V or m
         From rest to rest.
     rate : float, samples/s
     band : (float, float), Hz

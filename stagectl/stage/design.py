@@ -23,6 +23,9 @@ SHARES = Ranges(
 """What the design chooses from; bandwidth, drive and feedforward re those asked for.  The identified filter knows the
 hysteresis of the chirps, the others are made for noise in the input."""
 
+FAINTER = 1.0, 0.03
+"""Part of the bandwidths and drives asked for, tried in turn where no loop keeps its bounds."""
+
 
 @dataclass(frozen=True, eq=False)
 class Design:
@@ -69,19 +72,23 @@ def design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | N
     ------
     ValueError : no combination keeps the bounds, or the one that was chosen does not.
     """
-    search = Search(model, outer, axis)
-    ranges = _asked_for(outer, axis) if weights is None else only(weights)
-    found = sorted(search.candidates(ranges), key=lambda each: each.left)
-    nearest = min((each.beyond for each in found), key=lambda each: each.over(outer, axis))
-    for each in found:
-        if each.beyond.over(outer, axis) > 1.0:
-            continue
-        reached = search.reached(each)
-        if reached.over(outer, axis) <= 1.0:
-            return search.design(each)
-        if nearest.sensitivity == 0.0 or reached.over(outer, axis) < nearest.over(outer, axis):
-            nearest = reached
-    raise ValueError(_no_loop(outer, axis, len(found), nearest))
+    search, tried, nearest = Search(model, outer, axis), 0, None
+    for ranges in [_asked_for(outer, axis, part) for part in FAINTER] if weights is None else [only(weights)]:
+        found = sorted(search.candidates(ranges), key=lambda each: each.left)
+        tried += len(found)
+        reached = [each.beyond for each in found]
+        for each in found:
+            if each.beyond.over(outer, axis) > 1.0:
+                continue
+            whole = search.reached(each)
+            if whole.over(outer, axis) <= 1.0:
+                return search.design(each)
+            reached.append(whole)
+        nearest = min(
+            filter(None, [nearest, *reached]), key=lambda each: (each.sensitivity == 0.0, each.over(outer, axis))
+        )
+    assert nearest is not None
+    raise ValueError(_no_loop(outer, axis, tried, nearest))
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,8 +144,8 @@ class Search:
         return [robustness(plant, controller, self._model.rate, outer.delay) for plant in self._plants]
 
 
-def _asked_for(outer: Outer, axis: int) -> Ranges:
-    bandwidth, drive = of_axis(outer.bandwidth, axis), of_axis(outer.drive, axis)
+def _asked_for(outer: Outer, axis: int, part: float) -> Ranges:
+    bandwidth, drive = part * of_axis(outer.bandwidth, axis), part * of_axis(outer.drive, axis)
     return replace(
         SHARES,
         bandwidth=[float(bandwidth * share) for share in SHARES.bandwidth],

@@ -13,9 +13,9 @@ import pytest
 from tests.fuzz.child import MOST_FINDINGS
 
 QUICK = {
-    "wav": 1_000, "growing": 200, "csv": 400, "foreign": 400, "sounds": 600, "tables": 450,
-    "arrays": 100, "toml": 200, "json": 400, "can": 20_000, "wires": 3_000,
-    "hdf5": 40,
+    "wav": 500, "growing": 100, "csv": 200, "foreign": 200, "sounds": 300, "tables": 225,
+    "arrays": 60, "toml": 200, "json": 400, "can": 10_000, "wires": 2_000,
+    "hdf5": 20,
 }  # fmt: skip
 WHOLE = {
     "wav": 100_000, "growing": 10_000, "csv": 20_000, "foreign": 20_000, "sounds": 60_000, "tables": 60_000,

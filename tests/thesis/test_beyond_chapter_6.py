@@ -58,6 +58,7 @@ def test_a_strongly_nonlinear_vibrator_meets_the_objective_within_15_shots() -> 
     assert run(measured=(*SEED, "simulator.options.nonlinearity=1.6"), count=18).shot <= 15
 
 
+@pytest.mark.slow
 def test_one_side_alone_meets_the_objective_by_shot_11() -> None:
     """Thesis: by 30."""
     assert run("learning.side=1").shot <= 11
@@ -70,6 +71,7 @@ def test_modes_that_drift_by_2_percent_while_learning_are_followed() -> None:
     assert run(*drift).shot <= 11
 
 
+@pytest.mark.slow
 def test_behind_the_vibrator_s_distortion_a_measured_pair_of_responses_learns(tmp_path: Path) -> None:
     """A head between two loudspeakers at 90 degrees."""
     names = ", ".join(f'"{file}"' for file in measured_pair("head-90", tmp_path))

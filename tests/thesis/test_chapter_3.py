@@ -88,6 +88,7 @@ def test_a_period_after_a_change_of_gain_the_response_is_the_desired_one(forgett
     assert all(each["deviation"] < 0.05 for each in changes)
 
 
+@pytest.mark.slow
 def test_one_setting_passes_the_noise_and_learns_a_change_within_a_period() -> None:
     """The setting of row 3; bounds: 5 % and 10 %."""
     for seed in (1, 2, 3):
@@ -104,6 +105,7 @@ def test_the_micro_manipulator_returns_to_the_middle_behind_a_ramp_and_a_disturb
     assert abs(period.mean()) < 1e-3
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("travel", [1e-3, 2e-3])
 def test_the_micro_manipulator_stays_within_its_travel(travel: float) -> None:
     found = _figures("thesis-1", f"pair.travel={travel}")

@@ -29,6 +29,7 @@ def test_zeros_lie_outside_of_the_unit_circle_so_that_the_inverse_cannot_be_caus
     assert found.outside >= 4
 
 
+@pytest.mark.slow
 def test_learning_through_its_inverse_diverges_though_the_error_shrinks_at_first(found: Outcome) -> None:
     """Measured: 13 times smaller at shot 8; at shot 18 the drive has run away."""
     assert found.error.min() < 0.2 * found.error[0]

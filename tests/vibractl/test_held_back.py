@@ -17,6 +17,7 @@ from vibractl.setup import setup
 from vibractl.shot_file import split
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("limit", ["peak", "rms", "slew"])
 def test_a_step_that_would_break_a_limit_is_taken_as_far_as_it_fits(tmp_path: Path, limit: str) -> None:
     """The model is of a vibrator twice as loud: drives must double, and may grow by a tenth."""

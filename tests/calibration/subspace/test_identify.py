@@ -52,7 +52,7 @@ def test_a_short_past_costs_the_prediction_nothing(system: ResonantSystem) -> No
     assert shortfall(found, system)[1] < 0.1
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(2)
 @named
 @pytest.mark.parametrize("horizon", [20, 40])
 @pytest.mark.parametrize("method", ["n4sid", "moesp"])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stagectl.config import Outer
-from stagectl.stage.design import design
+from stagectl.stage.design import SHARES, design
 from stagectl.stage.design_bounds import mistuned
 from stagectl.stage.kalman import kalman_gain
 from stagectl.stage.sensitivity import robustness
@@ -90,9 +90,15 @@ def test_a_mistuned_plant_is_the_one_whose_modes_are_elsewhere() -> None:
 
 def test_bounds_that_cannot_be_kept_are_named() -> None:
     with pytest.raises(
-        ValueError, match=r"axis 3: none of \d+ outer loops .* nearest has gains .* are 0.03, 12, 1.1, and"
+        ValueError, match=r"axis 3: none of \d+ outer loops .* nearest has gains .* are 1e-05, 12, 1.1, and"
     ):
-        design(model("z"), Outer(beyond=(0.03,), max_sensitivity=1.1, delay=20, mistuning=0.3), 2)
+        design(model("z"), Outer(beyond=(1e-5,), max_sensitivity=1.1, delay=20, mistuning=0.3), 2)
+
+
+def test_where_nothing_of_what_is_asked_for_keeps_the_bounds_a_fainter_loop_is_found() -> None:
+    faint = design(model("z"), Outer(beyond=(0.001,)), 2)
+    assert faint.robustness.max_sensitivity <= 2.2
+    assert faint.weights.bandwidth < min(200.0 * share for share in SHARES.bandwidth)
 
 
 def test_chosen_weights_make_the_loop_that_was_chosen() -> None:

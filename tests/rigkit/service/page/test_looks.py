@@ -55,6 +55,7 @@ def test_a_script_that_is_not_a_file_of_the_page_does_not_run(visit: Visit) -> N
     assert any("Content Security Policy" in text for text in visit.tab.complaints())
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("dark", [False, True])
 def test_a_phone_needs_no_scrolling_sideways_and_always_shows_stop(visit: Visit, dark: bool) -> None:
     tab = visit.tab
