@@ -23,6 +23,8 @@ SHARES = Ranges(
 """What the design chooses from; bandwidth, drive and feedforward re those asked for.  The identified filter knows the
 hysteresis of the chirps, the others are made for noise in the input."""
 
+USELESS = 1.35
+"""Error left, where no loop at all leaves 1.45: whoever asks for a loop does not want one of more."""
 FAINTER = 1.0, 0.03
 """Part of the bandwidths and drives asked for, tried in turn where no loop keeps its bounds."""
 
@@ -78,16 +80,16 @@ def design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | N
         tried += len(found)
         reached = [each.beyond for each in found]
         for each in found:
-            if each.beyond.over(outer, axis) > 1.0:
+            if each.beyond.over(outer, axis) > 1.0 or (weights is None and each.left > USELESS):
                 continue
             whole = search.reached(each)
             if whole.over(outer, axis) <= 1.0:
                 return search.design(each)
             reached.append(whole)
-        nearest = min(
-            filter(None, [nearest, *reached]), key=lambda each: (each.sensitivity == 0.0, each.over(outer, axis))
-        )
-    assert nearest is not None
+        known = [*reached] if nearest is None else [nearest, *reached]
+        nearest = min(known, key=lambda each: (each.sensitivity == 0.0, each.over(outer, axis)), default=None)
+    if nearest is None:
+        raise ValueError(f"axis {axis + 1}: there is no LQ gain for this model: it has none at rest, or at a resonance")
     raise ValueError(_no_loop(outer, axis, tried, nearest))
 
 

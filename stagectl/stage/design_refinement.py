@@ -18,6 +18,9 @@ LEAST_CAUTION, LEAST_DOUBT = 0.1, 1e-3
 OVER = 10.0
 """Error that a bound exceeded by its own size counts as."""
 
+NONE = 1e3
+"""And one where there is no loop."""
+
 
 def refined(found: Design, model: InnovationModel, outer: Outer, axis: int) -> Design:
     """Return a design that keeps the same bounds and leaves no more error, its weights between those of `design`.
@@ -42,7 +45,9 @@ def refined(found: Design, model: InnovationModel, outer: Outer, axis: int) -> D
 
     def cost(logarithms: np.ndarray) -> float:
         bandwidth, drive, doubt, caution, feedforward = map(float, np.minimum(np.exp(logarithms), most))
-        (each,) = search.candidates(only(Weights(bandwidth, drive, 0.0, doubt, caution, feedforward)))
+        each = next(search.candidates(only(Weights(bandwidth, drive, 0.0, doubt, caution, feedforward))), None)
+        if each is None:
+            return NONE
         over = search.reached(each).over(outer, axis)
         if over <= 1.0:
             tried.append(each)

@@ -12,6 +12,10 @@ from stagectl.stage.servo import Servo
 from stagectl.stage.state_space import StateSpace, plant_of
 
 
+class NoGain(ValueError):
+    """There is no LQ gain for a model, or its equation is too nearly singular to be solved."""
+
+
 @dataclass(frozen=True, eq=False)
 class StateFeedback:
     """u = l_r r - L xhat - L_s s, with xhat from a Kalman filter on the model and s from the servo.
@@ -119,7 +123,8 @@ def linear_quadratic(
 
     Raises
     ------
-    ValueError : the model has other inputs or outputs, too many states, or a zero at rest or at a resonance.
+    ValueError : the model has other inputs or outputs, or too many states.
+    NoGain : it has a zero at rest or at a resonance.
     """
     plant = plant_of(model)
     if not 0 < model.order <= MOST_STATES:
@@ -134,7 +139,7 @@ def linear_quadratic(
     try:
         cost = solve_discrete_are(A, B, Q, R, s=output.T @ plant.D)
     except np.linalg.LinAlgError as fault:
-        raise ValueError(
+        raise NoGain(
             f"there is no LQ gain for this model: {fault}; has it a gain at rest and at each resonance?"
         ) from None
     gains = np.linalg.solve(B.T @ cost @ B + R, B.T @ cost @ A + plant.D.T @ output)

@@ -8,7 +8,7 @@ from stagectl.config import ChosenWeights, Outer
 from stagectl.models import InnovationModel
 from stagectl.stage.kalman import kalman_gain
 from stagectl.stage.servo import servo
-from stagectl.stage.state_feedback import StateFeedback, linear_quadratic, ramp_feedforward
+from stagectl.stage.state_feedback import NoGain, StateFeedback, linear_quadratic, ramp_feedforward
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def chosen_weights(chosen: ChosenWeights, axis: int) -> Weights | None:
 
 
 def loops(model: InnovationModel, outer: Outer, ranges: Ranges) -> Iterator[tuple[Weights, StateFeedback]]:
-    """Make the loop of every combination.
+    """Make the loop of every combination that has an LQ gain.
 
     Parameters
     ----------
@@ -71,7 +71,10 @@ def loops(model: InnovationModel, outer: Outer, ranges: Ranges) -> Iterator[tupl
         filters = [(pair, kalman_gain(model, pair[1], caution, pair[0])) for pair in ranges.trust_and_doubt]
         for bandwidth, drive in product(ranges.bandwidth, ranges.drive):
             states = servo(outer, bandwidth, model.rate)
-            feedback, servo_feedback = linear_quadratic(model, states, drive, caution)
+            try:
+                feedback, servo_feedback = linear_quadratic(model, states, drive, caution)
+            except NoGain:
+                continue
             plain = StateFeedback(model, filters[0][1], feedback, states, servo_feedback)
             forward = ramp_feedforward(plain)  # the same for every filter
             for ((trust, doubt), gain), part in product(filters, ranges.feedforward):
