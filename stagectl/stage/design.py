@@ -76,11 +76,12 @@ def design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | N
     """
     search, tried, nearest = Search(model, outer, axis), 0, None
     for ranges in [_asked_for(outer, axis, part) for part in FAINTER] if weights is None else [only(weights)]:
-        found = sorted(search.candidates(ranges), key=lambda each: each.left)
-        tried += len(found)
-        reached = [each.beyond for each in found]
-        for each in found:
-            if each.beyond.over(outer, axis) > 1.0 or (weights is None and each.left > USELESS):
+        made = list(search.candidates(ranges))
+        tried += len(made)
+        useful = [each for each in made if each.left <= USELESS or weights is not None]
+        reached = [each.beyond for each in useful]
+        for each in sorted(useful, key=lambda each: each.left):
+            if each.beyond.over(outer, axis) > 1.0:
                 continue
             whole = search.reached(each)
             if whole.over(outer, axis) <= 1.0:
@@ -89,7 +90,12 @@ def design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | N
         known = [*reached] if nearest is None else [nearest, *reached]
         nearest = min(known, key=lambda each: (each.sensitivity == 0.0, each.over(outer, axis)), default=None)
     if nearest is None:
-        raise ValueError(f"axis {axis + 1}: there is no LQ gain for this model: it has none at rest, or at a resonance")
+        why = (
+            "there is no LQ gain for this model"
+            if tried == 0
+            else f"none of {tried} outer loops leaves less error than none"
+        )
+        raise ValueError(f"axis {axis + 1}: {why}: has it a gain at rest, and at each resonance?")
     raise ValueError(_no_loop(outer, axis, tried, nearest))
 
 

@@ -96,12 +96,12 @@ def test_the_rig_file_has_the_outer_loop_that_a_run_is_to_use(calibrated: Path) 
 
 
 def test_a_model_without_an_outer_loop_is_told_of_with_the_values() -> None:
-    rig = rig_file.load(None, StageConfig, ["outer.beyond=[1e-4]"])
+    rig = rig_file.load(None, StageConfig, ["outer.beyond=[1e-6]"])
     why = calibration.outer_loop(rig.outer, 2, stage_model("z"))
     assert isinstance(why, str)
     assert re.search(
         r"axis 3: none of \d+ outer loops keeps its bounds; what binds is the controller's gain above outer\.reach: "
-        r"calibrate with a wider characterisation\.band .*; the nearest has gains .*; allowed are 0\.0001, ",
+        r"calibrate with a wider characterisation\.band .*; the nearest has gains .*; allowed are 1e-06, ",
         why,
     )
     assert "\n" not in why
