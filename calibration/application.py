@@ -8,6 +8,7 @@ PROGRAM = Program(
         "vibrator": "calibration.vibrator_command:vibrator_command",
         "compare": "calibration.compare_command:compare_command",
         "identify": "calibration.identification.command:identify_command",
+        "response": "calibration.frequency_domain.command:response_command",
         "stage": "calibration.stage_axes.command:stage_command",
         "hysteresis": "calibration.hysteresis_command:hysteresis_command",
         "joints": "calibration.joint_clamping.command:joints_command",

@@ -26,7 +26,7 @@ from calibration.identification.report import (
     verdicts,
 )
 from calibration.identification.thinning import thinned_recordings, thinning_note
-from calibration.identification.workflow import STEPS, Identification, Method, identify_recordings
+from calibration.identification.workflow import REFINED, STEPS, Identification, Method, identify_recordings
 from calibration.names import raw_folder, refuse_inputs, refuse_taken
 from calibration.output import AgainOption
 from rigkit.command import JsonOption, print_table, words, write_json
@@ -69,6 +69,7 @@ def identify_command(
     correct_clock: CorrectClockOption = False,
     horizon: Annotated[int | None, typer.Option(help="Samples that the singular values look back and ahead.")] = None,
     hold_back: Annotated[float, typer.Option("--hold-back", help="Share kept, at the end, to judge by.")] = 0.3,
+    seconds: Annotated[float, typer.Option(metavar="S", help="In which pem ends, arrived or not.")] = REFINED,
     out: Annotated[Path | None, written_file("FILE", "Model file; the report goes beside it.")] = None,
     png: Annotated[Path | None, made_folder("DIR", "Write the figures as PNG files.")] = None,
     again: AgainOption = False,
@@ -90,7 +91,9 @@ def identify_command(
     measured = _made_ready(measured, decimate, correct_clock)
     with _watched(measured) as show:
         files, way = (measured.recordings, measured.inputs), cast(Method, method)
-        found = identify_recordings(*files, order=states, method=way, horizon=horizon, hold_back=hold_back, show=show)
+        found = identify_recordings(
+            *files, order=states, method=way, horizon=horizon, hold_back=hold_back, seconds=seconds, show=show
+        )
     if out is not None:
         refuse_taken(made, again)
         write_model(out, found.model)

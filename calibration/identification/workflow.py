@@ -11,7 +11,7 @@ from calibration import subspace
 from calibration.fit_measures import Fit, fit, free_run
 from calibration.identification.excitation import Nearly, nearly_collinear
 from calibration.one_thread import on_one_thread
-from calibration.prediction_error import ModeErrors, refine
+from calibration.prediction_error import ModeErrors, Refined, refine
 from calibration.residual_tests import LAGS
 from ctlblocks.recording import Recording
 from rigkit.provenance import now, software
@@ -21,6 +21,8 @@ Method = Literal["n4sid", "moesp", "pem"]
 METHODS = ("n4sid", "moesp", "pem")
 
 STEPS = 3
+REFINED = 120.0
+"""s of the clock in which "pem" ends, arrived or not."""
 LEAST_HELD_BACK, MOST_HELD_BACK = 0.05, 0.8
 """Share of the samples that may be held back."""
 
@@ -81,6 +83,7 @@ def identify_recordings(
     method: Method = "moesp",
     horizon: int | None = None,
     hold_back: float = 0.3,
+    seconds: float = REFINED,
     show: Callable[[int, str], object] = unseen,
 ) -> Identification:
     """Identify a model between the first `inputs` channels and the others.
@@ -99,6 +102,8 @@ def identify_recordings(
         "pem" refines the result of "moesp" by the prediction error method.
     horizon : int, samples, optional
     hold_back : float, share of the samples, at the end of each recording
+    seconds : float, s
+        In which "pem" ends, arrived or not.
     show : callable(int, str)
         Told of the steps done, of `STEPS`, and which is next.
 
@@ -126,7 +131,17 @@ def identify_recordings(
     early = _sides([each[:cut] - around for each, cut in zip(records, cuts, strict=True)], inputs)
     late = _sides([each[cut:] - around for each, cut in zip(records, cuts, strict=True)], inputs)
     show(1, "errors of its modes" if method != "pem" else "the model refined")
-    model, errors = _refined(found, *early) if method == "pem" else _plain(found)
+    if method == "pem":
+        refined = refine(
+            found.model,
+            *early,
+            seconds=seconds,
+            show=lambda number, gain: show(1, f"iteration {number}: the criterion is lower by {gain:.1g}"),
+        )
+        notes = (*notes, *_unfinished(refined, seconds))
+        model, errors = refined.model, refined.errors
+    else:
+        model, errors = _plain(found)
     model = _labelled(model, first, inputs, method, sum(cuts))
     show(2, "fits")
     own, fresh = fit(model, *early, fitted=found.core.order * model.outputs), fit(model, *late)
@@ -151,11 +166,12 @@ def _sides(records: Sequence[np.ndarray], inputs: int) -> tuple[list[np.ndarray]
     return [each[:, :inputs] for each in records], [each[:, inputs:] for each in records]
 
 
-def _refined(
-    found: subspace.Identified, drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]
-) -> tuple[InnovationModel, ModeErrors]:
-    refined = refine(found.model, drives, responses)
-    return refined.model, refined.errors
+def _unfinished(refined: Refined, seconds: float) -> tuple[str, ...]:
+    """Say that a refinement did not come to its end."""
+    if refined.arrived:
+        return ()
+    ended = f"ended after {refined.iterations} iterations, before it arrived; at most {seconds:g} s are given to it"
+    return (f"the refinement {ended}",)
 
 
 def _plain(found: subspace.Identified) -> tuple[InnovationModel, ModeErrors]:

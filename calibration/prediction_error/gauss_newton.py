@@ -1,7 +1,8 @@
 """Fit elements in parallel to records by a damped Gauss-Newton method (Levenberg and Marquardt), derivatives exact."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -26,6 +27,34 @@ LEAST_VARIANCE = 1e-20
 
 SHARE = 0.9
 """Of the way to the limit of stability that one step may take a pole."""
+
+
+def unseen(iteration: int, gain: float) -> None:
+    """Show nothing of an iteration."""
+
+
+@dataclass(frozen=True, eq=False)
+class Effort:
+    """When a fit ends at the latest, and who is shown how far it is.
+
+    Parameters
+    ----------
+    iterations : int
+    seconds : float, s, optional
+        Of the clock: where it ends by this, what is found depends on the machine.
+    show : callable(int, float), optional
+        Told of each iteration, and by how much the criterion, a logarithm of variances, was lowered by it.
+    """
+
+    iterations: int
+    seconds: float = float("inf")
+    show: Callable[[int, float], object] = unseen
+    began: float = field(default_factory=time.monotonic)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the time is up."""
+        return time.monotonic() - self.began > self.seconds
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +100,7 @@ class Fit:
         The normal equations there.
     iterations : int
     arrived : bool
-        Whether it ended at an optimum, rather than at the limit of iterations or where no step helps.
+        Whether it ended at an optimum, rather than at the limit of its effort or where no step helps.
     """
 
     point: Point
@@ -89,7 +118,7 @@ def fit(
     rule: Rule,
     *,
     joint: bool,
-    iterations: int,
+    effort: Effort,
 ) -> Fit:
     """Lower the criterion until the step left is 1 % of a standard error, keeping every element stable.
 
@@ -105,7 +134,7 @@ def fit(
     rule : function
         What may step.
     joint : bool
-    iterations : int
+    effort : Effort
 
     Source
     ------
@@ -117,11 +146,13 @@ def fit(
         raise ValueError("the model to start from responds with numbers too large to compute with")
     here = _linearised(point, records, rule)
     damping, small, done, arrived = FIRST_DAMPING, 0, 0, False
-    while done < iterations and damping <= MOST_DAMPING and not arrived:
+    while done < effort.iterations and damping <= MOST_DAMPING and not (arrived or effort.is_over):
         done += 1
         trial = _stepped(here, damping, records, joint)
-        if trial is not None and trial.cost < point.cost:
-            small = small + 1 if point.cost - trial.cost < LEAST_GAIN else 0
+        gain = 0.0 if trial is None else max(0.0, point.cost - trial.cost)
+        effort.show(done, gain)
+        if trial is not None and gain > 0.0:
+            small = small + 1 if gain < LEAST_GAIN else 0
             point, damping = trial, max(damping * EASE, LEAST_DAMPING)
             here = _linearised(point, records, rule)
         else:

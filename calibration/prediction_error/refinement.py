@@ -1,6 +1,6 @@
 """Refine an innovation-form state space by the prediction error method, from a first estimate."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from calibration.one_thread import on_one_thread
 from calibration.prediction_error.element import LARGEST_MODULUS, ROUNDING, Element, balanced
-from calibration.prediction_error.gauss_newton import Fit, fit
+from calibration.prediction_error.gauss_newton import Effort, Fit, fit, unseen
 from calibration.prediction_error.local_coordinates import free, gain_only
 from calibration.prediction_error.normal_equations import Record
 from calibration.prediction_error.pole_errors import ModeErrors, coloured_covariance, mode_errors, white_covariance
@@ -32,7 +32,7 @@ class Refined:
         Its modes with their standard errors.
     iterations : int
     arrived : bool
-        Whether the fit ended at an optimum, rather than at the limit of iterations or where no step helps.
+        Whether the fit ended at an optimum, rather than at the limit of iterations or time, or where no step helps.
     """
 
     model: InnovationModel
@@ -50,6 +50,8 @@ def refine(
     focus: Focus = "prediction",
     direct: bool = True,
     iterations: int = ITERATIONS,
+    seconds: float = float("inf"),
+    show: Callable[[int, float], object] = unseen,
 ) -> Refined:
     """Fit every free parameter of a model, and each record's initial state, to records.
 
@@ -71,6 +73,10 @@ def refine(
         Whether D is fitted; else it stays zero, and the model's must be.
     iterations : int
         At most.
+    seconds : float, s, optional
+        At most; a fit that ends by it is `arrived` no more, and another one on another machine.
+    show : callable(int, float), optional
+        Told of each iteration, and by how much it lowered the criterion, a logarithm of variances.
 
     Raises
     ------
@@ -81,6 +87,9 @@ def refine(
     Ljung, System Identification, 2nd ed., 1999, chapters 7 and 10; McKelvey, Helmersson, Ribarits 2004, Automatica
     40(9), for the coordinates.
     """
+    if not seconds > 0:
+        raise ValueError(f"seconds is {seconds:g} s, must be > 0")
+    effort = Effort(iterations, seconds, show)
     drives, responses = as_records(drive, response)
     _check(model, drives, responses, focus, direct)
     scale = scale_of(drives, responses)
@@ -88,11 +97,11 @@ def refine(
     through = start.D if direct else start.D[:, :0]
     drives, responses = scale.of_drives(drives), scale.of_responses(responses)
     if focus == "simulation":
-        return _simulating(start, through, drives, responses, scale, iterations)
+        return _simulating(start, through, drives, responses, scale, effort)
     inlet = np.hstack([start.B - start.K @ start.D, start.K])
     predictor, _ = balanced(Element(start.A - start.K @ start.C, inlet, start.C, 0, start.inputs))
     records = [Record(np.hstack([u, y]), y) for u, y in zip(drives, responses, strict=True)]
-    found = fit([predictor], through, records, free, joint=True, iterations=iterations)
+    found = fit([predictor], through, records, free, joint=True, effort=effort)
     refined = _from_predictor(found, start)
     errors = mode_errors(found.coordinates, white_covariance(found), model.rate)[0]
     return Refined(scale.removed(refined), errors, found.iterations, found.arrived)
@@ -104,11 +113,11 @@ def _simulating(
     drives: Sequence[np.ndarray],
     responses: Sequence[np.ndarray],
     scale: Scale,
-    iterations: int,
+    effort: Effort,
 ) -> Refined:
     records = [Record(u, y) for u, y in zip(drives, responses, strict=True)]
     element, _ = balanced(Element(start.A, start.B, start.C))
-    found = fit([element], through, records, free, joint=False, iterations=iterations)
+    found = fit([element], through, records, free, joint=False, effort=effort)
     element, still = found.point.elements[0], np.zeros_like(start.K)
     direct = found.point.direct if through.size else start.D
     simulating = replace(start, A=element.a, B=element.b, C=element.c, D=direct, K=still)
@@ -116,18 +125,18 @@ def _simulating(
         y - simulating.simulate(u, states[0])
         for u, y, states in zip(drives, responses, found.point.states, strict=True)
     ]
-    gained = _with_gain(simulating, noise, iterations)
+    gained = _with_gain(simulating, noise, effort)
     covariance = coloured_covariance(found, records)
     errors = mode_errors(found.coordinates, covariance, start.rate)[0]
     return Refined(scale.removed(gained), errors, found.iterations, found.arrived)
 
 
-def _with_gain(model: InnovationModel, noise: Sequence[np.ndarray], iterations: int) -> InnovationModel:
+def _with_gain(model: InnovationModel, noise: Sequence[np.ndarray], effort: Effort) -> InnovationModel:
     """Return the model with the K that predicts best what its free run leaves over."""
     records = [Record(part, part) for part in noise]
     predictor = Element(model.A, model.K, model.C)
     none = np.zeros((model.outputs, 0))
-    found = fit([predictor], none, records, gain_only, joint=True, iterations=iterations)
+    found = fit([predictor], none, records, gain_only, joint=True, effort=effort)
     return replace(model, K=found.point.elements[0].b, innovation=_symmetric(found.point.covariance))
 
 

@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 
 from calibration.prediction_error.autoregression import Arx, arx
 from calibration.prediction_error.element import LARGEST_MODULUS, Element, balanced
-from calibration.prediction_error.gauss_newton import Fit, fit
+from calibration.prediction_error.gauss_newton import Effort, Fit, fit
 from calibration.prediction_error.local_coordinates import free
 from calibration.prediction_error.normal_equations import Record, residual
 from stagectl.models import InnovationModel
@@ -101,7 +101,7 @@ def plain_model(elements: Sequence[Element], direct: np.ndarray, inputs: int) ->
 
 
 def _fitted(elements: Sequence[Element], direct: np.ndarray, records: Sequence[Record]) -> Fit:
-    return fit(elements, direct, records, free, joint=True, iterations=ITERATIONS)
+    return fit(elements, direct, records, free, joint=True, effort=Effort(ITERATIONS))
 
 
 def _start(

@@ -184,3 +184,18 @@ def test_an_unstable_start_and_wrong_sizes_are_refused() -> None:
 def test_scales_are_the_channels_sizes() -> None:
     scale = scale_of([np.array([[3.0, 0.0], [4.0, 0.0]])], [np.ones((2, 1))])
     np.testing.assert_allclose(scale.drive, [np.sqrt(12.5), 1.0])
+
+
+def test_it_ends_in_time_and_says_how_far_it_came() -> None:
+    system, told = order_9(), []
+    record = system.record(SAMPLES, seed=4)
+    found = refine(spoiled(system.model), *record, seconds=1e-9, show=lambda number, gain: told.append((number, gain)))
+    assert not found.arrived
+    assert found.iterations == len(told) == 0
+    assert found.model.is_stable
+    whole = refine(spoiled(system.model), *record, show=lambda number, gain: told.append((number, gain)))
+    assert whole.arrived
+    assert [number for number, _ in told] == list(range(1, whole.iterations + 1))
+    assert max(gain for _, gain in told) > 0.0
+    with pytest.raises(ValueError, match="seconds is 0 s, must be > 0"):
+        refine(system.model, *record, seconds=0.0)
