@@ -7,7 +7,8 @@ import numpy as np
 import typer
 
 from calibration.frequency_domain.identify import MOST, Measured, identify_response, merged
-from calibration.frequency_domain.report import MODE_HEAD, fit_figures, fit_rows, mode_rows, response_report
+from calibration.frequency_domain.report import FIT_HEAD, MODE_HEAD, fit_figures, fit_rows, mode_rows, response_report
+from calibration.frequency_domain.response_model import ResponseModel
 from calibration.identification.recordings import from_file
 from calibration.names import refuse_inputs, refuse_taken
 from calibration.output import AgainOption
@@ -21,23 +22,28 @@ FilesArgument = Annotated[
 ]
 
 
+InputsOption = Annotated[str | None, typer.Option(metavar="u1,u2", help="Channels of the drive in a recording.")]
+OutputsOption = Annotated[str | None, typer.Option(metavar="y1,y2", help="Channels of the response in it.")]
+SampledOption = Annotated[float | None, typer.Option(metavar="HZ", help="Its rate, where a recording does not say.")]
+ResolutionOption = Annotated[float, typer.Option(metavar="HZ", help="Of the response of a recording.")]
+OrderOption = Annotated[str, typer.Option(metavar="auto|N", help="States of the model.")]
+MostOption = Annotated[int, typer.Option(help="Largest order that is tried.")]
+RateOption = Annotated[float | None, typer.Option(metavar="HZ", help="Of the model; without it it is continuous.")]
+BandOption = Annotated[tuple[float, float] | None, typer.Option(metavar="LOW HIGH", help="Hz, of the lines fitted.")]
+NoDirectOption = Annotated[bool, typer.Option("--no-direct", help="D is 0.")]
+
+
 def response_command(
     data: FilesArgument,
-    inputs: Annotated[str | None, typer.Option(metavar="u1,u2", help="Channels of the drive in a recording.")] = None,
-    outputs: Annotated[str | None, typer.Option(metavar="y1,y2", help="Channels of the response in it.")] = None,
-    sampled: Annotated[
-        float | None, typer.Option("--sampled", metavar="HZ", help="Samples a second, where a recording does not say.")
-    ] = None,
-    resolution: Annotated[float, typer.Option(metavar="HZ", help="Of the response of a recording.")] = 0.5,
-    order: Annotated[str, typer.Option(metavar="auto|N", help="States of the model.")] = "auto",
-    most: Annotated[int, typer.Option(help="Largest order that is tried.")] = MOST,
-    rate: Annotated[
-        float | None, typer.Option(metavar="HZ", help="Samples a second of the model; else it is continuous.")
-    ] = None,
-    band: Annotated[
-        tuple[float, float] | None, typer.Option(metavar="LOW HIGH", help="Hz, of the lines that are fitted.")
-    ] = None,
-    no_direct: Annotated[bool, typer.Option("--no-direct", help="D is 0.")] = False,
+    inputs: InputsOption = None,
+    outputs: OutputsOption = None,
+    sampled: SampledOption = None,
+    resolution: ResolutionOption = 0.5,
+    order: OrderOption = "auto",
+    most: MostOption = MOST,
+    rate: RateOption = None,
+    band: BandOption = None,
+    no_direct: NoDirectOption = False,
     out: Annotated[Path | None, written_file("FILE", "Model file; the report goes beside it.")] = None,
     png: Annotated[Path | None, made_folder("DIR", "Write the figures as PNG files.")] = None,
     again: AgainOption = False,
@@ -64,18 +70,22 @@ def response_command(
     source = ", ".join(map(str, data))
     if out is not None:
         found.save(out, source=source)
-    if out is not None or png is not None:
-        report = response_report(found, measured, source)
-        if out is not None:
-            report.write(out.with_suffix(".html"))
-        if png is not None:
-            report.png(png)
+    _report(found, measured, source, out, png)
     stream = words(json)
-    print_table(
-        f"{source}: {found!r}"[:-1].replace("<ResponseModel: ", ""), ("", ""), fit_rows(found, measured), stream
-    )
+    print_table(f"{source}: {found.told}", FIT_HEAD, fit_rows(found, measured), stream)
     print_table("modes, +- one standard error", MODE_HEAD, mode_rows(found), stream)
     write_json(json, fit_figures(found, measured))
+
+
+def _report(found: ResponseModel, measured: Measured, source: str, out: Path | None, png: Path | None) -> None:
+    """Write the page and the pictures that are asked for."""
+    if out is None and png is None:
+        return
+    report = response_report(found, measured, source)
+    if out is not None:
+        report.write(out.with_suffix(".html"))
+    if png is not None:
+        report.png(png)
 
 
 def _read(

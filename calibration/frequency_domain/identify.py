@@ -64,7 +64,7 @@ def identify_response(
     frequency : array, shape (bins,), Hz, > 0
         Rising; lines may be given more than once.
     response : complex array, shape (bins, outputs, inputs) or (bins,), any unit
-    variance : array, of the response's shape, its unit squared, optional
+    variance : array, shape (bins, outputs, inputs) or (bins,), the response's unit squared, optional
         E |error|^2 of each element; without it all are alike.
     rate : float, optional, samples/s
         Of a model in discrete time; without it the model is continuous.

@@ -11,7 +11,7 @@ from rigkit.figure_style import COLOURS, styled
 from rigkit.report import Fact, Plot, Report, Section, Table
 
 MODE_HEAD = ("frequency, Hz", "+-", "damping ratio, %", "+-")
-FIT_HEAD = ("", "")
+FIT_HEAD = ("of the fit", "")
 GRID, SURE = 800, 1.96
 """Frequencies at which a model is drawn, and standard errors on either side of a 95 % band."""
 MOST_DRAWN = 4

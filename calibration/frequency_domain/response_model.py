@@ -129,12 +129,17 @@ class ResponseModel:
         write_model_file(Path(path), ModelFile(FORMAT, arrays, provenance=provenance))
         return Path(path)
 
-    def __repr__(self) -> str:
-        """Return a line."""
+    @property
+    def told(self) -> str:
+        """It in a few words."""
         time = "continuous" if self.rate is None else f"{self.rate:g} samples/s"
         outputs, inputs = self.form.D.shape
         low, high = self.band
-        return f"<ResponseModel: {self.order} states, {inputs} to {outputs}, {time}, {low:g} to {high:g} Hz>"
+        return f"{self.order} states, {inputs} to {outputs}, {time}, {low:g} to {high:g} Hz"
+
+    def __repr__(self) -> str:
+        """Return a line."""
+        return f"<ResponseModel: {self.told}>"
 
 
 def read_response_model(path: Path) -> ResponseModel:

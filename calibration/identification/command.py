@@ -55,6 +55,8 @@ MapOption = Annotated[
     typer.Option("--map", metavar="drive_1=3,...", help="Channels of --from by name or number; - turns one round."),
 ]
 
+SecondsOption = Annotated[float, typer.Option(metavar="S", help="In which pem ends, arrived or not.")]
+
 
 def identify_command(
     data: FilesArgument = None,
@@ -69,7 +71,7 @@ def identify_command(
     correct_clock: CorrectClockOption = False,
     horizon: Annotated[int | None, typer.Option(help="Samples that the singular values look back and ahead.")] = None,
     hold_back: Annotated[float, typer.Option("--hold-back", help="Share kept, at the end, to judge by.")] = 0.3,
-    seconds: Annotated[float, typer.Option(metavar="S", help="In which pem ends, arrived or not.")] = REFINED,
+    seconds: SecondsOption = REFINED,
     out: Annotated[Path | None, written_file("FILE", "Model file; the report goes beside it.")] = None,
     png: Annotated[Path | None, made_folder("DIR", "Write the figures as PNG files.")] = None,
     again: AgainOption = False,
@@ -90,10 +92,7 @@ def identify_command(
     measured = _read(data or [], drives or [], (inputs, outputs, channels), rate)
     measured = _made_ready(measured, decimate, correct_clock)
     with _watched(measured) as show:
-        files, way = (measured.recordings, measured.inputs), cast(Method, method)
-        found = identify_recordings(
-            *files, order=states, method=way, horizon=horizon, hold_back=hold_back, seconds=seconds, show=show
-        )
+        found = _identified(measured, states, cast(Method, method), horizon, hold_back, seconds, show)
     if out is not None:
         refuse_taken(made, again)
         write_model(out, found.model)
@@ -104,6 +103,27 @@ def identify_command(
         if png is not None:
             report.png(png)
     _print(found, measured, out, json)
+
+
+def _identified(
+    measured: Measured,
+    order: int | None,
+    method: Method,
+    horizon: int | None,
+    hold_back: float,
+    seconds: float,
+    show: Callable[[int, str], object],
+) -> Identification:
+    return identify_recordings(
+        measured.recordings,
+        measured.inputs,
+        order=order,
+        method=method,
+        horizon=horizon,
+        hold_back=hold_back,
+        seconds=seconds,
+        show=show,
+    )
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from calibration import subspace
 from calibration.fit_measures import Fit, fit, free_run
 from calibration.identification.excitation import Nearly, nearly_collinear
 from calibration.one_thread import on_one_thread
-from calibration.prediction_error import ModeErrors, Refined, refine
+from calibration.prediction_error import ModeErrors, refine
 from calibration.residual_tests import LAGS
 from ctlblocks.recording import Recording
 from rigkit.provenance import now, software
@@ -131,23 +131,13 @@ def identify_recordings(
     early = _sides([each[:cut] - around for each, cut in zip(records, cuts, strict=True)], inputs)
     late = _sides([each[cut:] - around for each, cut in zip(records, cuts, strict=True)], inputs)
     show(1, "errors of its modes" if method != "pem" else "the model refined")
-    if method == "pem":
-        refined = refine(
-            found.model,
-            *early,
-            seconds=seconds,
-            show=lambda number, gain: show(1, f"iteration {number}: the criterion is lower by {gain:.1g}"),
-        )
-        notes = (*notes, *_unfinished(refined, seconds))
-        model, errors = refined.model, refined.errors
-    else:
-        model, errors = _plain(found)
+    model, errors, ended = _refined(found, early, seconds, show) if method == "pem" else _plain(found)
     model = _labelled(model, first, inputs, method, sum(cuts))
     show(2, "fits")
     own, fresh = fit(model, *early, fitted=found.core.order * model.outputs), fit(model, *late)
     runs = [free_run(model, drive, heard) for drive, heard in zip(*late, strict=True)]
     drive, response, modelled = (np.concatenate(each) for each in (*late, runs))
-    return Identification(model, found, method, errors, own, fresh, drive, response, modelled, nearly, notes)
+    return Identification(model, found, method, errors, own, fresh, drive, response, modelled, nearly, (*notes, *ended))
 
 
 def _cut(samples: int, number: int, hold_back: float) -> int:
@@ -166,17 +156,27 @@ def _sides(records: Sequence[np.ndarray], inputs: int) -> tuple[list[np.ndarray]
     return [each[:, :inputs] for each in records], [each[:, inputs:] for each in records]
 
 
-def _unfinished(refined: Refined, seconds: float) -> tuple[str, ...]:
-    """Say that a refinement did not come to its end."""
-    if refined.arrived:
-        return ()
-    ended = f"ended after {refined.iterations} iterations, before it arrived; at most {seconds:g} s are given to it"
-    return (f"the refinement {ended}",)
+def _refined(
+    found: subspace.Identified,
+    records: tuple[Sequence[np.ndarray], Sequence[np.ndarray]],
+    seconds: float,
+    show: Callable[[int, str], object],
+) -> tuple[InnovationModel, ModeErrors, tuple[str, ...]]:
+    """Refine a model; return it, its errors, and what is to be said of how it ended."""
+
+    def told(number: int, gain: float) -> None:
+        show(1, f"iteration {number}: the criterion is lower by {gain:.1g}")
+
+    done = refine(found.model, *records, seconds=seconds, show=told)
+    ended = (
+        f"the refinement ended after {done.iterations} iterations, before it arrived; at most {seconds:g} s are given"
+    )
+    return done.model, done.errors, () if done.arrived else (ended,)
 
 
-def _plain(found: subspace.Identified) -> tuple[InnovationModel, ModeErrors]:
+def _plain(found: subspace.Identified) -> tuple[InnovationModel, ModeErrors, tuple[str, ...]]:
     errors = found.pole_errors
-    return found.model, ModeErrors(found.core.modes, errors.frequency, errors.damping)
+    return found.model, ModeErrors(found.core.modes, errors.frequency, errors.damping), ()
 
 
 def _check_moving(names: Sequence[str], records: Sequence[np.ndarray]) -> None:
