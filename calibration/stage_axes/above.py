@@ -6,7 +6,9 @@ RESOLUTION = 1.0
 """Hz, of the gains that are compared: as wide as a resonance, or less."""
 
 
-def largest_gain(drive: np.ndarray, response: np.ndarray, rate: float, band: tuple[float, float]) -> float:
+def largest_gain(
+    drive: np.ndarray, response: np.ndarray, rate: float, band: tuple[float, float], integrated: bool = False
+) -> float:
     """Return the largest gain of a band that a chirp went through, in the response's unit per unit of drive.
 
     The gain of a cell is the root of the powers' ratio, so that noise can make it larger and not smaller.
@@ -17,6 +19,8 @@ def largest_gain(drive: np.ndarray, response: np.ndarray, rate: float, band: tup
         From rest to rest.
     rate : float, samples/s
     band : (float, float), Hz
+    integrated : bool, optional
+        The gain is divided by the frequency, Hz, first, as behind an integrator.
 
     Examples
     --------
@@ -32,4 +36,5 @@ def largest_gain(drive: np.ndarray, response: np.ndarray, rate: float, band: tup
     given, heard = (
         np.add.reduceat(np.abs(np.fft.rfft(each)[low:high]) ** 2, edges - low) for each in (drive, response)
     )
-    return float(np.sqrt(np.max(heard / given)))
+    gain = np.sqrt(heard / given)
+    return float(np.max(gain / (edges * rate / size) if integrated else gain))

@@ -24,6 +24,8 @@ from stagectl.stage.state_space import plant_of
 
 SMALL = 0.5
 """Largest gain of the loop where the model knows nothing: with it, whatever the phase is there, Ms is 2 at most."""
+ANSWER = 1.0
+"""Largest answer to a reference there."""
 FASTEST = 0.1
 """Of the highest frequency that is excited: the bandwidth up to which a PID is designed on such a model."""
 
@@ -143,7 +145,8 @@ def quiet_above(outer: Outer, axis: int, closed: Closed) -> Outer:
     """Return the settings of an axis, with bounds above `reach` that what was measured there allows.
 
     Small gain: a resonance that no model has may have any phase, so the loop's gain must be below one there.  Nor may
-    it answer a reference, or its noise, more strongly than those that the model has.
+    it answer a reference strongly: what compensates a deflection makes the reference of what two sensors see of the
+    plate, and they do not see the same there.
 
     Parameters
     ----------
@@ -158,7 +161,7 @@ def quiet_above(outer: Outer, axis: int, closed: Closed) -> Outer:
     at_rest = abs(closed.one.model.frequency_response(np.zeros(1))[0, 0, 0])
     louder = closed.above / at_rest
     beyond = float(f"{min(of_axis(outer.beyond, axis), SMALL / louder):.3g}")
-    forward = min(outer.forward_beyond, outer.mistuned_sensitivity / louder)
+    forward = min(outer.forward_beyond, ANSWER / louder)
     return outer.model_copy(update={"beyond": (beyond,), "forward_beyond": forward})
 
 
@@ -188,10 +191,15 @@ def _opened(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Metho
         identified(experiment, wanted, config.stage.rate, settings.band[1], about)
         for wanted in (_stack(name, axis, method), *_positions(config, axis, drive, order, method))
     )
-    return Opened(experiment, stack, one, every, *inner_loop(config, axis, stack.model))
+    heard = experiment.above
+    extension, band = heard.extension[:, axis], above_band(config)
+    above = largest_gain(heard.drive[:, 0], extension, config.stage.rate, band, integrated=True)
+    return Opened(experiment, stack, one, every, *inner_loop(config, axis, stack.model, above))
 
 
-def inner_loop(config: StageConfig, axis: int, stack: InnovationModel) -> tuple[Pid, Inner, Robustness]:
+def inner_loop(
+    config: StageConfig, axis: int, stack: InnovationModel, above: float = 0.0
+) -> tuple[Pid, Inner, Robustness]:
     """Return the PID to close the loop with, what a rig file says to get it, and how robust it is on the stack.
 
     Parameters
@@ -200,13 +208,17 @@ def inner_loop(config: StageConfig, axis: int, stack: InnovationModel) -> tuple[
     axis : int, counted from 0
     stack : InnovationModel
         From voltage (V) to extension (m).
+    above : float, m/V per Hz, optional
+        Largest gain over frequency, above the frequencies that the model is made of: integral action is so slow that
+        the loop's gain is small there.
     """
     settings = config.characterisation
     if settings.inner == "rig":
         given = pid(config.inner, axis)
         figures = robustness(plant_of(stack), given.system(stack.rate), stack.rate, delay=1)
         return given, slow(config.inner, axis, np.inf), figures
-    wished = slow(config.inner, axis, FASTEST * settings.band[1])
+    most = SMALL * gain_at_rest(stack) / above if above > 0 else np.inf
+    wished = slow(config.inner, axis, min(FASTEST * settings.band[1], most))
     loop, figures = robust_pid(stack, wished, 0, settings.max_sensitivity)
     gain = gain_at_rest(stack)
     made = {"gain": (gain,), "bandwidth": (loop.integral * gain / (2 * np.pi),)}
@@ -223,7 +235,6 @@ def _closed(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Metho
         identified(experiment, wanted, config.stage.rate, config.characterisation.band[1], about)
         for wanted in (replace(own, convert=control_at_rate), others)
     )
-    assert experiment.above is not None
     heard = experiment.above
     above = largest_gain(heard.drive[:, 0], heard.position[:, axis], config.stage.rate, above_band(config))
     return Closed(experiment, one, every, above)

@@ -31,7 +31,7 @@ BEGUN = 0.85
 NYQUIST = 0.4
 """Of the rate, up to which a chirp goes."""
 HIGHER, SHORTER = 4.0, 0.5
-"""How far above the band one more chirp goes with closed inner loop, re its end, and its length, re the first."""
+"""How far above the band one more chirp goes, re its end, and its length, re the first."""
 REST = 0.5
 """s before a chirp over which rest is averaged."""
 
@@ -70,8 +70,8 @@ class Experiment:
         Of signal.
     fingerprints : tuple of str
         Of the plans.
-    above : Excited or None
-        With closed inner loop: from the band's end on, to see what the models know nothing of.
+    above : Excited
+        From the band's end on, to see what the models know nothing of.
     """
 
     amplitude: float
@@ -79,7 +79,7 @@ class Experiment:
     fresh: Excited
     seconds: float
     fingerprints: tuple[str, ...]
-    above: Excited | None = None
+    above: Excited
 
 
 def record(bench: ExcitedAxis, raw: RawFolder) -> Experiment:
@@ -112,11 +112,9 @@ def record(bench: ExcitedAxis, raw: RawFolder) -> Experiment:
     plan, (*learned, fresh) = _first_within_limits(bench, raw, plans)
     amplitude = _loudest(plan)
     played.append(plan)
-    above = None
-    if bench.loop is not None:
-        higher = _higher(bench, amplitude)
-        played.append(higher)
-        (above,) = _recorded(bench, higher, raw)
+    higher = _higher(bench, amplitude)
+    played.append(higher)
+    (above,) = _recorded(bench, higher, raw)
     seconds = sum(each.seconds for each in played)
     return Experiment(amplitude, tuple(learned), fresh, seconds, tuple(each.fingerprint for each in played), above)
 
@@ -132,9 +130,8 @@ def require_room(config: StageConfig, axes: int, raw: RawFolder) -> None:
         What it has already needs no room.
     """
     settings, channels = config.characterisation, 1 + len(HEARD) * len(config.stage.axes)
-    seconds = 2 * (5 * settings.settle + (3 + DOWN + FRESH) * settings.seconds)  # scout, approach, up, down, fresh
-    seconds += settings.settle + SHORTER * settings.seconds  # with closed inner loop alone: above the band
-    raw.require_room(round(axes * seconds * config.stage.rate), channels)
+    seconds = 6 * settings.settle + (3 + DOWN + FRESH + SHORTER) * settings.seconds  # scout to fresh, and above
+    raw.require_room(round(axes * 2 * seconds * config.stage.rate), channels)  # inner loop open, closed
 
 
 def without_creep(position: np.ndarray, settled: float, rate: float) -> np.ndarray:
@@ -202,9 +199,10 @@ def _chirps(bench: ExcitedAxis, number: int, amplitude: float) -> Plan:
 
 def _higher(bench: ExcitedAxis, amplitude: float) -> Plan:
     """Return a chirp from the band's end on, at the amplitude of the others or what the drive's rate allows."""
-    settings, rate = bench.config.characterisation, bench.config.stage.rate
+    settings, rate, limits = bench.config.characterisation, bench.config.stage.rate, bench.config.limits
+    slew = limits.voltage_slew if bench.loop is None else limits.extension_slew
     low, high = BEGUN * settings.band[1], above_band(bench.config)[1]
-    quiet = _rounded(min(amplitude, USED * bench.config.limits.extension_slew / (2 * np.pi * high)))
+    quiet = _rounded(min(amplitude, USED * slew / (2 * np.pi * high)))
     return _plan(bench, "above", [Chirp(rate, settings.settle, SHORTER * settings.seconds, low, high, quiet)])
 
 

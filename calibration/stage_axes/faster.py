@@ -92,8 +92,9 @@ def stack_at_rate(
     """Convert a model of a stack's extension: what follows its voltage at once, with resonances beside it.
 
     As `at_rate`, but poles that hardly ring are left out, since they are creep and loops and not mechanics: the gain at
-    rest is then the one that a loop meets.  Two states more take the part that follows within a sample of the thinned
-    record: a delay of one sample at `rate`, and a lag.
+    rest is then the one that a loop meets.  So are those that ring above all that was excited, which are noise.  Two
+    states more take the part that follows within a sample of the thinned record: a delay of one sample at `rate`, and a
+    lag.
 
     Parameters
     ----------
@@ -104,7 +105,8 @@ def stack_at_rate(
     responses : sequence of arrays, each of shape (N, 1), m
     rate : float, samples/s
     """
-    slow, outlet = _modal(model, rate / model.rate, lambda _, damping: damping <= RINGING)
+    top = BEYOND * model.rate
+    slow, outlet = _modal(model, rate / model.rate, lambda frequency, damping: damping <= RINGING and frequency <= top)
     transition = block_diag(slow, [[0.0]], [[np.exp(-2 * np.pi * LAG * model.rate / rate)]])
     size = np.std(np.concatenate(responses))
     return _driven(model, (transition, np.hstack([outlet, [[size, size]]])), drives, responses, rate)

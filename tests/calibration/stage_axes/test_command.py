@@ -23,7 +23,7 @@ from stagectl.stage.piezo_pid import pid
 from stagectl.stage.weights import chosen_weights
 from tests.stagectl.linear_stage import model as stage_model
 
-RECORDED = ("approach-000", "chirp-000", "chirp-001", "chirp-002", "scout-000")
+RECORDED = ("above-000", "approach-000", "chirp-000", "chirp-001", "chirp-002", "scout-000")
 QUICK = ("stage.rate=5000", *(f"characterisation.{text}" for text in ("band=[2, 150]", "seconds=2", "settle=0.5")))
 
 
@@ -51,7 +51,7 @@ def test_it_writes_models_report_figures_recordings_and_a_rig_file(calibrated: P
     assert names == {*models, "stage-z.html", "stage-z.toml", "stage-z.raw", "f.json", "png"}
     assert (calibrated / "png" / "z" / "order.png").is_file()
     assert sorted(path.name for path in (calibrated / "stage-z.raw").glob("*.wav")) == [
-        *(f"z-closed-{name}.wav" for name in ("above-000", *RECORDED)),
+        *(f"z-closed-{name}.wav" for name in RECORDED),
         *(f"z-open-{name}.wav" for name in RECORDED),
     ]
 
