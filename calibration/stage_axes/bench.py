@@ -20,8 +20,13 @@ from stagectl.stage.loop import Stage, fault_of
 from stagectl.stage.piezo_pid import Pid
 from stagectl.stage.sensors import SensorCheck
 
-HEARD = ("extension", "position")
-"""What is recorded of every axis, m."""
+HEARD = ("extension", "position", "absolute")
+"""What is recorded of every axis, m: the last by a laser, zeros where there is none."""
+CONTROLLED = HEARD[:2]
+"""What the controllers read of it."""
+
+
+_PUSHES = "surroundings", "surroundings_options"
 
 
 class ExcitationError(ValueError):
@@ -58,8 +63,8 @@ class ExcitedAxis(Protocol):
         Returns
         -------
         emitted : array, shape (samples, 1), V or m
-        heard : array, shape (samples, 2 axes), m
-            Extension and position of every axis, as the controllers read them.
+        heard : array, shape (samples, 3 axes), m
+            Extension and position of every axis, as the controllers read them, and what a laser sees.
         """
 
 
@@ -96,6 +101,12 @@ class RecordedBench:
         drive : array, shape (samples, 1), V or m
         """
         return refuse_to_emit(drive)
+
+
+def left_alone(config: StageConfig) -> StageConfig:
+    """Return a rig file with nothing that pushes or moves the simulated stage: no cut is on while it is excited."""
+    still = {name: type(config.simulator).model_fields[name].get_default(call_default_factory=True) for name in _PUSHES}
+    return config.model_copy(update={"simulator": config.simulator.model_copy(update=still)})
 
 
 See = Callable[[np.ndarray, np.ndarray], object]
@@ -145,8 +156,8 @@ class Bench:
         -------
         emitted : array, shape (samples, 1), V or m
             What the guard let out, or the reference.
-        heard : array, shape (samples, 2 axes), m
-            Extension and position of every axis, as the controllers read them.
+        heard : array, shape (samples, 3 axes), m
+            Extension and position of every axis, as the controllers read them, and what a laser sees.
 
         Raises
         ------
@@ -186,10 +197,11 @@ class Bench:
         record = Record([Port("drive", unit, axes), *(Port(name, "m", axes) for name in HEARD)], len(whole))
         graph.add("record", record)
         graph.connect(let_out, "record.drive")
-        outputs = simulated(config)(graph)
+        outputs = simulated(left_alone(config))(graph)
         for name in HEARD:
             source, delayed = outputs[name]
-            graph.connect(source, f"sensors.{name}", delayed=delayed)
+            if name in CONTROLLED:
+                graph.connect(source, f"sensors.{name}", delayed=delayed)
             graph.connect(source, f"record.{name}", delayed=delayed)
         graph.prepare()
         return graph, shut, start, record

@@ -9,11 +9,12 @@ from calibration.experiment import RawFolder
 from calibration.identification.workflow import Identification
 from calibration.stage_axes.above import largest_gain
 from calibration.stage_axes.bench import ExcitedAxis
-from calibration.stage_axes.experiment import Experiment, above_band, record
+from calibration.stage_axes.experiment import Excited, Experiment, above_band, record
 from calibration.stage_axes.faster import at_rate, control_at_rate, stack_at_rate
 from calibration.stage_axes.identification import Wanted, identified, simo, siso, stretched
 from calibration.subspace.realization import Method
 from stagectl.config import Inner, Outer, StageConfig
+from stagectl.deflection import DeflectionReference
 from stagectl.models import InnovationModel
 from stagectl.stage.design import Design, design
 from stagectl.stage.design_bounds import of_axis
@@ -25,7 +26,7 @@ from stagectl.stage.state_space import plant_of
 SMALL = 0.5
 """Largest gain of the loop where the model knows nothing: with it, whatever the phase is there, Ms is 2 at most."""
 ANSWER = 1.0
-"""Largest answer to a reference there."""
+"""Largest answer to a reference there, where it is not known what a laser sees."""
 FASTEST = 0.1
 """Of the highest frequency that is excited: the bandwidth up to which a PID is designed on such a model."""
 
@@ -68,12 +69,15 @@ class Closed:
         From the inner loop's reference to the axis' position, and to those of all axes.
     above : float, m/m
         Largest gain to the axis' position above the frequencies that the models are made of.
+    seen : float or None, m/m
+        Largest gain there to what a deflection's compensation takes for the robot's motion; None without a laser.
     """
 
     experiment: Experiment
     one: Identification
     every: Identification
     above: float
+    seen: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,8 +149,8 @@ def quiet_above(outer: Outer, axis: int, closed: Closed) -> Outer:
     """Return the settings of an axis, with bounds above `reach` that what was measured there allows.
 
     Small gain: a resonance that no model has may have any phase, so the loop's gain must be below one there.  Nor may
-    it answer a reference strongly: what compensates a deflection makes the reference of what two sensors see of the
-    plate, and they do not see the same there.
+    it answer a reference strongly: what compensates a deflection makes the reference of what laser and plate's sensor
+    see of the plate, and they do not see the same there; a loop, whose gain must be small as well.
 
     Parameters
     ----------
@@ -161,7 +165,8 @@ def quiet_above(outer: Outer, axis: int, closed: Closed) -> Outer:
     at_rest = abs(closed.one.model.frequency_response(np.zeros(1))[0, 0, 0])
     louder = closed.above / at_rest
     beyond = float(f"{min(of_axis(outer.beyond, axis), SMALL / louder):.3g}")
-    forward = min(outer.forward_beyond, ANSWER / louder)
+    answer = ANSWER / louder if closed.seen is None else SMALL * at_rest / closed.seen
+    forward = min(outer.forward_beyond, answer)
     return outer.model_copy(update={"beyond": (beyond,), "forward_beyond": forward})
 
 
@@ -237,7 +242,21 @@ def _closed(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Metho
     )
     heard = experiment.above
     above = largest_gain(heard.drive[:, 0], heard.position[:, axis], config.stage.rate, above_band(config))
-    return Closed(experiment, one, every, above)
+    return Closed(experiment, one, every, above, _seen(config, axis, heard))
+
+
+def _seen(config: StageConfig, axis: int, heard: Excited) -> float | None:
+    """Return the largest gain to the motion that a laser and the plate's own sensor see differently."""
+    if not heard.absolute.any():
+        return None
+    compensation, reference = (
+        DeflectionReference(config.deflection, heard.position.shape[1]),
+        np.empty_like(heard.position),
+    )
+    compensation.prepare(config.stage.rate, len(reference))
+    absolute, position = (np.ascontiguousarray(each) for each in (heard.absolute, heard.position))
+    compensation.process(np.zeros_like(position), absolute, position, reference)
+    return largest_gain(heard.drive[:, 0], reference[:, axis], config.stage.rate, above_band(config))
 
 
 def _positions(

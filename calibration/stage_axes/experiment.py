@@ -43,8 +43,8 @@ class Excited:
     Parameters
     ----------
     drive : array, shape (N, 1), V or m
-    extension, position : arrays, shape (N, axes), m
-        Deviations from rest.
+    extension, position, absolute : arrays, shape (N, axes), m
+        Deviations from rest; the last is what a laser sees, 0 where there is none.
     rest : array, shape (2, axes), m
         Extensions, and positions, before it.
     """
@@ -52,6 +52,7 @@ class Excited:
     drive: np.ndarray
     extension: np.ndarray
     position: np.ndarray
+    absolute: np.ndarray
     rest: np.ndarray
 
 
@@ -286,7 +287,8 @@ def _excited(bench: ExcitedAxis, plan: Plan, batch: Chirp, data: np.ndarray) -> 
         )
     rest = data[batch.rest - round(REST * plan.rate) : batch.rest].mean(axis=0)
     moved = data[batch.rest :] - rest
-    position = moved[:, 1 + axes :]
+    position, absolute = moved[:, 1 + axes : 1 + 2 * axes], moved[:, 1 + 2 * axes :]
     others = np.arange(axes) != bench.axis
     position[:, others] = without_creep(position[:, others], batch.settle, plan.rate)
-    return Excited(moved[:, :1], moved[:, 1 : 1 + axes], position, rest[1:].reshape(2, axes))
+    places = rest[1 : 1 + 2 * axes].reshape(2, axes)
+    return Excited(moved[:, :1], moved[:, 1 : 1 + axes], position, absolute, places)

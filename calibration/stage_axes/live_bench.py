@@ -76,8 +76,8 @@ class LiveBench:
         -------
         emitted : array, shape (samples, 1), V or m
             What the guard let out, or the reference, as rounded by the wire.
-        heard : array, shape (samples, 6), m
-            Extension and position of every axis, as the controllers read them.
+        heard : array, shape (samples, 9), m
+            Extension and position of every axis, as the controllers read them; zeros, since no laser is on this wire.
 
         Raises
         ------
@@ -93,7 +93,7 @@ class LiveBench:
         played = rounded(DRIVES[kind], drive[:, 0])
         heard = self._heard(kind, played)
         emitted = heard.voltage[:, self.axis] if self.loop is None else self.centre + played
-        return emitted[:, np.newaxis], np.hstack([heard.extension, heard.position])
+        return emitted[:, np.newaxis], np.hstack([heard.extension, heard.position, np.zeros_like(heard.position)])
 
     def _heard(self, kind: Drive, played: np.ndarray) -> Heard:
         lead = 2.5 * self.config.limits.ramp

@@ -11,6 +11,9 @@ from stagectl.stage.sensitivity import Robustness, robustness
 from stagectl.stage.state_space import StateSpace, plant_of
 
 _STEP = 0.9
+LEAST_MARGIN = 3.0
+"""Factor on the gain that a designed loop bears: hysteresis lets a stack move twice as far with a large voltage as with
+the small one that it was identified with."""
 _TRIES = 40
 
 
@@ -84,7 +87,7 @@ def robust_pid(model: InnovationModel, inner: Inner, axis: int, max_sensitivity:
         Its `gain` gives way to the model's own at rest.
     axis : int, counted from 0
     max_sensitivity : float, 1
-        Bound on Ms, with one sample of delay more than the model's.
+        Bound on Ms, with one sample of delay more than the model's; the gain margin is `LEAST_MARGIN` or more.
 
     Returns
     -------
@@ -99,7 +102,7 @@ def robust_pid(model: InnovationModel, inner: Inner, axis: int, max_sensitivity:
     for attempt in range(_TRIES):
         designed = _of_gain(gain, wanted * _STEP**attempt, inner)
         figures = robustness(plant, designed.system(model.rate), model.rate, delay=1)
-        if figures.stable and figures.max_sensitivity <= max_sensitivity:
+        if figures.stable and figures.max_sensitivity <= max_sensitivity and figures.gain_margins[1] >= LEAST_MARGIN:
             return designed, figures
     raise ValueError(
         f"no PID of {wanted * _STEP ** (_TRIES - 1):.3g} to {wanted:g} Hz with inner.proportional "

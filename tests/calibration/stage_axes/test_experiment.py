@@ -42,7 +42,7 @@ class Bending:
         self.played.append(float(np.abs(drive).max()))
         middle = sum(self.config.limits.travel) / 2
         straight = GAIN[0] * drive * 50e-6
-        heard = np.zeros((len(drive), 6))
+        heard = np.zeros((len(drive), 9))
         heard[:, :1] = 20e-6 + GAIN[1] * drive * 0.1
         heard[:, 3:4] = middle + self.rest + straight * (1 + self.further * np.abs(straight))
         return drive + self.centre, heard

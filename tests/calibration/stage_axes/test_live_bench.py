@@ -41,7 +41,7 @@ def test_a_recording_with_lost_samples_is_repeated_and_never_used(monkeypatch: p
     bench = LiveBench(RIG, 1, None, LINK, lambda: False, told.append)
     emitted, heard = bench.emit(np.array([[0.06], [0.11]]))
     np.testing.assert_allclose(emitted[:, 0], [500.1, 500.2])
-    np.testing.assert_allclose(heard[0], [10.05, 10.1, 10.15, 20.05, 20.1, 20.15])
+    np.testing.assert_allclose(heard[0], [10.05, 10.1, 10.15, 20.05, 20.1, 20.15, 0.0, 0.0, 0.0])
     assert [drive for drive, *_ in played] == [Drive.VOLTAGE] * 3
     assert told == ["recording 1 is discarded: too bad, 1", "recording 2 is discarded: too bad, 2"]
 
