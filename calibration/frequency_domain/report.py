@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from calibration.frequency_domain.identify import Measured
 from calibration.frequency_domain.response_model import ResponseModel
@@ -14,8 +15,8 @@ MODE_HEAD = ("frequency, Hz", "+-", "damping ratio, %", "+-")
 FIT_HEAD = ("of the fit", "")
 GRID, SURE = 800, 1.96
 """Frequencies at which a model is drawn, and standard errors on either side of a 95 % band."""
-MOST_DRAWN = 4
-"""Outputs, and inputs, that are drawn."""
+MOST_DRAWN, LEAST_DRAWN = 4, 1e-5
+"""Outputs, and inputs, that are drawn; the least gain, re the largest."""
 
 
 def fit_rows(found: ResponseModel, measured: Measured) -> list[tuple[str, str]]:
@@ -103,6 +104,11 @@ def _gains(found: ResponseModel, measured: Measured) -> Figure:
             )
             each.set_title(f"input {column + 1} to output {row + 1}")
     axes[0, 0].legend(fontsize="small")
+    for each in axes.flat:
+        each.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        each.xaxis.set_major_formatter("{x:g}")
+        each.xaxis.set_minor_formatter(NullFormatter())
+        each.set_ylim(bottom=LEAST_DRAWN * np.abs(response).max())
     for each in axes[-1]:
         each.set_xlabel("Hz")
     figure.set_layout_engine("constrained")
