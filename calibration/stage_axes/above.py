@@ -2,8 +2,8 @@
 
 import numpy as np
 
-RESOLUTION = 1.0
-"""Hz, of the gains that are compared: as wide as a resonance, or less."""
+RESOLUTION, COHERENT = 1.0, 0.7
+"""Hz, of a cell: as wide as a resonance, or less; part of a cell's response that follows the drive, where any does."""
 
 
 def largest_gain(
@@ -11,7 +11,8 @@ def largest_gain(
 ) -> float:
     """Return the largest gain of a band that a chirp went through, in the response's unit per unit of drive.
 
-    The gain of a cell is the root of the powers' ratio, so that noise can make it larger and not smaller.
+    Frequencies are taken together in cells; one in which little of the response follows the drive is noise,
+    and counts as nothing.
 
     Parameters
     ----------
@@ -33,8 +34,9 @@ def largest_gain(
     low, high = (int(edge * size / rate) for edge in band)
     cells = max(1, int((band[1] - band[0]) / RESOLUTION))
     edges = np.linspace(low, high, cells + 1).astype(int)[:-1]
-    given, heard = (
-        np.add.reduceat(np.abs(np.fft.rfft(each)[low:high]) ** 2, edges - low) for each in (drive, response)
-    )
-    gain = np.sqrt(heard / given)
+    given, heard = (np.fft.rfft(each)[low:high] for each in (drive, response))
+    each_cell = (np.abs(given) ** 2, heard * given.conj(), np.abs(heard) ** 2)
+    power, followed, moved = (np.add.reduceat(each, edges - low) for each in each_cell)
+    follows = np.abs(followed) ** 2 > COHERENT * power.real * moved.real
+    gain = np.where(follows, np.abs(followed) / power.real, 0.0)
     return float(np.max(gain / (edges * rate / size) if integrated else gain))

@@ -6,6 +6,10 @@ from scipy.linalg import solve_discrete_are
 from stagectl.models import InnovationModel
 
 
+class NoGain(ValueError):
+    """There is no gain for a model, or its equation is too nearly singular to be solved."""
+
+
 def kalman_gain(model: InnovationModel, doubt: float, caution: float = 0.0, trust: float = 1.0) -> np.ndarray:
     """Return the gain K of (2.4) for a model that is in doubt.
 
@@ -32,6 +36,10 @@ def kalman_gain(model: InnovationModel, doubt: float, caution: float = 0.0, trus
     -------
     array, shape (n, 1), 1 per the output's unit
 
+    Raises
+    ------
+    NoGain : its equation is too nearly singular to be solved.
+
     Source
     ------
     Sörnmo 2015, eq. (2.4); recovery: Doyle and Stein, IEEE Trans. Automatic Control 26 (1981) 4.
@@ -43,7 +51,10 @@ def kalman_gain(model: InnovationModel, doubt: float, caution: float = 0.0, trus
     inputs = doubt * np.hstack([model.B, modes])
     noise = own @ own.T + inputs @ inputs.T  # per variance of the innovations
     one = np.ones((1, 1))
-    covariance = solve_discrete_are(model.A.T, model.C.T, noise, one, s=own)
+    try:
+        covariance = solve_discrete_are(model.A.T, model.C.T, noise, one, s=own)
+    except np.linalg.LinAlgError as fault:
+        raise NoGain(f"there is no Kalman gain for this model: {fault}") from None
     gain: np.ndarray = (model.A @ covariance @ model.C.T + own) / (model.C @ covariance @ model.C.T + one)
     return gain
 

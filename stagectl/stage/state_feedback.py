@@ -7,13 +7,9 @@ from scipy.linalg import block_diag, solve_discrete_are
 
 from stagectl.models import InnovationModel
 from stagectl.stage.axis_record import MOST_STATES
-from stagectl.stage.kalman import modal_parts
+from stagectl.stage.kalman import NoGain, modal_parts
 from stagectl.stage.servo import Servo
 from stagectl.stage.state_space import StateSpace, plant_of
-
-
-class NoGain(ValueError):
-    """There is no LQ gain for a model, or its equation is too nearly singular to be solved."""
 
 
 @dataclass(frozen=True, eq=False)

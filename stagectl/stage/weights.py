@@ -1,14 +1,17 @@
 """The weights that an outer loop is made of, and the loop that they make."""
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import product
 
+import numpy as np
+
 from stagectl.config import ChosenWeights, Outer
 from stagectl.models import InnovationModel
-from stagectl.stage.kalman import kalman_gain
+from stagectl.stage.kalman import NoGain, kalman_gain
 from stagectl.stage.servo import servo
-from stagectl.stage.state_feedback import NoGain, StateFeedback, linear_quadratic, ramp_feedforward
+from stagectl.stage.state_feedback import StateFeedback, linear_quadratic, ramp_feedforward
 
 
 @dataclass(frozen=True)
@@ -57,7 +60,7 @@ def chosen_weights(chosen: ChosenWeights, axis: int) -> Weights | None:
 
 
 def loops(model: InnovationModel, outer: Outer, ranges: Ranges) -> Iterator[tuple[Weights, StateFeedback]]:
-    """Make the loop of every combination that has an LQ gain.
+    """Make the loop of every combination that has an LQ gain and a filter.
 
     Parameters
     ----------
@@ -68,7 +71,9 @@ def loops(model: InnovationModel, outer: Outer, ranges: Ranges) -> Iterator[tupl
     ranges : Ranges
     """
     for caution in ranges.caution:
-        filters = [(pair, kalman_gain(model, pair[1], caution, pair[0])) for pair in ranges.trust_and_doubt]
+        filters = list(_filters(model, ranges, caution))
+        if not filters:
+            continue
         for bandwidth, drive in product(ranges.bandwidth, ranges.drive):
             states = servo(outer, bandwidth, model.rate)
             try:
@@ -80,3 +85,12 @@ def loops(model: InnovationModel, outer: Outer, ranges: Ranges) -> Iterator[tupl
             for ((trust, doubt), gain), part in product(filters, ranges.feedforward):
                 weights = Weights(bandwidth, drive, trust, doubt, caution, part)
                 yield weights, replace(plain, gain=gain, forward=part * forward)
+
+
+def _filters(
+    model: InnovationModel, ranges: Ranges, caution: float
+) -> Iterator[tuple[tuple[float, float], np.ndarray]]:
+    """Make the filters of every trust and doubt for which there is one."""
+    for trust, doubt in ranges.trust_and_doubt:
+        with suppress(NoGain):
+            yield (trust, doubt), kalman_gain(model, doubt, caution, trust)

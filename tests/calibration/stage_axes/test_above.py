@@ -32,3 +32,10 @@ def test_what_rings_below_does_not_count() -> None:
     top, bottom = bilinear([omega**2], [1.0, 0.02 * omega, omega**2], RATE)
     drive = swept()
     assert largest_gain(drive, lfilter(top, bottom, drive), RATE, BAND) == pytest.approx(1 / 3, rel=0.02)
+
+
+def test_noise_alone_is_nothing() -> None:
+    drive, rng = swept(), np.random.default_rng(3)
+    assert largest_gain(drive, rng.standard_normal(len(drive)), RATE, BAND) < 0.2
+    heard = 0.2 * drive + 2.0 * rng.standard_normal(len(drive))
+    assert largest_gain(drive, heard, RATE, BAND) == pytest.approx(0.2, abs=0.15)
