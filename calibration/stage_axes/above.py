@@ -2,7 +2,7 @@
 
 import numpy as np
 
-RESOLUTION, COHERENT = 1.0, 0.7
+RESOLUTION, COHERENT = 1.0, 0.8
 """Hz, of a cell: as wide as a resonance, or less; part of a cell's response that follows the drive, where any does."""
 
 
