@@ -25,7 +25,8 @@ USED = 0.98
 """Of the drive's limits, what a chirp may use."""
 WEAKER = 1.0, 0.6, 0.36
 FAINTER = 1.0, 0.3, 0.1
-"""Of the amplitude that was foreseen, what is played in turn where plate or stack go too far; of an approach to it."""
+"""Of the amplitude that was foreseen, what is played in turn where plate or stack go too far: of the loud chirps; of
+scout and approach."""
 BEGUN = 0.85
 """Of its own band, where that chirp begins, faint at first."""
 NYQUIST = 0.4
@@ -98,8 +99,9 @@ def record(bench: ExcitedAxis, raw: RawFolder) -> Experiment:
     """
     settings = bench.config.characterisation
     quiet = settings.scout if bench.loop is None else settings.scout * _gain(bench)
-    scout = _scout(bench, "scout", quiet)
-    (weak,) = _recorded(bench, scout, raw)
+    plans = [_scout(bench, f"scout{_numbered(number)}", part * quiet) for number, part in enumerate(FAINTER)]
+    scout, (weak,) = _first_within_limits(bench, raw, plans)
+    quiet = _loudest(scout)
     steps, played = [_step(bench, quiet, weak)], [scout]
     amplitude = _amplitude(bench, steps, weak)
     if amplitude > APPROACH * quiet:
@@ -279,8 +281,8 @@ def _recorded(bench: ExcitedAxis, plan: Plan, raw: RawFolder, otherwise: str = "
 
 def _excited(bench: ExcitedAxis, plan: Plan, batch: Chirp, data: np.ndarray) -> Excited:
     axes, (low, high) = len(bench.config.stage.axes), bench.config.limits.travel
-    place = data[:, 1 + axes + bench.axis]
-    if not (place[batch.rest :].min() >= low and place[batch.rest :].max() <= high):
+    place = data[batch.rest :, 1 + axes + bench.axis]
+    if not (place.min() >= low and place.max() <= high):
         raise ExcitationError(
             f"{plan.name}: the plate went from {place.min():.3g} to {place.max():.3g} m, must stay within "
             f"limits.travel, {low:g} to {high:g} m; lower characterisation.excursion"

@@ -104,6 +104,14 @@ def test_a_plate_that_sticks_until_it_breaks_away_is_approached_more_faintly(tmp
     assert recorded(Sticking(records=True), tmp_path).fingerprints == found.fingerprints
 
 
+def test_a_scout_that_is_too_loud_is_played_more_faintly(tmp_path: Path) -> None:
+    lively = Lively()
+    found = recorded(lively, tmp_path)
+    assert excursion(found) == pytest.approx(lively.config.characterisation.excursion, rel=0.2)
+    assert (tmp_path / "x-open-scout2.json").is_file()
+    assert recorded(Lively(records=True), tmp_path).fingerprints == found.fingerprints
+
+
 def test_one_that_leaves_it_however_weak_the_drive_is_says_what_to_lower(tmp_path: Path) -> None:
     with pytest.raises(ExcitationError, match=r"must stay within limits\.travel, .* lower characterisation\.excursion"):
         recorded(Breaking(breaks=0.05), tmp_path)
@@ -136,4 +144,15 @@ class Sticking(Bending):
         middle = sum(self.config.limits.travel) / 2
         sticks = np.abs(drive).max() <= self.config.characterisation.scout
         heard[:, 3] = middle + (0.25 if sticks else 4.0) * (heard[:, 3] - middle)
+        return emitted, heard
+
+
+@dataclass
+class Lively(Bending):
+    """One that moves thirty times as far."""
+
+    def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        emitted, heard = super().emit(drive)
+        middle = sum(self.config.limits.travel) / 2
+        heard[:, 3] = middle + 30.0 * (heard[:, 3] - middle)
         return emitted, heard
