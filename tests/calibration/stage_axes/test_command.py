@@ -161,7 +161,7 @@ def test_bad_input_is_one_line_and_status_2_and_writes_nothing(
 def test_an_excitation_that_the_guard_stops_says_what_to_lower(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    settings = (*QUICK, "characterisation.scout=60")
+    settings = (*QUICK, "characterisation.scout=600")
     assert call(monkeypatch, "--out", tmp_path / "m.h5", "--axis", "z", settings=settings) == 2
     assert "lower characterisation.excursion or characterisation.scout" in capsys.readouterr().err
     assert not (tmp_path / "m.h5").exists()
