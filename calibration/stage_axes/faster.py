@@ -18,8 +18,9 @@ SLOWEST, FASTEST = 1e-6, 1e-3
 """Least 1 - |z|, and least |z|, of a pole of the thinned model: others are taken there before they are converted."""
 RINGING = 0.3
 """Damping ratio up to which a pole is one of the mechanics."""
-CREEP = 0.1
-"""Of the lowest resonance: what is slower and does not ring is creep and hysteresis, which integral action meets."""
+SLOWEST_MODE, CREEP = 0.02, 0.1
+"""Re the rate of the thinned records, a tenth of the highest frequency: what rings more slowly is no resonance.  Of the
+lowest resonance: what is slower is creep, hysteresis and the inner loop, which integral action meets."""
 CREEP_ALONE = 0.002
 """The same re the rate of the thinned records, where nothing rings."""
 BEYOND = 0.25
@@ -76,13 +77,14 @@ def control_at_rate(
     rate : float, samples/s
     """
     found = model.modes
-    heard = (found.damping <= RINGING) & (found.frequency <= BEYOND * model.rate)
+    resonant = (found.frequency >= SLOWEST_MODE * model.rate) & (found.frequency <= BEYOND * model.rate)
+    heard = resonant & (found.damping <= RINGING)
     below = CREEP * min(found.frequency[heard], default=CREEP_ALONE / CREEP * model.rate)
     modes = _modal(
         model, rate / model.rate, lambda frequency, damping: damping > RINGING or frequency <= BEYOND * model.rate
     )
-    frequency, damping = frequency_and_damping(_poles(modes[0]), rate)
-    kept = (damping <= RINGING) | (frequency >= below)
+    frequency, _ = frequency_and_damping(_poles(modes[0]), rate)
+    kept = frequency >= below
     return _driven(model, modes, drives, responses, rate, kept if kept.any() else None)
 
 

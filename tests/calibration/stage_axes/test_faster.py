@@ -105,6 +105,25 @@ def test_a_model_for_a_loop_has_no_creep_and_the_gain_of_what_is_faster(gain: fl
     assert np.abs(np.linalg.eigvals(fast.A - fast.K @ fast.C)).max() < 1.0
 
 
+def test_a_slow_pair_that_rings_is_no_resonance() -> None:
+    """As creep and an inner loop may give it, at 0.7 Hz."""
+    resonance, turn = model("z"), 2 * np.pi * 0.7 / RATE
+    size = np.exp(-0.17 * turn)
+    slow = size * np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    true = InnovationModel(
+        block_diag(resonance.A, slow),
+        np.vstack([resonance.B, [[2e-3], [0.0]]]),
+        np.hstack([resonance.C, [[1.0, 0.0]]]),
+        np.zeros((1, 1)),
+        np.zeros((resonance.order + 2, 1)),
+        RATE,
+        np.ones((1, 1)),
+    )
+    fast = control_at_rate(thinned(true), *excited(true), RATE)
+    assert fast.order == resonance.order
+    assert fast.modes.frequency.min() > 60.0
+
+
 def test_a_model_for_a_loop_keeps_a_lag_that_is_no_slower_than_its_mechanics() -> None:
     true = crept(model("z"), 40.0, 2.0)
     fast = control_at_rate(thinned(true), *excited(true), RATE)
