@@ -70,7 +70,7 @@ def test_a_chirp_over_the_link_shows_the_stage_that_one_in_process_shows(tmp_pat
         emitted, heard = live.emit(chirp)
         assert link.reason == ""
         assert link.state in (State.EXCITED, State.RAMPING, State.HOLDING)
-    assert (emitted.shape, heard.shape) == ((13_000, 1), (13_000, 6))
+    assert (emitted.shape, heard.shape) == ((13_000, 1), (13_000, 9))
     np.testing.assert_allclose(emitted[:, 0], 500.0 + np.round(chirp[:, 0] / 0.05) * 0.05, atol=1e-9)
     alone = moved(Bench(RIG, Z, None, lambda: False).emit(chirp)[1])
     beside = {late: off(moved(heard)[9:-9], np.roll(alone, late)[9:-9]) for late in range(-3, 4)}
