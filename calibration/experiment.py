@@ -134,13 +134,13 @@ class RawFolder:
         there = (batch for number, batch in enumerate(plan.batches) if self.file(plan, number).is_file())
         return sum(batch.samples for batch in there) / plan.rate
 
-    def left(self, plans: Sequence[Plan]) -> Sequence[Plan]:
-        """Return which of several plans, each for where the one before it is too loud, are still to be tried.
+    def left(self, names: Sequence[str]) -> Sequence[str]:
+        """Return which of several plans, each for where the one before it is too loud, are still to be tried, by name.
 
         From the last on that was begun; all of them where none was.
         """
-        begun = [number for number, plan in enumerate(plans) if self._settings_of(plan).is_file()]
-        return plans[max(begun, default=0) :]
+        begun = [number for number, name in enumerate(names) if self._settings_of(name).is_file()]
+        return names[max(begun, default=0) :]
 
     def require_room(self, samples: int, channels: int) -> None:
         """Refuse, by a `DiskFault`, recordings that the disk has no room for beside those that are there.
@@ -181,7 +181,7 @@ class RawFolder:
 
     def _keep(self, plan: Plan) -> None:
         """Write what a plan was made from, or compare with what is written."""
-        path = self._settings_of(plan)
+        path = self._settings_of(plan.name)
         if not path.is_file():
             atomic.write(path, f"{json_text(dict(plan.settings), indent=2)}\n")
             return
@@ -197,5 +197,5 @@ class RawFolder:
                 "go back to the old settings, or use another folder"
             )
 
-    def _settings_of(self, plan: Plan) -> Path:
-        return self.path / f"{plan.name}.json"
+    def _settings_of(self, name: str) -> Path:
+        return self.path / f"{name}.json"

@@ -127,14 +127,13 @@ def _played(
 def _unclipped(config: RigConfig, raw: RawFolder, emit: Emit) -> _Played:
     """Play records around the band's preload; weaker ones, preload and all, where a sensor clips."""
     asked = dict(_quieter(config))
-    plans = [multisine_plan(each, name, flat_design(each)[0]) for name, each in asked.items()]
-    *louder, weakest = raw.left(plans)
-    for plan in louder:
+    *louder, weakest = raw.left(list(asked))
+    for name in louder:
         try:
-            return _played(plan.name, flat_design(asked[plan.name]), asked[plan.name], raw, emit)
+            return _played(name, flat_design(asked[name]), asked[name], raw, emit)
         except Clipped as fault:
-            sys.stderr.write(f"{plan.name}: {fault}; again, {-20 * np.log10(QUIETER):.0f} dB weaker\n")
-    return _played(weakest.name, flat_design(asked[weakest.name]), asked[weakest.name], raw, emit)
+            sys.stderr.write(f"{name}: {fault}; again, {-20 * np.log10(QUIETER):.0f} dB weaker\n")
+    return _played(weakest, flat_design(asked[weakest]), asked[weakest], raw, emit)
 
 
 def _quieter(config: RigConfig) -> Iterator[tuple[str, RigConfig]]:

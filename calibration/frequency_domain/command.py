@@ -9,6 +9,7 @@ import typer
 from calibration.frequency_domain.identify import MOST, Measured, identify_response, merged
 from calibration.frequency_domain.report import FIT_HEAD, MODE_HEAD, fit_figures, fit_rows, mode_rows, response_report
 from calibration.frequency_domain.response_model import ResponseModel
+from calibration.identification.arguments import channels_of, order_of
 from calibration.identification.recordings import from_file
 from calibration.names import refuse_inputs, refuse_taken
 from calibration.output import AgainOption
@@ -20,8 +21,6 @@ from vibractl.model_file import read_model
 FilesArgument = Annotated[
     list[Path], typer.Argument(metavar="DATA", help="Vibrator models of one rig; with --inputs, one recording.")
 ]
-
-
 InputsOption = Annotated[str | None, typer.Option(metavar="u1,u2", help="Channels of the drive in a recording.")]
 OutputsOption = Annotated[str | None, typer.Option(metavar="y1,y2", help="Channels of the response in it.")]
 SampledOption = Annotated[float | None, typer.Option(metavar="HZ", help="Its rate, where a recording does not say.")]
@@ -56,8 +55,7 @@ def response_command(
     Example: `calibrate response model.h5 --order 24 --out modes.h5`;
     `calibrate response sweep.csv --inputs u --outputs y --band 5 200 --out modes.h5`
     """
-    if order != "auto" and not (order.isdecimal() and int(order) >= 1):
-        raise ValueError(f"--order is {order!r}, must be auto or a whole number >= 1")
+    states = order_of(order)
     if most < 1:
         raise ValueError(f"--most is {most}, must be >= 1")
     if out is not None:
@@ -65,7 +63,6 @@ def response_command(
         refuse_inputs(made, data)
         refuse_taken(made, again)
     measured = _within(_read(data, inputs, outputs, sampled, resolution), band)
-    states = None if order == "auto" else int(order)
     found = identify_response(*measured, rate=rate, order=states, most=most, direct=not no_direct)
     source = ", ".join(map(str, data))
     if out is not None:
@@ -106,8 +103,7 @@ def _read(
         raise ValueError(f"--inputs and --outputs are of one recording, there are {len(data)} files; name both")
     if not resolution > 0:
         raise ValueError(f"--resolution is {resolution:g} Hz, must be > 0")
-    drives, heard = ([name.strip() for name in text.split(",")] for text in (inputs, outputs))
-    read = from_file(data[0], drives, heard, sampled)
+    read = from_file(data[0], channels_of("--inputs", inputs), channels_of("--outputs", outputs), sampled)
     (recording,), count = read.recordings, read.inputs
     found = frequency_response(
         spectra(recording.data[:, :count], recording.data[:, count:], recording.rate, resolution)

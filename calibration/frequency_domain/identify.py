@@ -7,7 +7,7 @@ import numpy as np
 
 from calibration.frequency_domain.modal_form import ModalForm
 from calibration.frequency_domain.realization import Subspace, realized, subspace_of
-from calibration.frequency_domain.refinement import Refined, refine
+from calibration.frequency_domain.refinement import Refined, cost_of, refine
 from calibration.frequency_domain.response_model import ResponseModel, covariance_of, points_of
 from calibration.one_thread import on_one_thread
 
@@ -171,8 +171,7 @@ def _chosen(found: Subspace, data: _Data, most: int, is_direct: bool) -> ModalFo
     largest = min(most, found.observability.shape[0] - found.outputs)
     for order in np.unique(np.geomspace(1, largest, GRID).round().astype(int)).tolist():
         form = realized(found, order, *data.parts, is_direct)
-        cost = float(np.sum(np.abs((data.response - form.response(data.points)) / data.sigma) ** 2))
-        rough.append((_criterion(form, cost, data, is_direct), form))
+        rough.append((_criterion(form, cost_of(form, *data.parts), data, is_direct), form))
     finalists = sorted(rough, key=lambda each: each[0])[:FINALISTS]
     done = [refine(form, *data.parts, is_direct, BRIEF) for _, form in finalists]
     best = min(done, key=lambda each: _criterion(each.form, each.cost, data, is_direct))

@@ -67,7 +67,7 @@ def refine(
         step = np.linalg.solve(normal + damping * np.diag(scale), gradient)
         with np.errstate(over="ignore", invalid="ignore"):  # of a step that goes too far
             trial = form.with_numbers(form.numbers + step)
-            left = float(np.sum(np.abs((response - trial.response(points)) / sigma) ** 2))
+            left = cost_of(trial, points, response, sigma)
         if not left < cost:
             damping *= HIGHER
             if damping > MOST:
@@ -79,6 +79,18 @@ def refine(
         if idle >= TIMES:
             break
     return Refined(form, cost, normal)
+
+
+def cost_of(form: ModalForm, points: np.ndarray, response: np.ndarray, sigma: np.ndarray) -> float:
+    """Return the sum of |difference|^2 over variance that a system leaves.
+
+    Parameters
+    ----------
+    form : ModalForm
+    points : complex array, shape (K,), 1
+    response, sigma : arrays, shape (K, p, m), 1
+    """
+    return float(np.sum(np.abs((response - form.response(points)) / sigma) ** 2))
 
 
 def _linear(

@@ -47,7 +47,7 @@ def fit_figures(found: ResponseModel, measured: Measured) -> dict[str, Any]:
     """Return what `--json` writes."""
     frequency, response, _ = measured
     missed = np.linalg.norm(response - found.response(frequency), axis=(1, 2)) / np.linalg.norm(response, axis=(1, 2))
-    names = found.poles().dtype.names or ()
+    modes = found.poles()
     return {
         "order": found.order,
         "rate": found.rate,
@@ -57,7 +57,7 @@ def fit_figures(found: ResponseModel, measured: Measured) -> dict[str, Any]:
         "relative_error_largest": float(missed.max()),
         "largest_at_hz": float(frequency[missed.argmax()]),
         "spread": found.spread,
-        "modes": [{name: float(mode[name]) for name in names} for mode in found.poles()],
+        "modes": [{name: float(mode[name]) for name in modes.dtype.names or ()} for mode in modes],
     }
 
 

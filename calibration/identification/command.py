@@ -9,6 +9,7 @@ from typing import Annotated, cast
 import typer
 
 from calibration.from_command import CorrectClockOption
+from calibration.identification.arguments import channels_of, order_of
 from calibration.identification.beginnings import begun_together
 from calibration.identification.excitation import excitation_notes
 from calibration.identification.recordings import Measured, from_file, from_pairs
@@ -83,7 +84,7 @@ def identify_command(
     in two files, or several recordings:
     `calibrate identify --from drive.wav heard.wav --decimate 20 --out model.h5`
     """
-    states, made = _order(order), [] if out is None else [out, out.with_suffix(".html")]
+    states, made = order_of(order), [] if out is None else [out, out.with_suffix(".html")]
     if rate is not None and not 0 < rate < float("inf"):
         raise ValueError(f"--rate is {rate}, must be > 0 samples/s")
     if out is not None:
@@ -140,23 +141,6 @@ def _watched(measured: Measured) -> Iterator[Callable[[int, str], None]]:
         meter.show(STEPS)
 
 
-def _channels(option: str, text: str | None) -> list[str]:
-    if text is None:
-        raise ValueError(f"{option} is not given, must name channels of DATA")
-    names = [name.strip() for name in text.split(",")]
-    if not all(names):
-        raise ValueError(f"{option} is {text!r}, must be names or numbers with commas between")
-    return names
-
-
-def _order(text: str) -> int | None:
-    if text == "auto":
-        return None
-    if not (text.isdecimal() and int(text) >= 1):
-        raise ValueError(f"--order is {text!r}, must be auto or a whole number >= 1")
-    return int(text)
-
-
 def _read(
     data: Sequence[Path], drives: Sequence[Path], named: tuple[str | None, str | None, str | None], rate: float | None
 ) -> Measured:
@@ -170,7 +154,7 @@ def _read(
         raise ValueError("--map is given without --from, must be with it: --inputs and --outputs say the channels")
     if len(data) != 1:
         raise ValueError(f"{len(data)} files are given, must be one, or pairs of drives and responses: --from D R")
-    wanted = _channels("--inputs", inputs), _channels("--outputs", outputs)
+    wanted = channels_of("--inputs", inputs), channels_of("--outputs", outputs)
     return _labelled(from_file(data[0], *wanted, rate))
 
 

@@ -24,8 +24,6 @@ HEARD = ("extension", "position", "absolute")
 """What is recorded of every axis, m: the last by a laser, zeros where there is none."""
 CONTROLLED = HEARD[:2]
 """What the controllers read of it."""
-
-
 _PUSHES = "surroundings", "surroundings_options"
 
 
@@ -105,7 +103,8 @@ class RecordedBench:
 
 def left_alone(config: StageConfig) -> StageConfig:
     """Return a rig file with nothing that pushes or moves the simulated stage: no cut is on while it is excited."""
-    still = {name: type(config.simulator).model_fields[name].get_default(call_default_factory=True) for name in _PUSHES}
+    usual = type(config.simulator)()
+    still = {name: getattr(usual, name) for name in _PUSHES}
     return config.model_copy(update={"simulator": config.simulator.model_copy(update=still)})
 
 

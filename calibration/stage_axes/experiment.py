@@ -173,7 +173,8 @@ def _first_within_limits(bench: ExcitedAxis, raw: RawFolder, plans: Sequence[Pla
 
     A plan that shuts a simulated stage's guard is too loud as well; a live stage stays shut until a person has looked.
     """
-    *louder, weakest = raw.left(plans)
+    named = {plan.name: plan for plan in plans}
+    *louder, weakest = (named[name] for name in raw.left(list(named)))
     for plan in louder:
         with suppress(ExcitationError):
             return plan, _recorded(bench, plan, raw, "again, weaker")

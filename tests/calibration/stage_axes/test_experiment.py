@@ -93,7 +93,7 @@ def test_a_simulated_stage_that_its_guard_shuts_is_excited_more_weakly_as_well(t
 
 
 def test_a_plate_that_sticks_until_it_breaks_away_is_approached_more_faintly(tmp_path: Path) -> None:
-    bench = Sticking()
+    bench = Levered(scouted=0.25, loud=4.0)
     found = recorded(bench, tmp_path)
     excited = bench.config.characterisation.excursion
     assert 0.5 * excited < excursion(found) < 1.5 * excited
@@ -101,15 +101,15 @@ def test_a_plate_that_sticks_until_it_breaks_away_is_approached_more_faintly(tmp
         "x-open-approach.json",
         "x-open-approach2.json",
     ]
-    assert recorded(Sticking(records=True), tmp_path).fingerprints == found.fingerprints
+    assert recorded(Levered(records=True, scouted=0.25, loud=4.0), tmp_path).fingerprints == found.fingerprints
 
 
 def test_a_scout_that_is_too_loud_is_played_more_faintly(tmp_path: Path) -> None:
-    lively = Lively()
+    lively = Levered()
     found = recorded(lively, tmp_path)
     assert excursion(found) == pytest.approx(lively.config.characterisation.excursion, rel=0.2)
     assert (tmp_path / "x-open-scout2.json").is_file()
-    assert recorded(Lively(records=True), tmp_path).fingerprints == found.fingerprints
+    assert recorded(Levered(records=True), tmp_path).fingerprints == found.fingerprints
 
 
 def test_one_that_leaves_it_however_weak_the_drive_is_says_what_to_lower(tmp_path: Path) -> None:
@@ -136,23 +136,15 @@ class Breaking(Bending):
 
 
 @dataclass
-class Sticking(Bending):
-    """One that hardly moves with a weak drive."""
+class Levered(Bending):
+    """One that moves so many times as far, with a scout and with more."""
+
+    scouted: float = 30.0
+    loud: float = 30.0
 
     def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         emitted, heard = super().emit(drive)
         middle = sum(self.config.limits.travel) / 2
-        sticks = np.abs(drive).max() <= self.config.characterisation.scout
-        heard[:, 3] = middle + (0.25 if sticks else 4.0) * (heard[:, 3] - middle)
-        return emitted, heard
-
-
-@dataclass
-class Lively(Bending):
-    """One that moves thirty times as far."""
-
-    def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        emitted, heard = super().emit(drive)
-        middle = sum(self.config.limits.travel) / 2
-        heard[:, 3] = middle + 30.0 * (heard[:, 3] - middle)
+        is_scout = np.abs(drive).max() <= self.config.characterisation.scout
+        heard[:, 3] = middle + (self.scouted if is_scout else self.loud) * (heard[:, 3] - middle)
         return emitted, heard
