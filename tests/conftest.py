@@ -24,21 +24,23 @@ RARE = 50_000
 """Objects after which garbage is searched for."""
 LONGEST = (
     "contract/test_every_block.py",
-    "scenario/test_audio_through_jack.py",
-    "calibration/test_main.py",
-    "rigkit/service/page/test_runs.py",
     "rigkit/service/page/test_use.py",
     "rigkit/service/page/test_looks.py",
+    "rigkit/service/page/test_runs.py",
+    "rigkit/service/page/test_strip.py",
     "rigkit/service/test_daemon.py",
-    "scenario/test_a_disk_that_fails.py",
+    "scenario/test_audio_through_jack.py",
     "commands/test_readme.py",
+    "scenario/test_a_disk_that_fails.py",
+    "calibration/test_main.py",
     "vibractl/test_audio_process.py",
     "stagectl/daemon/test_killed.py",
     "stagectl/daemon/test_rig.py",
     "vibractl/daemon/test_any_order_of_commands.py",
     "vibractl/test_session.py",
 )
-"""Files of which one would be left over at the end, while the other core has nothing to do."""
+"""Files of which one would be left over at the end, while the other core has nothing to do.  The first compiles most of
+what there is to compile; beside it are those that compile next to nothing, lest two workers compile the same."""
 
 
 @pytest.hookimpl(tryfirst=True)

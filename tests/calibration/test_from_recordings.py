@@ -66,6 +66,7 @@ def test_it_is_right_within_what_it_says(drives: list[np.ndarray]) -> None:
     assert relative(found) < 0.3
 
 
+@pytest.mark.slow
 def test_four_records_are_twice_as_certain_as_one() -> None:
     one, four = found_from(records([noise(1)], 10.0)), found_from(records([noise(n) for n in range(1, 5)], 10.0))
     assert np.median(error(four)) < 0.65 * np.median(error(one))

@@ -77,6 +77,7 @@ def quiet(folder: Path, amplitude: float, **plant: float) -> tuple[RigConfig, Ca
         return rig, calibrate(rig, raw, emitter(2, **plant), ABOUT)
 
 
+@pytest.mark.slow
 def test_a_quiet_model_of_a_linear_vibrator_is_right(tmp_path: Path) -> None:
     _, measured = quiet(tmp_path, 10.0, **LINEAR)
     truth = linear_response(2, measured.matrix.frequency)

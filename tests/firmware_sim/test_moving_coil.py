@@ -215,6 +215,7 @@ ODD = LargeSignal(4e-3, (0.1, 0.1), (0.0, 0.0), (0.0, 0.2, 0.1))
 EVEN = LargeSignal(4e-3, (0.1, 0.1), (0.2, 0.2), (0.15, 0.1, 0.0), 0.3, 0.0, 1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("large", "order"), [(ODD, 3), (EVEN, 2)])
 def test_harmonics_grow_with_level_as_their_order_says(large: LargeSignal, order: int) -> None:
     """Doubling the level doubles the second harmonic over the first, and makes the third four times that."""

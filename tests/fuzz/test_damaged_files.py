@@ -26,6 +26,7 @@ PROCESSES = 20
 """In which the whole is done: what leaks would take more and more."""
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("kind", QUICK)
 def test_a_damaged_file_is_refused_or_read_as_what_it_says(kind: str, tmp_path: Path) -> None:
     accepted = judged(kind, tmp_path, 0, QUICK[kind])

@@ -151,6 +151,7 @@ ARRAYS: dict[str, tuple[str, Callable[[Path], bytes], str]] = {
 }  # fmt: skip
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("what", ARRAYS)
 def test_arrays_are_refused_with_name_and_sample(tmp_path: Path, what: str) -> None:
     name, content, complaint = ARRAYS[what]

@@ -16,6 +16,7 @@ STREAMED = ("double.wav", "rf64.wav", "24.flac", "own.csv", "brackets.csv", "one
 """Kinds that are never in memory as a whole; MATLAB's up to version 7 are, in a process of their own."""
 
 
+@pytest.mark.sample(8)
 @pytest.mark.parametrize("name", FORMATS)
 def test_names_units_rate_and_samples_are_read(tmp_path: Path, name: str) -> None:
     write, (names, units) = FORMATS[name]

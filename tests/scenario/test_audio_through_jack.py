@@ -132,6 +132,7 @@ def test_a_server_that_dies_in_mid_session_is_one_error_and_nothing_hangs(server
         assert "the JACK server has ended" in client.stderr.read()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("server")
 def test_the_client_ends_at_sigterm_and_ctrl_c() -> None:
     for number in (signal.SIGTERM, signal.SIGINT):

@@ -32,6 +32,7 @@ def test_the_objective_is_met_by_shot_7_and_kept(default: Run) -> None:
     assert default.shot <= 7
 
 
+@pytest.mark.slow
 def test_that_is_a_third_of_the_shots_of_the_thesis_law_on_the_same_model(default: Run) -> None:
     """Measured: 3 against 20."""
     assert 3 * default.shot <= run(*LAWS["thesis"], count=3 * int(default.shot) + 1).shot

@@ -57,12 +57,14 @@ def test_two_coils_meet_the_objective_at_two_hydrophones_that_they_learn_from(by
     assert "hydrophone" in last["reason"]
 
 
+@pytest.mark.slow
 def test_one_hydrophone_is_satisfied_while_the_shells_are_not(by_one: Path) -> None:
     places = summary(by_one)["places"]
     assert places["far-field"]["objective_met_shot"] is not None
     assert places["accelerometers"]["objective_met_shot"] is None
 
 
+@pytest.mark.slow
 def test_learned_at_the_shells_it_is_judged_in_the_far_field_all_the_same(tmp_path: Path) -> None:
     path = learned(tmp_path, 1, 5)
     figures = summary(path)

@@ -94,6 +94,7 @@ def test_runs_do_not_see_each_others_plans() -> None:
     assert known(one.wisdom).isdisjoint(known(other.wisdom) - known(Plans().wisdom))
 
 
+@pytest.mark.slow
 @pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "overrides",
@@ -177,6 +178,7 @@ def spoil(cache: Path, fault: str, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(Path, "read_bytes", refused)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("content", "reason"),
     [

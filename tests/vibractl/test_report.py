@@ -73,6 +73,7 @@ def test_a_run_on_both_sides_is_reported_whole(mimo: Path) -> None:
     assert not list(mimo.glob(".*tmp*"))
 
 
+@pytest.mark.slow
 @pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "tables",

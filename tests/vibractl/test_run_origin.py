@@ -104,6 +104,7 @@ def test_a_run_that_is_accepted_goes_on_from_the_drive_that_was_played(run: Path
     assert np.linalg.norm(session.learner.drive - first) > 0.01 * np.linalg.norm(last)
 
 
+@pytest.mark.slow
 def test_without_a_record_of_its_beginning_the_drive_tells(run: Path) -> None:
     other_machine(run)
     (run / "run.json").unlink()
@@ -186,6 +187,7 @@ def test_at_the_shell_a_refusal_is_one_line_and_what_is_accepted_is_kept(
     assert main() == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shots", ["0", "-1"])
 def test_a_run_goes_on_for_one_shot_at_least(
     run: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], shots: str

@@ -45,6 +45,7 @@ def drives(path: Path) -> list[bytes]:
     return [split(recording.read(file), linear_config())[0].tobytes() for file in shot_files(path)]
 
 
+@pytest.mark.slow
 def test_a_linear_vibrator_is_learned_as_fast_as_the_gain_allows(tmp_path: Path) -> None:
     run(tmp_path / "run", linear_model(tmp_path), 8, "reference.signal=chirp:40:90:5")
     errors = [float(row["error_db_1"]) for row in read_quality(tmp_path / "run")]
@@ -84,6 +85,7 @@ def cut_off(path: Path) -> list[dict[str, object]]:
     return [event for event in read_events(path) if event["event"] == "drive_cut_off"]
 
 
+@pytest.mark.slow
 @pytest.mark.sample(1)
 @pytest.mark.parametrize(("coils", "named"), [(2, [1, 2]), (1, [1])])
 def test_an_amplifier_that_goes_no_further_is_named_with_its_level(
@@ -129,6 +131,7 @@ def test_one_side_is_driven_and_controlled_alone(tmp_path: Path) -> None:
     assert "iae_2" not in read_quality(tmp_path / "run")[0]
 
 
+@pytest.mark.slow
 def test_a_run_may_record_csv(tmp_path: Path) -> None:
     run(tmp_path / "wav", linear_model(tmp_path), 2)
     run(tmp_path / "csv", linear_model(tmp_path), 2, "session.recording=csv")

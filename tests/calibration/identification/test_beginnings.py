@@ -71,6 +71,7 @@ def test_another_clock_is_refused_until_it_is_corrected(
     assert g_off(tmp_path) < 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.sample(1)
 @pytest.mark.parametrize(("name", "place"), [("late", "after"), ("early", "before"), ("both", "after")])
 def test_a_delay_is_told_and_taken_out_if_asked(

@@ -100,6 +100,7 @@ def test_an_abort_says_why_and_a_stop_where_it_stands(tmp_path: Path) -> None:
         measure(CellConfig(), (0,), tmp_path / "two", lambda _: None, stopped())
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("settings", "message"),
     [

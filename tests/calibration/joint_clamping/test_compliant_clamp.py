@@ -93,6 +93,7 @@ def followed_link(arm_angle: np.ndarray) -> np.ndarray:
     return plane.angle(seen(arm_angle))
 
 
+@pytest.mark.slow
 def test_a_known_compliance_of_the_environment_does_without_any_sensor() -> None:
     parts = random_joints(4)
     clamped = Clamped(parts, POSE, 1, np.zeros((6, 2)), TABLE)

@@ -70,6 +70,7 @@ def test_ranges_hold_the_true_friction_and_noise_is_found(found: Found) -> None:
     assert (fit.inside > 0.9).all()
 
 
+@pytest.mark.slow
 def test_gravity_is_found_without_any_drawing(found: Found) -> None:
     arm = arm_with_tool(CELL)
     _, gravity, fit = found

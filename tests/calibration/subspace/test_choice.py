@@ -51,6 +51,7 @@ def test_a_record_that_is_too_short_for_its_order_is_told_of() -> None:
         assert subspace.identify(*record, RATE).model.order <= 4
 
 
+@pytest.mark.slow
 def test_a_model_of_a_short_record_is_worth_something_on_a_fresh_one() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

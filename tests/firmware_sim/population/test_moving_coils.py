@@ -73,6 +73,7 @@ def test_bl_or_the_suspension_ends_x_max_and_never_both_by_chance() -> None:
     assert 0.3 < np.mean(field == 0.82) < 0.7
 
 
+@pytest.mark.slow
 @pytest.mark.sample(2)
 @pytest.mark.parametrize("seed", range(5))
 def test_faint_it_responds_as_it_says(seed: int) -> None:

@@ -98,6 +98,7 @@ def test_drawing_one_more_property_does_not_redraw_the_rest(monkeypatch: pytest.
     assert fingerprint("lumped", 12) == before
 
 
+@pytest.mark.slow
 def test_a_family_is_another_machine_of_the_same_seed() -> None:
     sums = [fingerprint(family, 5) for family in VIBRATORS.families]
     assert len(set(sums)) == 3

@@ -31,6 +31,7 @@ def test_figure_8_8_turns_when_every_segment_takes_longer_to_begin() -> None:
     assert check(slow, plan(slow, "features")).total == pytest.approx(74.89, abs=0.005)
 
 
+@pytest.mark.slow
 def test_its_paths_are_legal_whatever_is_drawn_and_never_below_the_optimum() -> None:
     check_random_paths("features", np.random.default_rng(2), rows=8)
 

@@ -52,6 +52,7 @@ def test_a_plant_of_ones_own_is_played_on(lab: LabOfFiles) -> None:
     assert np.allclose(400.0 * data[1:], 0.5 * lab.volts(0)[:-1], atol=1e-6)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("words", "reason"),
     [

@@ -77,6 +77,7 @@ def test_the_same_recording_twice_is_refused(lab: LabOfFiles) -> None:
     assert "heard-0.wav: was learned from before, as shot 0" in said
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     ("name", "change", "reason"),
     [

@@ -82,6 +82,7 @@ def test_a_phone_needs_no_scrolling_sideways_and_always_shows_stop(visit: Visit,
     assert small == []
 
 
+@pytest.mark.slow
 def test_every_control_and_panel_has_a_name_for_a_screen_reader(visit: Visit) -> None:
     visit.take_control()
     visit.begin()
@@ -96,6 +97,7 @@ def test_every_control_and_panel_has_a_name_for_a_screen_reader(visit: Visit) ->
     assert any(name.startswith("Spectrogram: level from") for name in names)
 
 
+@pytest.mark.slow
 def test_a_table_has_its_numbers_in_columns_of_equal_places(visit: Visit) -> None:
     visit.daemon.begin(steps=100_000)
     _drawn(visit.tab)
@@ -105,6 +107,7 @@ def test_a_table_has_its_numbers_in_columns_of_equal_places(visit: Visit) -> Non
     assert rows == [["1", "120.0", "−2.5"], ["2", "180.5", "-"]]
 
 
+@pytest.mark.slow
 def test_a_table_wider_than_a_panel_has_the_whole_row(visit: Visit) -> None:
     visit.daemon.begin(steps=100_000)
     _drawn(visit.tab)
@@ -115,6 +118,7 @@ def test_a_table_wider_than_a_panel_has_the_whole_row(visit: Visit) -> None:
     assert not visit.tab.run("const box = document.querySelector('.wide'); return box.scrollWidth > box.clientWidth")
 
 
+@pytest.mark.slow
 @pytest.mark.sample(2)
 @pytest.mark.parametrize("width", [1000, 1280, 1440, 1920, 2560])
 def test_the_name_of_the_state_and_how_much_is_done_stand_apart(visit: Visit, width: int) -> None:
@@ -137,6 +141,7 @@ def test_options_are_told_in_the_event_log_as_words(visit: Visit) -> None:
     until(lambda: "options steps 100000, seconds 0.123" in visit.tab.text("events"))
 
 
+@pytest.mark.slow
 def test_every_control_that_can_be_pressed_is_reached_by_the_tab_key(visit: Visit) -> None:
     visit.take_control()
     visit.begin()

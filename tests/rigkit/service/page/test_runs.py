@@ -72,6 +72,7 @@ def test_a_file_that_has_gone_is_missed_by_name(visit: Visit, runs: Path) -> Non
     assert buttons[0].is_enabled()
 
 
+@pytest.mark.slow
 def test_a_run_that_is_new_stands_on_top_when_its_procedure_begins(visit: Visit, runs: Path) -> None:
     opened(visit)
     (runs / "later").mkdir()
@@ -81,6 +82,7 @@ def test_a_run_that_is_new_stands_on_top_when_its_procedure_begins(visit: Visit,
     until(lambda: visit.tab.run(names) == ["later", "sea trial 4"])
 
 
+@pytest.mark.slow
 def test_a_run_whose_folder_is_made_after_its_procedure_has_begun_is_there_as_soon_as_it_records(
     visit: Visit, runs: Path
 ) -> None:
@@ -97,6 +99,7 @@ def test_a_run_whose_folder_is_made_after_its_procedure_has_begun_is_there_as_so
         assert visit.tab.text("light-recording") == "Recording"
 
 
+@pytest.mark.slow
 def test_many_runs_are_shown_by_and_by_and_where_there_are_none_that_is_said(visit: Visit, runs: Path) -> None:
     for number in range(30):
         (runs / f"run-{number}").mkdir()
@@ -110,6 +113,7 @@ def test_many_runs_are_shown_by_and_by_and_where_there_are_none_that_is_said(vis
     until(lambda: visit.tab.text("runs-told") == "Nothing has been recorded yet.")
 
 
+@pytest.mark.slow
 def test_a_phone_needs_no_scrolling_sideways_for_a_long_name(visit: Visit, runs: Path) -> None:
     (runs / "sea trial 4" / ("a" * 120 + ".wav")).write_text("")
     visit.tab.resize(PHONE)

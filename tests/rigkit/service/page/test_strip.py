@@ -35,6 +35,7 @@ def shown(tab: Browser) -> dict[str, bool]:
     return {**seen, "stop": bool(tab.run(script, ["stop"]))}
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("size", SIZES)
 def test_state_reason_output_and_stop_are_seen_wherever_one_has_scrolled(faulted: Visit, size: tuple[int, int]) -> None:
     tab = faulted.tab
@@ -53,6 +54,7 @@ def reach(tab: Browser, name: str) -> None:
     until(lambda: tab.run(script, name))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("size", SIZES)
 def test_nothing_that_can_be_used_stays_under_the_strip_or_stop(faulted: Visit, size: tuple[int, int]) -> None:
     tab = faulted.tab

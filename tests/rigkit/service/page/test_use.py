@@ -4,6 +4,7 @@ import os
 import signal
 from pathlib import Path
 
+import pytest
 from selenium.webdriver.common.keys import Keys
 
 from tests.rigkit.service.page.browser import Browser
@@ -67,6 +68,7 @@ def test_control_of_another_is_taken_over_and_the_other_page_knows(visit: Visit)
         assert not visit.tab.shows("reasoned")
 
 
+@pytest.mark.slow
 def test_control_outlives_a_reload_of_the_page(visit: Visit) -> None:
     visit.take_control()
     visit.tab.driver.refresh()
@@ -95,6 +97,7 @@ def test_the_space_bar_stops_and_presses_no_button_that_has_the_focus(visit: Vis
     assert len(visit.daemon.named("hold")) == holds
 
 
+@pytest.mark.slow
 def test_the_space_bar_is_a_letter_where_text_is_typed(visit: Visit) -> None:
     visit.take_control()
     visit.begin()
@@ -111,6 +114,7 @@ def test_the_button_stops_by_the_keyboard_as_well(visit: Visit) -> None:
     until(lambda: visit.daemon.newest("stop", "why") == "STOP of the page")
 
 
+@pytest.mark.slow
 def test_a_finger_stops_when_it_comes_down(visit: Visit) -> None:
     visit.daemon.begin(steps=100_000)
     visit.tab.until_state("RUNNING")
@@ -147,6 +151,7 @@ def test_a_fault_is_shown_with_its_reason_and_acknowledged_with_another(visit: V
     visit.tab.until_state("DISARMED")
 
 
+@pytest.mark.slow
 def test_how_far_a_procedure_is_stands_in_the_head_until_it_has_ended(visit: Visit) -> None:
     visit.daemon.begin(steps=100_000)
     until(lambda: " of 100000 steps\n" in visit.tab.text("summary"))
@@ -173,6 +178,7 @@ def test_it_greys_out_when_the_rig_gives_no_sign_of_life_and_comes_back(visit: V
     assert visit.tab.run("return getComputedStyle(document.querySelector('main')).filter") == "none"
 
 
+@pytest.mark.slow
 def test_after_a_restart_it_shows_the_new_daemon_and_nothing_of_the_old(tab: Browser, tmp_path: Path) -> None:
     with served(tmp_path) as before:
         address = before.settings.address
