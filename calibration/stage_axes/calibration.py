@@ -16,9 +16,9 @@ from calibration.subspace.realization import Method
 from stagectl.config import Inner, Outer, StageConfig
 from stagectl.deflection import DeflectionReference
 from stagectl.models import InnovationModel
-from stagectl.stage.design import Design, design
+from stagectl.stage.design import Design, NoLoop
 from stagectl.stage.design_bounds import of_axis
-from stagectl.stage.design_refinement import refined
+from stagectl.stage.design_refinement import designed
 from stagectl.stage.piezo_pid import Pid, gain_at_rest, pid, robust_pid
 from stagectl.stage.sensitivity import Robustness, robustness
 from stagectl.stage.state_space import plant_of
@@ -181,8 +181,8 @@ def outer_loop(outer: Outer, axis: int, model: InnovationModel) -> Design | str:
         From the inner loop's reference (m) to the position (m).
     """
     try:
-        return refined(design(model, outer, axis), model, outer, axis)
-    except ValueError as fault:
+        return designed(model, outer, axis)
+    except NoLoop as fault:
         return str(fault)
 
 

@@ -54,6 +54,31 @@ class Design:
     left: float
 
 
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A loop that was made, what it reaches above `Outer.reach`, and the error that it leaves, `Design.left`."""
+
+    weights: Weights
+    loop: StateFeedback
+    beyond: Reached
+    left: float
+
+
+class NoLoop(ValueError):
+    """No outer loop keeps its bounds.
+
+    Parameters
+    ----------
+    why : str
+    nearest : Candidate or None
+        That keeps them best; None where none leaves less error than no loop.
+    """
+
+    def __init__(self, why: str, nearest: Candidate | None) -> None:
+        super().__init__(why)
+        self.nearest = nearest
+
+
 def design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | None = None) -> Design:
     """Design the outer loop of an axis, by weights that were chosen for its model, or choose them.
 
@@ -72,41 +97,20 @@ def design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | N
 
     Raises
     ------
-    ValueError : no combination keeps the bounds, or the one that was chosen does not.
+    NoLoop : no combination keeps the bounds, or the one that was chosen does not.
     """
-    search, tried, nearest = Search(model, outer, axis), 0, None
+    search, tried = Search(model, outer, axis), 0
+    known: list[tuple[Candidate, Reached]] = []
     for ranges in [_asked_for(outer, axis, part) for part in FAINTER] if weights is None else [only(weights)]:
         made = list(search.candidates(ranges))
         tried += len(made)
         useful = [each for each in made if each.left <= USELESS or weights is not None]
-        reached = [each.beyond for each in useful]
         for each in sorted(useful, key=lambda each: each.left):
-            if each.beyond.over(outer, axis) > 1.0:
-                continue
-            whole = search.reached(each)
-            if whole.over(outer, axis) <= 1.0:
+            reached = each.beyond if each.beyond.over(outer, axis) > 1.0 else search.reached(each)
+            if reached.over(outer, axis) <= 1.0:
                 return search.design(each)
-            reached.append(whole)
-        known = [*reached] if nearest is None else [nearest, *reached]
-        nearest = min(known, key=lambda each: (each.sensitivity == 0.0, each.over(outer, axis)), default=None)
-    if nearest is None:
-        why = (
-            "there is no LQ gain for this model"
-            if tried == 0
-            else f"none of {tried} outer loops leaves less error than none"
-        )
-        raise ValueError(f"axis {axis + 1}: {why}: has it a gain at rest, and at each resonance?")
-    raise ValueError(_no_loop(outer, axis, tried, nearest))
-
-
-@dataclass(frozen=True, eq=False)
-class Candidate:
-    """A loop that was made, what it reaches above `Outer.reach`, and the error that it leaves, `Design.left`."""
-
-    weights: Weights
-    loop: StateFeedback
-    beyond: Reached
-    left: float
+            known.append((each, reached))
+    raise _no_loop(outer, axis, tried, known)
 
 
 class Search:
@@ -168,14 +172,23 @@ def only(weights: Weights) -> Ranges:
     return Ranges((weights.bandwidth,), (weights.drive,), (pair,), (weights.caution,), (weights.feedforward,))
 
 
-def _no_loop(outer: Outer, axis: int, tried: int, nearest: Reached) -> str:
+def _no_loop(outer: Outer, axis: int, tried: int, known: list[tuple[Candidate, Reached]]) -> NoLoop:
+    if not known:
+        why = (
+            "there is no LQ gain for this model"
+            if tried == 0
+            else f"none of {tried} outer loops leaves less error than none"
+        )
+        return NoLoop(f"axis {axis + 1}: {why}: has it a gain at rest, and at each resonance?", None)
+    nearest, reached = min(known, key=lambda each: (each[1].sensitivity == 0.0, each[1].over(outer, axis)))
     advice = (
         "the loop of [weights] does not keep its bounds; calibrate again, or leave [weights] out: it has"
         if tried == 1
-        else f"none of {tried} outer loops keeps its bounds; what binds is {nearest.binding(outer, axis)}; "
+        else f"none of {tried} outer loops keeps its bounds; what binds is {reached.binding(outer, axis)}; "
         "the nearest has"
     )
-    return (
-        f"axis {axis + 1}: {advice} {nearest}; allowed are {of_axis(outer.beyond, axis):g}, "
-        f"{outer.forward_beyond:g}, {outer.max_sensitivity:g}, and twice {outer.mistuned_sensitivity:g}"
+    return NoLoop(
+        f"axis {axis + 1}: {advice} {reached}; allowed are {of_axis(outer.beyond, axis):g}, "
+        f"{outer.forward_beyond:g}, {outer.max_sensitivity:g}, and twice {outer.mistuned_sensitivity:g}",
+        nearest,
     )

@@ -1,11 +1,13 @@
 """A design's weights refined between those it chose from: once, when a stage is calibrated."""
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.optimize import minimize
 
 from stagectl.config import Outer
 from stagectl.models import InnovationModel
-from stagectl.stage.design import Candidate, Design, Search, only
+from stagectl.stage.design import USELESS, Candidate, Design, NoLoop, Search, design, only
 from stagectl.stage.design_bounds import of_axis
 from stagectl.stage.weights import Weights
 
@@ -20,6 +22,29 @@ OVER = 10.0
 
 NONE = 1e3
 """And one where there is no loop."""
+
+
+def designed(model: InnovationModel, outer: Outer, axis: int) -> Design:
+    """Design the outer loop of an axis with weights between those of `design`, too, also where it finds none.
+
+    Parameters
+    ----------
+    model : InnovationModel
+    outer : Outer
+    axis : int, counted from 0
+
+    Raises
+    ------
+    NoLoop : no loop keeps the bounds.
+    """
+    try:
+        found = design(model, outer, axis)
+    except NoLoop as fault:
+        allowed = None if fault.nearest is None else _allowed(fault.nearest.weights, model, outer, axis)
+        if allowed is None:
+            raise
+        found = allowed
+    return refined(found, model, outer, axis)
 
 
 def refined(found: Design, model: InnovationModel, outer: Outer, axis: int) -> Design:
@@ -39,21 +64,52 @@ def refined(found: Design, model: InnovationModel, outer: Outer, axis: int) -> D
     ------
     Nelder and Mead, Computer Journal 7 (1965) 308.
     """
-    search = Search(model, outer, axis)
-    most = np.array([of_axis(outer.bandwidth, axis), of_axis(outer.drive, axis), np.inf, np.inf, outer.feedforward])
-    tried: list[Candidate] = []
+    search, kept = Search(model, outer, axis), []
 
-    def cost(logarithms: np.ndarray) -> float:
-        bandwidth, drive, doubt, caution, feedforward = map(float, np.minimum(np.exp(logarithms), most))
-        each = next(search.candidates(only(Weights(bandwidth, drive, 0.0, doubt, caution, feedforward))), None)
-        if each is None:
-            return NONE
+    def cost(each: Candidate) -> float:
         over = search.reached(each).over(outer, axis)
         if over <= 1.0:
-            tried.append(each)
+            kept.append(each)
         return each.left + OVER * min(max(over - 1.0, 0.0), 1.0)
 
-    begin = found.weights
+    _descend(search, found.weights, outer, axis, cost)
+    best = min(kept, key=lambda each: each.left, default=None)
+    return found if best is None or best.left >= found.left else search.design(best)
+
+
+def _allowed(weights: Weights, model: InnovationModel, outer: Outer, axis: int) -> Design | None:
+    """Return a design that keeps the bounds, from weights that do not; None where there is none near them."""
+    search = Search(model, outer, axis)
+
+    def cost(each: Candidate) -> float:
+        over = search.reached(each).over(outer, axis)
+        if over <= 1.0 and each.left <= USELESS:
+            raise _Found(each)
+        return min(over, NONE) + OVER * max(each.left - USELESS, 0.0)
+
+    try:
+        _descend(search, weights, outer, axis, cost)
+    except _Found as found:
+        return search.design(found.candidate)
+    return None
+
+
+class _Found(Exception):  # noqa: N818 (it ends a search, and is no error)
+    def __init__(self, candidate: Candidate) -> None:
+        super().__init__()
+        self.candidate = candidate
+
+
+def _descend(search: Search, begin: Weights, outer: Outer, axis: int, cost: Callable[[Candidate], float]) -> None:
+    """Look at loops of lower and lower cost, from weights on."""
+    most = np.array([of_axis(outer.bandwidth, axis), of_axis(outer.drive, axis), np.inf, np.inf, outer.feedforward])
+
+    def at(logarithms: np.ndarray) -> float:
+        bandwidth, drive, doubt, caution, feedforward = map(float, np.minimum(np.exp(logarithms), most))
+        weights = Weights(bandwidth, drive, 0.0, doubt, caution, feedforward)
+        each = next(search.candidates(only(weights)), None)
+        return NONE if each is None else cost(each)
+
     start = np.log(
         [
             begin.bandwidth,
@@ -64,6 +120,4 @@ def refined(found: Design, model: InnovationModel, outer: Outer, axis: int) -> D
         ]
     )
     corners = start + np.vstack([np.zeros(len(start)), -STEP * np.eye(len(start))])
-    minimize(cost, start, method="Nelder-Mead", options={"maxfev": LOOKS, "initial_simplex": corners})
-    best = min(tried, key=lambda each: each.left, default=None)
-    return found if best is None or best.left >= found.left else search.design(best)
+    minimize(at, start, method="Nelder-Mead", options={"maxfev": LOOKS, "initial_simplex": corners})
