@@ -79,29 +79,27 @@ def refined(found: Design, model: InnovationModel, outer: Outer, axis: int) -> D
 
 def _allowed(weights: Weights, model: InnovationModel, outer: Outer, axis: int) -> Design | None:
     """Return a design that keeps the bounds, from weights that do not; None where there is none near them."""
-    search = Search(model, outer, axis)
+    search, kept = Search(model, outer, axis), []
 
     def cost(each: Candidate) -> float:
         over = search.reached(each).over(outer, axis)
         if over <= 1.0 and each.left <= USELESS:
-            raise _Found(each)
+            kept.append(each)
         return min(over, NONE) + OVER * max(each.left - USELESS, 0.0)
 
-    try:
-        _descend(search, weights, outer, axis, cost)
-    except _Found as found:
-        return search.design(found.candidate)
-    return None
+    _descend(search, weights, outer, axis, cost, lambda: bool(kept))
+    return search.design(kept[0]) if kept else None
 
 
-class _Found(Exception):  # noqa: N818 (it ends a search, and is no error)
-    def __init__(self, candidate: Candidate) -> None:
-        super().__init__()
-        self.candidate = candidate
-
-
-def _descend(search: Search, begin: Weights, outer: Outer, axis: int, cost: Callable[[Candidate], float]) -> None:
-    """Look at loops of lower and lower cost, from weights on."""
+def _descend(
+    search: Search,
+    begin: Weights,
+    outer: Outer,
+    axis: int,
+    cost: Callable[[Candidate], float],
+    is_enough: Callable[[], bool] = lambda: False,
+) -> None:
+    """Look at loops of lower and lower cost, from weights on, until that is enough."""
     most = np.array([of_axis(outer.bandwidth, axis), of_axis(outer.drive, axis), np.inf, np.inf, outer.feedforward])
 
     def at(logarithms: np.ndarray) -> float:
@@ -109,6 +107,10 @@ def _descend(search: Search, begin: Weights, outer: Outer, axis: int, cost: Call
         weights = Weights(bandwidth, drive, 0.0, doubt, caution, feedforward)
         each = next(search.candidates(only(weights)), None)
         return NONE if each is None else cost(each)
+
+    def look_on(_: np.ndarray) -> None:
+        if is_enough():
+            raise StopIteration
 
     start = np.log(
         [
@@ -120,4 +122,4 @@ def _descend(search: Search, begin: Weights, outer: Outer, axis: int, cost: Call
         ]
     )
     corners = start + np.vstack([np.zeros(len(start)), -STEP * np.eye(len(start))])
-    minimize(at, start, method="Nelder-Mead", options={"maxfev": LOOKS, "initial_simplex": corners})
+    minimize(at, start, method="Nelder-Mead", callback=look_on, options={"maxfev": LOOKS, "initial_simplex": corners})

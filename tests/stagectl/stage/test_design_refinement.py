@@ -1,11 +1,11 @@
-"""A refined design leaves less error and keeps the same bounds."""
+"""A refined design leaves less error and keeps the same bounds; one is found between the weights of the grid, too."""
 
 import pytest
 
 from stagectl.config import Outer
 from stagectl.stage import design_refinement
-from stagectl.stage.design import design
-from stagectl.stage.design_refinement import refined
+from stagectl.stage.design import NoLoop, design
+from stagectl.stage.design_refinement import designed, refined
 from tests.stagectl.linear_stage import model
 
 
@@ -20,3 +20,20 @@ def test_it_leaves_less_error_within_the_same_bounds(monkeypatch: pytest.MonkeyP
     assert fine.weights.bandwidth <= 100.0
     again = design(model("z"), outer, 2, fine.weights)
     assert again.left == pytest.approx(fine.left)
+
+
+def test_between_weights_of_which_none_keeps_the_bounds_one_is_found() -> None:
+    outer = Outer(bandwidth=(100.0,), mistuning=0.2, mistuned_sensitivity=1.1)
+    with pytest.raises(NoLoop) as fault:
+        design(model("z"), outer, 2)
+    found = designed(model("z"), outer, 2)
+    assert found.worst_sensitivity <= 1.1
+    assert fault.value.nearest is not None
+    assert found.left < fault.value.nearest.left
+    assert found.weights.bandwidth <= 100.0
+    assert design(model("z"), outer, 2, found.weights).left == pytest.approx(found.left)
+
+
+def test_where_there_is_none_between_them_either_the_nearest_of_the_grid_is_told() -> None:
+    with pytest.raises(NoLoop, match=r"none of 2400 outer loops .* nearest has gains .* are 1, 0.003, 2.2, and"):
+        designed(model("z"), Outer(bandwidth=(100.0,), forward_beyond=0.003), 2)
