@@ -48,7 +48,7 @@ def break_limit(daemon: KilledDaemon, folder: Path) -> None:
     """Let a run break a limit that is lowered while it goes on; return when that is a fault."""
     told, file = len(daemon.named("fault")), folder / "rig.toml"
     shutil.rmtree(folder / "data" / "runs" / "two", ignore_errors=True)
-    daemon.command("begin", run="two", shots=1000)
+    daemon.command("begin", run="two", shots=100)
     rig = rig_file.load(file, RigConfig)
     file.write_text(rig_file.dump(rig.model_copy(update={"limits": rig.limits.model_copy(update={"peak": 0.1})})))
     with daemon.client() as client, client.control("Ada", over=True):
@@ -66,7 +66,7 @@ def kill_in(daemon: KilledDaemon, folder: Path, state: str, moment: float) -> fl
     if state != "DISARMED":
         daemon.command("arm")
     if state in ("RUNNING", "PLAYING", "HOLD"):
-        daemon.command("begin", run="one", resume=run.exists(), shots=1000)
+        daemon.command("begin", run="one", resume=run.exists(), shots=100)
     if state == "CALIBRATING":
         if model.exists():
             model.unlink()

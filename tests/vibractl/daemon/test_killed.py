@@ -15,7 +15,7 @@ from tests.vibractl.daemon.kills import MUTE_AFTER, kills, whole
 def test_a_daemon_killed_while_it_plays_falls_silent_and_goes_on_where_it_was(tmp_path: Path) -> None:
     with straight_daemon(tmp_path) as daemon:
         daemon.command("arm")
-        daemon.command("begin", run="one", shots=1000)
+        daemon.command("begin", run="one", shots=100)
         until(lambda: daemon.done() >= 1 and np.abs(daemon.drive()[-2000:]).max() > 0.3)
         assert daemon.kill() < 1.0
         drive = daemon.drive()
