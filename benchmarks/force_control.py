@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from benchmarks.page_table import put, table, words
+from calibration.state_space.model import InnovationModel
 from calibration.subspace.identify import identify
 from firmware_sim.plants.feed_process import FeedProcess
 from stagectl.feed.job import Job, pocket_of
 from stagectl.feed.process_run import channel, process_figures, run_process, simulated
 from stagectl.feed.session import mill_pockets, summary, velocity_model
 from stagectl.machining.run import Conduct
-from stagectl.models import InnovationModel
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force_kernel import CONTROLLING

@@ -20,7 +20,7 @@ from benchmarks.identification_methods import METHODS, PROPOSALS, RATE, Matrices
 from benchmarks.identification_targets import Row, targets
 from benchmarks.measured_process import Job, Outcome, measured
 from calibration.fit_measures import nrmse
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 from tests.calibration import resonant_systems
 from tests.calibration.resonant_systems import ResonantSystem
 

@@ -15,8 +15,8 @@ from benchmarks.measured_systems import Case, Pair, cases
 from calibration import subspace
 from calibration.fit_measures import nrmse, vaf
 from calibration.prediction_error import Focus, arx, reduced, refine
+from calibration.state_space.model import InnovationModel
 from calibration.subspace.realization import Method
-from stagectl.models import InnovationModel
 from tests.shared_data import DATA
 
 ROUNDING = 0.05

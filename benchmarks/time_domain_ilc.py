@@ -14,8 +14,8 @@ from scipy.signal.windows import tukey
 
 from calibration import subspace
 from calibration.fit_measures import vaf
+from calibration.state_space.model import InnovationModel
 from firmware_sim.plants.vibrator import VibratorPlant
-from stagectl.models import InnovationModel
 from vibractl.learning.law import reference_level
 
 STEP = 40

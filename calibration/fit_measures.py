@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibration.residual_tests import LAGS, CrossCorrelation, Whiteness, cross_correlation, whiteness
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 
 @dataclass(frozen=True)

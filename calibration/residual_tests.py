@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import chdtrc
 
 LAGS = 25
 """Correlations looked at where the caller does not say."""
@@ -88,6 +87,8 @@ def whiteness(residuals: Sequence[np.ndarray], lags: int = LAGS, fitted: int = 0
     ------
     ValueError : a record no longer than the lags, or an output without residual.
     """
+    from scipy.special import chdtrc  # takes as long to import as all the rest
+
     centred = _centred(residuals, lags, "residual")
     count = sum(len(record) for record in centred)
     covariances = _mean([_covariances(record, record, lags) for record in centred], count)

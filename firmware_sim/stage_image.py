@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from calibration.state_space.model import InnovationModel
 from ctlblocks.block import Block, Port
 from ctlblocks.graph import Graph
 from firmware_sim.laboratory import plant_block
 from firmware_sim.stage_blocks import Milling, PiezoStage
 from firmware_sim.stage_excitation import Excitation
 from stagectl.config import StageConfig
-from stagectl.models import InnovationModel
 from stagectl.stage import sensors_kernel
 from stagectl.stage.controller import PiezoController
 from stagectl.stage.inner_parameters import SUFFIX, inner_from

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from calibration.state_space.model import InnovationModel
+from calibration.state_space.model_checks import MATRICES
 from rigkit.model_file import ModelFile, ModelFileError, read_model_file, write_model_file
-from stagectl.model_checks import MATRICES
-from stagectl.models import InnovationModel
 
 FORMAT = "vibrostage innovation model 1"
 _WORDS = ("input_names", "output_names", "input_units", "output_units")

@@ -3,10 +3,10 @@
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
+from calibration.state_space.model import InnovationModel
 from rigkit.agreement import agreed, measured_otherwise
 from rigkit.config import Section
 from stagectl.config import StageConfig
-from stagectl.models import InnovationModel
 
 _WAY_OUT = "calibrate it as it is now, or go back to that"
 

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from calibration.state_space.model import InnovationModel
 from ctlblocks import Block
 from stagectl.config import StageConfig
 from stagectl.model_file import read_model
-from stagectl.models import InnovationModel
 from stagectl.stage.controller import StageController
 from stagectl.stage.design import Design, design
 from stagectl.stage.hysteresis_compensation import HysteresisCompensation

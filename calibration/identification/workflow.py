@@ -13,9 +13,9 @@ from calibration.identification.excitation import Nearly, nearly_collinear
 from calibration.one_thread import on_one_thread
 from calibration.prediction_error import ModeErrors, refine
 from calibration.residual_tests import LAGS
+from calibration.state_space.model import InnovationModel
 from ctlblocks.recording import Recording
 from rigkit.provenance import now, software
-from stagectl.models import InnovationModel
 
 Method = Literal["n4sid", "moesp", "pem"]
 METHODS = ("n4sid", "moesp", "pem")

@@ -6,7 +6,7 @@ import numpy as np
 
 from calibration import subspace
 from calibration.fit_measures import nrmse
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 from stagectl.robot.milling.learning import ProcessModel
 from stagectl.robot.milling.milling_models import Process
 from stagectl.robot.milling.zero_phase import filtered, low_pass

@@ -6,10 +6,10 @@ import numpy as np
 
 from calibration.fit_measures import Fit, fit
 from calibration.one_thread import on_one_thread
+from calibration.state_space.model import InnovationModel
 from calibration.subspace.identify import identify
 from ctlblocks.recording import Recording
 from rigkit.provenance import now, software
-from stagectl.models import InnovationModel
 
 SIGNALS = ("velocity_reference", "velocity")
 """Channels of a record, m/s."""

@@ -9,7 +9,7 @@ from scipy.linalg import qr, solve_triangular
 
 from calibration.one_thread import on_one_thread
 from calibration.records import as_records
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 CHUNK_ROWS = 4096
 """Samples folded into the triangle at a time: what bounds the memory."""

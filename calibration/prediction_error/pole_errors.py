@@ -9,7 +9,7 @@ from calibration.prediction_error.element import pole_slopes
 from calibration.prediction_error.gauss_newton import Fit
 from calibration.prediction_error.local_coordinates import Coordinates
 from calibration.prediction_error.normal_equations import Record, score_covariance
-from stagectl.modes import Modes, modes
+from calibration.state_space.modes import Modes, modes
 
 
 @dataclass(frozen=True, eq=False)

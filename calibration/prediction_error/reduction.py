@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from calibration.prediction_error.element import LARGEST_MODULUS, Element, balanced
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 INSIDE = 0.99
 """Modulus to which poles on or outside of the unit circle are brought at most."""

@@ -14,7 +14,7 @@ from calibration.prediction_error.normal_equations import Record
 from calibration.prediction_error.pole_errors import ModeErrors, coloured_covariance, mode_errors, white_covariance
 from calibration.prediction_error.scale import Scale, scale_of
 from calibration.records import as_records
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 ITERATIONS = 200
 

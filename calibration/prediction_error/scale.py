@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from calibration.prediction_error.pole_errors import ModeErrors, mode_errors, wh
 from calibration.prediction_error.scale import scale_of
 from calibration.prediction_error.transfer_row import MOST_LAGS, Row, fit_row, plain_model
 from calibration.records import as_records
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 
 @dataclass(frozen=True, eq=False)

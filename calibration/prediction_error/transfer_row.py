@@ -12,7 +12,7 @@ from calibration.prediction_error.element import LARGEST_MODULUS, Element, balan
 from calibration.prediction_error.gauss_newton import Effort, Fit, fit
 from calibration.prediction_error.local_coordinates import free
 from calibration.prediction_error.normal_equations import Record, residual
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 MOST_LAGS = 40
 """Of the ARX model that a fit starts from, and of the noise."""

@@ -12,10 +12,10 @@ from calibration.stage_axes.bench import ExcitedAxis
 from calibration.stage_axes.experiment import Excited, Experiment, above_band, record
 from calibration.stage_axes.faster import at_rate, control_at_rate, stack_at_rate
 from calibration.stage_axes.identification import Wanted, identified, simo, siso, stretched
+from calibration.state_space.model import InnovationModel
 from calibration.subspace.realization import Method
 from stagectl.config import Inner, Outer, StageConfig
 from stagectl.deflection import DeflectionReference
-from stagectl.models import InnovationModel
 from stagectl.stage.design import Design, NoLoop
 from stagectl.stage.design_bounds import of_axis
 from stagectl.stage.design_refinement import designed

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import block_diag
 
+from calibration.state_space import model_kernel
+from calibration.state_space.model import InnovationModel
+from calibration.state_space.modes import frequency_and_damping
 from calibration.subspace.gain_refinement import refine_gain
 from calibration.subspace.kalman_gain import Gain
 from calibration.subspace.regression import Terms
 from calibration.subspace.response import fit_response
-from stagectl import model_kernel
-from stagectl.models import InnovationModel
-from stagectl.modes import frequency_and_damping
 
 SLOWEST, FASTEST = 1e-6, 1e-3
 """Least 1 - |z|, and least |z|, of a pole of the thinned model: others are taken there before they are converted."""

@@ -12,8 +12,8 @@ from calibration.one_thread import on_one_thread
 from calibration.prediction_error import ModeErrors
 from calibration.stage_axes.experiment import Excited, Experiment
 from calibration.stage_axes.order import identify
+from calibration.state_space.model import InnovationModel
 from calibration.subspace.realization import Method
-from stagectl.models import InnovationModel
 
 OVER = 5.0
 """Rate of the thinned records, re the highest frequency that is excited, at least."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from calibration.fit_measures import Fit, fit, free_run
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

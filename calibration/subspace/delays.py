@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 OWN, LONGEST = 12, 100
 """Lags of the outputs, and of the inputs at most, that each output is explained by."""

@@ -3,10 +3,10 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from calibration.state_space.model import InnovationModel
 from calibration.subspace.comparison import Comparison
 from calibration.subspace.telling import frequencies
 from rigkit.figure_style import COLOURS, styled
-from stagectl.models import InnovationModel
 
 SHOWN = 2000
 """Samples of a record that are drawn at most."""

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calibration.state_space.model import InnovationModel
 from calibration.subspace.kalman_gain import Gain, kalman_gain
 from calibration.subspace.realization import Method, Projection, project, stabilized, state_map, transition
 from calibration.subspace.regression import Terms
 from calibration.subspace.response import fit_response
 from calibration.subspace.windows import Layout, Windows
-from stagectl.models import InnovationModel
 
 
 @dataclass(frozen=True)

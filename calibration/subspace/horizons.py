@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from calibration.state_space.modes import modes
 from calibration.subspace.signals import Signals
 from calibration.subspace.windows import Layout
-from stagectl.modes import modes
 
 _HORIZON = 40
 """Samples, past and future, where records are long enough."""

@@ -10,6 +10,8 @@ import numpy as np
 
 from calibration.fit_measures import Fit
 from calibration.records import as_records
+from calibration.state_space.conversion import to_control, to_scipy
+from calibration.state_space.model import InnovationModel
 from calibration.subspace import telling
 from calibration.subspace.comparison import Comparison
 from calibration.subspace.diagnosis import Diagnosis, diagnose
@@ -18,8 +20,6 @@ from calibration.subspace.order import Candidate
 from calibration.subspace.pole_errors import PoleErrors, pole_errors
 from calibration.subspace.realization import Method
 from calibration.subspace.windows import Windows
-from stagectl.model_conversion import to_control, to_scipy
-from stagectl.models import InnovationModel
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

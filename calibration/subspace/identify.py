@@ -10,6 +10,7 @@ import numpy as np
 from calibration.gaps import without_gaps
 from calibration.one_thread import on_one_thread
 from calibration.records import Side, sides_of
+from calibration.state_space.model import InnovationModel
 from calibration.subspace.choice import Choice, choose
 from calibration.subspace.delays import advanced, checked, delayed, delays
 from calibration.subspace.estimate import Compressed, Estimate, compress
@@ -24,7 +25,6 @@ from calibration.subspace.signals import Detrend, Signals, levelled, signals
 from calibration.subspace.trials import ALIKE
 from calibration.subspace.weighting import left_by_free_run, weighted
 from calibration.subspace.windows import Windows
-from stagectl.models import InnovationModel
 
 FEW = 10
 """Samples of delay that a model can as well have as states: then both are chosen freely before they are compared."""

@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
+from calibration.state_space.modes import Modes, frequency_and_damping
 from calibration.subspace.estimate import compress
 from calibration.subspace.realization import Method, transition
 from calibration.subspace.windows import Windows
-from stagectl.modes import Modes, frequency_and_damping
 
 
 @dataclass(frozen=True)
@@ -47,6 +46,8 @@ def pole_errors(windows: Windows, method: Method, modes: Modes, order: int, rate
     Efron 1982, The Jackknife, the Bootstrap and Other Resampling Plans, chapter 3; Kuensch 1989, "The jackknife and the
     bootstrap for general stationary observations", Ann. Stat. 17, 1217-1241.
     """
+    from scipy.optimize import linear_sum_assignment  # slow to import
+
     count = windows.segments
     frequency, damping = np.empty((count, len(modes.pole))), np.empty((count, len(modes.pole)))
     for segment in range(count):

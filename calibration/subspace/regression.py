@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import lstsq, qr
 
-from stagectl import model_kernel
+from calibration.state_space import model_kernel
 
 _CHUNK = 4096
 """Samples simulated and folded into the triangle at a time."""

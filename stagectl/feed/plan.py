@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 from stagectl.planning.problem import Pocket
 from stagectl.robot.arm import Arm
 from stagectl.robot.config import CellConfig

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
+from calibration.state_space.model import InnovationModel
 from ctlblocks import Graph, Port
 from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
 from ctlblocks.replay import Record, Replay
 from rigkit.named_code import named_block
-from stagectl.models import InnovationModel
 from stagectl.robot.milling.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force import FeedForce
 from stagectl.robot.milling.feed_force_kernel import CONTROLLING

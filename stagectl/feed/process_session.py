@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from calibration.state_space.model import InnovationModel
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file
@@ -13,7 +14,6 @@ from rigkit.run_folder import CONFIG, RunFolder
 from stagectl.feed.figures import PROCESS, control_plot
 from stagectl.feed.process_run import process_figures, recorded, run_process, simulated
 from stagectl.feed.session import MODEL, velocity_model
-from stagectl.models import InnovationModel
 from stagectl.replay import Replayed, compared
 from stagectl.robot.config import CellConfig
 

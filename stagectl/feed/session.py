@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from calibration.state_space.model import InnovationModel
 from ctlblocks import recording
 from ctlblocks.room import bytes_of
 from rigkit import config as rig_file
@@ -26,7 +27,6 @@ from stagectl.machining.recorded import ROBOT
 from stagectl.machining.run import Conduct
 from stagectl.model_file import read_model
 from stagectl.model_origin import refuse_other_wiring
-from stagectl.models import InnovationModel
 from stagectl.planning.milling import Milled, Planner
 from stagectl.planning.problem import Pocket
 from stagectl.planning.segment_file import write_segments

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.linalg import block_diag, expm
 
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 MODES = {
     "x": ((57.2, 0.0101, 3.638), (95.8, 0.0184, 0.469), (130.8, 0.0122, 0.835)),

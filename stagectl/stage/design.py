@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from calibration.state_space.model import InnovationModel
 from stagectl.config import Outer
-from stagectl.models import InnovationModel
 from stagectl.stage.design_bounds import Looks, Reached, largest_answer, mistuned, of_axis
 from stagectl.stage.sensitivity import Robustness, robustness
 from stagectl.stage.state_feedback import StateFeedback

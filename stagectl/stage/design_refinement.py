@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import minimize
 
+from calibration.state_space.model import InnovationModel
 from stagectl.config import Outer
-from stagectl.models import InnovationModel
 from stagectl.stage.design import USELESS, Candidate, Design, NoLoop, Search, design, only
 from stagectl.stage.design_bounds import of_axis
 from stagectl.stage.weights import Weights

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 
 class NoGain(ValueError):

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 from stagectl.stage.servo import Servo
 from stagectl.stage.state_feedback import StateFeedback
 

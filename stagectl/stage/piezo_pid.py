@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calibration.state_space.model import InnovationModel
 from stagectl.config import Inner
-from stagectl.models import InnovationModel
 from stagectl.stage.sensitivity import Robustness, robustness
 from stagectl.stage.state_space import StateSpace, plant_of
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag, solve_discrete_are
 
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 from stagectl.stage.axis_record import MOST_STATES
 from stagectl.stage.kalman import NoGain, modal_parts
 from stagectl.stage.servo import Servo

@@ -7,8 +7,8 @@ from itertools import product
 
 import numpy as np
 
+from calibration.state_space.model import InnovationModel
 from stagectl.config import ChosenWeights, Outer
-from stagectl.models import InnovationModel
 from stagectl.stage.kalman import NoGain, kalman_gain
 from stagectl.stage.servo import servo
 from stagectl.stage.state_feedback import StateFeedback, linear_quadratic, ramp_feedforward

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.linalg import block_diag, solve_discrete_are, solve_discrete_lyapunov
 from scipy.signal import chirp
 
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 RATE = 1000.0
 NOISE = 0.01

@@ -6,13 +6,13 @@ import pytest
 from calibration.prediction_error import normal_equations
 from calibration.prediction_error.normal_equations import Record
 from calibration.prediction_error.parallel_form import ParallelForm, decomposed, joined
+from calibration.state_space.model_kernel import transient
 from calibration.subspace import modal_regression
 from calibration.subspace.modal import modal
 from calibration.subspace.modal_regression import responses, sums
-from stagectl.model_kernel import transient
 from stagectl.stage.hysteresis_kernel import lag
 from tests.calibration.prediction_error.test_local_coordinates import POLES, system
-from tests.stagectl.test_models import resonant
+from tests.calibration.state_space.test_model import resonant
 
 SAMPLES = 30_000
 MODEL = resonant()

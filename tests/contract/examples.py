@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from calibration.milling.sweep_block import Sweep
+from calibration.state_space.model import InnovationModel
 from ctlblocks import Block, Port, recording, replay
 from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
 from firmware_sim.clamped_robot import ClampedRobot
@@ -33,7 +34,6 @@ from stagectl.link.stage_link import StageLink
 from stagectl.machining.relative_position import RelativePosition
 from stagectl.machining.stage_reference import StageReference
 from stagectl.machining.standstill import Standstill
-from stagectl.models import InnovationModel
 from stagectl.planning.pocket import planner
 from stagectl.planning.problem import Pocket, milling_types
 from stagectl.planning.segments import Segments

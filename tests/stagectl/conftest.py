@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import pytest
 
+from calibration.state_space.model import InnovationModel
 from stagectl.config import Outer
-from stagectl.models import InnovationModel
 from stagectl.stage.design import Design, design
 from stagectl.stage.weights import Weights
 

@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.linalg import block_diag, expm
 
+from calibration.state_space.model import InnovationModel
 from ctlblocks import Block, Graph, Port
 from stagectl.config import Inner, Limits, StageConfig
-from stagectl.models import InnovationModel
 from stagectl.stage.controller import StageController
 from stagectl.stage.loop import Stage
 

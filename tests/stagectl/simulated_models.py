@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from calibration.state_space.model import InnovationModel
 from stagectl.model_file import write_model
-from stagectl.models import InnovationModel
 from tests.stagectl.linear_stage import lagging, sampled
 
 MODES = {

@@ -10,7 +10,7 @@ import pytest
 from rigkit.model_file import ModelFileError
 from rigkit.sealed_file import seal
 from stagectl.model_file import read_model, write_model
-from tests.stagectl.test_models import resonant
+from tests.calibration.state_space.test_model import resonant
 
 NAMED = replace(
     resonant(),

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from calibration.state_space.model import InnovationModel
 from rigkit import config as rig_file
 from rigkit.agreement import DisagreementError
 from stagectl.config import StageConfig
 from stagectl.model_file import read_model
 from stagectl.model_origin import refuse_foreign
-from stagectl.models import InnovationModel
 from tests.stagectl.test_session import write_models
 
 

@@ -73,6 +73,7 @@ def test_modes_that_drift_by_2_percent_while_learning_are_followed() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.slow
 def test_behind_the_vibrator_s_distortion_a_measured_pair_of_responses_learns(tmp_path: Path) -> None:
     """A head between two loudspeakers at 90 degrees."""
     names = ", ".join(f'"{file}"' for file in measured_pair("head-90", tmp_path))

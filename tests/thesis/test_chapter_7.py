@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from calibration.state_space.model import InnovationModel
 from calibration.subspace.identify import identify
 from ctlblocks.recording import Recording
 from firmware_sim.plants.feed_process import FeedProcess
 from stagectl.feed.process_run import run_process, simulated
-from stagectl.models import InnovationModel
 from stagectl.robot.milling.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force import PHASES
 

@@ -8,7 +8,7 @@ import pytest
 from scipy.signal import zpk2ss
 
 from benchmarks.time_domain_ilc import Outcome, inverted, outcome
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 
 @pytest.fixture(scope="module")

@@ -71,6 +71,7 @@ def test_the_folder_holds_what_other_programs_read(tmp_path: Path) -> None:
     assert [event["event"] for event in read_events(tmp_path / "run")] == ["started", "checked", "finished"]
 
 
+@pytest.mark.slow
 def test_learning_that_stands_still_is_told_once_and_again_of_a_run_that_goes_on(tmp_path: Path) -> None:
     """Float32 makes noise, which is over a limit of -120 dB."""
     run(tmp_path / "run", linear_model(tmp_path), 17, "quality.objective=-120.0")

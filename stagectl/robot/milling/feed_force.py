@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
+from calibration.state_space.model import InnovationModel
 from ctlblocks.block import Block, Port
-from stagectl.models import InnovationModel
 from stagectl.robot.milling import cutting_estimate_kernel as cutting
 from stagectl.robot.milling import feed_force_kernel as kernel
 from stagectl.robot.milling import force_gain_kernel as outer

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 from stagectl.robot.milling.axis_model import AxisModel, robot_response
 from stagectl.robot.milling.measured_cut import MeasuredCut
 from stagectl.robot.milling.model_inverse import Inverse, inverse

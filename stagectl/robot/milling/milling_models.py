@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from calibration.state_space.model import InnovationModel
+from calibration.state_space.model_checks import MATRICES
 from rigkit.model_file import ModelFile, ModelFileError, read_model_file, write_model_file
-from stagectl.model_checks import MATRICES
-from stagectl.models import InnovationModel
 from stagectl.robot.milling.axis_model import AxisModel
 from stagectl.robot.milling.convergence import Doubt, interpolated
 from stagectl.robot.milling.learning import ProcessModel

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 POLES = (0.7690 + 0.2751j, 0.7079)
 """Of order 3 at 250 samples/s, as `calibrate velocity` finds them."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 MOST_STATES = 8
 """Of a velocity model."""

@@ -8,7 +8,7 @@ import pytest
 from calibration.fit_measures import fit
 from calibration.prediction_error import refine
 from calibration.prediction_error.scale import scale_of
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 from tests.calibration.resonant_systems import ResonantSystem, order_7, order_9, order_18
 
 SAMPLES = 10_000

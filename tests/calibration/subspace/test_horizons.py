@@ -3,9 +3,9 @@
 import numpy as np
 
 from calibration import subspace
+from calibration.state_space.model import InnovationModel
 from calibration.subspace.horizons import longer, usual
 from calibration.subspace.signals import Signals, signals
-from stagectl.models import InnovationModel
 from tests.calibration.resonant_systems import order_7, order_18
 
 TURN = np.array([[np.cos(0.02), np.sin(0.02)], [-np.sin(0.02), np.cos(0.02)]])

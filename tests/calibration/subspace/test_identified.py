@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,9 @@ from calibration.subspace.identified import Identified
 from stagectl.model_file import read_model
 from tests.calibration.resonant_systems import RATE, order_7, order_9
 
-HEAVY = "matplotlib, h5py, pyfftw, sounddevice, can, serial, starlette, uvicorn, websockets, pandas, control, pydantic"
+HEAVY = (
+    "matplotlib h5py pyfftw sounddevice can serial starlette uvicorn websockets pandas control pydantic rich".split()
+)
 
 
 @pytest.fixture(scope="module")
@@ -102,8 +105,24 @@ def test_a_closed_loop_is_told_of() -> None:
     assert "inputs follow from outputs" in found.summary()
 
 
+LOADED = """
+import sys, calibration.subspace
+print(*(name for name in sys.modules if name.partition(".")[0] in {}))
+"""
+FAMILY = "ctlblocks", "rigkit", "vibractl", "stagectl", "calibration", "firmware_sim", "vibrostage"
+NEEDED = "calibration", "rigkit", "rigkit.flush_kernel", "rigkit.column_titles"
+SLOW = "scipy.optimize", "scipy.special", "scipy.signal", "scipy.stats", "scipy.sparse"
+"""What takes longer to import than the rest together."""
+
+
+def loaded(packages: Sequence[str]) -> set[str]:
+    """Return what of some packages a new process has loaded after `import calibration.subspace`."""
+    command = [sys.executable, "-c", LOADED.format(set(packages))]
+    return set(subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
+
+
 def test_nothing_is_imported_that_identification_does_not_need() -> None:
     """From numpy, scipy, numba and threadpoolctl it is usable beside any other package, and soon there."""
-    code = f"import sys, calibration.subspace; print([name for name in '{HEAVY}'.split(', ') if name in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
+    assert not loaded(HEAVY)
+    assert not {name for name in loaded(["scipy"]) if name.startswith(SLOW)}
+    assert {name for name in loaded(FAMILY) if not name.startswith("calibration.")} == set(NEEDED)

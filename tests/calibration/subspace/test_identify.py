@@ -7,7 +7,7 @@ import pytest
 
 from calibration import subspace
 from calibration.fit_measures import fit
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 from tests.calibration.resonant_systems import RATE, ResonantSystem, order_7, order_9, order_18, sweep
 
 SYSTEMS = {"7, one input, one output": order_7, "9, three outputs": order_9, "18, three inputs and outputs": order_18}

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from calibration.state_space.model import InnovationModel
 from calibration.subspace.modal import modal
 from calibration.subspace.modal_regression import regress, responses, sums
 from calibration.subspace.regression import Regression, Terms, regress_columns
 from calibration.subspace.response import fit_response
-from stagectl.models import InnovationModel
-from tests.stagectl.test_models import RATE, resonant
+from tests.calibration.state_space.test_model import RATE, resonant
 
 MODEL = resonant(order=4)
 RNG = np.random.default_rng(5)

@@ -105,6 +105,7 @@ def test_faint_it_responds_as_it_says(seed: int) -> None:
     np.testing.assert_array_equal(machine.respond(frequency[1:9]), linear_response(described, frequency[1:9]))
 
 
+@pytest.mark.slow
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", [1, 6, 19])
 def test_its_distortion_grows_with_level(seed: int) -> None:

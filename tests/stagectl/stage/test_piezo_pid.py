@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from calibration.state_space.model import InnovationModel
 from ctlblocks import Graph
 from stagectl.config import Limits
-from stagectl.models import InnovationModel
 from stagectl.stage.controller import PiezoController
 from stagectl.stage.piezo_pid import Pid, pid, robust_pid
 from tests.stagectl.linear_stage import INNER, LAG, LIMITS, RATE, VOLTS, Given

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
 
+from calibration.state_space.model import InnovationModel
 from stagectl.config import Outer
-from stagectl.models import InnovationModel
 from stagectl.stage.kalman import kalman_gain
 from stagectl.stage.servo import servo
 from stagectl.stage.state_feedback import StateFeedback, linear_quadratic, ramp_feedforward

@@ -18,6 +18,7 @@ def content(tmp_path_factory: pytest.TempPathFactory) -> Content:
     return read_content(recorded_run(tmp_path_factory.mktemp("run")))
 
 
+@pytest.mark.slow
 def test_the_shots_come_back_from_mcap_bit_for_bit_with_their_units(content: Content, tmp_path: Path) -> None:
     (file,) = export_run(content.path, ("mcap",), tmp_path / "shots.mcap").files
     found = read_mcap(file, "float64")

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 from stagectl.robot.milling import velocity_loop_kernel as kernel
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
 from stagectl.robot.milling.velocity_loop import VelocityLoop, VelocityWeights, velocity_loop

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 from stagectl.robot.milling.axis_model import AxisModel
 from stagectl.robot.milling.learning import ProcessModel
 

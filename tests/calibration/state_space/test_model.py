@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 RATE = 1000.0
 

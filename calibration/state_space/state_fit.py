@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.linalg import lstsq, qr
 
-from stagectl import model_kernel
+from calibration.state_space import model_kernel
 
 _CHUNK = 4096
 """Samples folded into the triangle at a time: what bounds the memory."""

@@ -1,14 +1,14 @@
-"""The innovation-form state space (2.1): the record that calibration writes and the stage's controllers read."""
+"""The innovation-form state space (2.1): the record that calibration writes and controllers read."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stagectl import model_kernel
-from stagectl.model_checks import MATRICES, check_matrices, check_words
-from stagectl.modes import Modes, modes
-from stagectl.state_fit import fit_state
+from calibration.state_space import model_kernel
+from calibration.state_space.model_checks import MATRICES, check_matrices, check_words
+from calibration.state_space.modes import Modes, modes
+from calibration.state_space.state_fit import fit_state
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import scipy.signal
 
-from stagectl.model_conversion import from_control, from_scipy, to_control, to_scipy
-from tests.stagectl.test_models import RATE, resonant
+from calibration.state_space.conversion import from_control, from_scipy, to_control, to_scipy
+from tests.calibration.state_space.test_model import RATE, resonant
 
 FREQUENCY = np.array([1.0, 40.0, 130.0, 499.0])
 

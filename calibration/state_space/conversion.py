@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stagectl.models import InnovationModel
+from calibration.state_space.model import InnovationModel
 
 
 def to_control(model: InnovationModel) -> Any:
