@@ -7,11 +7,12 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from calibration.state_space.model import InnovationModel
+from calibration.subspace.lagged import OWN, SAMPLES, lagged
 
-OWN, LONGEST = 12, 100
-"""Lags of the outputs, and of the inputs at most, that each output is explained by."""
-SAMPLES, ROWS = 10_000, 20
-"""Samples that are looked at; of those, so many are wanted for each coefficient."""
+LONGEST = 100
+"""Lags of the inputs, at most, that each output is explained by."""
+ROWS = 20
+"""Samples that are wanted for each coefficient."""
 HEARD = 5.0
 """Standard errors beyond which a coefficient is no chance: one in a million."""
 LEAST = 3
@@ -64,7 +65,7 @@ def delays(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]) -> Del
     lags = min(LONGEST, (total // ROWS - OWN * outputs) // inputs - 1)
     if lags < 2 * LEAST:
         return None
-    regressors, wanted = _stacked(drives, responses, lags)
+    regressors, wanted, _ = lagged(drives, responses, lags)
     products = regressors.T @ regressors
     scale = np.sqrt(np.diag(products))
     if len(regressors) < 2 * len(products) or not np.all(scale > 0):
@@ -83,24 +84,6 @@ def delays(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]) -> Del
     is_heard = (told > HEARD).any(axis=2)
     certainty = np.where(is_heard, np.take_along_axis(told, first[..., None], axis=2)[..., 0], told.max(axis=2))
     return Delays(np.where(is_heard, first, -1), certainty)
-
-
-def _stacked(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], lags: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return lagged outputs (from 1) and inputs (from 0), and the outputs, of the first samples of all records."""
-    rows, wanted, room = [], [], SAMPLES
-    start = max(OWN, lags)
-    for drive, response in zip(drives, responses, strict=True):
-        stop = min(len(drive), start + room)
-        if stop <= start:
-            continue
-        past = [response[start - lag : stop - lag] for lag in range(1, OWN + 1)]
-        pushed = [drive[start - lag : stop - lag] for lag in range(lags + 1)]
-        rows.append(np.concatenate(past + pushed, axis=1))
-        wanted.append(response[start:stop])
-        room -= stop - start
-    if not rows:
-        return np.zeros((0, OWN * responses[0].shape[1])), np.zeros((0, responses[0].shape[1]))
-    return np.concatenate(rows), np.concatenate(wanted)
 
 
 def checked(delay: int | Sequence[int], inputs: int, shortest: int) -> tuple[int, ...]:

@@ -25,18 +25,20 @@ class Compressed:
         How many the triangle was made of.
     projection : Projection
         Of the triangle.
+    method : "n4sid", "moesp" or "pbsid"
     """
 
     triangle: np.ndarray
     layout: Layout
     windows: int
     projection: Projection
+    method: Method
 
 
 def compress(windows: Windows, method: Method, without: Sequence[int] = (), layout: Layout | None = None) -> Compressed:
     """Compress windows, without some segments or with all, in shorter horizons or their own; take singular values."""
     triangle, inside = windows.triangle(without, layout), windows.layout if layout is None else layout
-    return Compressed(triangle, inside, windows.count(without), project(triangle, inside, method))
+    return Compressed(triangle, inside, windows.count(without), project(triangle, inside, method), method)
 
 
 @dataclass(frozen=True)
@@ -99,7 +101,7 @@ def estimate(
     raw, outlet = transition(gamma, layout.outputs)
     matrix = stabilized(raw, max(len(drive) for drive in drives))
     fitted = fit_response(matrix, outlet, drives, responses, terms)
-    mapped = state_map(compressed.triangle, layout, gamma)
+    mapped = state_map(compressed.triangle, layout, gamma, compressed.method)
     gain = kalman_gain(compressed.triangle, layout, mapped, (matrix, fitted.inlet, outlet, fitted.direct))
     moved = int(np.sum(np.abs(np.linalg.eigvals(raw)) >= 1))
     return Estimate(

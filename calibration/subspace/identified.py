@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from calibration.fit_measures import Fit
+from calibration.prediction_error.refinement import Refined
 from calibration.records import as_records
 from calibration.state_space.conversion import to_control, to_scipy
 from calibration.state_space.model import InnovationModel
@@ -16,6 +17,7 @@ from calibration.subspace import telling
 from calibration.subspace.comparison import Comparison
 from calibration.subspace.diagnosis import Diagnosis, diagnose
 from calibration.subspace.excitation import persistence
+from calibration.subspace.feedback import Feedback
 from calibration.subspace.order import Candidate
 from calibration.subspace.pole_errors import PoleErrors, pole_errors
 from calibration.subspace.realization import Method
@@ -50,7 +52,11 @@ class Identified:
         How many had to be moved into the unit circle; 0 for a stable estimate.
     by_riccati : bool
         Whether the Riccati equation had a stabilizing solution to start the gain from.
-    method : "n4sid" or "moesp"
+    method : "n4sid", "moesp" or "pbsid"
+    feedback : Feedback
+        Whether inputs follow from outputs.
+    refined : Refined, optional
+        How the model came of the subspace's by prediction error, where it did.
     windows : Windows
         Of the records, scaled.
     drives, responses : tuples of arrays, shapes (N, m) and (N, p), the inputs' and the outputs' units
@@ -68,6 +74,8 @@ class Identified:
     moved_poles: int
     by_riccati: bool
     method: Method
+    feedback: Feedback
+    refined: Refined | None
     windows: Windows
     drives: tuple[np.ndarray, ...]
     responses: tuple[np.ndarray, ...]
@@ -92,6 +100,8 @@ class Identified:
     @cached_property
     def pole_errors(self) -> PoleErrors:
         """Standard errors of natural frequencies and damping ratios; computed when first asked for."""
+        if self.refined is not None:
+            return PoleErrors(self.refined.errors.frequency, self.refined.errors.damping)
         return pole_errors(self.windows, self.method, self.core.modes, self.core.order, self.core.rate)
 
     def compare(self, u: Any, y: Any) -> Comparison:

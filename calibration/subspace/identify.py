@@ -3,18 +3,20 @@
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
 from calibration.gaps import without_gaps
 from calibration.one_thread import on_one_thread
+from calibration.prediction_error.refinement import refine
 from calibration.records import Side, sides_of
 from calibration.state_space.model import InnovationModel
 from calibration.subspace.choice import Choice, choose
 from calibration.subspace.delays import advanced, checked, delayed, delays
 from calibration.subspace.estimate import Compressed, Estimate, compress
 from calibration.subspace.excitation import repeated
+from calibration.subspace.feedback import feedback
 from calibration.subspace.gain_refinement import refine_gain
 from calibration.subspace.identified import Identified
 from calibration.subspace.kalman_gain import Gain, is_stable
@@ -28,6 +30,8 @@ from calibration.subspace.windows import Windows
 
 FEW = 10
 """Samples of delay that a model can as well have as states: then both are chosen freely before they are compared."""
+STEPS = 20
+"""Gauss-Newton steps of a refinement, at most."""
 _SEGMENTS = 16
 """That can be left out, for the uncertainty of poles."""
 
@@ -40,8 +44,8 @@ def identify(
     *,
     order: int | None = None,
     horizon: int | tuple[int, int] | None = None,
-    method: Method = "moesp",
-    direct: bool = True,
+    method: Literal["auto"] | Method = "auto",
+    direct: Literal["auto"] | bool = "auto",
     detrend: Detrend = "mean",
     stable: bool = True,
     delay: Literal["auto"] | int | Sequence[int] = "auto",
@@ -67,11 +71,14 @@ def identify(
         decides.  `candidates` of the result tells of all of them.
     horizon : int or (past, future), samples, optional
         Longer ones are tried as well where an oscillation that is found takes more than half of it.
-    method : "n4sid" or "moesp", optional
-        Which projection's singular values are taken.  On inputs that excite all frequencies both give nearly the same;
-        on chirps and other inputs that their own future tells, the oblique projection of N4SID is the weaker one.
-    direct : bool, optional
-        Whether D is fitted; it is 0 otherwise.
+    method : "auto", "moesp", "n4sid" or "pbsid", optional
+        Which projection's singular values are taken.  On inputs that excite all frequencies those of MOESP and N4SID
+        give nearly the same; on chirps and other inputs that their own future tells, the oblique projection of N4SID is
+        the weaker one.  Both are wrong where inputs follow from outputs, where "auto" takes PBSID's in place of MOESP's:
+        then the prediction one step ahead alone chooses horizon and order, B, D and first states are fitted to it, and
+        all of a stable model after that, by prediction error.
+    direct : "auto" or bool, optional
+        Whether D is fitted; it is 0 otherwise.  "auto": but where inputs follow from outputs, perhaps at once.
     detrend : "mean", "record", "linear" or "none", optional
         Whether there is an operating point, the inputs' mean over all records and what the outputs are there, or it is
         zero.  With "record" each record has one of its own, with "linear" one that drifts along a line: what is taken
@@ -105,12 +112,21 @@ def identify(
     _check(method, rate)
     inputs, outputs = sides_of(u, y)
     drives, responses = _ready(inputs, outputs, detrend)
-    terms = Terms(direct, detrend != "none", stable)
-    late, data, chosen = _chosen(drives, responses, delay, (horizon, order, method, terms))
+    loop = feedback(*_scaled(drives, responses))
+    way = method if method != "auto" else "pbsid" if loop.inputs else "moesp"
+    has_direct = way != "pbsid" if direct == "auto" else direct
+    terms = Terms(has_direct, detrend != "none", stable, fed_back=way == "pbsid")
+    late, data, chosen = _chosen(drives, responses, delay, (horizon, order, way, terms))
     windows = Windows(data.joined, chosen.layout, _SEGMENTS, terms.constant)
-    compressed = compress(windows, method)
+    compressed = compress(windows, way)
     found, gain = _fitted(compressed, chosen.order, data, terms)
     core = _named(_in_units(found, gain, data, rate), inputs, outputs)
+    low, high = data.input_offset, data.output_offset + data.output_scale * found.constant
+    refined = None
+    if method == "auto" and loop.inputs and core.is_stable:
+        moved = advanced(drives, responses, late)
+        refined = refine(core, [u - low for u in moved[0]], [y - high for y in moved[1]], direct=has_direct, iterations=STEPS)
+        core = refined.model
     return Identified(
         model=delayed(core, late),
         core=core,
@@ -118,11 +134,13 @@ def identify(
         singular_values=compressed.projection.singular_values,
         candidates=chosen.candidates,
         horizon=(windows.layout.past, windows.layout.future),
-        input_offset=data.input_offset,
-        output_offset=data.output_offset + data.output_scale * found.constant,
+        input_offset=low,
+        output_offset=high,
         moved_poles=found.moved,
         by_riccati=found.gain.by_riccati,
-        method=method,
+        method=way,
+        feedback=loop,
+        refined=refined,
         windows=windows,
         drives=tuple(drives),
         responses=tuple(responses),
@@ -130,8 +148,8 @@ def identify(
 
 
 def _check(method: str, rate: float) -> None:
-    if method not in ("n4sid", "moesp"):
-        raise ValueError(f"method is {method!r}, must be 'n4sid' or 'moesp'")
+    if method not in ("auto", *get_args(Method)):
+        raise ValueError(f"method is {method!r}, must be one of auto, {', '.join(get_args(Method))}")
     if not (np.isfinite(rate) and rate > 0):
         raise ValueError(f"rate is {rate}, must be > 0 samples/s")
 
@@ -143,6 +161,14 @@ def _ready(inputs: Side, outputs: Side, detrend: Detrend) -> tuple[list[np.ndarr
         first, second = (each + 1 for each in pair)
         warnings.warn(f"inputs {first} and {second} are the same signal: they share a response", stacklevel=4)
     return levelled(drives, detrend), levelled(responses, detrend)
+
+
+def _scaled(
+    drives: list[np.ndarray], responses: list[np.ndarray]
+) -> tuple[Sequence[np.ndarray], Sequence[np.ndarray]]:
+    """Return records without their mean, of like size."""
+    data = signals(drives, responses, has_mean=True)
+    return data.drives, data.responses
 
 
 def _chosen(

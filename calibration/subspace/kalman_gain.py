@@ -106,6 +106,36 @@ def residual_covariances(
     return _split(left - through @ triangle[drive], order)
 
 
+def innovation_gain(
+    triangle: np.ndarray, layout: Layout, mapped: np.ndarray, system: tuple[np.ndarray, np.ndarray]
+) -> Gain | None:
+    """Regress the next state on what the state's prediction of the outputs leaves; none where that is not stable.
+
+    Right where inputs follow from outputs, since inputs and innovations stand beside one another in the regression.
+
+    Parameters
+    ----------
+    triangle : array, shape (rows, rows), 1
+    layout : Layout
+    mapped : array, shape (n, rows of the past), 1
+    system : A and C, arrays of shapes (n, n) and (p, n), 1
+
+    Source
+    ------
+    Chiuso and Picci 2005, "Consistency analysis of some closed-loop subspace identification methods", Automatica 41.
+    """
+    transition, outlet = system
+    order, (outputs, _) = len(transition), outlet.shape
+    nothing = np.zeros((order, layout.inputs)), np.zeros((outputs, layout.inputs))
+    left = _left(layout, mapped, (transition, nothing[0], outlet, nothing[1])) @ triangle
+    drive = triangle[layout.rows(layout.past, layout.past + 1, slice(0, layout.inputs))]
+    beside = np.concatenate([left[order:], drive])
+    gain = np.linalg.lstsq(beside.T, left[:order].T, rcond=None)[0].T[:, :outputs]
+    if not is_stable(transition - gain @ outlet):
+        return None
+    return Gain(gain, left[order:] @ left[order:].T, by_riccati=False)
+
+
 def halved_until_stable(transition: np.ndarray, outlet: np.ndarray, gain: np.ndarray) -> np.ndarray:
     """Return a gain, shape (n, p), or the first half of a half of it with which the predictor is stable.
 

@@ -8,7 +8,9 @@ from scipy.linalg import lstsq, solve_triangular, svd
 
 from calibration.subspace.windows import Layout
 
-Method = Literal["n4sid", "moesp"]
+Method = Literal["n4sid", "moesp", "pbsid"]
+_RANK = 1e-10
+"""Directions of the past weaker than this part of the strongest tell nothing."""
 _TIED = 5.0
 """Directions of the past are used whose part tied to the future inputs is at most so many times their own part."""
 
@@ -41,21 +43,24 @@ def project(triangle: np.ndarray, layout: Layout, method: Method) -> Projection:
     triangle : array, shape (rows, rows), 1
         As `Windows.triangle` gives it.
     layout : Layout
-    method : "n4sid" or "moesp"
-        The projection along the future inputs (oblique, unit weights), or the one on what of the past is orthogonal to
-        the future inputs.
+    method : "n4sid", "moesp" or "pbsid"
+        The projection along the future inputs (oblique, unit weights), the one on what of the past is orthogonal to the
+        future inputs, or what a predictor of the past's length foretells without any future inputs, which alone is
+        right where those follow from outputs.
 
     Source
     ------
     Van Overschee and De Moor 1994, "N4SID: Subspace algorithms for the identification of combined
     deterministic-stochastic systems", Automatica 30, 75-93; Verhaegen 1994, "Identification of the deterministic part
-    of MIMO state space models given in innovations form from input-output data", Automatica 30, 61-74 (PO-MOESP).
+    of MIMO state space models given in innovations form from input-output data", Automatica 30, 61-74 (PO-MOESP);
+    Chiuso and Picci 2005, "Consistency analysis of some closed-loop subspace identification methods", Automatica 41,
+    377-391 (the predictor's).
     """
     ahead, past, future = layout.parts
     if method == "moesp":
         explained = triangle[future, past]
     else:
-        explained = _past_to_future(triangle, layout) @ triangle[past, ahead.start : past.stop]
+        explained = _past_to_future(triangle, layout, method) @ triangle[past, ahead.start : past.stop]
     directions, values, _ = svd(explained, full_matrices=False, check_finite=False)
     return Projection(directions, values)
 
@@ -99,7 +104,7 @@ def stabilized(matrix: np.ndarray, samples: int) -> np.ndarray:
     return inside
 
 
-def state_map(triangle: np.ndarray, layout: Layout, gamma: np.ndarray) -> np.ndarray:
+def state_map(triangle: np.ndarray, layout: Layout, gamma: np.ndarray, method: Method) -> np.ndarray:
     """Return what makes the state of a window's past, shape (n, rows of the past).
 
     Parameters
@@ -107,13 +112,40 @@ def state_map(triangle: np.ndarray, layout: Layout, gamma: np.ndarray) -> np.nda
     triangle : array, shape (rows, rows), 1
     layout : Layout
     gamma : array, shape (future p, n), 1
+    method : "n4sid", "moesp" or "pbsid"
     """
-    mapped: np.ndarray = lstsq(gamma, _past_to_future(triangle, layout), check_finite=False)[0]
+    mapped: np.ndarray = lstsq(gamma, _past_to_future(triangle, layout, method), check_finite=False)[0]
     return mapped
 
 
-def _past_to_future(triangle: np.ndarray, layout: Layout) -> np.ndarray:
-    """Return the regression of the future outputs on the past beside the future inputs, shape (future p, past).
+def _past_to_future(triangle: np.ndarray, layout: Layout, method: Method) -> np.ndarray:
+    """Return what the past tells of the future outputs were there no further inputs, shape (future p, past)."""
+    return _foretold(triangle, layout) if method == "pbsid" else _regressed(triangle, layout)
+
+
+def _foretold(triangle: np.ndarray, layout: Layout) -> np.ndarray:
+    """Return it from a predictor one step ahead, which is fed what it has foretold itself.
+
+    That predictor is the regression of the first future output on the past alone: no later input is in it.
+    """
+    _, past, future = layout.parts
+    width, outputs = layout.inputs + layout.outputs, layout.outputs
+    known, wanted = triangle[past, : past.stop], triangle[future.start : future.start + outputs, : past.stop]
+    ahead = lstsq(known.T, wanted.T, cond=_RANK, check_finite=False)[0].T
+    lags = ahead.reshape(outputs, layout.past, width)[:, ::-1, layout.inputs :]
+    told: list[np.ndarray] = []
+    for step in range(layout.future):
+        now = np.zeros_like(ahead)
+        if step < layout.past:
+            now[:, step * width :] = ahead[:, : ahead.shape[1] - step * width]
+        for lag in range(1, min(step, layout.past) + 1):
+            now += lags[:, lag - 1] @ told[step - lag]
+        told.append(now)
+    return np.concatenate(told)
+
+
+def _regressed(triangle: np.ndarray, layout: Layout) -> np.ndarray:
+    """Return it from the regression of the future outputs on the past beside the future inputs.
 
     Directions of the past that the future inputs nearly tell (of a chirp, most) would carry the error of what little is
     their own over to all that is tied: they are left out, which keeps the columns within the observability's range.

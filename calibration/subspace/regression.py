@@ -26,11 +26,14 @@ class Terms:
         A constant in each output, the same for all records.
     stable : bool, optional
         Poles are kept inside of the unit circle.
+    fed_back : bool, optional
+        Inputs follow from outputs: then the error one step ahead alone tells a response from noise.
     """
 
     direct: bool
     constant: bool
     stable: bool = True
+    fed_back: bool = False
 
     def columns(self, output: int, outputs: int, drives: int) -> np.ndarray:
         """Return what one output's terms take of the drives and of a constant 1: shape (drives + 1, terms).

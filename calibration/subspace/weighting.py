@@ -45,7 +45,7 @@ def weighted(
 
     For a system of this order that is the efficient estimate: noise that has passed through resonances is loud there.
     For a simpler model it trades the free run for the prediction; then, and where nothing is noise, the estimate is
-    returned as it was.
+    returned as it was.  Where inputs follow outputs a free run that leaves more is no sign of that.
 
     Parameters
     ----------
@@ -69,4 +69,5 @@ def weighted(
         states=found.states,
     )
     left = sum(float(np.sum(each**2)) for each in left_by_free_run(again, drives, measured))
-    return replace(again, left=left) if left <= (1 + _WORSE) * estimate.left else estimate
+    is_taken = terms.fed_back or left <= (1 + _WORSE) * estimate.left
+    return replace(again, left=left) if is_taken else estimate
