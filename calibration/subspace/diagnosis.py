@@ -7,13 +7,14 @@ import numpy as np
 
 from calibration.fit_measures import Fit
 from calibration.subspace.excitation import MOST
+from calibration.subspace.feedback import Feedback
 
 WHITE = 0.01
 """Probability of residuals as far from white ones, below which they are not."""
 CROSSED = 0.05
 """Share of correlations beyond the bound of one in a hundred, up to which there are none."""
-FED_BACK = 0.1
-"""The same at negative lags, beyond which inputs follow from outputs."""
+_MISLED = "this method takes part of the controller for the plant, take method auto or pbsid"
+_RIGHT = "the model is by PBSID, which a loop does not mislead"
 SPENT = 20
 """Samples for each coefficient of the model, below which there are few."""
 
@@ -31,8 +32,12 @@ class Diagnosis:
         Order of which the inputs excite persistently, see `excitation.persistence`.
     whiteness : float, 0 to 1
         Probability of such residuals one step ahead, were they white.
-    left_out, fed_back : float, 0 to 1
-        Share of correlations of residuals with earlier and with later inputs that are beyond a bound of 1 %.
+    left_out : float, 0 to 1
+        Share of correlations of residuals with earlier inputs that are beyond a bound of 1 %.
+    feedback : Feedback
+        Whether inputs follow from outputs.
+    minds_loops : bool
+        Whether the method goes wrong where they do.
     moved_poles : int
         Poles that had to be moved into the unit circle.
     """
@@ -44,7 +49,8 @@ class Diagnosis:
     persistence: int
     whiteness: float
     left_out: float
-    fed_back: float
+    feedback: Feedback
+    minds_loops: bool
     moved_poles: int
 
     @property
@@ -82,16 +88,19 @@ class Diagnosis:
             )
         else:
             yield "nothing of the inputs is left in the residuals"
-        if self.fed_back > FED_BACK:
+        for channel in self.feedback.inputs:
+            share = 100 * self.feedback.share[channel]
             yield (
-                f"{100 * self.fed_back:.0f} % of those with later inputs are beyond it: inputs follow from outputs. "
-                "Where a loop was closed, refine the model by prediction error"
+                f"input {channel + 1} follows from the outputs, which tell {share:.0f} % of what is new in it: "
+                f"a loop was closed; {_MISLED if self.minds_loops else _RIGHT}"
             )
         if self.moved_poles:
             yield f"{self.moved_poles} poles were moved into the unit circle: look at the records for drift or a step"
 
 
-def diagnose(fit: Fit, order: int, samples: int, persistence: int, moved_poles: int) -> Diagnosis:
+def diagnose(
+    fit: Fit, order: int, samples: int, persistence: int, moved_poles: int, feedback: Feedback, minds_loops: bool
+) -> Diagnosis:
     """Diagnose from a fit to the records themselves.
 
     Parameters
@@ -101,11 +110,12 @@ def diagnose(fit: Fit, order: int, samples: int, persistence: int, moved_poles: 
     samples : int
     persistence : int
     moved_poles : int
+    feedback : Feedback
+    minds_loops : bool
     """
     cross = fit.cross_correlation
     beyond = np.abs(cross.correlation) > cross.bound
     outputs, inputs = cross.correlation.shape[1:]
-    later, earlier = beyond[cross.lag < 0], beyond[cross.lag > 0]
     return Diagnosis(
         order,
         inputs,
@@ -113,7 +123,8 @@ def diagnose(fit: Fit, order: int, samples: int, persistence: int, moved_poles: 
         samples,
         persistence,
         float(fit.whiteness.probability),
-        float(np.mean(earlier)),
-        float(np.mean(later)),
+        float(np.mean(beyond[cross.lag > 0])),
+        feedback,
+        minds_loops,
         moved_poles,
     )

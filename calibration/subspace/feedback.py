@@ -11,6 +11,8 @@ LAGS, OF_INNOVATIONS = 30, 10
 """Lags of the inputs' own past, and of the outputs' innovations, that each input is explained by."""
 SHARE, CHANCE = 0.015, 1e-4
 """Part that innovations must tell of what is new of an input each sample, and the probability of as much by chance."""
+HARM = 5e-5
+"""Product of that part and the outputs' noise below which a model is none the worse for the loop."""
 FORETOLD = 1e-8
 """Part of an input's power below which its own past tells all of it: nothing is left that outputs could."""
 
@@ -25,23 +27,29 @@ class Feedback:
         Of what each input's own past does not tell.
     probability : array, shape (m,), 0 to 1
         Of as much where there is no loop.
+    noise : float, 0 to 1
+        Power of the innovations over that of the output, of the output where that is most.
     """
 
     share: np.ndarray
     probability: np.ndarray
+    noise: float
 
     @property
     def inputs(self) -> tuple[int, ...]:
-        """Inputs that follow from outputs, counted from 0."""
-        return tuple(int(each) for each in np.flatnonzero((self.share > SHARE) & (self.probability < CHANCE)))
+        """Inputs that follow from outputs by as much as harms a model, counted from 0.
+
+        Records that were filtered without delay foretell one another, too, and hold next to no noise.
+        """
+        is_told = (self.share > SHARE) & (self.probability < CHANCE) & (self.share * self.noise > HARM)
+        return tuple(int(each) for each in np.flatnonzero(is_told))
 
 
 def feedback(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]) -> Feedback:
     """Tell how much the innovations of the outputs foretell of the inputs beside the inputs' own past.
 
     Innovations are what an ARX model leaves, and what it leaves is free of the input of the same sample, which a direct
-    term would put there.  Of records too short for that nothing is
-    found.
+    term would put there.  Of records too short for that nothing is found.
 
     Parameters
     ----------
@@ -59,14 +67,15 @@ def feedback(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]) -> F
     regressors, wanted, pieces = lagged(drives, responses, LAGS)
     own, later = regressors[:, OWN * outputs + inputs :], regressors[:, OWN * outputs : OWN * outputs + inputs]
     if len(regressors) < 4 * (regressors.shape[1] + OF_INNOVATIONS * outputs):
-        return Feedback(np.zeros(inputs), np.ones(inputs))
+        return Feedback(np.zeros(inputs), np.ones(inputs), 0.0)
     innovations = wanted - regressors @ np.linalg.lstsq(regressors, wanted, rcond=None)[0]
     rows = np.concatenate([np.arange(first + OF_INNOVATIONS, last) for first, last in pieces])
     past = np.concatenate([innovations[rows - lag] for lag in range(1, OF_INNOVATIONS + 1)], axis=1)
-    return _told(own[rows], past, later[rows])
+    noise = np.mean(innovations**2, axis=0) / np.mean(wanted**2, axis=0)
+    return _told(own[rows], past, later[rows], float(noise.max()))
 
 
-def _told(own: np.ndarray, beside: np.ndarray, wanted: np.ndarray) -> Feedback:
+def _told(own: np.ndarray, beside: np.ndarray, wanted: np.ndarray, noise: float) -> Feedback:
     """Compare what is left of some signals without and with further regressors, by an F test each."""
     from scipy.special import fdtrc  # slow to import
 
@@ -78,4 +87,4 @@ def _told(own: np.ndarray, beside: np.ndarray, wanted: np.ndarray) -> Feedback:
     share = np.where(is_open, 1 - both / np.maximum(without, np.finfo(float).tiny), 0.0)
     freedom = len(wanted) - own.shape[1] - beside.shape[1]
     ratio = np.where(is_open, share / np.maximum(1 - share, 1e-12) * freedom / beside.shape[1], 0.0)
-    return Feedback(share, np.asarray(fdtrc(beside.shape[1], freedom, ratio)))
+    return Feedback(share, np.asarray(fdtrc(beside.shape[1], freedom, ratio)), noise)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from calibration.fit_measures import Fit
-from calibration.prediction_error.refinement import Refined
 from calibration.records import as_records
 from calibration.state_space.conversion import to_control, to_scipy
 from calibration.state_space.model import InnovationModel
@@ -25,6 +24,8 @@ from calibration.subspace.windows import Windows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from calibration.prediction_error.refinement import Refined
 
 _FIELDS = ("frequency", "frequency_error", "damping", "damping_error")
 
@@ -55,12 +56,12 @@ class Identified:
     method : "n4sid", "moesp" or "pbsid"
     feedback : Feedback
         Whether inputs follow from outputs.
-    refined : Refined, optional
-        How the model came of the subspace's by prediction error, where it did.
     windows : Windows
         Of the records, scaled.
     drives, responses : tuples of arrays, shapes (N, m) and (N, p), the inputs' and the outputs' units
         The records, as given.
+    refined : Refined, optional
+        How the model came of the subspace's by prediction error, where it did.
     """
 
     model: InnovationModel
@@ -75,10 +76,10 @@ class Identified:
     by_riccati: bool
     method: Method
     feedback: Feedback
-    refined: Refined | None
     windows: Windows
     drives: tuple[np.ndarray, ...]
     responses: tuple[np.ndarray, ...]
+    refined: "Refined | None" = None
 
     @cached_property
     def own(self) -> Comparison:
@@ -95,7 +96,8 @@ class Identified:
         """What is to be thought of it and of the records; computed when first asked for."""
         samples = sum(len(drive) for drive in self.drives)
         excites = persistence([drive - self.input_offset for drive in self.drives])
-        return diagnose(self.fit, self.core.order, samples, excites, self.moved_poles)
+        minds_loops = self.method != "pbsid"
+        return diagnose(self.fit, self.core.order, samples, excites, self.moved_poles, self.feedback, minds_loops)
 
     @cached_property
     def pole_errors(self) -> PoleErrors:

@@ -9,14 +9,13 @@ import numpy as np
 
 from calibration.gaps import without_gaps
 from calibration.one_thread import on_one_thread
-from calibration.prediction_error.refinement import refine
 from calibration.records import Side, sides_of
 from calibration.state_space.model import InnovationModel
 from calibration.subspace.choice import Choice, choose
 from calibration.subspace.delays import advanced, checked, delayed, delays
 from calibration.subspace.estimate import Compressed, Estimate, compress
 from calibration.subspace.excitation import repeated
-from calibration.subspace.feedback import feedback
+from calibration.subspace.feedback import Feedback, feedback
 from calibration.subspace.gain_refinement import refine_gain
 from calibration.subspace.identified import Identified
 from calibration.subspace.kalman_gain import Gain, is_stable
@@ -30,8 +29,6 @@ from calibration.subspace.windows import Windows
 
 FEW = 10
 """Samples of delay that a model can as well have as states: then both are chosen freely before they are compared."""
-STEPS = 20
-"""Gauss-Newton steps of a refinement, at most."""
 _SEGMENTS = 16
 """That can be left out, for the uncertainty of poles."""
 
@@ -74,9 +71,9 @@ def identify(
     method : "auto", "moesp", "n4sid" or "pbsid", optional
         Which projection's singular values are taken.  On inputs that excite all frequencies those of MOESP and N4SID
         give nearly the same; on chirps and other inputs that their own future tells, the oblique projection of N4SID is
-        the weaker one.  Both are wrong where inputs follow from outputs, where "auto" takes PBSID's in place of MOESP's:
-        then the prediction one step ahead alone chooses horizon and order, B, D and first states are fitted to it, and
-        all of a stable model after that, by prediction error.
+        the weaker one.  Both are wrong where inputs follow from outputs; there "auto" takes PBSID's,
+        the prediction one step ahead alone chooses horizon and order, B, D and first states are fitted to it, and all
+        of a stable model after that, by prediction error.
     direct : "auto" or bool, optional
         Whether D is fitted; it is 0 otherwise.  "auto": but where inputs follow from outputs, perhaps at once.
     detrend : "mean", "record", "linear" or "none", optional
@@ -110,41 +107,32 @@ def identify(
     (1, 0.9)
     """
     _check(method, rate)
-    inputs, outputs = sides_of(u, y)
-    drives, responses = _ready(inputs, outputs, detrend)
-    loop = feedback(*_scaled(drives, responses))
-    way = method if method != "auto" else "pbsid" if loop.inputs else "moesp"
-    has_direct = way != "pbsid" if direct == "auto" else direct
-    terms = Terms(has_direct, detrend != "none", stable, fed_back=way == "pbsid")
+    sides = sides_of(u, y)
+    drives, responses, loop = _ready(*sides, detrend)
+    way: Method = method if method != "auto" else "pbsid" if loop.inputs else "moesp"
+    terms = Terms(way != "pbsid" if direct == "auto" else direct, detrend != "none", stable, way == "pbsid")
     late, data, chosen = _chosen(drives, responses, delay, (horizon, order, way, terms))
     windows = Windows(data.joined, chosen.layout, _SEGMENTS, terms.constant)
-    compressed = compress(windows, way)
-    found, gain = _fitted(compressed, chosen.order, data, terms)
-    core = _named(_in_units(found, gain, data, rate), inputs, outputs)
-    low, high = data.input_offset, data.output_offset + data.output_scale * found.constant
-    refined = None
-    if method == "auto" and loop.inputs and core.is_stable:
-        moved = advanced(drives, responses, late)
-        refined = refine(core, [u - low for u in moved[0]], [y - high for y in moved[1]], direct=has_direct, iterations=STEPS)
-        core = refined.model
-    return Identified(
+    found, gain, values = _fitted(compress(windows, way), chosen.order, data, terms)
+    core = _named(_in_units(found, gain, data, rate), *sides)
+    result = Identified(
         model=delayed(core, late),
         core=core,
         delays=late,
-        singular_values=compressed.projection.singular_values,
+        singular_values=values,
         candidates=chosen.candidates,
         horizon=(windows.layout.past, windows.layout.future),
-        input_offset=low,
-        output_offset=high,
+        input_offset=data.input_offset,
+        output_offset=data.output_offset + data.output_scale * found.constant,
         moved_poles=found.moved,
         by_riccati=found.gain.by_riccati,
         method=way,
         feedback=loop,
-        refined=refined,
         windows=windows,
         drives=tuple(drives),
         responses=tuple(responses),
     )
+    return _refined(result, terms.direct) if method == "auto" and loop.inputs and core.is_stable else result
 
 
 def _check(method: str, rate: float) -> None:
@@ -154,21 +142,27 @@ def _check(method: str, rate: float) -> None:
         raise ValueError(f"rate is {rate}, must be > 0 samples/s")
 
 
-def _ready(inputs: Side, outputs: Side, detrend: Detrend) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Return records without gaps, and without what each is to lose of its own."""
+def _ready(inputs: Side, outputs: Side, detrend: Detrend) -> tuple[list[np.ndarray], list[np.ndarray], Feedback]:
+    """Return records without gaps, without what each is to lose of its own, and whether inputs follow from outputs."""
     drives, responses = without_gaps(inputs.records, outputs.records)
     if pair := repeated(drives):
         first, second = (each + 1 for each in pair)
         warnings.warn(f"inputs {first} and {second} are the same signal: they share a response", stacklevel=4)
-    return levelled(drives, detrend), levelled(responses, detrend)
-
-
-def _scaled(
-    drives: list[np.ndarray], responses: list[np.ndarray]
-) -> tuple[Sequence[np.ndarray], Sequence[np.ndarray]]:
-    """Return records without their mean, of like size."""
+    drives, responses = levelled(drives, detrend), levelled(responses, detrend)
     data = signals(drives, responses, has_mean=True)
-    return data.drives, data.responses
+    return drives, responses, feedback(data.drives, data.responses)
+
+
+def _refined(found: Identified, has_direct: bool) -> Identified:
+    """Refine the model of a plant in a loop by prediction error, unless its free run is worse then."""
+    from calibration.subspace.polish import refined_by_prediction  # slow to import
+
+    drives, responses = advanced(found.drives, found.responses, found.delays)
+    low, high = [each - found.input_offset for each in drives], [each - found.output_offset for each in responses]
+    refined = refined_by_prediction(found.core, low, high, has_direct)
+    if refined is None:
+        return found
+    return replace(found, model=delayed(refined.model, found.delays), core=refined.model, refined=refined)
 
 
 def _chosen(
@@ -198,13 +192,17 @@ def _chosen(
     return late, moved, found
 
 
-def _fitted(compressed: Compressed, order: int, data: Signals, terms: Terms) -> tuple[Estimate, Gain]:
-    """Return an estimate with a better gain, and B and D by what that knows of the noise; an unstable one as it is."""
+def _fitted(compressed: Compressed, order: int, data: Signals, terms: Terms) -> tuple[Estimate, Gain, np.ndarray]:
+    """Return an estimate with a better gain, and B and D by what that knows of the noise, and the singular values.
+
+    An unstable one stays as it is.
+    """
+    values = compressed.projection.singular_values
     found = estimated(compressed, order, data.drives, data.responses, terms)
     if not is_stable(found.transition):
-        return found, found.gain
+        return found, found.gain, values
     gain = refine_gain(found.transition, found.outlet, found.gain, left_by_free_run(found, data.drives, data.responses))
-    return weighted(found, gain, data.drives, data.responses, terms), gain
+    return weighted(found, gain, data.drives, data.responses, terms), gain, values
 
 
 def _in_units(found: Estimate, gain: Gain, data: Signals, rate: float) -> InnovationModel:

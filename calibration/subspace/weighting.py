@@ -13,7 +13,7 @@ from calibration.subspace.modal_regression import responses
 from calibration.subspace.regression import Terms
 from calibration.subspace.response import CONDITION, EXACT
 
-_WORSE = 0.02
+WORSE = 0.02
 """Part by which the power that the free run leaves may grow: what noise explains, and a model too simple does not."""
 
 
@@ -45,7 +45,7 @@ def weighted(
 
     For a system of this order that is the efficient estimate: noise that has passed through resonances is loud there.
     For a simpler model it trades the free run for the prediction; then, and where nothing is noise, the estimate is
-    returned as it was.  Where inputs follow outputs a free run that leaves more is no sign of that.
+    returned as it was.
 
     Parameters
     ----------
@@ -69,5 +69,4 @@ def weighted(
         states=found.states,
     )
     left = sum(float(np.sum(each**2)) for each in left_by_free_run(again, drives, measured))
-    is_taken = terms.fed_back or left <= (1 + _WORSE) * estimate.left
-    return replace(again, left=left) if is_taken else estimate
+    return replace(again, left=left) if left <= (1 + WORSE) * estimate.left else estimate

@@ -221,7 +221,7 @@ def test_past_and_future_can_be_chosen_apart() -> None:
         ({"detrend": "line"}, "detrend is 'line', must be one of mean, record, linear, none"),
         ({"delay": -1}, "delay is -1, must be 0 to 249 samples"),
         ({"delay": (1, 2)}, "delay has 2 entries, must be one number or one for each of 1 inputs"),
-        ({"method": "cva"}, "method is 'cva', must be 'n4sid' or 'moesp'"),
+        ({"method": "cva"}, "method is 'cva', must be one of auto, n4sid, moesp, pbsid"),
     ],
 )
 def test_what_cannot_be_identified_is_refused_with_the_reason(change: dict[str, object], said: str) -> None:
