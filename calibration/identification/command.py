@@ -27,7 +27,7 @@ from calibration.identification.report import (
     verdicts,
 )
 from calibration.identification.thinning import thinned_recordings, thinning_note
-from calibration.identification.workflow import REFINED, STEPS, Identification, Method, identify_recordings
+from calibration.identification.workflow import METHODS, REFINED, STEPS, Identification, Method, identify_recordings
 from calibration.names import raw_folder, refuse_inputs, refuse_taken
 from calibration.output import AgainOption
 from rigkit.command import JsonOption, print_table, words, write_json
@@ -66,7 +66,7 @@ def identify_command(
     drives: FromOption = None,
     channels: MapOption = None,
     order: Annotated[str, typer.Option(metavar="auto|N", help="States of the model.")] = "auto",
-    method: Annotated[str, typer.Option(metavar="moesp|n4sid|pem", help="pem: moesp, then refined.")] = "moesp",
+    method: Annotated[str, typer.Option(metavar="|".join(METHODS), help="pem: auto, then refined.")] = "auto",
     rate: Annotated[float | None, typer.Option(help="Samples a second, where a file does not say.")] = None,
     decimate: Annotated[int, typer.Option(metavar="N", help="Keep every N-th sample behind a low-pass.")] = 1,
     correct_clock: CorrectClockOption = False,

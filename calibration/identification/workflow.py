@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -17,8 +17,8 @@ from calibration.state_space.model import InnovationModel
 from ctlblocks.recording import Recording
 from rigkit.provenance import now, software
 
-Method = Literal["n4sid", "moesp", "pem"]
-METHODS = ("n4sid", "moesp", "pem")
+Method = Literal["auto", "moesp", "n4sid", "pbsid", "pem"]
+METHODS = get_args(Method)
 
 STEPS = 3
 REFINED = 120.0
@@ -80,7 +80,7 @@ def identify_recordings(
     inputs: int,
     *,
     order: int | None = None,
-    method: Method = "moesp",
+    method: Method = "auto",
     horizon: int | None = None,
     hold_back: float = 0.3,
     seconds: float = REFINED,
@@ -98,8 +98,9 @@ def identify_recordings(
     inputs : int
     order : int, optional
         As many as the singular values and the held back part of the training data propose, where not given.
-    method : "n4sid", "moesp" or "pem"
-        "pem" refines the result of "moesp" by the prediction error method.
+    method : "auto", "moesp", "n4sid", "pbsid" or "pem"
+        "auto" is "moesp", and "pbsid" refined where inputs follow from outputs; "pem" refines either by the prediction
+        error method.
     horizon : int, samples, optional
     hold_back : float, share of the samples, at the end of each recording
     seconds : float, s
@@ -120,18 +121,19 @@ def identify_recordings(
     nearly = nearly_collinear([each[:, :inputs] for each in records], first.rate, first.names[:inputs])
     cuts = [_cut(len(each), number, hold_back) for number, each in enumerate(records, 1)]
     early = _sides([each[:cut] for each, cut in zip(records, cuts, strict=True)], inputs)
-    start: Literal["n4sid", "moesp"] = "n4sid" if method == "n4sid" else "moesp"
+    start: Literal["auto"] | subspace.Method = "auto" if method == "pem" else method
     delay: Literal["auto"] | int = 0 if method == "pem" else "auto"
     show(0, "orders and the model")
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         found = subspace.identify(*early, first.rate, order=order, horizon=horizon, method=start, delay=delay)
-    notes = tuple(str(each.message) for each in told)
+    notes = (*(str(each.message) for each in told), *found.diagnosis.loops)
     around = np.concatenate((found.input_offset, found.output_offset))
     early = _sides([each[:cut] - around for each, cut in zip(records, cuts, strict=True)], inputs)
     late = _sides([each[cut:] - around for each, cut in zip(records, cuts, strict=True)], inputs)
     show(1, "errors of its modes" if method != "pem" else "the model refined")
     model, errors, ended = _refined(found, early, seconds, show) if method == "pem" else _plain(found)
+    method = "pem" if method == "pem" else found.method
     model = _labelled(model, first, inputs, method, sum(cuts))
     show(2, "fits")
     own, fresh = fit(model, *early, fitted=found.core.order * model.outputs), fit(model, *late)
@@ -167,7 +169,7 @@ def _refined(
     def told(number: int, gain: float) -> None:
         show(1, f"iteration {number}: the criterion is lower by {gain:.1g}")
 
-    done = refine(found.model, *records, seconds=seconds, show=told)
+    done = refine(found.model, *records, direct=found.method != "pbsid", seconds=seconds, show=told)
     ended = (
         f"the refinement ended after {done.iterations} iterations, before it arrived; at most {seconds:g} s are given"
     )

@@ -1,4 +1,4 @@
-"""Subspace identification of state-space models in innovation form: N4SID and MOESP."""
+"""Subspace identification of state-space models in innovation form: MOESP, N4SID and PBSID."""
 
 from calibration.subspace.identified import Identified
 from calibration.subspace.identify import identify

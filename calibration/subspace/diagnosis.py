@@ -63,6 +63,16 @@ class Diagnosis:
         """Verdicts, what is well as well as what is not."""
         return tuple(self._verdicts())
 
+    @property
+    def loops(self) -> tuple[str, ...]:
+        """Verdicts on inputs that follow from outputs, one each."""
+        after = _MISLED if self.minds_loops else _RIGHT
+        return tuple(
+            f"input {channel + 1} follows from the outputs, which tell {100 * self.feedback.share[channel]:.0f} % of "
+            f"what is new in it: a loop was closed; {after}"
+            for channel in self.feedback.inputs
+        )
+
     def __str__(self) -> str:
         """Return them a line each."""
         return "\n".join(self.sentences)
@@ -88,12 +98,7 @@ class Diagnosis:
             )
         else:
             yield "nothing of the inputs is left in the residuals"
-        for channel in self.feedback.inputs:
-            share = 100 * self.feedback.share[channel]
-            yield (
-                f"input {channel + 1} follows from the outputs, which tell {share:.0f} % of what is new in it: "
-                f"a loop was closed; {_MISLED if self.minds_loops else _RIGHT}"
-            )
+        yield from self.loops
         if self.moved_poles:
             yield f"{self.moved_poles} poles were moved into the unit circle: look at the records for drift or a step"
 

@@ -9,6 +9,7 @@ from calibration.identification.report import record_notes
 from calibration.identification.workflow import identify_recordings
 from ctlblocks.recording import Recording
 from tests.calibration.resonant_systems import order_7, order_9
+from tests.calibration.subspace.test_feedback import record as closed_loop
 
 
 def recorded(samples: int = 6000, seed: int = 1) -> Recording:
@@ -78,3 +79,14 @@ def test_what_identification_warns_of_is_kept() -> None:
     found = identify_recordings([recorded(200)], 1, horizon=5)
     assert found.notes == ("140 samples are few: orders beyond 2 were not tried",)
     assert found.notes[0] in record_notes(found)
+
+
+def test_a_closed_loop_is_identified_as_one_and_told_of() -> None:
+    drive, response = closed_loop(6000, 1, 0.5, 1.0)
+    measured = Recording(("u", "y"), ("V", "m"), 1.0, np.column_stack([drive, response]))
+    found = identify_recordings([measured], 1, order=3, horizon=30)
+    assert found.method == "pbsid"
+    assert any(note.startswith("input 1 follows from the outputs") for note in found.notes)
+    refined = identify_recordings([measured], 1, order=3, horizon=30, method="pem")
+    assert refined.method == "pem"
+    assert not refined.model.D.any()
