@@ -99,9 +99,9 @@ def verdicts(found: Identification) -> list[str]:
 
 
 def pair_notes(found: Identification) -> list[str]:
-    """Return a sentence where drives and responses seem not to belong together; none where they do."""
+    """Return a sentence where drives and responses seem not to belong together; none where they do, or in a loop."""
     explained = float(found.fresh.free_run.nrmse.max())
-    if explained >= EXPLAINED:
+    if explained >= EXPLAINED or found.started.feedback.inputs:
         return []
     return [
         f"warning: the free run explains {explained:.0f} % of the output that it explains best: drives and responses "
