@@ -73,6 +73,7 @@ class Watch:
         self.events.append(f"{event}: {fields['reason']}")
 
 
+@pytest.mark.slow
 def test_the_force_is_held_over_the_wires_and_replayed_bit_for_bit(cell: SteppedCell) -> None:
     done = milled(cell, Conduct())
     assert done.reason == ""

@@ -85,6 +85,7 @@ def test_what_was_learned_from_hydrophones_replays_bit_for_bit(by_two: Path) -> 
     assert all(each.identical for each in replay(by_two, setup_of(by_two)))
 
 
+@pytest.mark.slow
 def test_a_far_field_run_goes_on_where_it_stopped(by_two: Path, tmp_path: Path) -> None:
     path = learned(tmp_path, 2, 3, FAR)
     with RunFolder.open(path) as folder:
@@ -93,6 +94,7 @@ def test_a_far_field_run_goes_on_where_it_stopped(by_two: Path, tmp_path: Path) 
     np.testing.assert_array_equal(drive, recorded)
 
 
+@pytest.mark.slow
 def test_the_report_shows_both_places_in_their_units(tmp_path: Path) -> None:
     path = learned(tmp_path, 1, 1, FAR)
     figures = run_report(path)

@@ -228,6 +228,7 @@ def test_a_second_daemon_at_an_address_is_told_who_has_it(lab: tuple[Served, Pat
         Service(DemoRig(), table)
 
 
+@pytest.mark.slow
 def test_control_that_is_watched_with_lasts(daemon: Served) -> None:
     """The lease is 2 s."""
     with daemon.client() as client, client.control("Ada", over=True):

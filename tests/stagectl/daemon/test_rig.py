@@ -66,6 +66,7 @@ def test_a_reference_is_followed_shown_recorded_and_reported_and_the_rig_stays_a
     assert [gauge.name for gauge in lab.rig.gauges()] == ["disk_free"]
 
 
+@pytest.mark.slow
 def test_a_reference_is_held_where_it_comes_to_a_stop_and_goes_on_and_the_run_replays(lab: Lab) -> None:
     time = np.arange(1_500) / 1_000.0
     wanted = 225e-6 + 20e-6 * np.column_stack([np.sin(2 * np.pi * 2 * time)] * 3)

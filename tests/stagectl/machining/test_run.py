@@ -26,6 +26,7 @@ def test_the_cell_runs_to_its_end_without_a_fault(cell: Milled) -> None:
     assert angle == pytest.approx(90.0 + 360.0 * 0.005, abs=0.2)
 
 
+@pytest.mark.slow
 def test_in_real_time_the_numbers_are_the_same_bit_for_bit(cell: Milled) -> None:
     """Stage, robot, tracker and mid-ranging in one graph, on the timer."""
     live = milled("C", advance=paced)

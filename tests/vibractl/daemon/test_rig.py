@@ -159,6 +159,7 @@ def test_more_shots_and_tighter_limits_reach_a_run_that_goes_on_and_what_it_lear
     assert setup_of(lab.data / "runs" / "two").config.learning.gains == (0.25,)
 
 
+@pytest.mark.slow
 def test_two_edits_that_wait_for_one_shot_are_both_taken(lab: Lab) -> None:
     lab.begin(run="one", shots=1000)
     lab.until_shot(1)

@@ -132,6 +132,7 @@ def test_a_block_that_is_lost_without_a_flag_fails(tmp_path: Path, monkeypatch: 
     assert "samples are lost" in verdict(found, "clock").advice
 
 
+@pytest.mark.slow
 def test_a_flagged_xrun_is_a_warning_and_one_each_time_a_failure(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -214,6 +215,7 @@ def test_without_a_cable_by_choice_the_rest_is_measured(tmp_path: Path) -> None:
     assert "fail" not in found.values()
 
 
+@pytest.mark.slow
 def test_a_guard_that_latches_is_not_made_a_verdict_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     config = wired(tmp_path).model_copy(update={"limits": Limits(rms=0.01, rms_seconds=10.0)})
     with pytest.raises(ValueError, match=r"the drive is not played: .*limits.rms is 0.01 V"):

@@ -230,6 +230,7 @@ main()
 """
 
 
+@pytest.mark.slow
 def test_killed_at_its_first_shot_it_leaves_no_run_and_is_made_by_the_same_command(recordings: LabOfRecordings) -> None:
     words = recordings.words("d?.wav", "r?.wav", "--out", "RUN")
     done = subprocess.run([sys.executable, "-c", KILLED, *words[2:]], check=False, timeout=EVER, capture_output=True)

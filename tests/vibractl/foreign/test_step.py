@@ -59,6 +59,7 @@ def _killed(*_: object) -> None:
     raise KeyboardInterrupt
 
 
+@pytest.mark.slow
 def test_a_recording_longer_than_the_shot_is_cut_where_the_drive_is_found(lab: LabOfFiles) -> None:
     lab.play(0)
     late = np.zeros((1234, 2))

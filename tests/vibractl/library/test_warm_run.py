@@ -59,6 +59,7 @@ def test_the_drive_kept_is_the_one_recorded(cold: Path) -> None:
     assert entry.variance.min() > 0
 
 
+@pytest.mark.slow
 def test_a_run_that_other_software_would_have_learned_otherwise_is_kept_as_it_was_played(
     cold: Path, tmp_path: Path
 ) -> None:
@@ -107,6 +108,7 @@ def test_a_warm_run_checks_learns_and_replays_bit_for_bit_without_the_library(co
     assert entry_of(path, None, {}).about["shot"] == "4"
 
 
+@pytest.mark.slow
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("stopped", [1, 2, 3])
 def test_a_run_that_stops_in_the_middle_of_the_check_goes_on_with_it(cold: Path, tmp_path: Path, stopped: int) -> None:
