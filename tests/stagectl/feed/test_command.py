@@ -26,6 +26,7 @@ def pocket(tmp_path: Path) -> str:
     return str(file)
 
 
+@pytest.mark.slow
 def test_a_pocket_is_milled_compared_kept_replayed_and_reported(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, pocket: str
 ) -> None:

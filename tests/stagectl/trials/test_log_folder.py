@@ -63,6 +63,7 @@ def test_clocks_are_brought_together(tmp_path: Path, first: Trial, known: Millin
     assert signals.seen[400:-200] == pytest.approx(answer[400:-200] + (first.sent[0] - answer[0]), abs=3e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("method", [1, 2])
 def test_an_iteration_from_logs_writes_a_path_that_takes_the_lag_away(

@@ -39,6 +39,7 @@ def test_a_trial_in_the_air_follows_its_path_and_feels_nothing(touched: Trial, a
     assert np.linalg.norm(done.true_mae) < np.linalg.norm(done.mae)
 
 
+@pytest.mark.slow
 def test_a_trial_in_material_feels_it_and_is_pushed_aside(touched: Trial, air: Milled) -> None:
     trial = touched.again(touched.sent, True)
     done, before = DoneTrial("milled-0", trial, ran(trial).recordings), DoneTrial("free-0", touched, air.recordings)

@@ -32,6 +32,7 @@ def done(lab: Lab) -> float:
     return 0.0 if lab.control.desk is None else float(lab.control.desk.plain()["done"])
 
 
+@pytest.mark.slow
 def test_trials_pause_between_two_and_a_stop_in_the_air_ends_one_that_replays(lab: Lab) -> None:
     lab.begin("ilc", **ILC)
     until(lambda: done(lab) > 0.2)
