@@ -100,8 +100,7 @@ def residual_covariances(
     outlet : array, shape (p, n), 1
     """
     order, drive = len(transition), layout.rows(layout.past, layout.past + 1, slice(0, layout.inputs))
-    nothing = np.zeros((order, layout.inputs)), np.zeros((layout.outputs, layout.inputs))
-    left = _left(layout, mapped, (transition, nothing[0], outlet, nothing[1])) @ triangle
+    left = _left_with_inputs(layout, mapped, transition, outlet) @ triangle
     through = np.linalg.lstsq(triangle[drive].T, left.T, rcond=None)[0].T
     return _split(left - through @ triangle[drive], order)
 
@@ -125,12 +124,11 @@ def innovation_gain(
     Chiuso and Picci 2005, "Consistency analysis of some closed-loop subspace identification methods", Automatica 41.
     """
     transition, outlet = system
-    order, (outputs, _) = len(transition), outlet.shape
-    nothing = np.zeros((order, layout.inputs)), np.zeros((outputs, layout.inputs))
-    left = _left(layout, mapped, (transition, nothing[0], outlet, nothing[1])) @ triangle
+    order = len(transition)
+    left = _left_with_inputs(layout, mapped, transition, outlet) @ triangle
     drive = triangle[layout.rows(layout.past, layout.past + 1, slice(0, layout.inputs))]
     beside = np.concatenate([left[order:], drive])
-    gain = np.linalg.lstsq(beside.T, left[:order].T, rcond=None)[0].T[:, :outputs]
+    gain = np.linalg.lstsq(beside.T, left[:order].T, rcond=None)[0].T[:, : layout.outputs]
     if not is_stable(transition - gain @ outlet):
         return None
     return Gain(gain, left[order:] @ left[order:].T, by_riccati=False)
@@ -185,6 +183,12 @@ def _covariances(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return those of w, of w with v, and of v: what x[k+1] = A x + B u + w, y = C x + D u + v leave, past to past."""
     return _split(_left(layout, mapped, system) @ triangle, len(system[0]))
+
+
+def _left_with_inputs(layout: Layout, mapped: np.ndarray, transition: np.ndarray, outlet: np.ndarray) -> np.ndarray:
+    """Return what makes w above v, what inputs do still in them, of the rows of a window, shape (n + p, rows)."""
+    inlet, direct = np.zeros((len(transition), layout.inputs)), np.zeros((layout.outputs, layout.inputs))
+    return _left(layout, mapped, (transition, inlet, outlet, direct))
 
 
 def _left(

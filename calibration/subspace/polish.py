@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from calibration.fit_measures import free_run
 from calibration.prediction_error.refinement import Refined, refine
 from calibration.state_space.model import InnovationModel
 from calibration.subspace.weighting import WORSE
@@ -34,6 +35,6 @@ def _left(model: InnovationModel, drives: Sequence[np.ndarray], responses: Seque
     """Return what the free run leaves, re the outputs' own powers, summed over outputs."""
     left, power = (np.zeros(model.outputs) for _ in range(2))
     for drive, response in zip(drives, responses, strict=True):
-        left += np.sum((response - model.simulate(drive, model.initial_state(drive, response))) ** 2, axis=0)
+        left += np.sum((response - free_run(model, drive, response)) ** 2, axis=0)
         power += np.sum(response**2, axis=0)
     return float(np.sum(left / power))
