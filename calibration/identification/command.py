@@ -30,6 +30,7 @@ from calibration.identification.thinning import thinned_recordings, thinning_not
 from calibration.identification.workflow import METHODS, REFINED, STEPS, Identification, Method, identify_recordings
 from calibration.names import raw_folder, refuse_inputs, refuse_taken
 from calibration.output import AgainOption
+from calibration.subspace.outliers import Outliers
 from rigkit.command import JsonOption, print_table, words, write_json
 from rigkit.progress import progress
 from rigkit.written import made_folder, written_file
@@ -56,6 +57,9 @@ MapOption = Annotated[
     typer.Option("--map", metavar="drive_1=3,...", help="Channels of --from by name or number; - turns one round."),
 ]
 
+OutliersOption = Annotated[
+    str, typer.Option(metavar="replace|keep", help="Single samples of outputs that are far off.")
+]
 SecondsOption = Annotated[float, typer.Option(metavar="S", help="In which pem ends, arrived or not.")]
 
 
@@ -72,6 +76,7 @@ def identify_command(
     correct_clock: CorrectClockOption = False,
     horizon: Annotated[int | None, typer.Option(help="Samples that the singular values look back and ahead.")] = None,
     hold_back: Annotated[float, typer.Option("--hold-back", help="Share kept, at the end, to judge by.")] = 0.3,
+    outliers: OutliersOption = "replace",
     seconds: SecondsOption = REFINED,
     out: Annotated[Path | None, written_file("FILE", "Model file; the report goes beside it.")] = None,
     png: Annotated[Path | None, made_folder("DIR", "Write the figures as PNG files.")] = None,
@@ -84,47 +89,47 @@ def identify_command(
     in two files, or several recordings:
     `calibrate identify --from drive.wav heard.wav --decimate 20 --out model.h5`
     """
-    states, made = order_of(order), [] if out is None else [out, out.with_suffix(".html")]
-    if rate is not None and not 0 < rate < float("inf"):
-        raise ValueError(f"--rate is {rate}, must be > 0 samples/s")
-    if out is not None:
-        raw_folder(out)  # refuses what is no name of a model
-        refuse_inputs(made, [*(data or []), *(drives or [])])
-    measured = _read(data or [], drives or [], (inputs, outputs, channels), rate)
-    measured = _made_ready(measured, decimate, correct_clock)
+    states = order_of(order)
+    made = _made(out, [*(data or []), *(drives or [])])
+    given = _read(data or [], drives or [], (inputs, outputs, channels), rate)
+    measured = _made_ready(given, decimate, correct_clock)
     with _watched(measured) as show:
-        found = _identified(measured, states, cast(Method, method), horizon, hold_back, seconds, show)
-    if out is not None:
-        refuse_taken(made, again)
-        write_model(out, found.model)
-    if out is not None or png is not None:
-        report = identification_report(found, measured.source, measured.notes)
-        if out is not None:
-            report.write(out.with_suffix(".html"))
-        if png is not None:
-            report.png(png)
+        found = identify_recordings(
+            measured.recordings,
+            measured.inputs,
+            order=states,
+            method=cast(Method, method),
+            horizon=horizon,
+            hold_back=hold_back,
+            outliers=cast(Outliers, outliers),
+            seconds=seconds,
+            show=show,
+        )
+    refuse_taken(made, again)
+    _write(found, measured, out, png)
     _print(found, measured, out, json)
 
 
-def _identified(
-    measured: Measured,
-    order: int | None,
-    method: Method,
-    horizon: int | None,
-    hold_back: float,
-    seconds: float,
-    show: Callable[[int, str], object],
-) -> Identification:
-    return identify_recordings(
-        measured.recordings,
-        measured.inputs,
-        order=order,
-        method=method,
-        horizon=horizon,
-        hold_back=hold_back,
-        seconds=seconds,
-        show=show,
-    )
+def _made(out: Path | None, given: Sequence[Path]) -> list[Path]:
+    """Return what will be written; refuse what is no name of a model, or given."""
+    if out is None:
+        return []
+    raw_folder(out)
+    made = [out, out.with_suffix(".html")]
+    refuse_inputs(made, given)
+    return made
+
+
+def _write(found: Identification, measured: Measured, out: Path | None, png: Path | None) -> None:
+    """Write the model and its page, and the pictures, where they are wanted."""
+    if out is None and png is None:
+        return
+    report = identification_report(found, measured.source, measured.notes)
+    if out is not None:
+        write_model(out, found.model)
+        report.write(out.with_suffix(".html"))
+    if png is not None:
+        report.png(png)
 
 
 @contextmanager
@@ -146,6 +151,8 @@ def _read(
 ) -> Measured:
     """Read what is given: one file whose channels are named, or pairs of files."""
     inputs, outputs, channels = named
+    if rate is not None and not 0 < rate < float("inf"):
+        raise ValueError(f"--rate is {rate}, must be > 0 samples/s")
     if drives:
         if inputs is not None or outputs is not None:
             raise ValueError("--inputs or --outputs and --from are given, must be one of them: --map says the channels")

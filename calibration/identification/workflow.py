@@ -14,11 +14,16 @@ from calibration.one_thread import on_one_thread
 from calibration.prediction_error import ModeErrors, refine
 from calibration.residual_tests import LAGS
 from calibration.state_space.model import InnovationModel
+from calibration.subspace.outliers import Outliers, without_outliers
+from calibration.subspace.outliers import told as found_off
 from ctlblocks.recording import Recording
 from rigkit.provenance import now, software
 
 Method = Literal["auto", "moesp", "n4sid", "pbsid", "pem"]
 METHODS = get_args(Method)
+
+Pair = tuple[list[np.ndarray], list[np.ndarray]]
+"""Inputs and outputs, record by record."""
 
 STEPS = 3
 REFINED = 120.0
@@ -83,6 +88,7 @@ def identify_recordings(
     method: Method = "auto",
     horizon: int | None = None,
     hold_back: float = 0.3,
+    outliers: Outliers = "replace",
     seconds: float = REFINED,
     show: Callable[[int, str], object] = unseen,
 ) -> Identification:
@@ -103,6 +109,8 @@ def identify_recordings(
         error method.
     horizon : int, samples, optional
     hold_back : float, share of the samples, at the end of each recording
+    outliers : "replace" or "keep"
+        What becomes of single samples of outputs that are far off, those held back among them.
     seconds : float, s
         In which "pem" ends, arrived or not.
     show : callable(int, str)
@@ -112,25 +120,22 @@ def identify_recordings(
     ------
     ValueError : recordings that are unusable or too short, or inputs that cannot be told apart.
     """
-    if not LEAST_HELD_BACK <= hold_back <= MOST_HELD_BACK:
-        raise ValueError(f"held back are {hold_back} of the samples, must be {LEAST_HELD_BACK} to {MOST_HELD_BACK}")
-    if method not in METHODS:
-        raise ValueError(f"method is {method!r}, must be one of {', '.join(METHODS)}")
+    _check(hold_back, method, outliers)
     records, first = [np.asarray(each.data, float) for each in recordings], recordings[0]
     _check_moving(first.names, records)
     nearly = nearly_collinear([each[:, :inputs] for each in records], first.rate, first.names[:inputs])
     cuts = [_cut(len(each), number, hold_back) for number, each in enumerate(records, 1)]
-    early = _sides([each[:cut] for each, cut in zip(records, cuts, strict=True)], inputs)
+    early, late, off = _parts(records, cuts, inputs, outliers)
     start: Literal["auto"] | subspace.Method = "auto" if method == "pem" else method
     delay: Literal["auto"] | int = 0 if method == "pem" else "auto"
     show(0, "orders and the model")
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
-        found = subspace.identify(*early, first.rate, order=order, horizon=horizon, method=start, delay=delay)
-    notes = (*(str(each.message) for each in told), *found.diagnosis.loops)
-    around = np.concatenate((found.input_offset, found.output_offset))
-    early = _sides([each[:cut] - around for each, cut in zip(records, cuts, strict=True)], inputs)
-    late = _sides([each[cut:] - around for each, cut in zip(records, cuts, strict=True)], inputs)
+        found = subspace.identify(
+            *early, first.rate, order=order, horizon=horizon, method=start, delay=delay, outliers="keep"
+        )
+    notes = (*(str(each.message) for each in told), *off, *found.diagnosis.loops)
+    early, late = _about(early, found), _about(late, found)
     show(1, "errors of its modes" if method != "pem" else "the model refined")
     model, errors, ended = _refined(found, early, seconds, show) if method == "pem" else _plain(found)
     method = "pem" if method == "pem" else found.method
@@ -140,6 +145,14 @@ def identify_recordings(
     runs = [free_run(model, drive, heard) for drive, heard in zip(*late, strict=True)]
     drive, response, modelled = (np.concatenate(each) for each in (*late, runs))
     return Identification(model, found, method, errors, own, fresh, drive, response, modelled, nearly, (*notes, *ended))
+
+
+def _check(hold_back: float, method: str, outliers: str) -> None:
+    if not LEAST_HELD_BACK <= hold_back <= MOST_HELD_BACK:
+        raise ValueError(f"held back are {hold_back} of the samples, must be {LEAST_HELD_BACK} to {MOST_HELD_BACK}")
+    for name, word, words in (("method", method, METHODS), ("outliers", outliers, get_args(Outliers))):
+        if word not in words:
+            raise ValueError(f"{name} is {word!r}, must be one of {', '.join(words)}")
 
 
 def _cut(samples: int, number: int, hold_back: float) -> int:
@@ -153,14 +166,39 @@ def _cut(samples: int, number: int, hold_back: float) -> int:
     return cut
 
 
-def _sides(records: Sequence[np.ndarray], inputs: int) -> tuple[list[np.ndarray], list[np.ndarray]]:
+def _parts(
+    records: Sequence[np.ndarray], cuts: Sequence[int], inputs: int, outliers: Outliers
+) -> tuple[Pair, Pair, tuple[str, ...]]:
+    """Return what models are identified from, what they are judged on, and what is said of samples far off.
+
+    What is held back tells nothing of the rest; by what is far off in it no model is judged.
+    """
+    early = _sides([each[:cut] for each, cut in zip(records, cuts, strict=True)], inputs)
+    late = _sides([each[cut:] for each, cut in zip(records, cuts, strict=True)], inputs)
+    if outliers == "keep":
+        return early, late, ()
+    clean, found = without_outliers(*early)
+    whole, everywhere = without_outliers(*_sides(records, inputs))
+    later = [each[cut:] for each, cut in zip(whole, cuts, strict=True)]
+    found_later = [each[cut:] for each, cut in zip(everywhere, cuts, strict=True)]
+    said = (*found_off(found), *(f"of what is held back, {sentence}" for sentence in found_off(found_later)))
+    return (early[0], clean), (late[0], later), said
+
+
+def _about(sides: Pair, found: subspace.Identified) -> Pair:
+    """Return deviations from the operating point."""
+    drives, responses = sides
+    return [each - found.input_offset for each in drives], [each - found.output_offset for each in responses]
+
+
+def _sides(records: Sequence[np.ndarray], inputs: int) -> Pair:
     """Return inputs and outputs of records (N, inputs + outputs)."""
     return [each[:, :inputs] for each in records], [each[:, inputs:] for each in records]
 
 
 def _refined(
     found: subspace.Identified,
-    records: tuple[Sequence[np.ndarray], Sequence[np.ndarray]],
+    records: Pair,
     seconds: float,
     show: Callable[[int, str], object],
 ) -> tuple[InnovationModel, ModeErrors, tuple[str, ...]]:

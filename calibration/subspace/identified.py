@@ -59,7 +59,9 @@ class Identified:
     windows : Windows
         Of the records, scaled.
     drives, responses : tuples of arrays, shapes (N, m) and (N, p), the inputs' and the outputs' units
-        The records, as given.
+        The records, without gaps, outliers, and what `detrend` takes from each.
+    outliers : tuple of arrays of bool, shape (N, p)
+        Where samples of outputs were replaced.
     refined : Refined, optional
         How the model came of the subspace's by prediction error, where it did.
     """
@@ -79,6 +81,7 @@ class Identified:
     windows: Windows
     drives: tuple[np.ndarray, ...]
     responses: tuple[np.ndarray, ...]
+    outliers: tuple[np.ndarray, ...] = ()
     refined: "Refined | None" = None
 
     @cached_property

@@ -2,7 +2,7 @@
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -13,12 +13,13 @@ from calibration.records import Side, sides_of
 from calibration.state_space.model import InnovationModel
 from calibration.subspace.choice import Choice, choose
 from calibration.subspace.delays import advanced, checked, delayed, delays
-from calibration.subspace.estimate import Compressed, Estimate, compress
+from calibration.subspace.estimate import Estimate, compress
 from calibration.subspace.excitation import repeated
 from calibration.subspace.feedback import Feedback, feedback
 from calibration.subspace.gain_refinement import refine_gain
 from calibration.subspace.identified import Identified
 from calibration.subspace.kalman_gain import Gain, is_stable
+from calibration.subspace.outliers import Outliers, told, without_outliers
 from calibration.subspace.predicted import estimated
 from calibration.subspace.realization import Method
 from calibration.subspace.regression import Terms
@@ -46,6 +47,7 @@ def identify(
     detrend: Detrend = "mean",
     stable: bool = True,
     delay: Literal["auto"] | int | Sequence[int] = "auto",
+    outliers: Outliers = "replace",
 ) -> Identified:
     """Identify a state-space model with its Kalman gain from one or more records.
 
@@ -87,6 +89,9 @@ def identify(
         Dead time of all inputs, or of each: states of the model that do not count as its order.  "auto": where the
         first three or more lags of an input tell nothing of any output, and a model with them is no worse on what was
         held out.
+    outliers : "replace" or "keep", optional
+        What becomes of single samples of outputs that are far off, see `without_outliers`; they are told of in a
+        warning.
 
     Raises
     ------
@@ -106,15 +111,13 @@ def identify(
     >>> found.model.order, round(float(found.model.poles[0].real), 6)
     (1, 0.9)
     """
-    _check(method, rate)
-    sides = sides_of(u, y)
-    drives, responses, loop = _ready(*sides, detrend)
-    way: Method = method if method != "auto" else "pbsid" if loop.inputs else "moesp"
+    _check(method, rate, outliers)
+    given = _given(u, y, detrend, outliers)
+    way: Method = method if method != "auto" else "pbsid" if given.loop.inputs else "moesp"
     terms = Terms(way != "pbsid" if direct == "auto" else direct, detrend != "none", stable, way == "pbsid")
-    late, data, chosen = _chosen(drives, responses, delay, (horizon, order, way, terms))
-    windows = Windows(data.joined, chosen.layout, _SEGMENTS, terms.constant)
-    found, gain, values = _fitted(compress(windows, way), chosen.order, data, terms)
-    core = _named(_in_units(found, gain, data, rate), *sides)
+    late, data, chosen = _chosen(given.drives, given.responses, delay, (horizon, order, way, terms))
+    windows, found, gain, values = _fitted(data, chosen, way, terms)
+    core = _named(_in_units(found, gain, data, rate), *given.sides)
     result = Identified(
         model=delayed(core, late),
         core=core,
@@ -127,30 +130,51 @@ def identify(
         moved_poles=found.moved,
         by_riccati=found.gain.by_riccati,
         method=way,
-        feedback=loop,
+        feedback=given.loop,
         windows=windows,
-        drives=tuple(drives),
-        responses=tuple(responses),
+        drives=given.drives,
+        responses=given.responses,
+        outliers=given.outliers,
     )
-    return _refined(result, terms.direct) if method == "auto" and loop.inputs and core.is_stable else result
+    return _refined(result, terms.direct) if method == "auto" and given.loop.inputs and core.is_stable else result
 
 
-def _check(method: str, rate: float) -> None:
+def _check(method: str, rate: float, outliers: str) -> None:
     if method not in ("auto", *get_args(Method)):
         raise ValueError(f"method is {method!r}, must be one of auto, {', '.join(get_args(Method))}")
+    if outliers not in get_args(Outliers):
+        raise ValueError(f"outliers is {outliers!r}, must be one of {', '.join(get_args(Outliers))}")
     if not (np.isfinite(rate) and rate > 0):
         raise ValueError(f"rate is {rate}, must be > 0 samples/s")
 
 
-def _ready(inputs: Side, outputs: Side, detrend: Detrend) -> tuple[list[np.ndarray], list[np.ndarray], Feedback]:
-    """Return records without gaps, without what each is to lose of its own, and whether inputs follow from outputs."""
+@dataclass(frozen=True)
+class _Given:
+    """Records without gaps, outliers, and what each is to lose of its own."""
+
+    sides: tuple[Side, Side]
+    drives: tuple[np.ndarray, ...]
+    responses: tuple[np.ndarray, ...]
+    outliers: tuple[np.ndarray, ...]
+    loop: Feedback
+
+
+def _given(u: Any, y: Any, detrend: Detrend, outliers: Outliers) -> _Given:
+    """Make records ready, with warnings of what is wrong with them, and look for a loop."""
+    inputs, outputs = sides_of(u, y)
     drives, responses = without_gaps(inputs.records, outputs.records)
     if pair := repeated(drives):
         first, second = (each + 1 for each in pair)
         warnings.warn(f"inputs {first} and {second} are the same signal: they share a response", stacklevel=4)
+    found = [np.zeros(each.shape, bool) for each in responses]
+    if outliers == "replace":
+        responses, found = without_outliers(drives, responses)
+        for sentence in told(found):
+            warnings.warn(sentence, stacklevel=4)
     drives, responses = levelled(drives, detrend), levelled(responses, detrend)
     data = signals(drives, responses, has_mean=True)
-    return drives, responses, feedback(data.drives, data.responses)
+    loop = feedback(data.drives, data.responses)
+    return _Given((inputs, outputs), tuple(drives), tuple(responses), tuple(found), loop)
 
 
 def _refined(found: Identified, has_direct: bool) -> Identified:
@@ -166,8 +190,8 @@ def _refined(found: Identified, has_direct: bool) -> Identified:
 
 
 def _chosen(
-    drives: list[np.ndarray],
-    responses: list[np.ndarray],
+    drives: Sequence[np.ndarray],
+    responses: Sequence[np.ndarray],
     delay: Literal["auto"] | int | Sequence[int],
     wanted: tuple[int | tuple[int, int] | None, int | None, Method, Terms],
 ) -> tuple[tuple[int, ...], Signals, Choice]:
@@ -192,17 +216,19 @@ def _chosen(
     return late, moved, found
 
 
-def _fitted(compressed: Compressed, order: int, data: Signals, terms: Terms) -> tuple[Estimate, Gain, np.ndarray]:
-    """Return an estimate with a better gain, and B and D by what that knows of the noise, and the singular values.
+def _fitted(data: Signals, chosen: Choice, method: Method, terms: Terms) -> tuple[Windows, Estimate, Gain, np.ndarray]:
+    """Return all windows, an estimate with a better gain, and B and D by what that knows of the noise, and the values.
 
     An unstable one stays as it is.
     """
+    windows, order = Windows(data.joined, chosen.layout, _SEGMENTS, terms.constant), chosen.order
+    compressed = compress(windows, method)
     values = compressed.projection.singular_values
     found = estimated(compressed, order, data.drives, data.responses, terms)
     if not is_stable(found.transition):
-        return found, found.gain, values
+        return windows, found, found.gain, values
     gain = refine_gain(found.transition, found.outlet, found.gain, left_by_free_run(found, data.drives, data.responses))
-    return weighted(found, gain, data.drives, data.responses, terms), gain, values
+    return windows, weighted(found, gain, data.drives, data.responses, terms), gain, values
 
 
 def _in_units(found: Estimate, gain: Gain, data: Signals, rate: float) -> InnovationModel:

@@ -8,6 +8,7 @@ import numpy as np
 
 from calibration.fit_measures import Fit
 from calibration.state_space.model import InnovationModel
+from calibration.subspace.outliers import told
 
 if TYPE_CHECKING:
     from calibration.subspace.identified import Identified
@@ -37,9 +38,13 @@ def summary(found: "Identified") -> str:
         *_delay_lines(found),
         *fit_lines(found.model, found.fit),
         *_aligned(_MODE_HEAD, _mode_rows(found)),
-        *found.diagnosis.sentences,
+        *_sentences(found),
     ]
     return "\n".join(lines)
+
+
+def _sentences(found: "Identified") -> tuple[str, ...]:
+    return (*told(found.outliers), *found.diagnosis.sentences)
 
 
 def _delay_lines(found: "Identified") -> list[str]:
@@ -54,7 +59,7 @@ def fit_lines(model: InnovationModel, fit: Fit) -> list[str]:
 
 def html(found: "Identified") -> str:
     """Return the summary as a notebook shows it."""
-    said = "".join(f"<li>{escape(sentence)}</li>" for sentence in found.diagnosis.sentences)
+    said = "".join(f"<li>{escape(sentence)}</li>" for sentence in _sentences(found))
     tables = _table(_FIT_HEAD, _fit_rows(found.model, found.fit)) + _table(_MODE_HEAD, _mode_rows(found))
     return f"<p><b>{escape(title(found))}</b></p>{tables}<ul>{said}</ul>"
 

@@ -90,3 +90,19 @@ def test_a_closed_loop_is_identified_as_one_and_told_of() -> None:
     refined = identify_recordings([measured], 1, order=3, horizon=30, method="pem")
     assert refined.method == "pem"
     assert not refined.model.D.any()
+
+
+def test_samples_far_off_are_replaced_and_judge_no_model() -> None:
+    whole = np.array(recorded(3000).data)
+    clean = identify_recordings([recorded(3000)], 1, order=9, horizon=20)
+    whole[[500, 2800], 1] += 40 * whole[:, 1].std()
+    marred = replace(recorded(3000), data=whole)
+    found = identify_recordings([marred], 1, order=9, horizon=20)
+    assert found.notes[:2] == (
+        "1 of 2100 samples of output 1 is far off what those around it tell, and replaced",
+        "of what is held back, 1 of 900 samples of output 1 is far off what those around it tell, and replaced",
+    )
+    np.testing.assert_allclose(found.fresh.one_step.nrmse, clean.fresh.one_step.nrmse, atol=0.5)
+    kept = identify_recordings([marred], 1, order=9, horizon=20, outliers="keep")
+    assert not kept.notes
+    assert kept.fresh.one_step.nrmse[0] < clean.fresh.one_step.nrmse[0] - 10
