@@ -61,13 +61,15 @@ def sides_of(drive: Any, response: Any) -> tuple[Side, Side]:
     Parameters
     ----------
     drive, response
-        As of `as_records`.
+        As of `as_records`; no drive where there are no inputs, which then have no channels.
 
     Raises
     ------
     ValueError : another shape, or lengths that differ.
     """
-    sides = side_of(drive, "input"), side_of(response, "output")
+    heard = side_of(response, "output")
+    given = side_of(drive, "input") if drive is not None else Side([np.zeros((len(each), 0)) for each in heard.records])
+    sides = given, heard
     inputs, outputs = ([len(each) for each in side.records] for side in sides)
     if inputs != outputs:
         raise ValueError(f"inputs have {inputs} samples and outputs {outputs}, must be as many in each record")

@@ -182,15 +182,37 @@ class InnovationModel:
         ----------
         frequency : array, shape (bins,), Hz
         """
-        turn = np.exp(2j * np.pi * np.asarray(frequency, float) / self.rate)
-        shifted = turn[:, None, None] * np.eye(self.order) - self.A
-        states = np.linalg.solve(shifted, np.broadcast_to(self.B, (len(turn), *self.B.shape)))
-        response: np.ndarray = self.C @ states + self.D
-        return response
+        return np.asarray(self._driven(self.B, frequency) + self.D)
+
+    def spectrum(self, frequency: np.ndarray) -> np.ndarray:
+        """Return the one-sided power spectral density of what comes of the innovations alone.
+
+        Parameters
+        ----------
+        frequency : array, shape (bins,), Hz
+            From 0 to half the rate.
+
+        Returns
+        -------
+        array, shape (bins, p, p), products of the outputs' units per Hz
+
+        Source
+        ------
+        Ljung 1999, System Identification, 2nd ed., eq. (4.26): H Lambda H*.
+        """
+        coloured = self._driven(self.K, frequency) + np.eye(self.outputs)
+        return np.asarray(2 / self.rate * coloured @ self.innovation @ coloured.conj().transpose(0, 2, 1))
 
     def described(self, **words: str) -> "InnovationModel":
         """Return it with more words in its provenance."""
         return replace(self, provenance={**self.provenance, **words})
+
+    def _driven(self, inlet: np.ndarray, frequency: np.ndarray) -> np.ndarray:
+        """Return C (z I - A)^-1 inlet at frequencies, Hz: shape (bins, p, columns)."""
+        turn = np.exp(2j * np.pi * np.asarray(frequency, float) / self.rate)
+        shifted = turn[:, None, None] * np.eye(self.order) - self.A
+        states = np.linalg.solve(shifted, np.broadcast_to(inlet, (len(turn), *inlet.shape)))
+        return np.asarray(self.C @ states)
 
     def _fitted_state(self, transition: np.ndarray, missed: np.ndarray) -> np.ndarray:
         size = np.sqrt(np.maximum(np.diag(self.innovation), 0.0))

@@ -24,8 +24,8 @@ def check_matrices(parts: Mapping[str, np.ndarray]) -> None:
         raise ValueError(f"B has shape {parts['B'].shape} and C {parts['C'].shape}, must be (n, m) and (p, n)")
     order, inputs = parts["B"].shape
     outputs = len(parts["C"])
-    if not (inputs and outputs):
-        raise ValueError(f"the model has {inputs} inputs and {outputs} outputs, must have at least one of each")
+    if not outputs:
+        raise ValueError("the model has 0 outputs, must have at least one")
     shapes = ((order, order), (order, inputs), (outputs, order), (outputs, inputs), (order, outputs))
     for name, shape in zip(MATRICES, (*shapes, (outputs, outputs)), strict=True):
         if parts[name].shape != shape:

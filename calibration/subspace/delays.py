@@ -61,6 +61,8 @@ def delays(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]) -> Del
     Ljung 1999, System Identification, 2nd ed., sections 4.2 and 16.4 (delays from ARX models).
     """
     inputs, outputs = drives[0].shape[1], responses[0].shape[1]
+    if not inputs:
+        return None
     total = min(SAMPLES, sum(len(drive) for drive in drives))
     lags = min(LONGEST, (total // ROWS - OWN * outputs) // inputs - 1)
     if lags < 2 * LEAST:

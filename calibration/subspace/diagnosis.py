@@ -78,7 +78,9 @@ class Diagnosis:
         return "\n".join(self.sentences)
 
     def _verdicts(self) -> Iterator[str]:
-        if self.persistence < min(2 * self.order, MOST):
+        if not self.inputs:
+            yield "there are no inputs: it is a model of what the outputs do by themselves, to be predicted with"
+        elif self.persistence < min(2 * self.order, MOST):
             yield (
                 f"inputs excite persistently of order {self.persistence} only, {2 * self.order} is wanted: "
                 "much of the model is guessed"
@@ -91,6 +93,8 @@ class Diagnosis:
             yield f"residuals one step ahead are white (probability {self.whiteness:.2g})"
         else:
             yield "residuals one step ahead are not white: noise or response have more to them than the model"
+        if not self.inputs:
+            return
         if self.left_out > CROSSED:
             yield (
                 f"{100 * self.left_out:.0f} % of the residuals' correlations with earlier inputs are beyond their "
@@ -128,7 +132,7 @@ def diagnose(
         samples,
         persistence,
         float(fit.whiteness.probability),
-        float(np.mean(beyond[cross.lag > 0])),
+        float(np.mean(beyond[cross.lag > 0])) if inputs else 0.0,
         feedback,
         minds_loops,
         moved_poles,

@@ -13,7 +13,7 @@ SHOWN = 2000
 
 
 def bode_figure(model: InnovationModel, frequency: np.ndarray | None = None) -> Figure:
-    """Draw gain and phase from each input to each output.
+    """Draw gain and phase from each input to each output; where there are none, the outputs' amplitude densities.
 
     Parameters
     ----------
@@ -21,8 +21,22 @@ def bode_figure(model: InnovationModel, frequency: np.ndarray | None = None) -> 
     frequency : array, shape (bins,), Hz, optional
         Where not given, from a tenth of the slowest mode to half the rate.
     """
+    grid = frequencies(model) if frequency is None else np.asarray(frequency, float)
     with styled():
-        return _bode(model, frequencies(model) if frequency is None else np.asarray(frequency, float))
+        return _bode(model, grid) if model.inputs else _densities(model, grid)
+
+
+def _densities(model: InnovationModel, grid: np.ndarray) -> Figure:
+    density = np.sqrt(np.einsum("bpp->bp", model.spectrum(grid)).real)
+    figure = Figure(figsize=(6.5, 1.0 + 2.4 * model.outputs), layout="constrained")
+    rows = figure.subplots(model.outputs, 1, sharex=True, squeeze=False)[:, 0]
+    for axes, name, unit, values in zip(rows, model.output_names, model.output_units, density.T, strict=True):
+        axes.loglog(grid, values, color=COLOURS[0])
+        axes.set_title(f"amplitude density of {name}")
+        axes.set_ylabel(f"{unit} / sqrt(Hz)")
+        axes.grid(visible=True, which="both", linewidth=0.3)
+    rows[-1].set_xlabel("Hz")
+    return figure
 
 
 def _bode(model: InnovationModel, grid: np.ndarray) -> Figure:
@@ -47,15 +61,21 @@ def _bode(model: InnovationModel, grid: np.ndarray) -> Figure:
 
 
 def comparison_figure(comparison: Comparison) -> Figure:
-    """Draw the first record: what was measured, the free run, and the difference."""
-    measured, modelled = comparison.responses[0][:SHOWN], comparison.free_run[0][:SHOWN]
+    """Draw the first record: what was measured, the free run (the prediction without inputs), and the difference."""
+    model, measured, own = comparison.model, comparison.responses[0], comparison.fit
+    if model.inputs:
+        modelled, fit, kind = comparison.free_run[0], own.free_run, "free run"
+    else:
+        modelled, fit, kind = measured - comparison.residuals[0], own.one_step, "one step ahead"
     with styled():
-        figure = free_run_figure(comparison.model, measured, modelled, comparison.fit.free_run.nrmse)
+        figure = free_run_figure(model, measured[:SHOWN], modelled[:SHOWN], fit.nrmse, kind)
     figure.set_layout_engine("constrained")
     return figure
 
 
-def free_run_figure(model: InnovationModel, measured: np.ndarray, modelled: np.ndarray, nrmse: np.ndarray) -> Figure:
+def free_run_figure(
+    model: InnovationModel, measured: np.ndarray, modelled: np.ndarray, nrmse: np.ndarray, kind: str = "free run"
+) -> Figure:
     """Draw what was measured, what the free run gives, and the difference, output by output.
 
     Parameters
@@ -65,6 +85,8 @@ def free_run_figure(model: InnovationModel, measured: np.ndarray, modelled: np.n
         Of the first outputs.
     nrmse : array, shape (p,), %
         What stands in the titles.
+    kind : str, optional
+        What the model gives, in the legend.
     """
     samples, rows = measured.shape
     time = np.arange(samples) / model.rate
@@ -72,7 +94,7 @@ def free_run_figure(model: InnovationModel, measured: np.ndarray, modelled: np.n
     grid = figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
     for row, axes in enumerate(grid):
         axes.plot(time, measured[:, row], color=COLOURS[0], linewidth=1.0, label="measured")
-        axes.plot(time, modelled[:, row], color=COLOURS[1], linewidth=0.9, linestyle="--", label="free run")
+        axes.plot(time, modelled[:, row], color=COLOURS[1], linewidth=0.9, linestyle="--", label=kind)
         axes.plot(time, measured[:, row] - modelled[:, row], color=COLOURS[2], linewidth=0.7, label="difference")
         axes.set_title(f"{model.output_names[row]}: {nrmse[row]:.2f} %")
         axes.set_ylabel(model.output_units[row])

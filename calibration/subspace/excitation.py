@@ -32,6 +32,8 @@ def persistence(drives: Sequence[np.ndarray]) -> int:
     2
     """
     width = drives[0].shape[1]
+    if not width:
+        return 0
     lags = min(MOST, min(len(drive) for drive in drives) // (2 * width))
     windows = [
         np.lib.stride_tricks.sliding_window_view(drive / np.maximum(drive.std(axis=0), 1e-300), lags, axis=0)

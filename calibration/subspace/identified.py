@@ -115,7 +115,7 @@ class Identified:
         Parameters
         ----------
         u : array, shape (N, m) or (N,), list or table, or a sequence of such, the inputs' units
-            As of `identify`.
+            As of `identify`, None where there are no inputs.
         y : array, shape (N, p) or (N,), list or table, or a sequence of such, the outputs' units
 
         Raises

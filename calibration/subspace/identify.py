@@ -60,7 +60,8 @@ def identify(
     ----------
     u : array, shape (N, m) or (N,), list, pandas or polars table, or a sequence of such, the inputs' units
         One record, or several of any lengths.  Where samples are not finite a record ends, and another one begins.
-        Names and units of channels are those of a table's columns: "force [N]".
+        Names and units of channels are those of a table's columns: "force [N]".  None where there are no inputs: then
+        the model is of a time series, to be predicted, and the prediction one step ahead alone decides.
     y : array, shape (N, p) or (N,), list or table as `u`, or a sequence of such, the outputs' units
         As many samples as `u`, record by record.
     rate : float, samples/s

@@ -14,16 +14,18 @@ if TYPE_CHECKING:
     from calibration.subspace.identified import Identified
 
 _FIT_HEAD = ("output", "free run, %", "one step, %", "one step from rest, %")
+_PREDICTION_HEAD = ("output", *_FIT_HEAD[2:])
 _MODE_HEAD = ("natural frequency, Hz", "+-", "damping ratio", "+-")
 
 
 def title(found: "Identified") -> str:
     """Return a line: size, rate and fit."""
     model, own = found.model, found.fit
+    inputs = f"{model.inputs or 'no'} input{'s' * (model.inputs != 1)}"
+    free = f"free run {own.free_run.nrmse.mean():.1f} %, " if model.inputs else ""
     return (
-        f"order {found.core.order}, {model.inputs} input{'s' * (model.inputs > 1)}, "
-        f"{model.outputs} output{'s' * (model.outputs > 1)}, {model.rate:g} samples/s: free run "
-        f"{own.free_run.nrmse.mean():.1f} %, one step {own.one_step.nrmse.mean():.1f} %"
+        f"order {found.core.order}, {inputs}, {model.outputs} output{'s' * (model.outputs > 1)}, "
+        f"{model.rate:g} samples/s: {free}one step {own.one_step.nrmse.mean():.1f} %"
     )
 
 
@@ -54,20 +56,22 @@ def _delay_lines(found: "Identified") -> list[str]:
 
 def fit_lines(model: InnovationModel, fit: Fit) -> list[str]:
     """Return a heading and a line an output: NRMSE of free run and prediction."""
-    return _aligned(_FIT_HEAD, _fit_rows(model, fit))
+    return _aligned(*_fit_table(model, fit))
 
 
 def html(found: "Identified") -> str:
     """Return the summary as a notebook shows it."""
     said = "".join(f"<li>{escape(sentence)}</li>" for sentence in _sentences(found))
-    tables = _table(_FIT_HEAD, _fit_rows(found.model, found.fit)) + _table(_MODE_HEAD, _mode_rows(found))
+    tables = _table(*_fit_table(found.model, found.fit)) + _table(_MODE_HEAD, _mode_rows(found))
     return f"<p><b>{escape(title(found))}</b></p>{tables}<ul>{said}</ul>"
 
 
-def _fit_rows(model: InnovationModel, fit: Fit) -> list[tuple[str, ...]]:
-    columns = (fit.free_run.nrmse, fit.one_step.nrmse, fit.from_rest.nrmse)
+def _fit_table(model: InnovationModel, fit: Fit) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Return a heading and rows; what runs freely without inputs is nothing."""
+    ahead = (fit.one_step.nrmse, fit.from_rest.nrmse)
+    head, columns = (_FIT_HEAD, (fit.free_run.nrmse, *ahead)) if model.inputs else (_PREDICTION_HEAD, ahead)
     rows = zip(model.output_names, *columns, strict=True)
-    return [(name, *(f"{value:.2f}" for value in values)) for name, *values in rows]
+    return head, [(name, *(f"{value:.2f}" for value in values)) for name, *values in rows]
 
 
 def _mode_rows(found: "Identified") -> list[tuple[str, ...]]:

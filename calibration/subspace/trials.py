@@ -40,7 +40,7 @@ class Trials:
     Free run and prediction one step ahead count alike, each by the log of its error: a tenth less of either is worth as
     much.  What does badly on the first folds is not tried on the others.  Where folds are not alike (a sweep excites
     each frequency once) nothing can be held out: then all is fitted, and judged, with less trust in larger orders.
-    Where models may be unstable, or inputs follow outputs, the prediction counts alone.
+    Where models may be unstable, inputs follow outputs, or there are none, the prediction counts alone.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ class Trials:
             response = measured - found.constant
             start = model.initial_predictor_state(drive, response)
             ahead.append(response - model.predict(drive, response, start))
-            if self._terms.stable and not self._terms.fed_back:
+            if self._terms.stable and not self._terms.fed_back and trial.layout.inputs:
                 free.append(response - model.simulate(drive, model.initial_state(drive, response)))
         trial.free_run[fold], trial.one_step[fold] = (
             np.mean(np.concatenate(each) ** 2, axis=0) for each in (free or ahead, ahead)

@@ -160,7 +160,10 @@ def test_a_model_cannot_be_written_to_and_does_not_follow_the_arrays_it_was_made
         ({"A": np.eye(3)}, r"A has shape \(3, 3\), must be \(4, 4\)"),
         ({"K": np.zeros((3, 4))}, r"K has shape \(3, 4\), must be \(4, 3\)"),
         ({"B": np.zeros(4)}, r"B has shape \(4,\) and C"),
-        ({"B": np.zeros((4, 0)), "D": np.zeros((3, 0))}, "0 inputs and 3 outputs"),
+        (
+            {"C": np.zeros((0, 4)), "D": np.zeros((0, 2)), "K": np.zeros((4, 0)), "innovation": np.zeros((0, 0))},
+            "the model has 0 outputs",
+        ),
         ({"D": np.full((3, 2), np.nan)}, "D is not finite at row 0, column 0"),
         ({"innovation": np.triu(np.ones((3, 3)))}, "innovation is not symmetric"),
         ({"innovation": -np.eye(3)}, "innovation has the eigenvalue -1"),
