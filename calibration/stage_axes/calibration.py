@@ -163,11 +163,15 @@ def quiet_above(outer: Outer, axis: int, closed: Closed) -> Outer:
     Skogestad and Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, section 4.9.
     """
     at_rest = abs(closed.one.model.frequency_response(np.zeros(1))[0, 0, 0])
-    louder = closed.above / at_rest
-    beyond = float(f"{min(of_axis(outer.beyond, axis), SMALL / louder):.3g}")
-    answer = ANSWER / louder if closed.seen is None else SMALL * at_rest / closed.seen
+    beyond = float(f"{min(of_axis(outer.beyond, axis), _within(SMALL * at_rest, closed.above)):.3g}")
+    answer = _within(ANSWER * at_rest, closed.above) if closed.seen is None else _within(SMALL * at_rest, closed.seen)
     forward = min(outer.forward_beyond, answer)
     return outer.model_copy(update={"beyond": (beyond,), "forward_beyond": forward})
+
+
+def _within(allowed: float, measured: float) -> float:
+    """Return by how much a gain may be multiplied; without end where noise alone was measured."""
+    return allowed / measured if measured > 0 else np.inf
 
 
 def outer_loop(outer: Outer, axis: int, model: InnovationModel) -> Design | str:

@@ -27,11 +27,11 @@ def _is_real(pushed, believed, cleaned, memory, scale, bound, n, channel, miss):
                 for other in range(outputs):
                     seen = believed[at, other] if at > n else cleaned[at, other]
                     told += memory[lag - 1, other, output] * seen
-            left = (believed[n + later, output] - told) / scale[output]
-            heard = memory[later - 1, channel, output] * miss / scale[output]
+            left = (believed[n + later, output] - told) / scale[n + later, output]
+            heard = memory[later - 1, channel, output] * miss / scale[n + later, output]
             foretold += min(left * left, most)
             measured += min((left - heard) ** 2, most)
-    if abs(miss) > CERTAIN * bound * scale[channel]:
+    if abs(miss) > CERTAIN * bound * scale[n, channel]:
         return measured < foretold - EVIDENCE
     return measured < foretold + EVIDENCE
 
@@ -41,7 +41,8 @@ def far_off(pushed, measured, believed, memory, scale, bound, start, cleaned, fo
     """Write records without samples that are far off, and which those are, shapes (N, p), from sample `start` on.
 
     `pushed` is the part of each sample that inputs foretell, `memory`, shape (lags, p, p), the weight of earlier
-    outputs (lag, of, for), `believed` what is thought of samples that are still to come.
+    outputs (lag, of, for), `scale`, shape (N, p), the usual error, `believed` what is thought of samples that are still
+    to come.
     """
     lags, outputs = memory.shape[0], memory.shape[1]
     told = np.empty(outputs)
@@ -59,7 +60,7 @@ def far_off(pushed, measured, believed, memory, scale, bound, start, cleaned, fo
             away = measured[n, output] - (cleaned[n - 1, output] + believed[after, output]) / 2
             cleaned[n, output] = told[output]
             if (
-                abs(miss) > bound * scale[output]
+                abs(miss) > bound * scale[n, output]
                 and away * miss > STANDS_OUT * miss * miss
                 and not _is_real(pushed, believed, cleaned, memory, scale, bound, n, output, miss)
             ):

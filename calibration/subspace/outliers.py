@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
-from calibration.subspace.lagged import OWN, lagged
+from calibration.subspace.lagged import OWN, SAMPLES, lagged
 from calibration.subspace.outlier_kernel import far_off
 
 LAGS = 30
@@ -25,6 +25,10 @@ NEAR, CROWD = OWN, 3
 MOST = 0.03
 """Part of an output's samples that can be outliers; more are what the output is like."""
 ROUNDS = 5
+START = max(OWN, LAGS)
+"""Samples at the beginning of a record that nothing foretells."""
+AROUND, PIECES = 100, 20
+"""Samples in which the usual error is taken; stretches of long records, all over them, that the model is fitted to."""
 Outliers = Literal["replace", "keep"]
 
 _WITHOUT_TAIL = 0.93
@@ -37,22 +41,41 @@ _RIDGE = 1e-9
 
 @dataclass(frozen=True)
 class _Foreteller:
-    """An ARX model of what most of the samples are like: weights (lag, of, for), levels, and its usual errors."""
+    """An ARX model of what most of the samples are like: weights (lag, of, for), levels, the least of its errors."""
 
     pushed: np.ndarray
     memory: np.ndarray
     level: np.ndarray
-    scale: np.ndarray
+    least: np.ndarray
+
+    def told(self, drive: np.ndarray) -> np.ndarray:
+        """Return what inputs tell, shape (N, p)."""
+        told = np.tile(self.level, (len(drive), 1))
+        for lag, weights in enumerate(self.pushed):
+            told[lag:] += drive[: len(drive) - lag] @ weights
+        return told
+
+    def usual(self, told: np.ndarray, believed: np.ndarray) -> np.ndarray:
+        """Return the usual errors around each sample, shape (N, p): where a machine is loud, they are larger."""
+        left = believed - told
+        for lag, weights in enumerate(self.memory, 1):
+            left[lag:] -= believed[:-lag] @ weights
+        size = np.abs(left[START:])
+        if not len(size):
+            return np.tile(self.least, (len(told), 1))
+        near = [_NORMAL * np.median(block, axis=0) for block in np.array_split(size, max(1, len(size) // AROUND))]
+        place = START + (np.arange(len(near)) + 0.5) * len(size) / len(near)
+        local = [np.interp(np.arange(len(told)), place, column) for column in np.transpose(near)]
+        return np.asarray(np.maximum(np.stack(local, axis=1), self.least))
 
     def searched(self, drive: np.ndarray, measured: np.ndarray, believed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return a record without outliers, and where they are, with what was believed of it before."""
-        told = np.tile(self.level, (len(measured), 1))
-        for lag, weights in enumerate(self.pushed):
-            told[lag:] += drive[: len(drive) - lag] @ weights
-        start = min(max(OWN, LAGS), len(measured))
+        told = self.told(drive)
+        scale = self.usual(told, believed)
+        start = min(START, len(measured))
         clean, found = np.empty_like(measured), np.zeros(measured.shape, bool)
         found[:start] = believed[:start] != measured[:start]
-        far_off(told, measured, believed, self.memory, self.scale, BOUND, start, clean, found)
+        far_off(told, measured, believed, self.memory, scale, BOUND, start, clean, found)
         around = [np.convolve(each, np.ones(2 * NEAR + 1), "same") for each in found.T.astype(float)]
         crowded = found & (np.stack(around, axis=1) > CROWD)
         return np.where(crowded, measured, clean), found & ~crowded
@@ -170,6 +193,10 @@ def _foreteller(
 ) -> _Foreteller | None:
     """Fit an ARX model to what is not far off; none where that is too little."""
     inputs, outputs = drives[0].shape[1], believed[0].shape[1]
+    pieces = _pieces([len(each) for each in drives])
+    drives, believed, found = (
+        [side[number][first:last] for number, first, last in pieces] for side in (drives, believed, found)
+    )
     regressors, wanted, _ = lagged(drives, believed, LAGS)
     is_sound = ~np.any(_rows(found), axis=1)
     known, wanted = np.pad(regressors[is_sound], ((0, 0), (0, 1)), constant_values=1.0), wanted[is_sound]
@@ -183,9 +210,22 @@ def _foreteller(
         return None
     left = np.sort(np.abs(wanted - known @ weights), axis=0)
     usual = np.sqrt(np.mean(left[: int((1 - TAIL) * len(left))] ** 2, axis=0)) / _WITHOUT_TAIL
-    scale = np.maximum(np.maximum(usual, _NORMAL * np.median(left, axis=0)), FLOOR * _spread(wanted))
+    least = np.maximum(np.maximum(usual, _NORMAL * np.median(left, axis=0)), FLOOR * _spread(wanted))
     memory = weights[: OWN * outputs].reshape(OWN, outputs, outputs)
-    return _Foreteller(weights[OWN * outputs : -1].reshape(LAGS + 1, inputs, outputs), memory, weights[-1], scale)
+    return _Foreteller(weights[OWN * outputs : -1].reshape(LAGS + 1, inputs, outputs), memory, weights[-1], least)
+
+
+def _pieces(lengths: Sequence[int]) -> list[tuple[int, int, int]]:
+    """Return records, or stretches all over them (record, first, last), of no more samples than `lagged` looks at."""
+    if sum(lengths) <= SAMPLES:
+        return [(number, 0, length) for number, length in enumerate(lengths)]
+    edges = [(number, np.linspace(0, length, PIECES + 1).astype(int)) for number, length in enumerate(lengths)]
+    part = SAMPLES / sum(lengths)
+    return [
+        (number, int(first), int(first + part * (last - first)) + START)
+        for number, cuts in edges
+        for first, last in zip(cuts[:-1], cuts[1:], strict=True)
+    ]
 
 
 def _rows(found: Sequence[np.ndarray]) -> np.ndarray:

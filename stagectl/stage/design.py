@@ -189,6 +189,20 @@ def _no_loop(outer: Outer, axis: int, tried: int, known: list[tuple[Candidate, R
     )
     return NoLoop(
         f"axis {axis + 1}: {advice} {reached}; allowed are {of_axis(outer.beyond, axis):g}, "
-        f"{outer.forward_beyond:g}, {outer.max_sensitivity:g}, and twice {outer.mistuned_sensitivity:g}",
+        f"{outer.forward_beyond:g}, {outer.max_sensitivity:g}, and twice {outer.mistuned_sensitivity:g}"
+        f"{_narrow(nearest.loop.model, outer.mistuning)}",
         nearest,
+    )
+
+
+def _narrow(model: InnovationModel, mistuning: float) -> str:
+    """Say which resonance is narrower than its frequency is known, where one is."""
+    modes = model.modes
+    rings = (modes.damping > 0) & (modes.damping < min(mistuning, 1.0))
+    if not rings.any():
+        return ""
+    least = int(np.argmin(np.where(rings, modes.damping, np.inf)))
+    return (
+        f"; the resonance at {modes.frequency[least]:.4g} Hz has a damping ratio of {modes.damping[least]:.2g}, and its "
+        f"frequency may be off by outer.mistuning, {mistuning:g}"
     )

@@ -16,7 +16,9 @@ AT_REST = abs(model("z").frequency_response(np.zeros(1))[0, 0, 0])
 
 
 def closed(above: float, seen: float | None) -> Closed:
-    told = SimpleNamespace(one=SimpleNamespace(model=model("z")), above=above * AT_REST, seen=seen and seen * AT_REST)
+    told = SimpleNamespace(
+        one=SimpleNamespace(model=model("z")), above=above * AT_REST, seen=None if seen is None else seen * AT_REST
+    )
     return cast(Closed, told)
 
 
@@ -24,6 +26,11 @@ def test_a_stage_that_is_silent_there_keeps_the_bounds_of_its_rig_file() -> None
     found = quiet_above(Outer(), 2, closed(1e-3, 1e-3))
     assert found.beyond == Outer().beyond
     assert found.forward_beyond == Outer().forward_beyond
+
+
+def test_where_noise_alone_is_seen_there_the_rig_files_bounds_hold() -> None:
+    found = quiet_above(Outer(), 2, closed(0.0, 0.0))
+    assert (found.beyond, found.forward_beyond) == (Outer().beyond, Outer().forward_beyond)
 
 
 def test_one_that_rings_there_gets_a_loop_of_small_gain() -> None:

@@ -90,6 +90,15 @@ def test_nothing_is_found_where_nothing_is_wrong(kind: str) -> None:
     assert not found.any()
 
 
+def test_a_machine_that_becomes_loud_has_no_outliers() -> None:
+    rng = np.random.default_rng(3)
+    loud = np.geomspace(0.01, 1.0, 20_000)[:, None]
+    drive = rng.standard_normal((20_000, 1))
+    response = lfilter([0, 1.0], [1.0, -0.5], drive, axis=0) + loud * rng.standard_normal((20_000, 1))
+    _, (found,) = without_outliers([drive], [response])
+    assert not found.any()
+
+
 def test_what_an_output_is_full_of_is_no_outlier() -> None:
     drive, response = order_7().record(5000, 6)
     _, (found,) = without_outliers([drive], [spiked(response, 0.06, 7)[0]])

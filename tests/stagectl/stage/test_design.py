@@ -4,13 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import block_diag
 
+from calibration.state_space.model import InnovationModel
 from stagectl.config import Outer
-from stagectl.stage.design import SHARES, design
-from stagectl.stage.design_bounds import mistuned
+from stagectl.stage.design import SHARES, NoLoop, design
+from stagectl.stage.design_bounds import Looks, Reached, mistuned
 from stagectl.stage.kalman import kalman_gain
 from stagectl.stage.sensitivity import robustness
 from stagectl.stage.state_space import plant_of
+from stagectl.stage.weights import loops
 from tests.stagectl.linear_stage import RATE, mechanics, model
 
 
@@ -93,6 +96,32 @@ def test_bounds_that_cannot_be_kept_are_named() -> None:
         ValueError, match=r"axis 3: none of \d+ outer loops .* nearest has gains .* are 1e-05, 12, 1.1, and"
     ):
         design(model("z"), Outer(beyond=(1e-5,), max_sensitivity=1.1, delay=20, mistuning=0.3), 2)
+
+
+def two_near_one_another() -> InnovationModel:
+    """Return a plate whose resonance an other axis has split: two lightly damped ones, 2.5 Hz apart."""
+    turns = [
+        np.exp(2 * np.pi * f / RATE * (1j * np.sqrt(1 - z**2) - z)) for f, z in ((109.34, 0.0074), (111.82, 0.0022))
+    ]
+    blocks = block_diag(*([[turn.real, turn.imag], [-turn.imag, turn.real]] for turn in turns))
+    inlet, outlet = np.array([[-0.156], [0.776], [0.079], [-0.446]]), np.array([[1.0, 0.0, 1.0, 0.0]])
+    return InnovationModel(blocks, inlet, outlet, [[0.0]], np.full((4, 1), 0.01), RATE, [[2e-14]])
+
+
+def test_a_resonance_narrower_than_its_frequency_is_known_is_named() -> None:
+    with pytest.raises(
+        NoLoop, match=r"resonance at 111.8 Hz has a damping ratio of 0.0022, and .* outer.mistuning, 0.05"
+    ):
+        design(two_near_one_another(), Outer(), 0)
+
+
+def test_a_loop_that_is_stable_where_frequencies_are_right_is_told_from_one_that_never_is() -> None:
+    plant = two_near_one_another()
+    looks = Looks([mistuned(plant_of(plant), factor) for factor in (1.0, 0.95, 1.05)], RATE, Outer())
+    _, loop = next(loops(plant, Outer(), SHARES))
+    found = looks.reached(loop, Reached(0.0, 0.0))
+    assert found.sensitivity < 10.0
+    assert found.mistuned_sensitivity == np.inf
 
 
 def test_where_nothing_of_what_is_asked_for_keeps_the_bounds_a_fainter_loop_is_found() -> None:
