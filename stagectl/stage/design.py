@@ -203,6 +203,6 @@ def _narrow(model: InnovationModel, mistuning: float) -> str:
         return ""
     least = int(np.argmin(np.where(rings, modes.damping, np.inf)))
     return (
-        f"; the resonance at {modes.frequency[least]:.4g} Hz has a damping ratio of {modes.damping[least]:.2g}, and its "
-        f"frequency may be off by outer.mistuning, {mistuning:g}"
+        f"; the resonance at {modes.frequency[least]:.4g} Hz has a damping ratio of {modes.damping[least]:.2g}, and "
+        f"its frequency may be off by outer.mistuning, {mistuning:g}"
     )
