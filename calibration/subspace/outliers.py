@@ -61,8 +61,6 @@ class _Foreteller:
         for lag, weights in enumerate(self.memory, 1):
             left[lag:] -= believed[:-lag] @ weights
         size = np.abs(left[START:])
-        if not len(size):
-            return np.tile(self.least, (len(told), 1))
         near = [_NORMAL * np.median(block, axis=0) for block in np.array_split(size, max(1, len(size) // AROUND))]
         place = START + (np.arange(len(near)) + 0.5) * len(size) / len(near)
         local = [np.interp(np.arange(len(told)), place, column) for column in np.transpose(near)]
@@ -70,12 +68,12 @@ class _Foreteller:
 
     def searched(self, drive: np.ndarray, measured: np.ndarray, believed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return a record without outliers, and where they are, with what was believed of it before."""
+        found = believed != measured
+        if len(measured) <= START:
+            return believed, found
         told = self.told(drive)
-        scale = self.usual(told, believed)
-        start = min(START, len(measured))
-        clean, found = np.empty_like(measured), np.zeros(measured.shape, bool)
-        found[:start] = believed[:start] != measured[:start]
-        far_off(told, measured, believed, self.memory, scale, BOUND, start, clean, found)
+        clean, found[START:] = np.empty_like(measured), False
+        far_off(told, measured, believed, self.memory, self.usual(told, believed), BOUND, START, clean, found)
         around = [np.convolve(each, np.ones(2 * NEAR + 1), "same") for each in found.T.astype(float)]
         crowded = found & (np.stack(around, axis=1) > CROWD)
         return np.where(crowded, measured, clean), found & ~crowded

@@ -113,6 +113,17 @@ def test_in_short_records_nothing_is_looked_for() -> None:
     assert not found.any()
 
 
+@pytest.mark.parametrize("samples", [1, 20, 30, 31])
+def test_a_short_record_beside_a_long_one_is_no_trouble(samples: int) -> None:
+    """Nothing foretells its first samples: there only what is far from all others is found."""
+    drive, response = order_7().record(3000, 1)
+    drives, responses = np.split(drive, [3000 - samples]), np.split(response, [3000 - samples])
+    responses[1][-1] = 40.0 * response.std()
+    _, found = without_outliers(drives, responses)
+    assert not found[0].any()
+    assert not found[1][:-1].any()
+
+
 def test_another_word_is_refused() -> None:
     with pytest.raises(ValueError, match="outliers is 'drop', must be one of replace, keep"):
         subspace.identify(*order_7().record(500, 1), RATE, outliers="drop")  # type: ignore[arg-type]
