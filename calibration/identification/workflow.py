@@ -14,8 +14,7 @@ from calibration.one_thread import on_one_thread
 from calibration.prediction_error import ModeErrors, refine
 from calibration.residual_tests import LAGS
 from calibration.state_space.model import InnovationModel
-from calibration.subspace.outliers import Outliers, without_outliers
-from calibration.subspace.outliers import told as found_off
+from calibration.subspace.outliers import Outliers, outlier_notes, treated
 from ctlblocks.recording import Recording
 from rigkit.provenance import now, software
 
@@ -120,7 +119,10 @@ def identify_recordings(
     ------
     ValueError : recordings that are unusable or too short, or inputs that cannot be told apart.
     """
-    _check(hold_back, method, outliers)
+    if not LEAST_HELD_BACK <= hold_back <= MOST_HELD_BACK:
+        raise ValueError(f"held back are {hold_back} of the samples, must be {LEAST_HELD_BACK} to {MOST_HELD_BACK}")
+    if method not in METHODS:
+        raise ValueError(f"method is {method!r}, must be one of {', '.join(METHODS)}")
     records, first = [np.asarray(each.data, float) for each in recordings], recordings[0]
     _check_moving(first.names, records)
     nearly = nearly_collinear([each[:, :inputs] for each in records], first.rate, first.names[:inputs])
@@ -147,14 +149,6 @@ def identify_recordings(
     return Identification(model, found, method, errors, own, fresh, drive, response, modelled, nearly, (*notes, *ended))
 
 
-def _check(hold_back: float, method: str, outliers: str) -> None:
-    if not LEAST_HELD_BACK <= hold_back <= MOST_HELD_BACK:
-        raise ValueError(f"held back are {hold_back} of the samples, must be {LEAST_HELD_BACK} to {MOST_HELD_BACK}")
-    for name, word, words in (("method", method, METHODS), ("outliers", outliers, get_args(Outliers))):
-        if word not in words:
-            raise ValueError(f"{name} is {word!r}, must be one of {', '.join(words)}")
-
-
 def _cut(samples: int, number: int, hold_back: float) -> int:
     """Return how many samples of a recording a model is identified from; refuse one that leaves too few to judge by."""
     cut = round(samples * (1 - hold_back))
@@ -173,16 +167,15 @@ def _parts(
 
     What is held back tells nothing of the rest; by what is far off in it no model is judged.
     """
-    early = _sides([each[:cut] for each, cut in zip(records, cuts, strict=True)], inputs)
-    late = _sides([each[cut:] for each, cut in zip(records, cuts, strict=True)], inputs)
-    if outliers == "keep":
-        return early, late, ()
-    clean, found = without_outliers(*early)
-    whole, everywhere = without_outliers(*_sides(records, inputs))
-    later = [each[cut:] for each, cut in zip(whole, cuts, strict=True)]
-    found_later = [each[cut:] for each, cut in zip(everywhere, cuts, strict=True)]
-    said = (*found_off(found), *(f"of what is held back, {sentence}" for sentence in found_off(found_later)))
-    return (early[0], clean), (late[0], later), said
+    drives, responses = _sides([each[:cut] for each, cut in zip(records, cuts, strict=True)], inputs)
+    clean, found = treated(drives, responses, outliers)
+    every, whole = _sides(records, inputs)
+    whole, everywhere = treated(every, whole, outliers)
+    later, clean_later, found_later = (
+        [each[cut:] for each, cut in zip(side, cuts, strict=True)] for side in (every, whole, everywhere)
+    )
+    said = *outlier_notes(found), *(f"of what is held back, {sentence}" for sentence in outlier_notes(found_later))
+    return (drives, clean), (later, clean_later), said
 
 
 def _about(sides: Pair, found: subspace.Identified) -> Pair:

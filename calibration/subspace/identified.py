@@ -81,7 +81,7 @@ class Identified:
     windows: Windows
     drives: tuple[np.ndarray, ...]
     responses: tuple[np.ndarray, ...]
-    outliers: tuple[np.ndarray, ...] = ()
+    outliers: tuple[np.ndarray, ...]
     refined: "Refined | None" = None
 
     @cached_property

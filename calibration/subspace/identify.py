@@ -19,7 +19,7 @@ from calibration.subspace.feedback import Feedback, feedback
 from calibration.subspace.gain_refinement import refine_gain
 from calibration.subspace.identified import Identified
 from calibration.subspace.kalman_gain import Gain, is_stable
-from calibration.subspace.outliers import Outliers, told, without_outliers
+from calibration.subspace.outliers import Outliers, outlier_notes, treated
 from calibration.subspace.predicted import estimated
 from calibration.subspace.realization import Method
 from calibration.subspace.regression import Terms
@@ -112,7 +112,7 @@ def identify(
     >>> found.model.order, round(float(found.model.poles[0].real), 6)
     (1, 0.9)
     """
-    _check(method, rate, outliers)
+    _check(method, rate)
     given = _given(u, y, detrend, outliers)
     way: Method = method if method != "auto" else "pbsid" if given.loop.inputs else "moesp"
     terms = Terms(way != "pbsid" if direct == "auto" else direct, detrend != "none", stable, way == "pbsid")
@@ -140,11 +140,9 @@ def identify(
     return _refined(result, terms.direct) if method == "auto" and given.loop.inputs and core.is_stable else result
 
 
-def _check(method: str, rate: float, outliers: str) -> None:
+def _check(method: str, rate: float) -> None:
     if method not in ("auto", *get_args(Method)):
         raise ValueError(f"method is {method!r}, must be one of auto, {', '.join(get_args(Method))}")
-    if outliers not in get_args(Outliers):
-        raise ValueError(f"outliers is {outliers!r}, must be one of {', '.join(get_args(Outliers))}")
     if not (np.isfinite(rate) and rate > 0):
         raise ValueError(f"rate is {rate}, must be > 0 samples/s")
 
@@ -167,11 +165,9 @@ def _given(u: Any, y: Any, detrend: Detrend, outliers: Outliers) -> _Given:
     if pair := repeated(drives):
         first, second = (each + 1 for each in pair)
         warnings.warn(f"inputs {first} and {second} are the same signal: they share a response", stacklevel=4)
-    found = [np.zeros(each.shape, bool) for each in responses]
-    if outliers == "replace":
-        responses, found = without_outliers(drives, responses)
-        for sentence in told(found):
-            warnings.warn(sentence, stacklevel=4)
+    responses, found = treated(drives, responses, outliers)
+    for sentence in outlier_notes(found):
+        warnings.warn(sentence, stacklevel=4)
     drives, responses = levelled(drives, detrend), levelled(responses, detrend)
     data = signals(drives, responses, has_mean=True)
     loop = feedback(data.drives, data.responses)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
@@ -79,6 +79,28 @@ class _Foreteller:
         return np.where(crowded, measured, clean), found & ~crowded
 
 
+def treated(
+    drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], outliers: Outliers
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return outputs without outliers, and where those are; as they are, and none, where outliers are to be kept.
+
+    Parameters
+    ----------
+    drives : sequence of arrays, each of shape (N, m), any unit
+    responses : sequence of arrays, each of shape (N, p), any unit
+    outliers : "replace" or "keep"
+
+    Raises
+    ------
+    ValueError : another word.
+    """
+    if outliers not in get_args(Outliers):
+        raise ValueError(f"outliers is {outliers!r}, must be one of {', '.join(get_args(Outliers))}")
+    if outliers == "replace":
+        return without_outliers(drives, responses)
+    return list(responses), [np.zeros(response.shape, bool) for response in responses]
+
+
 def without_outliers(
     drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
@@ -143,7 +165,7 @@ def _searched(
     return believed, found
 
 
-def told(found: Sequence[np.ndarray]) -> tuple[str, ...]:
+def outlier_notes(found: Sequence[np.ndarray]) -> tuple[str, ...]:
     """Say in a sentence for each output how many of its samples are far off.
 
     Parameters
@@ -153,7 +175,7 @@ def told(found: Sequence[np.ndarray]) -> tuple[str, ...]:
 
     Examples
     --------
-    >>> told([np.array([[False, True], [False, False]])])
+    >>> outlier_notes([np.array([[False, True], [False, False]])])
     ('1 of 2 samples of output 2 is far off what those around it tell, and replaced',)
     """
     counts, samples = np.sum([where.sum(axis=0) for where in found], axis=0), sum(len(where) for where in found)

@@ -8,7 +8,7 @@ import numpy as np
 
 from calibration.fit_measures import Fit
 from calibration.state_space.model import InnovationModel
-from calibration.subspace.outliers import told
+from calibration.subspace.outliers import outlier_notes
 
 if TYPE_CHECKING:
     from calibration.subspace.identified import Identified
@@ -46,7 +46,7 @@ def summary(found: "Identified") -> str:
 
 
 def _sentences(found: "Identified") -> tuple[str, ...]:
-    return (*told(found.outliers), *found.diagnosis.sentences)
+    return (*outlier_notes(found.outliers), *found.diagnosis.sentences)
 
 
 def _delay_lines(found: "Identified") -> list[str]:

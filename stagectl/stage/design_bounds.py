@@ -116,22 +116,14 @@ class Looks:
         distance = np.minimum(np.abs(1.0 + gain), np.abs(1.0 + gain * self._late)).min(axis=1)
         answer = loop.reference_system().response(self._frequency, self._rate) * self._responses / (1.0 + gain)
         nearest = 1.0 / distance
-        own, *others = self._plants
-        if not self._are_stable(controller, [own]):
-            return replace(beyond, sensitivity=np.inf, mistuned_sensitivity=np.inf, answer=np.inf)
-        if not self._are_stable(controller, others):
-            return replace(beyond, sensitivity=float(nearest[0]), mistuned_sensitivity=np.inf, answer=np.inf)
-        return replace(
-            beyond,
-            sensitivity=float(nearest[0]),
-            mistuned_sensitivity=float(nearest.max()),
-            answer=float(np.abs(answer).max()),
-        )
-
-    def _are_stable(self, controller: StateSpace, plants: list[StateSpace]) -> bool:
-        """Return whether a controller keeps plants stable, with the extra delay and without."""
         late = [controller.delayed(delay) for delay in {0, self._outer.delay}]
-        return all(is_stable(each.then(plant)) for plant in plants for each in late)
+        keeps = (all(is_stable(each.then(plant)) for each in late) for plant in self._plants)  # plant by plant
+        if not next(keeps):
+            return replace(beyond, sensitivity=np.inf, mistuned_sensitivity=np.inf, answer=np.inf)
+        found = replace(beyond, sensitivity=float(nearest[0]), mistuned_sensitivity=np.inf, answer=np.inf)
+        if not all(keeps):
+            return found
+        return replace(found, mistuned_sensitivity=float(nearest.max()), answer=float(np.abs(answer).max()))
 
 
 def _around_resonances(plant: StateSpace, rate: float) -> np.ndarray:

@@ -9,6 +9,7 @@ from scipy.signal import welch
 
 from calibration import subspace
 from calibration.fit_measures import nrmse
+from calibration.state_space.model import InnovationModel
 from stagectl.model_file import read_model
 from tests.calibration.resonant_systems import RATE, order_9
 
@@ -19,11 +20,8 @@ def series(samples: int, seed: int) -> np.ndarray:
     """Return what the noise alone does to the outputs, shape (samples, 3), about an operating point."""
     rng = np.random.default_rng(seed)
     innovations = rng.standard_normal((samples, 3)) @ np.linalg.cholesky(SYSTEM.innovation).T
-    state, outputs = np.zeros(SYSTEM.order), np.empty((samples, 3))
-    for n, new in enumerate(innovations):
-        outputs[n] = SYSTEM.C @ state + new
-        state = SYSTEM.A @ state + SYSTEM.K @ new
-    return outputs + 2.0
+    coloured = InnovationModel(SYSTEM.A, SYSTEM.K, SYSTEM.C, np.eye(3), SYSTEM.K, RATE, SYSTEM.innovation)
+    return coloured.simulate(innovations) + 2.0
 
 
 @pytest.fixture(scope="module")
