@@ -7,10 +7,9 @@ def main() -> int:
     """Run the command line and return its exit status."""
     try:
         # Here and not above: each process that the program starts imports this file anew, as the audio's does.
-        from firmware_sim.commands import app
-        from rigkit.command import run
+        from firmware_sim.application import PROGRAM
 
-        return run(app, "firmware_sim", "stagectl", "vibractl")
+        return PROGRAM.run()
     except KeyboardInterrupt:  # while it imports; later on a command sees to it
         return 130
 

@@ -1,6 +1,5 @@
 """The command `firmware-sim draw`: a machine of a population, and the rig file that fits it."""
 
-from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -8,50 +7,51 @@ import typer
 
 from firmware_sim.population.draw import Draw, Quantity
 from firmware_sim.population.kinds import KINDS, population
+from firmware_sim.population.signal_config import SignalConfig
 from rigkit.command import JsonOption, SetOption, print_table, words, write_json
 from rigkit.config import Section, load
 from rigkit.toml_text import value_text
+from stagectl.config import StageConfig
+from stagectl.robot.config import CellConfig
+from vibractl.config import RigConfig
+
+MODELS: dict[str, type[Section]] = {
+    "vibrator": RigConfig,
+    "stage": StageConfig,
+    "pair": CellConfig,
+    "cell": CellConfig,
+    "signal": SignalConfig,
+}
+"""What a rig file of each kind holds."""
 
 
-def draw_command(models: Mapping[str, type[Section]]) -> Callable[..., None]:
-    """Make the command.
+def draw_command(
+    kind: Annotated[str, typer.Argument(metavar="KIND", help=f"One of {', '.join(KINDS)}.")],
+    seed: Annotated[int, typer.Option(help="Which machine, >= 0.")],
+    family: Annotated[str, typer.Option(help="One of the kind's families; the seed's own without.")] = "",
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write a complete rig file; of a signal, its folder."),
+    ] = None,
+    settings: SetOption = None,
+    json: JsonOption = None,
+) -> None:
+    """Draw a machine by its seed: what it is, and the keys of a rig file that fit it.
 
-    Parameters
-    ----------
-    models : mapping of str to subclass of Section
-        What a rig file of each kind holds.  They belong to the programs that drive the machines, of which a plant
-        knows nothing.
+    A seed is the same machine everywhere.  --set changes keys of the rig file, not the machine.  Of a signal for
+    identification --out is a folder for record.csv and truth.json, or a CSV or WAV file.
+
+    Example: `firmware-sim draw vibrator --seed 7 --out seven.toml`
+
+    Example: `firmware-sim draw signal --seed 7 --out SEVEN/`
     """
-
-    def draw(
-        kind: Annotated[str, typer.Argument(metavar="KIND", help=f"One of {', '.join(KINDS)}.")],
-        seed: Annotated[int, typer.Option(help="Which machine, >= 0.")],
-        family: Annotated[str, typer.Option(help="One of the kind's families; the seed's own without.")] = "",
-        out: Annotated[
-            Path | None,
-            typer.Option(metavar="FILE", help="Write a complete rig file; of a signal, its folder."),
-        ] = None,
-        settings: SetOption = None,
-        json: JsonOption = None,
-    ) -> None:
-        """Draw a machine by its seed: what it is, and the keys of a rig file that fit it.
-
-        A seed is the same machine everywhere.  --set changes keys of the rig file, not the machine.  Of a signal for
-        identification --out is a folder for record.csv and truth.json, or a CSV or WAV file.
-
-        Example: `firmware-sim draw vibrator --seed 7 --out seven.toml`
-
-        Example: `firmware-sim draw signal --seed 7 --out SEVEN/`
-        """
-        kinds = population(kind)
-        drawn = kinds.draw(seed, family)
-        config = load(None, models[kind], [*_laid_over(drawn), *(settings or [])])
-        if out is not None:
-            kinds.write(drawn, config, out)
-        write_json(json, figures(drawn))
-        _show(drawn, words(json))
-
-    return draw
+    kinds = population(kind)
+    drawn = kinds.draw(seed, family)
+    config = load(None, MODELS[kind], [*_laid_over(drawn), *(settings or [])])
+    if out is not None:
+        kinds.write(drawn, config, out)
+    write_json(json, figures(drawn))
+    _show(drawn, words(json))
 
 
 def figures(drawn: Draw) -> dict[str, Any]:

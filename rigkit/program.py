@@ -65,10 +65,12 @@ class Program:
 def help_of(code: str) -> str:
     """Return the docstring of "package.module:function", or the first text that a `Typer` is made with, unimported."""
     module, _, attribute = code.partition(":")
-    spec = find_spec(module)
+    package, *inside = module.split(".")
+    spec = find_spec(package)  # of a module in a package it would import that
     assert spec is not None
     assert spec.origin is not None
-    for node in ast.walk(ast.parse(Path(spec.origin).read_text(encoding="utf-8"))):
+    source = Path(spec.origin).parent.joinpath(*inside).with_suffix(".py")
+    for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
         if isinstance(node, ast.FunctionDef) and node.name == attribute:
             return ast.get_docstring(node) or ""
         if isinstance(node, ast.Assign) and any(ast.unparse(each) == attribute for each in node.targets):

@@ -159,6 +159,7 @@ class ChosenWeights(Section):
     doubt: PerAxis = setting((), "m/m", "noise in the extension that it is made for, re that of the position")
     caution: PerAxis = setting((), "1", "weight of each mode by itself")
     feedforward: PerAxis = setting((), "1", "part of the l_r that leaves no error on a ramp")
+    notch: PerAxis = setting((), "1", "damping ratio of notches around narrow resonances; none, or 0: no notches")
 
 
 class Reference(Section):

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
@@ -27,6 +28,8 @@ USELESS = 1.35
 """Error left, where no loop at all leaves 1.45: whoever asks for a loop does not want one of more."""
 FAINTER = 1.0, 0.03
 """Part of the bandwidths and drives asked for, tried in turn where no loop keeps its bounds."""
+NOTCHES = 0.8, 1.2
+"""Damping ratio of the notches' poles, tried after that."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,10 +85,10 @@ class NoLoop(ValueError):
 def design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | None = None) -> Design:
     """Design the outer loop of an axis, by weights that were chosen for its model, or choose them.
 
-    Of bandwidths and drives up to those asked for, and of filters and gains of more and less trust in the model, it
-    takes the combination that leaves the least error (`Design.left`) while these keep their bounds: the gain above
-    `Outer.reach`; Ms, with the extra delay; Ms with natural frequencies off by `Outer.mistuning` either way, and
-    the largest answer to a reference, off or not.
+    Of bandwidths and drives up to those asked for, of filters and gains of more and less trust in the model, and with
+    `notches` where there is none without, it takes the combination that leaves the least error (`Design.left`) while
+    these keep their bounds: the gain above `Outer.reach`; Ms, with the extra delay; Ms with natural frequencies off by
+    `Outer.mistuning` either way, and the largest answer to a reference, off or not.
 
     Parameters
     ----------
@@ -101,7 +104,7 @@ def design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | N
     """
     search, tried = Search(model, outer, axis), 0
     known: list[tuple[Candidate, Reached]] = []
-    for ranges in [_asked_for(outer, axis, part) for part in FAINTER] if weights is None else [only(weights)]:
+    for ranges in _asked_for(outer, axis) if weights is None else [only(weights)]:
         made = list(search.candidates(ranges))
         tried += len(made)
         useful = [each for each in made if each.left <= USELESS or weights is not None]
@@ -110,7 +113,7 @@ def design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | N
             if reached.over(outer, axis) <= 1.0:
                 return search.design(each)
             known.append((each, reached))
-    raise _no_loop(outer, axis, tried, known)
+    raise _no_loop(model, outer, axis, tried, known)
 
 
 class Search:
@@ -156,23 +159,30 @@ class Search:
         return [robustness(plant, controller, self._model.rate, outer.delay) for plant in self._plants]
 
 
-def _asked_for(outer: Outer, axis: int, part: float) -> Ranges:
-    bandwidth, drive = part * of_axis(outer.bandwidth, axis), part * of_axis(outer.drive, axis)
-    return replace(
-        SHARES,
-        bandwidth=[float(bandwidth * share) for share in SHARES.bandwidth],
-        drive=[float(drive * share) for share in SHARES.drive],
-        feedforward=[outer.feedforward * share for share in SHARES.feedforward],
-    )
+def _asked_for(outer: Outer, axis: int) -> Iterator[Ranges]:
+    """Return what is tried in turn, until a loop keeps its bounds."""
+    for notch, part in product([(0.0,), NOTCHES], FAINTER):
+        bandwidth, drive = part * of_axis(outer.bandwidth, axis), part * of_axis(outer.drive, axis)
+        yield replace(
+            SHARES,
+            bandwidth=[float(bandwidth * share) for share in SHARES.bandwidth],
+            drive=[float(drive * share) for share in SHARES.drive],
+            feedforward=[outer.feedforward * share for share in SHARES.feedforward],
+            notch=notch,
+        )
 
 
 def only(weights: Weights) -> Ranges:
     """Return ranges of these weights alone."""
     pair = weights.trust, weights.doubt
-    return Ranges((weights.bandwidth,), (weights.drive,), (pair,), (weights.caution,), (weights.feedforward,))
+    return Ranges(
+        (weights.bandwidth,), (weights.drive,), (pair,), (weights.caution,), (weights.feedforward,), (weights.notch,)
+    )
 
 
-def _no_loop(outer: Outer, axis: int, tried: int, known: list[tuple[Candidate, Reached]]) -> NoLoop:
+def _no_loop(
+    model: InnovationModel, outer: Outer, axis: int, tried: int, known: list[tuple[Candidate, Reached]]
+) -> NoLoop:
     if not known:
         why = (
             "there is no LQ gain for this model"
@@ -190,7 +200,7 @@ def _no_loop(outer: Outer, axis: int, tried: int, known: list[tuple[Candidate, R
     return NoLoop(
         f"axis {axis + 1}: {advice} {reached}; allowed are {of_axis(outer.beyond, axis):g}, "
         f"{outer.forward_beyond:g}, {outer.max_sensitivity:g}, and twice {outer.mistuned_sensitivity:g}"
-        f"{_narrow(nearest.loop.model, outer.mistuning)}",
+        f"{_narrow(model, outer.mistuning) if reached.mistuned_sensitivity == np.inf else ''}",
         nearest,
     )
 

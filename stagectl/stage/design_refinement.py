@@ -15,7 +15,7 @@ LOOKS = 300
 """Loops that are tried."""
 STEP = 0.5
 """First step, of the natural logarithm of each weight."""
-LEAST_CAUTION, LEAST_DOUBT = 0.1, 1e-3
+LEAST_CAUTION, LEAST_DOUBT = 0.01, 1e-3
 """Weights of zero are refined from here."""
 OVER = 10.0
 """Error that a bound exceeded by its own size counts as."""
@@ -104,7 +104,7 @@ def _descend(
 
     def at(logarithms: np.ndarray) -> float:
         bandwidth, drive, doubt, caution, feedforward = map(float, np.minimum(np.exp(logarithms), most))
-        weights = Weights(bandwidth, drive, 0.0, doubt, caution, feedforward)
+        weights = Weights(bandwidth, drive, 0.0, doubt, caution, feedforward, begin.notch)
         each = next(search.candidates(only(weights)), None)
         return NONE if each is None else cost(each)
 

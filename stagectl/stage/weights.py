@@ -10,8 +10,10 @@ import numpy as np
 from calibration.state_space.model import InnovationModel
 from stagectl.config import ChosenWeights, Outer
 from stagectl.stage.kalman import NoGain, kalman_gain
+from stagectl.stage.notches import behind, notches, with_notches
 from stagectl.stage.servo import servo
 from stagectl.stage.state_feedback import StateFeedback, linear_quadratic, ramp_feedforward
+from stagectl.stage.state_space import StateSpace
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,8 @@ class Weights:
         Weight of each mode by itself, in filter and feedback.
     feedforward : float, 1
         Part of the l_r that leaves no error on a ramp.
+    notch : float, 1
+        Damping ratio of the poles of `notches`; 0 for none.
     """
 
     bandwidth: float
@@ -39,6 +43,7 @@ class Weights:
     doubt: float
     caution: float
     feedforward: float
+    notch: float
 
 
 @dataclass(frozen=True)
@@ -50,13 +55,15 @@ class Ranges:
     trust_and_doubt: Sequence[tuple[float, float]]
     caution: Sequence[float]
     feedforward: Sequence[float]
+    notch: Sequence[float] = (0.0,)
 
 
 def chosen_weights(chosen: ChosenWeights, axis: int) -> Weights | None:
     """Return the weights that a rig file has for an axis, counted from 0; None where it has none."""
     if not chosen.bandwidth or not chosen.bandwidth[axis] > 0:
         return None
-    return Weights(**{name: getattr(chosen, name)[axis] for name in ChosenWeights.model_fields})
+    given = {name: getattr(chosen, name) for name in ChosenWeights.model_fields}
+    return Weights(**{name: values[axis] if values else 0.0 for name, values in given.items()})
 
 
 def loops(model: InnovationModel, outer: Outer, ranges: Ranges) -> Iterator[tuple[Weights, StateFeedback]]:
@@ -70,21 +77,41 @@ def loops(model: InnovationModel, outer: Outer, ranges: Ranges) -> Iterator[tupl
         Whose `resonances` have states of their own.
     ranges : Ranges
     """
-    for caution in ranges.caution:
-        filters = list(_filters(model, ranges, caution))
-        if not filters:
+    for width in ranges.notch:
+        notch = notches(model, outer.mistuning, width) if width > 0 else None
+        if notch is None and width > 0:
             continue
-        for bandwidth, drive in product(ranges.bandwidth, ranges.drive):
-            states = servo(outer, bandwidth, model.rate)
-            try:
-                feedback, servo_feedback = linear_quadratic(model, states, drive, caution)
-            except NoGain:
-                continue
-            plain = StateFeedback(model, filters[0][1], feedback, states, servo_feedback)
-            forward = ramp_feedforward(plain)  # the same for every filter
-            for ((trust, doubt), gain), part in product(filters, ranges.feedforward):
-                weights = Weights(bandwidth, drive, trust, doubt, caution, part)
-                yield weights, replace(plain, gain=gain, forward=part * forward)
+        for caution in ranges.caution:
+            yield from _of(model, notch, outer, replace(ranges, caution=(caution,), notch=(width,)))
+
+
+def _of(
+    model: InnovationModel, notch: StateSpace | None, outer: Outer, ranges: Ranges
+) -> Iterator[tuple[Weights, StateFeedback]]:
+    """Make the loops of one caution and of these notches."""
+    caution, width = ranges.caution[0], ranges.notch[0]
+    filters = list(_filters(model, ranges, caution))
+    if not filters:
+        return
+    known = model if notch is None else behind(notch, model)
+    for bandwidth, drive in product(ranges.bandwidth, ranges.drive):
+        states = servo(outer, bandwidth, model.rate)
+        try:
+            feedback, servo_feedback = linear_quadratic(known, states, drive, caution)
+        except NoGain:
+            continue
+        plain = StateFeedback(known, np.zeros((known.order, 1)), feedback, states, servo_feedback)
+        if notch is not None:
+            plain = with_notches(plain, notch, model)
+        forward = ramp_feedforward(replace(plain, gain=_padded(filters[0][1], known)))  # the same for every filter
+        for ((trust, doubt), gain), part in product(filters, ranges.feedforward):
+            weights = Weights(bandwidth, drive, trust, doubt, caution, part, width)
+            yield weights, replace(plain, gain=_padded(gain, known), forward=part * forward)
+
+
+def _padded(gain: np.ndarray, model: InnovationModel) -> np.ndarray:
+    """Return a filter's gain for a model with more states, that nothing measured tells of."""
+    return np.pad(gain, ((0, model.order - len(gain)), (0, 0)))
 
 
 def _filters(

@@ -8,7 +8,7 @@ from typing import Any
 from typer.main import get_command
 
 from calibration.application import PROGRAM as CALIBRATE
-from firmware_sim.commands import app as firmware_sim
+from firmware_sim.application import PROGRAM as FIRMWARE_SIM
 from stagectl.application import PROGRAM as STAGECTL
 from vibractl.application import PROGRAM as VIBRACTL
 from vibrostage.application import PROGRAM as VIBROSTAGE
@@ -17,7 +17,7 @@ APPLICATIONS = {
     "vibractl": VIBRACTL.only(),
     "stagectl": STAGECTL.only(),
     "calibrate": CALIBRATE.only(),
-    "firmware-sim": firmware_sim,
+    "firmware-sim": FIRMWARE_SIM.only(),
     "vibrostage": VIBROSTAGE.only(),
 }
 

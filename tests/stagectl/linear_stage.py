@@ -57,6 +57,16 @@ def lagging(system: tuple[np.ndarray, np.ndarray, np.ndarray], corner: float) ->
     return InnovationModel(A, B, C, np.zeros((1, 1)), np.zeros((len(A), 1)), RATE, np.full((1, 1), 1e-16))
 
 
+def two_near_one_another() -> InnovationModel:
+    """Return a plate whose resonance an other axis has split: two lightly damped ones, 2.5 Hz apart."""
+    turns = [
+        np.exp(2 * np.pi * f / RATE * (1j * np.sqrt(1 - z**2) - z)) for f, z in ((109.34, 0.0074), (111.82, 0.0022))
+    ]
+    blocks = block_diag(*([[turn.real, turn.imag], [-turn.imag, turn.real]] for turn in turns))
+    inlet, outlet = np.array([[-0.156], [0.776], [0.079], [-0.446]]), np.array([[1.0, 0.0, 1.0, 0.0]])
+    return InnovationModel(blocks, inlet, outlet, [[0.0]], np.full((4, 1), 0.01), RATE, [[2e-14]])
+
+
 class LinearStage(Block):
     """Voltage to extension by a first order, extension to position by the modes; noise on both sensors.
 

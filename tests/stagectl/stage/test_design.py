@@ -4,17 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.linalg import block_diag
 
-from calibration.state_space.model import InnovationModel
 from stagectl.config import Outer
+from stagectl.stage import design as design_module
 from stagectl.stage.design import SHARES, NoLoop, design
 from stagectl.stage.design_bounds import Looks, Reached, mistuned
 from stagectl.stage.kalman import kalman_gain
 from stagectl.stage.sensitivity import robustness
 from stagectl.stage.state_space import plant_of
 from stagectl.stage.weights import loops
-from tests.stagectl.linear_stage import RATE, mechanics, model
+from tests.stagectl.linear_stage import RATE, mechanics, model, two_near_one_another
 
 
 def test_a_design_keeps_ms_with_the_extra_delay_and_with_frequencies_off_either_way() -> None:
@@ -98,17 +97,8 @@ def test_bounds_that_cannot_be_kept_are_named() -> None:
         design(model("z"), Outer(beyond=(1e-5,), max_sensitivity=1.1, delay=20, mistuning=0.3), 2)
 
 
-def two_near_one_another() -> InnovationModel:
-    """Return a plate whose resonance an other axis has split: two lightly damped ones, 2.5 Hz apart."""
-    turns = [
-        np.exp(2 * np.pi * f / RATE * (1j * np.sqrt(1 - z**2) - z)) for f, z in ((109.34, 0.0074), (111.82, 0.0022))
-    ]
-    blocks = block_diag(*([[turn.real, turn.imag], [-turn.imag, turn.real]] for turn in turns))
-    inlet, outlet = np.array([[-0.156], [0.776], [0.079], [-0.446]]), np.array([[1.0, 0.0, 1.0, 0.0]])
-    return InnovationModel(blocks, inlet, outlet, [[0.0]], np.full((4, 1), 0.01), RATE, [[2e-14]])
-
-
-def test_a_resonance_narrower_than_its_frequency_is_known_is_named() -> None:
+def test_a_resonance_narrower_than_its_frequency_is_known_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(design_module, "NOTCHES", ())
     with pytest.raises(
         NoLoop, match=r"resonance at 111.8 Hz has a damping ratio of 0.0022, and .* outer.mistuning, 0.05"
     ):

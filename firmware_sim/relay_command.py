@@ -1,0 +1,42 @@
+"""The command `firmware-sim relay`: the relay of an amplifier's supply behind its wire."""
+
+import time
+from pathlib import Path
+from tempfile import mkdtemp
+from threading import Event
+from typing import Annotated
+
+import typer
+
+from firmware_sim.ready import say
+from firmware_sim.relay import Relay, adapter_in, listen
+from rigkit.relay.frame import IDENTIFIER
+from rigkit.stop import SIGNALS, on_signals
+
+
+def relay_command(
+    pty: Annotated[bool, typer.Option("--pty", help="Behind a pseudo-terminal.")] = False,
+    folder: Annotated[Path | None, typer.Option(metavar="DIR", help="Where the adapter appears, as can.")] = None,
+    identifier: Annotated[int, typer.Option(min=0, max=0x7FF, help="Of the frames that count.")] = IDENTIFIER,
+    patience: Annotated[float, typer.Option(min=0.03, max=10, metavar="SECONDS", help="Without one it opens.")] = 0.2,
+) -> None:
+    """Put the relay of an amplifier's supply behind a CAN adapter, until Ctrl-C; it says when it closes and opens.
+
+    Example:
+
+        firmware-sim relay --pty --folder /tmp/relay &
+
+        vibractl run --set audio.relay.bus=can:Bus --set audio.relay.options.interface=slcan --set
+        audio.relay.channel=/tmp/relay/can ...
+    """
+    if not pty:
+        raise ValueError("no wire is chosen, must be --pty")
+    adapter, stop = adapter_in(folder or Path(mkdtemp(prefix="relay-"))), Event()
+    start = time.monotonic()
+
+    def tell(closed: bool) -> None:
+        say(f"{time.monotonic() - start:8.3f} s: {'closed' if closed else 'open'}")
+
+    with on_signals(dict.fromkeys(SIGNALS, stop.set)):
+        say(f"CAN adapter: {adapter.path}")
+        listen(adapter, Relay(identifier, patience), time.monotonic, tell, stop)

@@ -1,0 +1,65 @@
+"""The command `firmware-sim stage`: the stage's processor and the laser behind their wires."""
+
+from pathlib import Path
+from tempfile import mkdtemp
+from threading import Event
+from typing import Annotated
+
+import typer
+
+from firmware_sim.can_node import MISHAPS, mishap
+from firmware_sim.plants.milling_disturbance import DEFLECTIONS
+from firmware_sim.ready import say
+from firmware_sim.stage_bench import StageBench
+from firmware_sim.stage_image import StageImage
+from firmware_sim.stage_processor import Settings
+from rigkit.command import ConfigOption, SetOption
+from rigkit.config import load
+from rigkit.stop import SIGNALS, on_signals
+from stagectl.config import StageConfig
+
+
+def stage_command(
+    pty: Annotated[bool, typer.Option("--pty", help="Behind pseudo-terminals.")] = False,
+    config: ConfigOption = None,
+    settings: SetOption = None,
+    folder: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Where the two devices appear, as can and laser.")
+    ] = None,
+    milling: Annotated[str, typer.Option(help="x, y or z: a cut begins after a second.")] = "",
+    laser_axis: Annotated[str, typer.Option(help="The axis that the laser sensor looks along.")] = "x",
+    fault: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME@SECONDS", help=f"One of {', '.join(MISHAPS)}; may be given many times."),
+    ] = None,
+) -> None:
+    """Put the stage's processor behind a CAN adapter and the laser sensor behind a serial line, until Ctrl-C.
+
+    The rig file is the stage's own; [simulator] has the plant's options.  Example:
+
+        firmware-sim stage --pty --folder /tmp/bench --fault unplug@5 --fault replug@8 &
+
+        stagectl run --live --set link.channel=/tmp/bench/can ...
+    """
+    if not pty:
+        raise ValueError("no wire is chosen, must be --pty")
+    rig = load(config, StageConfig, settings or [])
+    if laser_axis not in rig.stage.axes or milling not in ("", *DEFLECTIONS):
+        raise ValueError(
+            f"--laser-axis is {laser_axis!r}, must be {', '.join(rig.stage.axes)}; "
+            f"--milling is {milling!r}, must be {', '.join(DEFLECTIONS)} or nothing"
+        )
+    image, mishaps = StageImage(rig, milling), [mishap(text) for text in fault or []]
+    place = folder or Path(mkdtemp(prefix="stage-"))
+    place.mkdir(parents=True, exist_ok=True)
+    bench = StageBench(
+        place,
+        image,
+        Settings(form=rig.link.form, silence=rig.link.silence, hold=rig.link.hold, ramp=rig.limits.ramp),
+        rig.laser,
+        rig.stage.axes.index(laser_axis),
+        mishaps,
+    )
+    stop = Event()
+    with on_signals(dict.fromkeys(SIGNALS, stop.set)):
+        bench.run(lambda: say(f"CAN adapter: {bench.can}\nlaser sensor: {bench.laser}"), stop)
