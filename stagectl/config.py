@@ -240,6 +240,8 @@ class StageConfig(Section):
         if len(self.inner.hysteresis) not in (0, axes):
             raise ValueError(f"inner.hysteresis has {len(self.inner.hysteresis)} files, must have none or {axes}")
         for key, values in self.weights:
+            if key == "notch" and not values:
+                continue  # rig files from before have none
             if len(values) != (axes if self.weights.bandwidth else 0) or not all(value >= 0 for value in values):
                 raise ValueError(f"weights.{key} is {values}, must be {axes} numbers >= 0, or none in all of [weights]")
         if not self.session.lead >= 2.5 * self.limits.ramp:

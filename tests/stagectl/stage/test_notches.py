@@ -15,6 +15,7 @@ from stagectl.stage.notches import behind, notches, with_notches
 from stagectl.stage.servo import servo
 from stagectl.stage.state_feedback import StateFeedback, linear_quadratic
 from stagectl.stage.state_space import plant_of
+from stagectl.stage.weights import chosen_weights
 from tests.stagectl.linear_stage import (
     INNER,
     LIMITS,
@@ -124,3 +125,11 @@ def test_what_winds_up_in_the_limits_unwinds_while_the_plate_still_rings() -> No
     after = made.run(0.6)
     assert np.ptp(after["position"][-1_000:]) > 1e-6
     np.testing.assert_allclose(after["extension_reference"][-1_000:], before, atol=0.1e-6)
+
+
+def test_a_rig_file_from_before_there_were_any_has_none() -> None:
+    given = {"bandwidth": (50.0,) * 3, "drive": (1.0,) * 3, "trust": (1.0,) * 3, "doubt": (0.0,) * 3}
+    rig = StageConfig.model_validate({"weights": {**given, "caution": (0.0,) * 3, "feedforward": (1.0,) * 3}})
+    weights = chosen_weights(rig.weights, 1)
+    assert weights is not None
+    assert weights.notch == 0.0
