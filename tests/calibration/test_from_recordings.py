@@ -96,6 +96,7 @@ def test_without_noise_what_is_left_is_the_floor_of_amplitude() -> None:
     assert np.median(deviation / size) == pytest.approx(FLOOR, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_multisine_tells_its_averages_noise_and_distortion() -> None:
     drive = multisine(7, periods=5, step=2)
     lines = np.count_nonzero(np.abs(np.fft.rfft(drive[: 2 * RATE, 0])) > 1.0)

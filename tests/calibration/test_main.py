@@ -84,6 +84,7 @@ def test_models_of_different_rigs_are_not_compared(
     assert "was measured on rig 'tank'" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_computed_again_it_takes_the_recordings_that_are_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     model = tmp_path / "model.h5"
     arguments = ("--out", model, "--passes", "1", "--no-preload", "--seed", "2")

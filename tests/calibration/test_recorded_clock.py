@@ -45,7 +45,7 @@ UP_AND_DOWN = np.concatenate(
 )
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("drive", "ppm"),
     [(noise(1, 12.0), 20.0), (noise(2), -150.0), (UP_AND_DOWN, 20.0), (multisine(1, periods=4), 20.0)],

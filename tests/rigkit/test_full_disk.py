@@ -80,6 +80,7 @@ WRITERS: dict[str, Callable[[Path], object]] = {
 }
 
 
+@pytest.mark.sample(3)
 @EVERY_DISK
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_file_that_the_disk_does_not_take_is_named_with_the_room_and_nothing_is_left(

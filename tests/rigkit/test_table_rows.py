@@ -41,6 +41,7 @@ def parser(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(number_rows, "_has_arrow", lambda: request.param == "with Arrow")
 
 
+@pytest.mark.sample(4)
 @pytest.mark.usefixtures("parser")
 @pytest.mark.parametrize("kind", KINDS)
 @given(edits=st.lists(st.tuples(st.integers(0, 80), LETTERS), max_size=4))

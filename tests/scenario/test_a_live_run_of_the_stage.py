@@ -33,6 +33,7 @@ SOME = 1_500_000
 COMMAND = [sys.executable, "-m", "firmware_sim", "stage", "--pty", "--set", PATIENT, "--folder"]
 
 
+@pytest.mark.slow
 def test_a_live_run_uploads_its_loops_follows_and_can_be_reported_but_not_replayed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from time import monotonic
 
 import numpy as np
+import pytest
 from scipy.signal import butter, sosfiltfilt
 
 from calibration.stage_axes.bench import Bench
@@ -61,6 +62,7 @@ def off(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.linalg.norm(one - other) / np.linalg.norm(other))
 
 
+@pytest.mark.slow
 def test_a_chirp_over_the_link_shows_the_stage_that_one_in_process_shows(tmp_path: Path) -> None:
     chirp = Chirp(10_000.0, 0.3, 1.0, 20.0, 100.0, 6.0).drive()
     config = RIG.model_copy(update={"link": RIG.link.model_copy(update={"channel": str(tmp_path / "can")})})

@@ -120,6 +120,7 @@ def emit_for_ever(line: Line) -> None:
         emitted(line)
 
 
+@pytest.mark.slow
 def test_a_server_that_dies_in_mid_session_is_one_error_and_nothing_hangs(server: "subprocess.Popen[bytes]") -> None:
     with vibrator_client([]) as client:
         with Line(rig()) as line:

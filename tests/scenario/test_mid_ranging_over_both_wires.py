@@ -51,6 +51,7 @@ def test_the_robot_takes_over_from_the_stage_along_two_axes(tmp_path: Path) -> N
     assert np.abs(stage.position[0]) < 1e-9
 
 
+@pytest.mark.slow
 def test_a_fault_of_the_robot_sends_the_stage_to_mid_travel_and_keeps_what_was_recorded(tmp_path: Path) -> None:
     """A reference that jumps by 50 mm asks the robot for more than its speed."""
     wave = np.concatenate([np.full(100, 30e-6), np.full(100, 50e-3)])

@@ -165,6 +165,7 @@ class Hanging(Block):
         threading.Event().wait()
 
 
+@pytest.mark.slow
 def test_a_process_that_stands_still_before_its_stream_runs_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(audio_process, "_LONGEST_IDLE", 0.5)
     hanging = Simulator(plant="tests.vibractl.test_audio_process:Hanging")

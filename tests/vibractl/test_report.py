@@ -57,6 +57,7 @@ def mimo(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return run_folder(tmp_path_factory.mktemp("mimo"), 4, learning={"gains": (0.9,)})
 
 
+@pytest.mark.slow
 def test_a_run_on_both_sides_is_reported_whole(mimo: Path) -> None:
     figures = run_report(mimo)
     page = (mimo / "report.html").read_text(encoding="utf-8")

@@ -121,6 +121,7 @@ def test_a_killed_program_takes_its_workers_along_and_goes_on_by_the_same_comman
     assert whole == call("run", "study.toml", "--out", "fresh", "--workers", "2")[1]
 
 
+@pytest.mark.slow
 def test_ctrl_c_stores_what_is_done_and_says_how_to_go_on(folder: Path) -> None:
     command = [sys.executable, "-m", "vibrostage", "study", "run", "study.toml", "--out", "stopped"]
     with subprocess.Popen([*command, "--set", "seeds.count=9000"], stderr=subprocess.PIPE, text=True) as program:

@@ -1,6 +1,7 @@
 """Horizons that nobody chose: as long as the slowest oscillation wants, and as the records allow."""
 
 import numpy as np
+import pytest
 
 from calibration import subspace
 from calibration.state_space.model import InnovationModel
@@ -24,6 +25,7 @@ def worst_damping(found: InnovationModel, truth: InnovationModel) -> float:
     return float(np.abs(errors[oscillating]).max())
 
 
+@pytest.mark.slow
 def test_a_stage_sampled_at_its_own_rate_needs_no_thought_about_horizons() -> None:
     """40 samples at 10 kHz are a quarter of a period: that gives order 5 and a free run of 30 %."""
     system = order_7(10_000.0)

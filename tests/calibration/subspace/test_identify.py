@@ -32,6 +32,7 @@ def shortfall(found: subspace.Identified, system: ResonantSystem) -> tuple[float
     )
 
 
+@pytest.mark.sample(3)
 @named
 @pytest.mark.parametrize("method", ["n4sid", "moesp"])
 def test_the_model_is_within_a_tenth_of_a_point_of_the_truth_on_fresh_data(
@@ -62,7 +63,7 @@ def test_the_order_is_found(system: ResonantSystem, horizon: int, method: subspa
     assert system.model.order in {each.order for each in found.candidates}
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("samples", [3000, 10_000])
 @pytest.mark.parametrize("horizon", [20, 40])
 def test_the_order_is_found_with_a_chirp(samples: int, horizon: int) -> None:
@@ -188,6 +189,7 @@ def test_the_predictor_is_stable_and_the_innovations_are_a_covariance() -> None:
         assert np.all(np.linalg.eigvalsh(model.innovation) > 0)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("samples", "order", "least", "most"), [(2000, None, 20, 60), (150, 4, 5, 12), (40, 2, 5, 5), (2000, 30, 40, 100)]
 )

@@ -33,6 +33,7 @@ def test_the_same_states_stand_out_at_every_horizon_and_length() -> None:
         assert count(*system.record(samples, seed=2), horizon) == 18
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("horizon", [20, 40])
 def test_a_weak_state_behind_the_largest_gap_is_found_all_the_same(horizon: int) -> None:
     """A pole at 60 Hz that moves the output less than the noise does."""

@@ -105,6 +105,7 @@ def test_a_family_is_another_machine_of_the_same_seed() -> None:
     assert {draw.family for draw in draws()} == set(VIBRATORS.families)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "low", "high", "reached"),
     [

@@ -69,6 +69,7 @@ def test_the_description_of_the_frame_is_the_one_the_code_writes() -> None:
     assert FILE.read_text() == dbc_text()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("how", ["stands_still", "is_latched"])
 def test_a_program_that_is_not_well_is_silent_at_once_and_beats_again_afterwards(how: str) -> None:
     program = Program()

@@ -147,6 +147,7 @@ def lab(kept: tuple[Served, Path]) -> tuple[Served, Path]:
     return made, rig
 
 
+@pytest.mark.slow
 def test_a_stop_works_from_any_folder_with_the_rig_file(lab: tuple[Served, Path], shell: Shell) -> None:
     made, rig = lab
     for place, named in ((rig.parents[1], "d1/rig.toml"), (rig.parent, "rig.toml"), (Path("/"), str(rig))):

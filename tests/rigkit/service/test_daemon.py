@@ -130,6 +130,7 @@ def test_a_socket_in_the_file_system_is_its_owners_alone_and_goes_with_the_daemo
     assert not path.exists()
 
 
+@pytest.mark.slow
 def test_with_a_certificate_it_speaks_tls_and_nothing_else(tmp_path: Path) -> None:
     certificate, key = tmp_path / "cert.pem", tmp_path / "key.pem"
     subject = ["-subj", "/CN=localhost", "-addext", "subjectAltName=IP:127.0.0.1"]

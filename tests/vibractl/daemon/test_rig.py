@@ -137,6 +137,7 @@ def test_a_bad_rig_file_is_refused_by_its_key_and_the_old_one_stays(lab: Lab) ->
     assert lab.rig.config is before
 
 
+@pytest.mark.slow
 def test_more_shots_and_tighter_limits_reach_a_run_that_goes_on_and_what_it_learns_with_does_not(lab: Lab) -> None:
     lab.begin(run="one", shots=1000)
     lab.until_shot(1)

@@ -46,6 +46,7 @@ def test_the_pairing_is_that_of_the_largest_sum() -> None:
     assert assignment(np.array([[3.0]])) == ([0], np.inf)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("brief")
 def test_any_number_of_sides_is_looked_at(tmp_path: object) -> None:
     three = {"drive_channels": (1, 2, 3), "response_channels": (1, 2, 3), "loopback_output": 4, "loopback_input": 4}

@@ -47,6 +47,7 @@ def test_what_step_wrote_and_a_card_recorded_is_the_run_that_it_would_have_been(
     assert KEYS <= json.loads(Path("IMPORTED/summary.json").read_text()).keys()
 
 
+@pytest.mark.slow
 def test_without_a_model_what_needs_none_works_and_what_needs_one_says_so(recordings: LabOfRecordings) -> None:
     figures = recordings.imported("d?.wav", "r?.wav")
     assert figures.keys() == KEYS | {"warnings"}

@@ -58,6 +58,7 @@ def test_distortion_far_over_the_limit_is_learned_on_the_way_and_never_heard(dis
     assert over > 3 * reference_level(law.reference).max() * 10 ** (OBJECTIVE / 20)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("wrong", [0.4, 2.5])
 def test_a_model_that_is_wrong_by_a_factor_costs_shots_and_1_db_at_most(wrong: float) -> None:
     law = law_of(matrix_of(wrong * TRUE, deviation=0.5))

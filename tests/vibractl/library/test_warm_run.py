@@ -44,6 +44,7 @@ def events(path: Path) -> list[str]:
     return [event["event"] for event in read_events(path) if event["event"].startswith("library")]
 
 
+@pytest.mark.slow
 def test_the_drive_kept_is_the_one_recorded(cold: Path) -> None:
     entry = entry_of(cold, 4, {"depth": "10"})
     made = setup_of(cold)

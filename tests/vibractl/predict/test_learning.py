@@ -45,6 +45,7 @@ def test_a_run_that_begins_faint_meets_it_when_it_is_at_full_level() -> None:
     assert np.all(found.met >= 6)
 
 
+@pytest.mark.slow
 def test_an_uncertain_model_takes_more_shots() -> None:
     sure, unsure = (runs(made_with("learning.gains=[0.8]", deviation=each)) for each in (1e-3, 0.25))
     assert sure.quantile(0.5) < unsure.quantile(0.5)

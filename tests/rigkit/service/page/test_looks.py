@@ -136,6 +136,7 @@ def test_the_name_of_the_state_and_how_much_is_done_stand_apart(visit: Visit, wi
         assert max(one[0], other[0]) >= min(one[1], other[1]) or max(one[2], other[2]) > min(one[3], other[3]) - LEADING
 
 
+@pytest.mark.slow
 def test_options_are_told_in_the_event_log_as_words(visit: Visit) -> None:
     visit.daemon.begin(steps=100_000, seconds=0.123456)
     until(lambda: "options steps 100000, seconds 0.123" in visit.tab.text("events"))

@@ -55,6 +55,7 @@ def test_the_files_of_a_run_are_listed_with_their_sizes_and_fetched_whole(
     assert visit.tab.complaints() == []
 
 
+@pytest.mark.slow
 def test_who_may_only_look_may_fetch(visit: Visit, runs: Path, tmp_path: Path) -> None:
     assert runs.is_dir()
     visit.tab.save_into(tmp_path)
@@ -64,6 +65,7 @@ def test_who_may_only_look_may_fetch(visit: Visit, runs: Path, tmp_path: Path) -
     until(lambda: (tmp_path / "0000.wav").exists())
 
 
+@pytest.mark.slow
 def test_a_file_that_has_gone_is_missed_by_name(visit: Visit, runs: Path) -> None:
     buttons = opened(visit)
     (runs / "sea trial 4" / "shots" / "0000.wav").unlink()

@@ -86,6 +86,7 @@ def test_the_space_bar_stops_whoever_has_control(visit: Visit) -> None:
     until(lambda: visit.tab.text("stop-told") == "STOP: RUNNING → DISARMED")
 
 
+@pytest.mark.slow
 def test_the_space_bar_stops_and_presses_no_button_that_has_the_focus(visit: Visit) -> None:
     visit.take_control()
     visit.begin()
@@ -106,6 +107,7 @@ def test_the_space_bar_is_a_letter_where_text_is_typed(visit: Visit) -> None:
     assert visit.state() == "RUNNING"
 
 
+@pytest.mark.slow
 def test_the_button_stops_by_the_keyboard_as_well(visit: Visit) -> None:
     visit.daemon.begin(steps=100_000)
     visit.tab.until_state("RUNNING")
@@ -168,6 +170,7 @@ def test_what_people_write_is_text_and_never_part_of_the_page(visit: Visit) -> N
     assert visit.tab.run("return document.querySelectorAll('#planted, #rig img').length") == 0
 
 
+@pytest.mark.slow
 def test_it_greys_out_when_the_rig_gives_no_sign_of_life_and_comes_back(visit: Visit) -> None:
     process = visit.daemon.process
     os.kill(process.pid, signal.SIGSTOP)

@@ -92,6 +92,7 @@ def test_a_stop_lifts_the_tool_out_of_the_material_and_the_run_goes_on_to_its_la
     assert len(panels.panel("trials")["rows"]) == 4
 
 
+@pytest.mark.slow
 def test_a_blind_tracker_is_a_fault_with_its_reason(tmp_path: Path) -> None:
     lab = cell_in(tmp_path, "plants.tracker_options.blind=1.6", "plants.tracker_options.blind_for=9.0")
     lab.begin("ilc", **ILC)

@@ -57,7 +57,7 @@ def _write_wave(data: Path, amplitude: float, samples: int) -> None:
     recording.write(data / "wave.csv", Recording(("x",), ("m",), 250.0, wanted))
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("procedure", OPTIONS)
 def test_the_output_of_a_simulation_is_measured_while_a_procedure_runs(lab: Lab, procedure: str) -> None:
     assert {each.name for each in lab.rig.procedures} == OPTIONS.keys()
