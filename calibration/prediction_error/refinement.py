@@ -13,6 +13,7 @@ from calibration.prediction_error.local_coordinates import free, gain_only
 from calibration.prediction_error.normal_equations import Record
 from calibration.prediction_error.pole_errors import ModeErrors, coloured_covariance, mode_errors, white_covariance
 from calibration.prediction_error.scale import Scale, scale_of
+from calibration.prediction_error.sensitivities import Sensitivities, of_prediction, of_simulation
 from calibration.records import as_records
 from calibration.state_space.model import InnovationModel
 
@@ -33,12 +34,15 @@ class Refined:
     iterations : int
     arrived : bool
         Whether the fit ended at an optimum, rather than at the limit of iterations or time, or where no step helps.
+    sensitivities : Sensitivities
+        How its matrices follow what was fitted: for the errors of its responses.
     """
 
     model: InnovationModel
     errors: ModeErrors
     iterations: int
     arrived: bool
+    sensitivities: Sensitivities
 
 
 @on_one_thread
@@ -103,8 +107,10 @@ def refine(
     records = [Record(np.hstack([u, y]), y) for u, y in zip(drives, responses, strict=True)]
     found = fit([predictor], through, records, free, joint=True, effort=effort)
     refined = _from_predictor(found, start)
-    errors = mode_errors(found.coordinates, white_covariance(found), model.rate)[0]
-    return Refined(scale.removed(refined), errors, found.iterations, found.arrived)
+    covariance = white_covariance(found)
+    errors = mode_errors(found.coordinates, covariance, model.rate)[0]
+    moves = of_prediction(found.coordinates, covariance, scale)
+    return Refined(scale.removed(refined), errors, found.iterations, found.arrived, moves)
 
 
 def _simulating(
@@ -118,7 +124,7 @@ def _simulating(
     records = [Record(u, y) for u, y in zip(drives, responses, strict=True)]
     element, _ = balanced(Element(start.A, start.B, start.C))
     found = fit([element], through, records, free, joint=False, effort=effort)
-    element, still = found.point.elements[0], np.zeros_like(start.K)
+    element, still = found.coordinates.elements[0], np.zeros_like(start.K)
     direct = found.point.direct if through.size else start.D
     simulating = replace(start, A=element.a, B=element.b, C=element.c, D=direct, K=still)
     noise = [
@@ -128,7 +134,8 @@ def _simulating(
     gained = _with_gain(simulating, noise, effort)
     covariance = coloured_covariance(found, records)
     errors = mode_errors(found.coordinates, covariance, start.rate)[0]
-    return Refined(scale.removed(gained), errors, found.iterations, found.arrived)
+    moves = of_simulation(found.coordinates, covariance, scale)
+    return Refined(scale.removed(gained), errors, found.iterations, found.arrived, moves)
 
 
 def _with_gain(model: InnovationModel, noise: Sequence[np.ndarray], effort: Effort) -> InnovationModel:
@@ -141,7 +148,7 @@ def _with_gain(model: InnovationModel, noise: Sequence[np.ndarray], effort: Effo
 
 
 def _from_predictor(found: Fit, start: InnovationModel) -> InnovationModel:
-    element = found.point.elements[0]
+    element = found.coordinates.elements[0]  # in the basis of the sensitivities
     gain, direct = element.b[:, start.inputs :], found.point.direct if found.point.direct.size else start.D
     return replace(
         start,

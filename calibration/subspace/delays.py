@@ -130,6 +130,20 @@ def advanced(
     return moved, [response[longest:] for response in responses]
 
 
+def held_back(drive: np.ndarray, late: Sequence[int]) -> np.ndarray:
+    """Return inputs as they are heard, zero before anything is, shape (N, m), their units.
+
+    Parameters
+    ----------
+    drive : array, shape (N, m), any unit
+    late : sequence of int, samples
+    """
+    heard = np.zeros(drive.shape)
+    for channel, each in enumerate(late):
+        heard[each:, channel] = drive[: len(drive) - each, channel]
+    return heard
+
+
 def delayed(model: InnovationModel, late: Sequence[int]) -> InnovationModel:
     """Return a model whose inputs come late: as many states more as there are samples of delay, that hold them.
 

@@ -1,29 +1,32 @@
 """Figures of a model and of what it makes of records; matplotlib is imported here alone."""
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from calibration.state_space.model import InnovationModel
+from calibration.state_space.response_errors import ResponseErrors
 from calibration.subspace.comparison import Comparison
-from calibration.subspace.telling import frequencies
 from rigkit.figure_style import COLOURS, styled
 
 SHOWN = 2000
 """Samples of a record that are drawn at most."""
+SURE = 1.96
+"""Standard errors either way that hold the truth nineteen times of twenty."""
 
 
-def bode_figure(model: InnovationModel, frequency: np.ndarray | None = None) -> Figure:
+def bode_figure(model: InnovationModel, grid: np.ndarray, errors: ResponseErrors | None = None) -> Figure:
     """Draw gain and phase from each input to each output; where there are none, the outputs' amplitude densities.
 
     Parameters
     ----------
     model : InnovationModel
-    frequency : array, shape (bins,), Hz, optional
-        Where not given, from a tenth of the slowest mode to half the rate.
+    grid : array, shape (bins,), Hz
+    errors : ResponseErrors, optional
+        At these frequencies: the band in which the plant's response is nineteen times of twenty is shaded.
     """
-    grid = frequencies(model) if frequency is None else np.asarray(frequency, float)
     with styled():
-        return _bode(model, grid) if model.inputs else _densities(model, grid)
+        return _bode(model, grid, errors) if model.inputs else _densities(model, grid)
 
 
 def _densities(model: InnovationModel, grid: np.ndarray) -> Figure:
@@ -39,7 +42,7 @@ def _densities(model: InnovationModel, grid: np.ndarray) -> Figure:
     return figure
 
 
-def _bode(model: InnovationModel, grid: np.ndarray) -> Figure:
+def _bode(model: InnovationModel, grid: np.ndarray, errors: ResponseErrors | None) -> Figure:
     response = model.frequency_response(grid)
     figure = Figure(figsize=(1.5 + 4.0 * model.inputs, 1.0 + 3.4 * model.outputs))
     axes = figure.subplots(2 * model.outputs, model.inputs, sharex=True, squeeze=False)
@@ -47,8 +50,14 @@ def _bode(model: InnovationModel, grid: np.ndarray) -> Figure:
         for drive, (source, per) in enumerate(zip(model.input_names, model.input_units, strict=True)):
             gain, phase = axes[2 * output, drive], axes[2 * output + 1, drive]
             element = response[:, output, drive]
-            gain.loglog(grid, np.abs(element), color=COLOURS[0])
-            phase.semilogx(grid, np.degrees(np.unwrap(np.angle(element))), color=COLOURS[0])
+            size, angle = np.abs(element), np.degrees(np.unwrap(np.angle(element)))
+            gain.loglog(grid, size, color=COLOURS[0])
+            phase.semilogx(grid, angle, color=COLOURS[0])
+            if errors is not None:
+                limits = gain.get_ylim()
+                _shade(gain, grid, size, errors.magnitude[:, output, drive])
+                _shade(phase, grid, angle, np.degrees(errors.phase[:, output, drive]))
+                gain.set_ylim(limits)
             gain.set_title(f"{source} to {name}")
             gain.set_ylabel(f"{unit}/{per}" if (unit, per) != ("1", "1") else "gain")
             phase.set_ylabel("degrees")
@@ -58,6 +67,13 @@ def _bode(model: InnovationModel, grid: np.ndarray) -> Figure:
         each.set_xlabel("Hz")
     figure.set_layout_engine("constrained")
     return figure
+
+
+def _shade(axes: Axes, grid: np.ndarray, values: np.ndarray, errors: np.ndarray) -> None:
+    low = values - SURE * errors
+    if axes.get_yscale() == "log":
+        low = np.maximum(low, np.finfo(float).tiny)
+    axes.fill_between(grid, low, values + SURE * errors, color=COLOURS[0], alpha=0.25, linewidth=0)
 
 
 def comparison_figure(comparison: Comparison) -> Figure:

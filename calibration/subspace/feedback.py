@@ -9,10 +9,11 @@ from calibration.subspace.lagged import OWN, lagged
 
 LAGS, OF_INNOVATIONS = 30, 10
 """Lags of the inputs' own past, and of the outputs' innovations, that each input is explained by."""
-SHARE, CHANCE = 0.015, 1e-4
-"""Part that innovations must tell of what is new of an input each sample, and the probability of as much by chance."""
-HARM = 5e-5
-"""Product of that part and the outputs' noise below which a model is none the worse for the loop."""
+CHANCE = 1e-6
+"""Probability of what innovations tell of an input by chance, above which it is none of theirs."""
+HARM = 1e-5
+"""Product of the part that they tell of what is new of it and the outputs' noise, below which a model is none the worse
+for the loop."""
 FORETOLD = 1e-8
 """Part of an input's power below which its own past tells all of it: nothing is left that outputs could."""
 
@@ -41,7 +42,7 @@ class Feedback:
 
         Records that were filtered without delay foretell one another, too, and hold next to no noise.
         """
-        is_told = (self.share > SHARE) & (self.probability < CHANCE) & (self.share * self.noise > HARM)
+        is_told = (self.probability < CHANCE) & (self.share * self.noise > HARM)
         return tuple(int(each) for each in np.flatnonzero(is_told))
 
 

@@ -12,15 +12,17 @@ from calibration.fit_measures import Fit
 from calibration.records import as_records
 from calibration.state_space.conversion import to_control, to_scipy
 from calibration.state_space.model import InnovationModel
+from calibration.state_space.response_errors import ResponseErrors
 from calibration.subspace import telling
 from calibration.subspace.comparison import Comparison
+from calibration.subspace.delays import held_back
 from calibration.subspace.diagnosis import Diagnosis, diagnose
 from calibration.subspace.excitation import persistence
 from calibration.subspace.feedback import Feedback
 from calibration.subspace.order import Candidate
 from calibration.subspace.pole_errors import PoleErrors, pole_errors
 from calibration.subspace.realization import Method
-from calibration.subspace.windows import Windows
+from calibration.subspace.replicates import Resampling
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,8 +58,8 @@ class Identified:
     method : "n4sid", "moesp" or "pbsid"
     feedback : Feedback
         Whether inputs follow from outputs.
-    windows : Windows
-        Of the records, scaled.
+    resampling : Resampling
+        From which segments of the records it came, and how.
     drives, responses : tuples of arrays, shapes (N, m) and (N, p), the inputs' and the outputs' units
         The records, without gaps, outliers, and what `detrend` takes from each.
     outliers : tuple of arrays of bool, shape (N, p)
@@ -78,7 +80,7 @@ class Identified:
     by_riccati: bool
     method: Method
     feedback: Feedback
-    windows: Windows
+    resampling: Resampling
     drives: tuple[np.ndarray, ...]
     responses: tuple[np.ndarray, ...]
     outliers: tuple[np.ndarray, ...]
@@ -107,7 +109,34 @@ class Identified:
         """Standard errors of natural frequencies and damping ratios; computed when first asked for."""
         if self.refined is not None:
             return PoleErrors(self.refined.errors.frequency, self.refined.errors.damping)
-        return pole_errors(self.windows, self.method, self.core.modes, self.core.order, self.core.rate)
+        return pole_errors(self.resampling.windows, self.method, self.core.modes, self.core.order, self.core.rate)
+
+    def response_errors(self, frequency: np.ndarray) -> ResponseErrors:
+        """Return standard errors of the frequency response; each can be taken for normal.
+
+        They are of chance alone: where the order is too small the response is off by more, see `diagnosis`.
+
+        Parameters
+        ----------
+        frequency : array, shape (bins,), Hz
+        """
+        frequency = np.asarray(frequency, float)
+        if self.refined is not None:
+            return self.refined.sensitivities.response_errors(self.core, frequency)
+        return self.resampling.response_errors(self.core, frequency)
+
+    def simulation_errors(self, u: Any) -> np.ndarray:
+        """Return standard errors of what the model responds to inputs from rest, shape (N, p), the outputs' units.
+
+        Parameters
+        ----------
+        u : array, shape (N, m) or (N,), list or table, the inputs' units
+            Deviations from the operating point, as of `model.simulate`.
+        """
+        drive = held_back(as_records(u, u)[0][0], self.delays)
+        if self.refined is not None:
+            return self.refined.sensitivities.simulation_errors(self.core, drive)
+        return self.resampling.simulation_errors(drive)
 
     def compare(self, u: Any, y: Any) -> Comparison:
         """Hold it against other records, about the same operating point.
@@ -151,10 +180,14 @@ class Identified:
         return telling.summary(self)
 
     def bode(self, frequency: np.ndarray | None = None) -> "Figure":
-        """Return a figure of gain and phase, at frequencies in Hz, shape (bins,), where some are given."""
+        """Return a figure of gain and phase, at frequencies in Hz, shape (bins,), where some are given.
+
+        Shaded is where the plant's response lies nineteen times of twenty, see `response_errors`.
+        """
         from calibration.subspace.drawing import bode_figure
 
-        figure: Figure = bode_figure(self.model, frequency)
+        grid = telling.frequencies(self.model) if frequency is None else np.asarray(frequency, float)
+        figure: Figure = bode_figure(self.model, grid, self.response_errors(grid) if self.model.inputs else None)
         return figure
 
     def to_control(self) -> Any:

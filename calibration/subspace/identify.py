@@ -23,6 +23,7 @@ from calibration.subspace.outliers import Outliers, outlier_notes, treated
 from calibration.subspace.predicted import estimated
 from calibration.subspace.realization import Method
 from calibration.subspace.regression import Terms
+from calibration.subspace.replicates import Resampling, in_units
 from calibration.subspace.signals import Detrend, Signals, levelled, signals
 from calibration.subspace.trials import ALIKE
 from calibration.subspace.weighting import left_by_free_run, weighted
@@ -118,7 +119,7 @@ def identify(
     terms = Terms(way != "pbsid" if direct == "auto" else direct, detrend != "none", stable, way == "pbsid")
     late, data, chosen = _chosen(given.drives, given.responses, delay, (horizon, order, way, terms))
     windows, found, gain, values = _fitted(data, chosen, way, terms)
-    core = _named(_in_units(found, gain, data, rate), *given.sides)
+    core = _named(in_units(found, gain, data, rate), *given.sides)
     result = Identified(
         model=delayed(core, late),
         core=core,
@@ -132,7 +133,7 @@ def identify(
         by_riccati=found.gain.by_riccati,
         method=way,
         feedback=given.loop,
-        windows=windows,
+        resampling=Resampling(windows, data, way, terms, chosen.order),
         drives=given.drives,
         responses=given.responses,
         outliers=given.outliers,
@@ -226,20 +227,6 @@ def _fitted(data: Signals, chosen: Choice, method: Method, terms: Terms) -> tupl
         return windows, found, found.gain, values
     gain = refine_gain(found.transition, found.outlet, found.gain, left_by_free_run(found, data.drives, data.responses))
     return windows, weighted(found, gain, data.drives, data.responses, terms), gain, values
-
-
-def _in_units(found: Estimate, gain: Gain, data: Signals, rate: float) -> InnovationModel:
-    """Undo the scaling."""
-    small, large = data.input_scale, data.output_scale
-    return InnovationModel(
-        found.transition,
-        found.inlet / small,
-        large[:, None] * found.outlet,
-        large[:, None] * found.direct / small,
-        gain.matrix / large,
-        rate,
-        large[:, None] * gain.innovation * large,
-    )
 
 
 def _named(model: InnovationModel, inputs: Side, outputs: Side) -> InnovationModel:

@@ -7,6 +7,7 @@ import numpy as np
 from calibration.state_space.modes import Modes, frequency_and_damping
 from calibration.subspace.estimate import compress
 from calibration.subspace.realization import Method, transition
+from calibration.subspace.replicates import spread
 from calibration.subspace.windows import Windows
 
 
@@ -55,13 +56,10 @@ def pole_errors(windows: Windows, method: Method, modes: Modes, order: int, rate
         poles = np.linalg.eigvals(transition(gamma, windows.layout.outputs)[0]).astype(complex)
         _, nearest = linear_sum_assignment(np.abs(modes.pole[:, None] - poles))
         frequency[segment], damping[segment] = frequency_and_damping(poles[nearest], rate)
-    return PoleErrors(_spread(frequency), _spread(damping))
+    return PoleErrors(_finite(frequency), _finite(damping))
 
 
-def _spread(without: np.ndarray) -> np.ndarray:
-    """Return the standard error from estimates without each segment, shape (segments, modes)."""
-    count = len(without)
+def _finite(without: np.ndarray) -> np.ndarray:
+    """Return the standard error, infinite where one of the estimates is."""
     known = np.isfinite(without).all(axis=0)
-    away = np.where(known, without, 0.0)
-    error = np.sqrt((count - 1) / count * np.sum((away - away.mean(axis=0)) ** 2, axis=0))
-    return np.where(known, error, np.inf)
+    return np.where(known, spread(np.where(known, without, 0.0)), np.inf)

@@ -104,6 +104,12 @@ class Windows:
         """How many there are."""
         return len(self._bounds)
 
+    def samples(self, segment: int) -> tuple[int, int, int]:
+        """Return record, first sample and the one after the last of a segment; they share out all samples."""
+        number, start, stop = self._bounds[segment]
+        length = self._records[number].shape[1]
+        return number, start, length if stop + self.layout.length > length else stop
+
     def count(self, without: Sequence[int] = ()) -> int:
         """Count the windows, all or without those of some segments."""
         return int(self._sizes.sum() - self._sizes[list(without)].sum())

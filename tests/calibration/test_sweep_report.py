@@ -18,7 +18,7 @@ def matrix(sides: int) -> TransferMatrix:
     return TransferMatrix(frequency, response, np.full(response.shape, 1e-4), np.full(response.shape, 0.99), {})
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("sides", [16, 1, 2, 3, 4])
 def test_any_number_of_sides_has_room(sides: int) -> None:
     with warnings.catch_warnings(), styled():

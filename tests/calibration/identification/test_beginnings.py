@@ -60,6 +60,7 @@ def test_signals_too_short_or_unlike_show_no_clock_and_no_delay() -> None:
         assert not found.drift.is_told
 
 
+@pytest.mark.slow
 def test_another_clock_is_refused_until_it_is_corrected(
     lab: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -92,7 +93,6 @@ def test_a_delay_is_told_and_taken_out_if_asked(
     assert g_off(tmp_path) < 0.1
 
 
-@pytest.mark.slow
 def test_one_clock_and_one_beginning_are_left_as_they_are(
     lab: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -58,6 +58,7 @@ def test_how_long_much_data_takes_is_said_beforehand(
     assert capsys.readouterr().err.startswith("identifying: 4000 samples of 2 channels; 250 000 samples of four take")
 
 
+@pytest.mark.slow
 def test_columns_go_by_number_and_figures_to_the_standard_output(
     table: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

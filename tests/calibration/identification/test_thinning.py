@@ -38,6 +38,7 @@ def test_the_low_pass_is_flat_as_far_as_is_said() -> None:
     assert np.abs(size - 1).max() < 1e-4
 
 
+@pytest.mark.slow
 def test_a_model_of_thinned_recordings_is_that_of_the_plant_and_one_of_every_nth_sample_is_not() -> None:
     factor, frequency = 20, np.linspace(10, PASSED * FAST / 20 / 2, 100)
     drive = white(1, 80_000)

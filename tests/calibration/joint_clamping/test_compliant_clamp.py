@@ -164,6 +164,7 @@ def test_too_few_experiments_or_a_joint_left_out_are_refused() -> None:
         fit_stiffness(ARM, [each for each in one if each.joint != 2] * 4)
 
 
+@pytest.mark.slow
 def test_the_pose_that_is_advised_has_a_long_lever_and_shows_more_of_the_stiffness() -> None:
     parts = random_joints(6)
     advice = advise(ARM, 0, candidate_poses(ARM, 200, 1, 0.1), 1 / parts.k_plus, np.zeros((6, 2)), TABLE)

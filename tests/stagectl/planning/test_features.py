@@ -36,6 +36,7 @@ def test_its_paths_are_legal_whatever_is_drawn_and_never_below_the_optimum() -> 
     check_random_paths("features", np.random.default_rng(2), rows=8)
 
 
+@pytest.mark.slow
 def test_the_weight_of_the_time_still_to_be_spent_is_learned() -> None:
     pocket = random_pocket(np.random.default_rng(3), 12, 12, 2, "EWNS", True)
     for seed in range(3):

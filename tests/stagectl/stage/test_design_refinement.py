@@ -25,6 +25,7 @@ def test_it_leaves_less_error_within_the_same_bounds(monkeypatch: pytest.MonkeyP
 
 def test_between_weights_of_which_none_keeps_the_bounds_one_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(design_module, "NOTCHES", ())
+    monkeypatch.setattr(design_refinement, "LOOKS", 150)
     outer = Outer(bandwidth=(100.0,), mistuning=0.2, mistuned_sensitivity=1.1)
     with pytest.raises(NoLoop) as fault:
         design(model("z"), outer, 2)

@@ -54,7 +54,7 @@ def reach(tab: Browser, name: str) -> None:
     until(lambda: tab.run(script, name))
 
 
-@pytest.mark.sample(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("size", SIZES)
 def test_nothing_that_can_be_used_stays_under_the_strip_or_stop(faulted: Visit, size: tuple[int, int]) -> None:
     tab = faulted.tab
