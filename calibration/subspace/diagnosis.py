@@ -98,7 +98,8 @@ class Diagnosis:
         if self.left_out > CROSSED:
             yield (
                 f"{100 * self.left_out:.0f} % of the residuals' correlations with earlier inputs are beyond their "
-                "bound: the response has more to it than the model (order, delay, or a plant that is not linear)"
+                "bound: the response has more to it than the model (order, delay, or a plant that is not linear), "
+                "and standard errors do not hold"
             )
         else:
             yield "nothing of the inputs is left in the residuals"
