@@ -8,6 +8,7 @@ import numpy as np
 from calibration.fit_measures import Fit
 from calibration.subspace.excitation import MOST
 from calibration.subspace.feedback import Feedback
+from calibration.subspace.nonlinearity import Nonlinearity
 
 WHITE = 0.01
 """Probability of residuals as far from white ones, below which they are not."""
@@ -40,6 +41,8 @@ class Diagnosis:
         Whether the method goes wrong where they do.
     moved_poles : int
         Poles that had to be moved into the unit circle.
+    nonlinearity : Nonlinearity
+        Whether squares and cubes tell of the outputs.
     """
 
     order: int
@@ -52,6 +55,7 @@ class Diagnosis:
     feedback: Feedback
     minds_loops: bool
     moved_poles: int
+    nonlinearity: Nonlinearity
 
     @property
     def coefficients(self) -> int:
@@ -64,14 +68,10 @@ class Diagnosis:
         return tuple(self._verdicts())
 
     @property
-    def loops(self) -> tuple[str, ...]:
-        """Verdicts on inputs that follow from outputs, one each."""
+    def of_plant(self) -> tuple[str, ...]:
+        """Verdicts on outputs that are not linear, and on inputs that follow from outputs, one each."""
         after = _MISLED if self.minds_loops else _RIGHT
-        return tuple(
-            f"input {channel + 1} follows from the outputs, which tell {100 * self.feedback.share[channel]:.0f} % of "
-            f"what is new in it: a loop was closed; {after}"
-            for channel in self.feedback.inputs
-        )
+        return (*self.nonlinearity.sentences, *(f"{said}; {after}" for said in self.feedback.sentences))
 
     def __str__(self) -> str:
         """Return them a line each."""
@@ -103,13 +103,19 @@ class Diagnosis:
             )
         else:
             yield "nothing of the inputs is left in the residuals"
-        yield from self.loops
+        yield from self.of_plant
         if self.moved_poles:
             yield f"{self.moved_poles} poles were moved into the unit circle: look at the records for drift or a step"
 
 
 def diagnose(
-    fit: Fit, order: int, samples: int, persistence: int, moved_poles: int, feedback: Feedback, minds_loops: bool
+    fit: Fit,
+    order: int,
+    samples: int,
+    persistence: int,
+    moved_poles: int,
+    loop: tuple[Feedback, bool],
+    bent: Nonlinearity,
 ) -> Diagnosis:
     """Diagnose from a fit to the records themselves.
 
@@ -120,8 +126,9 @@ def diagnose(
     samples : int
     persistence : int
     moved_poles : int
-    feedback : Feedback
-    minds_loops : bool
+    loop : (Feedback, bool)
+        And whether the method minds it.
+    bent : Nonlinearity
     """
     cross = fit.cross_correlation
     beyond = np.abs(cross.correlation) > cross.bound
@@ -134,7 +141,7 @@ def diagnose(
         persistence,
         float(fit.whiteness.probability),
         float(np.mean(beyond[cross.lag > 0])) if inputs else 0.0,
-        feedback,
-        minds_loops,
+        *loop,
         moved_poles,
+        bent,
     )

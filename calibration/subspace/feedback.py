@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calibration.subspace.explained import explained
 from calibration.subspace.lagged import OWN, lagged
 
 LAGS, OF_INNOVATIONS = 30, 10
@@ -14,8 +15,6 @@ CHANCE = 1e-6
 HARM = 1e-5
 """Product of the part that they tell of what is new of it and the outputs' noise, below which a model is none the worse
 for the loop."""
-FORETOLD = 1e-8
-"""Part of an input's power below which its own past tells all of it: nothing is left that outputs could."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +44,15 @@ class Feedback:
         is_told = (self.probability < CHANCE) & (self.share * self.noise > HARM)
         return tuple(int(each) for each in np.flatnonzero(is_told))
 
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Verdicts on these inputs, one each."""
+        return tuple(
+            f"input {channel + 1} follows from the outputs, which tell {100 * self.share[channel]:.0f} % of what is "
+            "new in it: a loop was closed"
+            for channel in self.inputs
+        )
+
 
 def feedback(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]) -> Feedback:
     """Tell how much the innovations of the outputs foretell of the inputs beside the inputs' own past.
@@ -73,19 +81,5 @@ def feedback(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]) -> F
     rows = np.concatenate([np.arange(first + OF_INNOVATIONS, last) for first, last in pieces])
     past = np.concatenate([innovations[rows - lag] for lag in range(1, OF_INNOVATIONS + 1)], axis=1)
     noise = np.mean(innovations**2, axis=0) / np.mean(wanted**2, axis=0)
-    return _told(own[rows], past, later[rows], float(noise.max()))
-
-
-def _told(own: np.ndarray, beside: np.ndarray, wanted: np.ndarray, noise: float) -> Feedback:
-    """Compare what is left of some signals without and with further regressors, by an F test each."""
-    from scipy.special import fdtrc  # slow to import
-
-    without, both = (
-        np.sum((wanted - known @ np.linalg.lstsq(known, wanted, rcond=None)[0]) ** 2, axis=0)
-        for known in (own, np.concatenate([own, beside], axis=1))
-    )
-    is_open = without > FORETOLD * np.sum(wanted**2, axis=0)
-    share = np.where(is_open, 1 - both / np.maximum(without, np.finfo(float).tiny), 0.0)
-    freedom = len(wanted) - own.shape[1] - beside.shape[1]
-    ratio = np.where(is_open, share / np.maximum(1 - share, 1e-12) * freedom / beside.shape[1], 0.0)
-    return Feedback(share, np.asarray(fdtrc(beside.shape[1], freedom, ratio)), noise)
+    found = explained(own[rows], past, later[rows])
+    return Feedback(found.share, found.probability, float(noise.max()))

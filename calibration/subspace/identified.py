@@ -19,6 +19,7 @@ from calibration.subspace.delays import held_back
 from calibration.subspace.diagnosis import Diagnosis, diagnose
 from calibration.subspace.excitation import persistence
 from calibration.subspace.feedback import Feedback
+from calibration.subspace.nonlinearity import nonlinearity
 from calibration.subspace.order import Candidate
 from calibration.subspace.pole_errors import PoleErrors, pole_errors
 from calibration.subspace.realization import Method
@@ -101,8 +102,10 @@ class Identified:
         """What is to be thought of it and of the records; computed when first asked for."""
         samples = sum(len(drive) for drive in self.drives)
         excites = persistence([drive - self.input_offset for drive in self.drives])
-        minds_loops = self.method != "pbsid"
-        return diagnose(self.fit, self.core.order, samples, excites, self.moved_poles, self.feedback, minds_loops)
+        loop = self.feedback, self.method != "pbsid"
+        data = self.resampling.data
+        bent = nonlinearity(data.drives, data.responses)
+        return diagnose(self.fit, self.core.order, samples, excites, self.moved_poles, loop, bent)
 
     @cached_property
     def pole_errors(self) -> PoleErrors:

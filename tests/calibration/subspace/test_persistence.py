@@ -7,9 +7,11 @@ from calibration import subspace
 from calibration.subspace.diagnosis import Diagnosis
 from calibration.subspace.excitation import MOST, persistence, repeated
 from calibration.subspace.feedback import Feedback
+from calibration.subspace.nonlinearity import Nonlinearity
 from tests.calibration.resonant_systems import RATE, order_7
 
 TIME = np.arange(800.0)
+LINEAR = Nonlinearity(np.zeros(1), np.ones(1))
 
 
 @pytest.mark.parametrize("sines", [1, 2, 5])
@@ -35,7 +37,7 @@ def test_a_model_of_what_a_sine_excites_is_called_guessed() -> None:
 
 
 def test_verdicts_name_what_is_wrong() -> None:
-    bad = Diagnosis(8, 1, 1, 300, MOST, 1e-5, 0.2, Feedback(np.array([0.6]), np.array([1e-9]), 0.1), True, 2)
+    bad = Diagnosis(8, 1, 1, 300, MOST, 1e-5, 0.2, Feedback(np.array([0.6]), np.array([1e-9]), 0.1), True, 2, LINEAR)
     text = str(bad)
     for said in (
         "300 samples are few for 25 coefficients",
@@ -45,5 +47,5 @@ def test_verdicts_name_what_is_wrong() -> None:
         "2 poles were moved into the unit circle",
     ):
         assert said in text
-    good = Diagnosis(4, 1, 1, 3000, MOST, 0.5, 0.01, Feedback(np.zeros(1), np.ones(1), 0.1), False, 0)
+    good = Diagnosis(4, 1, 1, 3000, MOST, 0.5, 0.01, Feedback(np.zeros(1), np.ones(1), 0.1), False, 0, LINEAR)
     assert len(good.sentences) == 3
