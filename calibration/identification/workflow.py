@@ -136,12 +136,7 @@ def identify_recordings(
         found = subspace.identify(
             *early, first.rate, order=order, horizon=horizon, method=start, delay=delay, outliers="keep"
         )
-    notes = (
-        *(str(each.message) for each in told),
-        *off,
-        *found.diagnosis.of_plant,
-        *found.diagnosis.nonlinearity.sentences,
-    )
+    notes = (*(str(each.message) for each in told), *off, *found.diagnosis.of_plant)
     early, late = _about(early, found), _about(late, found)
     show(1, "errors of its modes" if method != "pem" else "the model refined")
     model, errors, ended = _refined(found, early, seconds, show) if method == "pem" else _plain(found)
