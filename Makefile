@@ -58,6 +58,7 @@ studies: setup   ## the studies of studies/ at full size, up to hours each, then
 peers: setup     ## identification against other packages, which it installs: a quarter of an hour
 	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[peers]'
 	$(BIN)/python -m benchmarks.identification_peers
+	$(BIN)/python -m benchmarks.response_peers
 
 mutants: setup   ## faults put into the code on purpose, which tests should catch: MUTANTS=30 of the sample of 300, an hour
 	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[mutants]'
