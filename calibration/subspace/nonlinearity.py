@@ -14,7 +14,7 @@ NEAR = 2
 """Lags whose powers are looked at: of the outputs from one on, of the inputs from none on."""
 CHANCE = 1e-6
 """Probability of what they tell by chance, above which it is that."""
-SHARE = 0.02
+SHARE = 0.05
 """Part of what the linear model leaves that they must tell: less is no reason for another model."""
 
 
