@@ -69,10 +69,11 @@ def test_a_spring_that_hardens_is_not_linear_and_one_that_does_not_is(seed: int)
     assert soft.outputs == ()
 
 
-def test_a_curved_sensor_is_not_linear_and_foreign_noise_in_bursts_is_no_curve() -> None:
+def test_a_curved_amplifier_is_not_linear_and_foreign_noise_in_bursts_is_no_curve() -> None:
     rng = np.random.default_rng(6)
     u, y = order_7().record(6000, seed=2)
-    assert subspace.examine(u, y + 0.3 * y**2 / y.std()).nonlinearity.outputs == (0,)
+    _, curved = order_7().record(6000, seed=2, drive=u + 0.2 * u**2)
+    assert subspace.examine(u, curved).nonlinearity.outputs == (0,)
     bursts = rng.standard_t(4, 6000) * (1 + np.sin(0.002 * np.arange(6000.0)))
     noisy = y + 0.3 * y.std() * lfilter([1.0], [1.0, -0.8], bursts)[:, None]
     assert subspace.examine(u, noisy).nonlinearity.outputs == ()
