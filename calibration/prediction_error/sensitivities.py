@@ -69,7 +69,7 @@ class Sensitivities:
     def _spread(self, slopes: np.ndarray) -> np.ndarray:
         """Return the root of the variance of what follows the parameters so, slopes of shape (free, ...)."""
         flat = slopes.reshape(len(slopes), -1)
-        variance = np.einsum("fk,fg,gk->k", flat, self.covariance, flat, optimize=True)
+        variance = np.sum(flat * (self.covariance @ flat), axis=0)
         spread: np.ndarray = np.sqrt(variance.clip(0.0)).reshape(slopes.shape[1:])
         return spread
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.subspace.explained import explained
+from calibration.subspace.explained import explained, left
 from calibration.subspace.lagged import OWN, lagged
 
 LAGS = 20
@@ -76,17 +76,10 @@ def nonlinearity(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]) 
         return Nonlinearity(np.zeros(outputs), np.ones(outputs))
     near = near / np.maximum(near.std(axis=0), np.finfo(float).tiny)
     linear, powers = np.column_stack([np.ones(len(near)), regressors]), np.concatenate([near**2, near**3], axis=1)
-    found, half = explained(linear, powers, wanted), len(near) // 2
+    found, half, both = explained(linear, powers, wanted), len(near) // 2, np.concatenate([linear, powers], axis=1)
     first, second = slice(0, half), slice(half, None)
-    fresh = [_told(linear, powers, wanted, *sides) for sides in ((first, second), (second, first))]
+    fresh = [
+        1 - left(both, wanted, *sides) / np.maximum(left(linear, wanted, *sides), np.finfo(float).tiny)
+        for sides in ((first, second), (second, first))
+    ]
     return Nonlinearity(np.minimum(found.share, np.min(fresh, axis=0)).clip(0.0), found.probability)
-
-
-def _told(linear: np.ndarray, powers: np.ndarray, wanted: np.ndarray, own: slice, fresh: slice) -> np.ndarray:
-    """Return what powers, fitted to one part of the rows, tell of another beside a linear model: shape (p,), <= 1."""
-    left = []
-    for known in (linear, np.concatenate([linear, powers], axis=1)):
-        fitted = np.linalg.lstsq(known[own], wanted[own], rcond=None)[0]
-        left.append(np.sum((wanted[fresh] - known[fresh] @ fitted) ** 2, axis=0))
-    told: np.ndarray = 1 - left[1] / np.maximum(left[0], np.finfo(float).tiny)
-    return told
