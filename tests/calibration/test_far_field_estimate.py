@@ -32,6 +32,7 @@ def deviations(far: FarField, plant: VibratorArrayPlant) -> tuple[np.ndarray, np
     return error / np.abs(truth), error**2 / far.prompt.variance
 
 
+@pytest.mark.slow
 def test_a_vibrators_far_field_is_found_to_a_few_parts_in_a_thousand(tmp_path: Path) -> None:
     plant = VibratorArrayPlant(RATE, hydrophones=2, **WATER)
     far = measured(tmp_path, plant)

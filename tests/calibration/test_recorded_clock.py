@@ -63,6 +63,7 @@ def test_a_clock_that_differs_is_refused_or_taken_out(drive: np.ndarray, ppm: fl
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("most", [64, 4])
+@pytest.mark.slow
 def test_sweeps_that_lie_elsewhere_in_their_blocks_show_their_clock_as_well(
     monkeypatch: pytest.MonkeyPatch, most: int
 ) -> None:

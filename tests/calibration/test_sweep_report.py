@@ -20,6 +20,7 @@ def matrix(sides: int) -> TransferMatrix:
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("sides", [16, 1, 2, 3, 4])
+@pytest.mark.slow
 def test_any_number_of_sides_has_room(sides: int) -> None:
     with warnings.catch_warnings(), styled():
         warnings.simplefilter("error")

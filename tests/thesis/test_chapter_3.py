@@ -32,6 +32,7 @@ def rows() -> list[dict[str, Any]]:
     return table(_config())
 
 
+@pytest.mark.slow
 def test_row_1_does_not_saturate_so_anti_windup_does_nothing(rows: list[dict[str, Any]]) -> None:
     """Printed: 1.525 and 1.525; within 2.3 % since the length of the steps is not printed."""
     assert 1.50 <= rows[0]["mvpc"] <= 1.56

@@ -80,6 +80,7 @@ def test_it_is_as_good_as_its_noise_allows() -> None:
 @pytest.mark.sample(2)
 @pytest.mark.parametrize("rate", [None, 600.0])
 @pytest.mark.parametrize("knows", [True, False])
+@pytest.mark.slow
 def test_stated_errors_cover(rate: float | None, knows: bool) -> None:
     """Of modes and of the response, in 40 records: 95 % within 1.96 standard errors, give or take."""
     form, lines = truth(1, 2), np.arange(4.0, 200.0, 0.5)

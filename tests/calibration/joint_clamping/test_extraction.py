@@ -55,6 +55,7 @@ def test_wrong_samples_and_strong_drift_do_little_harm() -> None:
     assert found.backlash.value == pytest.approx(parts.backlash[2], rel=0.05)
 
 
+@pytest.mark.slow
 def test_the_intervals_hold_the_truth_as_often_as_they_say() -> None:
     """95 %; of 24 figures at least 20."""
     held = []

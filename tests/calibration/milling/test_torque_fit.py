@@ -83,6 +83,7 @@ def test_gravity_is_found_without_any_drawing(found: Found) -> None:
     assert fit.combinations == 10
 
 
+@pytest.mark.slow
 def test_inertia_is_that_of_motors_and_links(swept: Recording, found: Found) -> None:
     """By the plant's own energy, half of inertia times speed squared, one joint at a time, over the poses."""
     _, _, fit = found

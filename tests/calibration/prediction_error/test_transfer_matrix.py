@@ -67,6 +67,7 @@ def test_a_matrix_of_orders_2_to_6_is_found_under_coloured_noise() -> None:
     np.testing.assert_allclose(np.diag(found.model.innovation), 0.01, rtol=0.05)
 
 
+@pytest.mark.slow
 def test_the_state_space_is_the_quotients() -> None:
     u, y = measured(matrix([[2, 3]]), 2000, seed=3, direct=0.7)
     found = identify_transfer_matrix(u, y, RATE, [[2, 3]], direct=True)

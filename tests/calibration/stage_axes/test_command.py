@@ -96,6 +96,7 @@ def test_the_rig_file_has_the_outer_loop_that_a_run_is_to_use(calibrated: Path) 
     assert chosen_weights(rig.weights, 0) is None  # not calibrated
 
 
+@pytest.mark.slow
 def test_a_model_without_an_outer_loop_is_told_of_with_the_values(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(design_module, "NOTCHES", ())  # which are none the better, and take as long again
     rig = rig_file.load(None, StageConfig, ["outer.beyond=[1e-6]"])

@@ -36,6 +36,7 @@ def test_what_does_not_stand_out_of_the_noise_must_be_much_better() -> None:
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(6))
+@pytest.mark.slow
 def test_order_and_horizon_are_found_together(seed: int) -> None:
     for system in (order_7(), order_9()):
         found = subspace.identify(*system.record(2500, seed=40 + seed), RATE)

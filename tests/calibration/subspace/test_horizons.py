@@ -36,6 +36,7 @@ def test_a_stage_sampled_at_its_own_rate_needs_no_thought_about_horizons() -> No
     assert found.horizon == (160, 160)
 
 
+@pytest.mark.slow
 def test_nine_modes_have_the_damping_that_least_errors_allow() -> None:
     system = order_18()
     found = subspace.identify(*system.record(10_000, seed=6), 1000.0, order=18)

@@ -2,10 +2,12 @@
 
 import numpy as np
 
+import pytest
 from calibration import subspace
 from tests.calibration.resonant_systems import RATE, order_7
 
 
+@pytest.mark.slow
 def test_the_truth_lies_within_two_standard_errors_as_often_as_it_should() -> None:
     """30 records, four frequencies and three dampings each: 95 % within, were the errors normal and exactly known."""
     system = order_7()

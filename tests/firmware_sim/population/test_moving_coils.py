@@ -128,6 +128,7 @@ def test_its_distortion_grows_with_level(seed: int) -> None:
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(0, 80, 16))
+@pytest.mark.slow
 def test_a_rig_file_fits_it_and_its_limit_does_not_upset_it(seed: int) -> None:
     draw = draws()[seed]
     load(None, RigConfig, [f"{key}={value_text(value)}" for key, value in draw.keys.items()])

@@ -15,6 +15,7 @@ from stagectl.config import StageConfig
 from tests.firmware_sim.population.census import SEEDS, all_draws, checksum, fills, numbers, words
 
 
+@pytest.mark.slow
 def test_every_family_and_every_kind_of_creep_and_structure_is_drawn() -> None:
     assert {draw.family for draw in all_draws(STAGES)} == set(FAMILIES)
     assert words(all_draws(STAGES), "creep") == set(stages.CREEPS)

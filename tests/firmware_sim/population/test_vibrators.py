@@ -131,6 +131,7 @@ def test_what_is_drawn_is_within_its_range_and_reaches_to_its_ends(
     assert reached[1] <= found.max() <= high * (1 + 1e-6 * np.sign(high))
 
 
+@pytest.mark.slow
 def test_delays_are_of_1_to_30_ms_with_fractions_of_a_sample() -> None:
     delays = np.concatenate([each.value for draw in draws() for each in draw.quantities if each.name == "delays"])
     assert 1.0 <= delays.min() < 1.5

@@ -117,6 +117,7 @@ def test_a_stop_at_the_shell_reaches_a_daemon_whose_page_does_not_answer(daemon:
     until(lambda: len(daemon.named("stop")) > stops)
 
 
+@pytest.mark.slow
 def test_where_no_daemon_runs_that_is_said_in_one_line(tmp_path: Path, shell: Shell) -> None:
     with served(tmp_path) as gone:
         pass

@@ -112,6 +112,7 @@ def _stop(daemon: Served) -> float:
     return took
 
 
+@pytest.mark.slow
 def test_one_that_asks_for_nothing_goes_after_its_time_and_is_told(tmp_path: Path) -> None:
     with served(tmp_path) as daemon:
         host, port = daemon.settings.address.split(":")

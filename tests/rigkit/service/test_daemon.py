@@ -121,6 +121,7 @@ def test_ctrl_c_stops_the_procedure_and_ends_both_processes(tmp_path: Path) -> N
     assert last[-2:] == ["end", "ended"]
 
 
+@pytest.mark.slow
 def test_a_socket_in_the_file_system_is_its_owners_alone_and_goes_with_the_daemon(tmp_path: Path) -> None:
     path = tmp_path / "daemon.sock"
     with served(tmp_path, address=f"unix:{path}") as daemon:
@@ -182,6 +183,7 @@ def life(tmp_path_factory: pytest.TempPathFactory) -> Life:
     return Life(frozenset(told), gauges, metrics)
 
 
+@pytest.mark.slow
 def test_systemd_is_told_that_it_is_ready_lives_and_ends(life: Life) -> None:
     assert {"READY=1", "WATCHDOG=1\nSTATUS=DISARMED", "STOPPING=1"} <= life.systemd
 

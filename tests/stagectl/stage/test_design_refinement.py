@@ -23,6 +23,7 @@ def test_it_leaves_less_error_within_the_same_bounds(monkeypatch: pytest.MonkeyP
     assert again.left == pytest.approx(fine.left)
 
 
+@pytest.mark.slow
 def test_between_weights_of_which_none_keeps_the_bounds_one_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(design_module, "NOTCHES", ())
     monkeypatch.setattr(design_refinement, "LOOKS", 150)

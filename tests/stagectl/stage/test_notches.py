@@ -96,6 +96,7 @@ def test_the_loop_is_the_one_that_was_made_for_the_plant_behind_them_and_the_not
         )
 
 
+@pytest.mark.slow
 def test_the_design_finds_a_loop_with_them_where_there_is_none_without() -> None:
     assert found().weights.notch > 0
     assert found().worst_sensitivity <= 3.0

@@ -229,6 +229,7 @@ def test_bounds_that_did_not_hold_are_widened_until_they_do() -> None:
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.slow
 def test_errors_stay_within_their_bound_on_simulated_vibrators(seed: int) -> None:
     """In 95 % of the lines and shots; from a quick calibration of 22 s."""
     rig = (CHIRP, "characterisation.records=4", f"simulator.options.seed={seed}")

@@ -26,6 +26,7 @@ def slack_of(cases: Cases) -> np.ndarray:
 @pytest.mark.sample(2)
 @pytest.mark.parametrize("tie_break", ["centre", "minimum-norm"])
 @pytest.mark.parametrize("reach", [1.0, 1.2])
+@pytest.mark.slow
 def test_bounds_are_those_of_linear_programming_over_wider_ranges(reach: float, tie_break: str) -> None:
     """Where some force is in them; noise is none of (5.6)'s any more, so nothing is taken off the torques."""
     cases = random_cases(30, reach, seed=8)
