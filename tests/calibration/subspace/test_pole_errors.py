@@ -1,8 +1,8 @@
 """Standard errors of frequencies and dampings against the spread over many records."""
 
 import numpy as np
-
 import pytest
+
 from calibration import subspace
 from tests.calibration.resonant_systems import RATE, order_7
 
