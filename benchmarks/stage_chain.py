@@ -20,17 +20,18 @@ import numpy as np
 
 from benchmarks.page_table import put, table, words
 from calibration.stage_axes.calibration import outer_loop
+from ctlblocks.recording import Recording
 from firmware_sim.plants.milling_disturbance import MillingDisturbance
 from firmware_sim.plants.piezo_stage import PiezoStagePlant
 from firmware_sim.plants.piezo_stage_modes import MAIN_BAND
 from rigkit import config as rig_file
-from stagectl.cell import Cell, simulated
+from stagectl.cell import Cell, kept_in, memory, simulated
 from stagectl.config import ChosenWeights, StageConfig
 from stagectl.model_file import write_model
 from stagectl.reference import wanted_position
 from stagectl.scenario import scenario_settings
 from stagectl.session import error_of
-from stagectl.setup import setup
+from stagectl.setup import Setup, setup
 from stagectl.tracking import Tracking, tracking
 from tests.stagectl.linear_stage import lagging, sampled
 from tests.stagectl.simulated_models import LAG
@@ -111,11 +112,7 @@ def cut(axis: int, seed: int, files: Sequence[Path]) -> Cut:
     given = [f"simulator.options.seed={seed}", f"session.seconds={SECONDS}", "session.compare=false"]
     session = rig_file.load(config, StageConfig, given).session
     made = setup(rig_file.load(config, StageConfig, [*scenario_settings(f"milling-{name}", session), *given]), files)
-    cell = Cell(made, wanted_position(made.config, made.timeline), simulated(made.config), True)
-    fault = cell.run(lambda _: None, lambda: False)
-    if fault is not None:
-        raise ValueError(f"seed {seed}, {name}: {fault}")
-    error = error_of(cell.recording({}), made, "wanted", "absolute")[:, axis]
+    error = error_of(simulated_run(made), made, "wanted", "absolute")[:, axis]
     base = np.zeros((round((session.lead + SECONDS) * RATE), 3))
     whole = MillingDisturbance(RATE, direction=name, start=session.lead, seconds=SECONDS)
     whole.run(np.zeros_like(base), base)
@@ -124,6 +121,17 @@ def cut(axis: int, seed: int, files: Sequence[Path]) -> Cut:
         float(np.abs(base[whole.cut, axis]).mean()),
         made.designs[axis].robustness.max_sensitivity,
     )
+
+
+def simulated_run(made: Setup) -> Recording:
+    """Run a simulated stage to its end, its deflection compensated where the rig file says so; return all signals."""
+    wanted = wanted_position(made.config, made.timeline)
+    record = memory(made, len(wanted.data))
+    cell = Cell(made, wanted, simulated(made.config), made.config.deflection.on, {"record": record})
+    fault = cell.run(lambda _: None, lambda: False)
+    if fault is not None:
+        raise ValueError(f"{made.config.simulator.options}: {fault}")
+    return kept_in(record, made, {})
 
 
 def rows_of(seed: int) -> Iterator[tuple[list[str], bool]]:

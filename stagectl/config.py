@@ -126,6 +126,13 @@ class Outer(Section):
         ge=0,
         le=10,
     )
+    compliance: float = setting(
+        0.0,
+        "1",
+        "part by which forces that change as fast as `disturbance`, and a third as fast, count: > 0 for a stiff axis",
+        ge=0,
+        le=10,
+    )
     reach: float = setting(200.0, "Hz", "the models hold up to here", gt=0, le=50_000)
     beyond: PerAxis = setting(
         (1.0,), "1", "largest gain of the controller from there on, re the plant at rest", min_length=1

@@ -47,6 +47,8 @@ class MillingOptions:
         Of the deflection at 95 Hz.
     scale : float, 1
         Of deflection and force, for a stage of another travel.
+    force : float, 1
+        Of the force alone: 5 is the mean of 100 N along the cut that steel takes.
 
     Raises
     ------
@@ -59,6 +61,7 @@ class MillingOptions:
     seconds: float = option(20.0, "s", 5.0, 120.0)
     line_amplitude: float = option(1.5e-6, "m", 0.0, 20e-6)
     scale: float = option(1.0, "1", 0.01, 10.0)
+    force: float = option(1.0, "1", 0.0, 20.0)
 
     def __post_init__(self) -> None:
         """Refuse what is out of range."""
@@ -102,7 +105,7 @@ class MillingDisturbance(MillingOptions):
         before, cutting = round(self.start * self.rate), round(self.seconds * self.rate)
         self._force, self._base = np.zeros((2, before + cutting, 3))
         self._base[before:] = self.scale * _deflection(self, rng, cutting)
-        self._force[before:] = self.scale * _force(self, rng, cutting)
+        self._force[before:] = self.scale * self.force * _force(self, rng, cutting)
         self._done = 0
 
     @property

@@ -24,8 +24,6 @@ SHARES = Ranges(
 """What the design chooses from; bandwidth, drive and feedforward re those asked for.  The identified filter knows the
 hysteresis of the chirps, the others are made for noise in the input."""
 
-USELESS = 1.35
-"""Error left, where no loop at all leaves 1.45: whoever asks for a loop does not want one of more."""
 FAINTER = 1.0, 0.03
 """Part of the bandwidths and drives asked for, tried in turn where no loop keeps its bounds."""
 NOTCHES = 0.8, 1.2
@@ -47,7 +45,8 @@ class Design:
         Ms where natural frequencies are off by `Outer.mistuning` either way, or not.
     left : float, 1
         What is left of a reference that moves at `Outer.disturbance`, of one `FASTER` and smaller, and of a push that
-        changes `SLOWER`, and `Outer.push` of the answer to a push that rings: root of the sum of their squares.
+        changes `SLOWER`, `Outer.compliance` of the answers to forces that change as fast as the first and `FASTER` times
+        more slowly, re the plant at rest, and `Outer.push` of that to a push that rings: root of the sum of their squares.
     """
 
     loop: StateFeedback
@@ -107,7 +106,7 @@ def design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | N
     for ranges in _asked_for(outer, axis) if weights is None else [only(weights)]:
         made = list(search.candidates(ranges))
         tried += len(made)
-        useful = [each for each in made if each.left <= USELESS or weights is not None]
+        useful = [each for each in made if each.left <= search.useless or weights is not None]
         for each in sorted(useful, key=lambda each: each.left):
             reached = each.beyond if each.beyond.over(outer, axis) > 1.0 else search.reached(each)
             if reached.over(outer, axis) <= 1.0:
@@ -131,6 +130,7 @@ class Search:
         self._model, self._outer, self._axis = model, outer, axis
         self._plants = [mistuned(plant_of(model), 1.0 + off) for off in offs]
         self._looks = Looks(self._plants, model.rate, outer)
+        self.useless = self._looks.useless
 
     def candidates(self, ranges: Ranges) -> Iterator[Candidate]:
         """Make the loop of every combination."""

@@ -12,7 +12,10 @@ from stagectl.stage.state_space import StateSpace
 NEAR = np.geomspace(0.85, 1.0 / 0.85, 41)
 """Of a resonance's frequency: where pushes are looked at, since a loop moves it."""
 SLOWER, FASTER = 10.0, 3.0
-"""How many times slower than `Outer.disturbance` pushes are; how many times faster, and smaller, references are too."""
+"""How many times slower than `Outer.disturbance` pushes are; how many times faster, and smaller, references are too, and
+slower the slower of the forces that `Outer.compliance` counts."""
+USELESS = 1.35
+"""Error left, where no loop at all leaves 1.45: whoever asks for a loop does not want one of more."""
 
 
 @dataclass(frozen=True)
@@ -87,20 +90,24 @@ class Looks:
         self._responses = np.array([plant.response(self._frequency, rate) for plant in plants])
         self._late = np.exp(-2j * np.pi * self._frequency * outer.delay / rate)
         beyond = np.geomspace(outer.reach, rate / 2, 30) if outer.reach < rate / 2 else np.zeros(0)
-        self._few = np.append(beyond, outer.disturbance * np.array([FASTER, 1.0, 1.0 / SLOWER]))
+        self._few = np.append(beyond, outer.disturbance * np.array([FASTER, 1.0, 1.0 / FASTER, 1.0 / SLOWER]))
         self._ringing = _around_resonances(plants[0], rate) if outer.push > 0 else np.zeros(0)
         self._ringing_responses = plants[0].response(self._ringing, rate)
         self._at_rest = abs(plants[0].response(np.zeros(1), rate)[0])
         self._few_responses = plants[0].response(self._few, rate)
+        self._cut = outer.compliance * self._few_responses[-3:-1] / self._at_rest
+        self.useless = float(np.hypot(USELESS, np.linalg.norm(self._cut)))
+        """Error left that is too much."""
 
     def beyond_and_left(self, loop: StateFeedback) -> tuple[Reached, float]:
         """Return what a loop reaches above `Outer.reach`, and `Design.left`."""
         feedback = loop.system().response(self._few, self._rate)
-        sensitivity = 1.0 / (1.0 + feedback[-3:] * self._few_responses[-3:])
+        sensitivity = 1.0 / (1.0 + feedback[-4:] * self._few_responses[-4:])
         forward = loop.reference_system().response(self._few, self._rate)
-        missed = np.abs(1.0 - forward[-3:] * self._few_responses[-3:] * sensitivity)
-        left = np.linalg.norm([missed[0] / FASTER, missed[1], abs(sensitivity[2]), self._push(loop)])
-        gains = (float(np.abs(each[:-3]).max(initial=0.0)) * self._at_rest for each in (feedback, forward))
+        missed = np.abs(1.0 - forward[-4:-2] * self._few_responses[-4:-2] * sensitivity[:2])
+        gives = np.abs(self._cut * sensitivity[1:3])
+        left = np.linalg.norm([missed[0] / FASTER, missed[1], abs(sensitivity[3]), *gives, self._push(loop)])
+        gains = (float(np.abs(each[:-4]).max(initial=0.0)) * self._at_rest for each in (feedback, forward))
         return Reached(*gains), float(left)
 
     def _push(self, loop: StateFeedback) -> float:

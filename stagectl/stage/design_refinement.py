@@ -7,7 +7,7 @@ from scipy.optimize import minimize
 
 from calibration.state_space.model import InnovationModel
 from stagectl.config import Outer
-from stagectl.stage.design import USELESS, Candidate, Design, NoLoop, Search, design, only
+from stagectl.stage.design import Candidate, Design, NoLoop, Search, design, only
 from stagectl.stage.design_bounds import of_axis
 from stagectl.stage.weights import Weights
 
@@ -83,9 +83,9 @@ def _allowed(weights: Weights, model: InnovationModel, outer: Outer, axis: int) 
 
     def cost(each: Candidate) -> float:
         over = search.reached(each).over(outer, axis)
-        if over <= 1.0 and each.left <= USELESS:
+        if over <= 1.0 and each.left <= search.useless:
             kept.append(each)
-        return min(over, NONE) + OVER * max(each.left - USELESS, 0.0)
+        return min(over, NONE) + OVER * max(each.left - search.useless, 0.0)
 
     _descend(search, weights, outer, axis, cost, lambda: bool(kept))
     return search.design(kept[0]) if kept else None

@@ -107,3 +107,11 @@ def test_a_cut_is_the_same_in_frames_of_any_length() -> None:
 def test_a_wrong_option_is_refused_by_name(options: dict[str, object], words: str) -> None:
     with pytest.raises(ValueError, match=words):
         MillingDisturbance(**{"rate": RATE, **options})  # type: ignore[arg-type]
+
+
+def test_its_force_is_scaled_alone() -> None:
+    (force, base), (stronger, same) = (
+        _drawn(MillingDisturbance(RATE, seconds=5.0, force=factor), 6.0) for factor in (1.0, 5.0)
+    )
+    np.testing.assert_allclose(stronger, 5.0 * force)
+    np.testing.assert_array_equal(same, base)

@@ -66,6 +66,20 @@ def test_what_is_left_is_that_of_the_closed_loop() -> None:
     assert made.left == pytest.approx(np.linalg.norm([missed[0], missed[1] / 3, abs(1 / (1 + loop))]), rel=1e-6)
 
 
+def test_forces_that_count_move_the_plate_less_and_the_rest_keeps_its_bounds() -> None:
+    """At 10 and 30 Hz, as the error that is left says."""
+    outer, plant, at = Outer(compliance=2.0), plant_of(model("z")), np.array([10.0, 30.0])
+    gives, made = [], [design(model("z"), each, 2) for each in (Outer(), outer)]
+    for each in made:
+        response = plant.response(at, RATE)
+        answer = np.abs(response / (1 + each.loop.system().response(at, RATE) * response))
+        gives.append(np.linalg.norm(answer) / abs(plant.response(np.zeros(1), RATE)[0]))
+    assert gives[1] < 0.85 * gives[0]
+    assert made[1].robustness.max_sensitivity <= outer.max_sensitivity
+    without = Looks([plant], RATE, Outer()).beyond_and_left(made[1].loop)[1]
+    assert made[1].left == pytest.approx(np.hypot(without, 2.0 * gives[1]), rel=1e-3)
+
+
 def test_pushes_that_count_leave_a_loop_that_rings_less_and_hardly_more_error() -> None:
     """A push at the input, at any frequency, on the plant that the loop is made for."""
     plant, frequency = plant_of(model("y")), np.linspace(20.0, 200.0, 4_000)
