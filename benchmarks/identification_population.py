@@ -83,7 +83,7 @@ def _groups(source: SignalSource) -> tuple[str, ...]:
     plain = "nothing else" if not source.mixed else "something else"
     special = [each for each in ("closed loop", "dead time", "integrators", "unstable pole") if each in source.mixed]
     spoiled = set(source.mixed) - {"closed loop", "dead time", "integrators", "unstable pole"}
-    loud = "noise 20 dB below or less" if source.clear > 20.0 else "more noise"
+    loud = "noise 20 dB below or more" if source.clear > 20.0 else "nearer noise"
     return ("all", source.family, plain, *special, *(["spoiled"] if spoiled else []), loud)
 
 

@@ -45,8 +45,9 @@ class Design:
         Ms where natural frequencies are off by `Outer.mistuning` either way, or not.
     left : float, 1
         What is left of a reference that moves at `Outer.disturbance`, of one `FASTER` and smaller, and of a push that
-        changes `SLOWER`, `Outer.compliance` of the answers to forces that change as fast as the first and `FASTER` times
-        more slowly, re the plant at rest, and `Outer.push` of that to a push that rings: root of the sum of their squares.
+        changes `SLOWER`; `Outer.compliance` of the answers to forces that change as fast as the first and `FASTER`
+        times more slowly, and `Outer.push` of that to a push that rings, all re the plant at rest: root of the sum of
+        their squares.
     """
 
     loop: StateFeedback
