@@ -1,18 +1,46 @@
 """What a stage does above the frequencies that its models are made of: how strongly it answers there at most."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 RESOLUTION, COHERENT = 1.0, 0.8
 """Hz, of a cell: as wide as a resonance, or less; part of a cell's response that follows the drive, where any does."""
 
 
-def largest_gain(
-    drive: np.ndarray, response: np.ndarray, rate: float, band: tuple[float, float], integrated: bool = False
-) -> float:
-    """Return the largest gain of a band that a chirp went through, in the response's unit per unit of drive.
+@dataclass(frozen=True, eq=False)
+class HeardGain:
+    """How strongly a stage answers at most, over frequency.
 
-    Frequencies are taken together in cells; one in which little of the response follows the drive is noise,
-    and counts as nothing.
+    Parameters
+    ----------
+    frequency : array, shape (cells,), Hz
+        Where each cell begins.
+    gain : array, shape (cells,), the response's unit per unit of drive
+    """
+
+    frequency: np.ndarray
+    gain: np.ndarray
+
+    def near(self, frequency: np.ndarray, spread: float) -> np.ndarray:
+        """Return the largest gain near each of some frequencies; where the chirp did not go, the largest of all.
+
+        Parameters
+        ----------
+        frequency : array, shape (bins,), Hz
+        spread : float, 1
+            How far away still counts, of the frequency: resonances may be elsewhere another day.
+        """
+        cell = RESOLUTION / frequency
+        low = np.searchsorted(self.frequency, frequency * (1 - spread - cell))
+        high = np.searchsorted(self.frequency, frequency * (1 + spread), side="right")
+        went = (self.frequency[0] <= frequency * (1 + spread)) & (frequency * (1 - spread) <= self.frequency[-1])
+        pairs = zip(low, high, went, strict=True)
+        return np.array([self.gain[a:b].max() if inside else self.gain.max() for a, b, inside in pairs])
+
+
+def heard_gain(drive: np.ndarray, response: np.ndarray, rate: float, band: tuple[float, float]) -> HeardGain:
+    """Return the gain of a band that a chirp went through, cell by cell; noise counts as nothing.
 
     Parameters
     ----------
@@ -20,16 +48,23 @@ def largest_gain(
         From rest to rest.
     rate : float, samples/s
     band : (float, float), Hz
-    integrated : bool, optional
-        The gain is divided by the frequency, Hz, first, as behind an integrator.
 
     Examples
     --------
     >>> time = np.arange(20_000) / 10_000
     >>> chirp = np.sin(2 * np.pi * (200 * time + 150 * time**2))
-    >>> round(largest_gain(chirp, 0.3 * chirp, 10_000.0, (220.0, 780.0)), 3)
-    0.3
+    >>> heard_gain(chirp, 0.3 * chirp, 10_000.0, (220.0, 780.0)).gain.max().round(3)
+    np.float64(0.3)
     """
+    frequency, power, followed, moved = _cells(drive, response, rate, band)
+    follows = np.abs(followed) ** 2 > COHERENT * power * moved
+    return HeardGain(frequency, np.where(follows, np.abs(followed) / power, 0.0))
+
+
+def _cells(
+    drive: np.ndarray, response: np.ndarray, rate: float, band: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return of each cell its frequency, the drive's power, its cross power with the response and that one's power."""
     size = len(drive)
     low, high = (int(edge * size / rate) for edge in band)
     cells = max(1, int((band[1] - band[0]) / RESOLUTION))
@@ -37,6 +72,4 @@ def largest_gain(
     given, heard = (np.fft.rfft(each)[low:high] for each in (drive, response))
     each_cell = (np.abs(given) ** 2, heard * given.conj(), np.abs(heard) ** 2)
     power, followed, moved = (np.add.reduceat(each, edges - low) for each in each_cell)
-    follows = np.abs(followed) ** 2 > COHERENT * power.real * moved.real
-    gain = np.where(follows, np.abs(followed) / power.real, 0.0)
-    return float(np.max(gain / (edges * rate / size) if integrated else gain))
+    return edges * rate / size, power, followed, moved

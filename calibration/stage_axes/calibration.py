@@ -7,7 +7,8 @@ import numpy as np
 
 from calibration.experiment import RawFolder
 from calibration.identification.workflow import Identification
-from calibration.stage_axes.above import largest_gain
+from calibration.stage_axes.above import HeardGain, heard_gain
+from calibration.stage_axes.allowed import SMALL, quiet_above
 from calibration.stage_axes.bench import ExcitedAxis
 from calibration.stage_axes.experiment import Excited, Experiment, above_band, record
 from calibration.stage_axes.faster import at_rate, control_at_rate, stack_at_rate
@@ -16,17 +17,13 @@ from calibration.state_space.model import InnovationModel
 from calibration.subspace.realization import Method
 from stagectl.config import Inner, Outer, StageConfig
 from stagectl.deflection import DeflectionReference
+from stagectl.stage.allowed_gains import AllowedGains, of_axis
 from stagectl.stage.design import Design, NoLoop
-from stagectl.stage.design_bounds import of_axis
 from stagectl.stage.design_refinement import designed
 from stagectl.stage.piezo_pid import Pid, gain_at_rest, pid, robust_pid
 from stagectl.stage.sensitivity import Robustness, robustness
 from stagectl.stage.state_space import plant_of
 
-SMALL = 0.5
-"""Largest gain of the loop where the model knows nothing: with it, whatever the phase is there, Ms is 2 at most."""
-ANSWER = 1.0
-"""Largest answer to a reference there, where it is not known what a laser sees."""
 FASTEST = 0.1
 """Of the highest frequency that is excited: the bandwidth up to which a PID is designed on such a model."""
 
@@ -67,17 +64,17 @@ class Closed:
     experiment : Experiment
     one, every : Identification
         From the inner loop's reference to the axis' position, and to those of all axes.
-    above : float, m/m
-        Largest gain to the axis' position above the frequencies that the models are made of.
-    seen : float or None, m/m
-        Largest gain there to what a deflection's compensation takes for the robot's motion; None without a laser.
+    above : HeardGain, m/m
+        To the axis' position above the frequencies that the models are made of.
+    seen : HeardGain or None, m/m
+        To what a deflection's compensation takes for the robot's motion; None without a laser.
     """
 
     experiment: Experiment
     one: Identification
     every: Identification
-    above: float
-    seen: float | None = None
+    above: HeardGain
+    seen: HeardGain | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +91,7 @@ class AxisCalibration:
     outer : Design or str
         The outer loop on the closed loop's model; or why there is none.
     beyond : float, 1
-        `Outer.beyond` that it was chosen with.
+        `Outer.beyond` that it is run with: its largest gain there; without a loop, what was asked for.
     """
 
     axis: str
@@ -138,43 +135,20 @@ def calibrate_axes(
     for axis in axes:
         opened = _opened(bench(axis, None), raw, order, method, about)
         closed = _closed(bench(axis, opened.loop), raw, order, method, about)
-        settings = quiet_above(config.outer, axis, closed)
-        outer = outer_loop(settings, axis, closed.one.model)
-        name, beyond = config.stage.axes[axis], of_axis(settings.beyond, axis)
-        found.append(AxisCalibration(name, config.characterisation.band[1], opened, closed, outer, beyond))
+        allowed = quiet_above(config.outer, axis, closed.one.model, closed.above, closed.seen)
+        outer = outer_loop(config.outer, axis, closed.one.model, allowed)
+        beyond = of_axis(config.outer.beyond, axis) if isinstance(outer, str) else _rounded_up(outer.beyond)
+        name, top = config.stage.axes[axis], config.characterisation.band[1]
+        found.append(AxisCalibration(name, top, opened, closed, outer, beyond))
     return found
 
 
-def quiet_above(outer: Outer, axis: int, closed: Closed) -> Outer:
-    """Return the settings of an axis, with bounds above `reach` that what was measured there allows.
-
-    Small gain: a resonance that no model has may have any phase, so the loop's gain must be below one there.  Nor may
-    it answer a reference strongly: what compensates a deflection makes the reference of what laser and plate's sensor
-    see of the plate, and they do not see the same there; a loop, whose gain must be small as well.
-
-    Parameters
-    ----------
-    outer : Outer
-    axis : int, counted from 0
-    closed : Closed
-
-    Source
-    ------
-    Skogestad and Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, section 4.9.
-    """
-    at_rest = abs(closed.one.model.frequency_response(np.zeros(1))[0, 0, 0])
-    beyond = float(f"{min(of_axis(outer.beyond, axis), _within(SMALL * at_rest, closed.above)):.3g}")
-    answer = _within(ANSWER * at_rest, closed.above) if closed.seen is None else _within(SMALL * at_rest, closed.seen)
-    forward = min(outer.forward_beyond, answer)
-    return outer.model_copy(update={"beyond": (beyond,), "forward_beyond": forward})
+def _rounded_up(gain: float) -> float:
+    """Return a gain with three digits, no less."""
+    return float(f"{1.005 * gain:.3g}")
 
 
-def _within(allowed: float, measured: float) -> float:
-    """Return by how much a gain may be multiplied; without end where noise alone was measured."""
-    return allowed / measured if measured > 0 else np.inf
-
-
-def outer_loop(outer: Outer, axis: int, model: InnovationModel) -> Design | str:
+def outer_loop(outer: Outer, axis: int, model: InnovationModel, allowed: AllowedGains | None = None) -> Design | str:
     """Choose the outer loop for a model, within the bounds of `[outer]`; return it, or why there is none.
 
     Parameters
@@ -183,9 +157,11 @@ def outer_loop(outer: Outer, axis: int, model: InnovationModel) -> Design | str:
     axis : int, counted from 0
     model : InnovationModel
         From the inner loop's reference (m) to the position (m).
+    allowed : AllowedGains, optional
+        Above `outer.reach`, in place of those of `outer`.
     """
     try:
-        return designed(model, outer, axis)
+        return designed(model, outer, axis, allowed)
     except NoLoop as fault:
         return str(fault)
 
@@ -202,8 +178,9 @@ def _opened(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Metho
     )
     heard = experiment.above
     extension, band = heard.extension[:, axis], above_band(config)
-    above = largest_gain(heard.drive[:, 0], extension, config.stage.rate, band, integrated=True)
-    return Opened(experiment, stack, one, every, *inner_loop(config, axis, stack.model, above))
+    above = heard_gain(heard.drive[:, 0], extension, config.stage.rate, band)
+    strongest = float(np.max(above.gain / above.frequency))  # as behind an integrator
+    return Opened(experiment, stack, one, every, *inner_loop(config, axis, stack.model, strongest))
 
 
 def inner_loop(
@@ -245,12 +222,12 @@ def _closed(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Metho
         for wanted in (replace(own, convert=control_at_rate), others)
     )
     heard = experiment.above
-    above = largest_gain(heard.drive[:, 0], heard.position[:, axis], config.stage.rate, above_band(config))
+    above = heard_gain(heard.drive[:, 0], heard.position[:, axis], config.stage.rate, above_band(config))
     return Closed(experiment, one, every, above, _seen(config, axis, heard))
 
 
-def _seen(config: StageConfig, axis: int, heard: Excited) -> float | None:
-    """Return the largest gain to the motion that a laser and the plate's own sensor see differently."""
+def _seen(config: StageConfig, axis: int, heard: Excited) -> HeardGain | None:
+    """Return the gain to the motion that a laser and the plate's own sensor see differently."""
     if not heard.absolute.any():
         return None
     compensation, reference = (
@@ -260,7 +237,7 @@ def _seen(config: StageConfig, axis: int, heard: Excited) -> float | None:
     compensation.prepare(config.stage.rate, len(reference))
     absolute, position = (np.ascontiguousarray(each) for each in (heard.absolute, heard.position))
     compensation.process(np.zeros_like(position), absolute, position, reference)
-    return largest_gain(heard.drive[:, 0], reference[:, axis], config.stage.rate, above_band(config))
+    return heard_gain(heard.drive[:, 0], reference[:, axis], config.stage.rate, above_band(config))
 
 
 def _positions(

@@ -8,7 +8,8 @@ import numpy as np
 
 from calibration.state_space.model import InnovationModel
 from stagectl.config import Outer
-from stagectl.stage.design_bounds import Looks, Reached, largest_answer, mistuned, of_axis
+from stagectl.stage.allowed_gains import AllowedGains, configured, of_axis
+from stagectl.stage.design_bounds import Looks, Reached, largest_answer, mistuned
 from stagectl.stage.sensitivity import Robustness, robustness
 from stagectl.stage.state_feedback import StateFeedback
 from stagectl.stage.state_space import plant_of
@@ -26,6 +27,8 @@ hysteresis of the chirps, the others are made for noise in the input."""
 
 FAINTER = 1.0, 0.03
 """Part of the bandwidths and drives asked for, tried in turn where no loop keeps its bounds."""
+ROUNDED = 1.02
+"""Re its bound: what a loop may reach that was chosen before, by another version or on another machine."""
 NOTCHES = 0.8, 1.2
 """Damping ratio of the notches' poles, tried after that."""
 
@@ -48,6 +51,8 @@ class Design:
         changes `SLOWER`; `Outer.compliance` of the answers to forces that change as fast as the first and `FASTER`
         times more slowly, and `Outer.push` of that to a push that rings, all re the plant at rest: root of the sum of
         their squares.
+    beyond : float, 1
+        Largest gain of the controller above `Outer.reach`, from the error, re the plant at rest.
     """
 
     loop: StateFeedback
@@ -55,6 +60,7 @@ class Design:
     robustness: Robustness
     worst_sensitivity: float
     left: float
+    beyond: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +88,13 @@ class NoLoop(ValueError):
         self.nearest = nearest
 
 
-def design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | None = None) -> Design:
+def design(
+    model: InnovationModel,
+    outer: Outer,
+    axis: int,
+    weights: Weights | None = None,
+    allowed: AllowedGains | None = None,
+) -> Design:
     """Design the outer loop of an axis, by weights that were chosen for its model, or choose them.
 
     Of bandwidths and drives up to those asked for, of filters and gains of more and less trust in the model, and with
@@ -97,20 +109,22 @@ def design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | N
     outer : Outer
     axis : int, counted from 0
     weights : Weights, optional
+    allowed : AllowedGains, optional
+        Above `Outer.reach`, in place of those of `outer`.
 
     Raises
     ------
     NoLoop : no combination keeps the bounds, or the one that was chosen does not.
     """
-    search, tried = Search(model, outer, axis), 0
+    search, tried = Search(model, outer, axis, allowed), 0
     known: list[tuple[Candidate, Reached]] = []
     for ranges in _asked_for(outer, axis) if weights is None else [only(weights)]:
         made = list(search.candidates(ranges))
         tried += len(made)
         useful = [each for each in made if each.left <= search.useless or weights is not None]
         for each in sorted(useful, key=lambda each: each.left):
-            reached = each.beyond if each.beyond.over(outer, axis) > 1.0 else search.reached(each)
-            if reached.over(outer, axis) <= 1.0:
+            reached = each.beyond if each.beyond.over(outer) > 1.0 else search.reached(each)
+            if reached.over(outer) <= (1.0 if weights is None else ROUNDED):
                 return search.design(each)
             known.append((each, reached))
     raise _no_loop(model, outer, axis, tried, known)
@@ -124,24 +138,26 @@ class Search:
     model : InnovationModel
     outer : Outer
     axis : int, counted from 0
+    allowed : AllowedGains, optional
+        In place of those of `outer`.
     """
 
-    def __init__(self, model: InnovationModel, outer: Outer, axis: int) -> None:
+    def __init__(self, model: InnovationModel, outer: Outer, axis: int, allowed: AllowedGains | None = None) -> None:
         offs = sorted({0.0, -outer.mistuning, outer.mistuning}, key=abs)
-        self._model, self._outer, self._axis = model, outer, axis
+        self._model, self.outer, self.axis = model, outer, axis
         self._plants = [mistuned(plant_of(model), 1.0 + off) for off in offs]
-        self._looks = Looks(self._plants, model.rate, outer)
+        self._looks = Looks(self._plants, model.rate, outer, allowed or configured(outer, axis, model.rate))
         self.useless = self._looks.useless
 
     def candidates(self, ranges: Ranges) -> Iterator[Candidate]:
         """Make the loop of every combination."""
-        for weights, loop in loops(self._model, self._outer, ranges):
+        for weights, loop in loops(self._model, self.outer, ranges):
             yield Candidate(weights, loop, *self._looks.beyond_and_left(loop))
 
     def reached(self, each: Candidate) -> Reached:
         """Return what of the bounded a loop reaches: after a quick look, where that keeps the bounds, exactly."""
         quick = self._looks.reached(each.loop, each.beyond)
-        if quick.over(self._outer, self._axis) > 1.0:
+        if quick.over(self.outer) > 1.0:
             return quick
         figures = self._figures(each)
         worst = max(figure.max_sensitivity for figure in figures)
@@ -153,10 +169,10 @@ class Search:
         """Return the design that a candidate makes."""
         figures = self._figures(each)
         worst = max(figure.max_sensitivity for figure in figures)
-        return Design(each.loop, each.weights, figures[0], worst, each.left)
+        return Design(each.loop, each.weights, figures[0], worst, each.left, each.beyond.beyond)
 
     def _figures(self, each: Candidate) -> list[Robustness]:
-        controller, outer = each.loop.system(), self._outer
+        controller, outer = each.loop.system(), self.outer
         return [robustness(plant, controller, self._model.rate, outer.delay) for plant in self._plants]
 
 
@@ -191,16 +207,15 @@ def _no_loop(
             else f"none of {tried} outer loops leaves less error than none"
         )
         return NoLoop(f"axis {axis + 1}: {why}: has it a gain at rest, and at each resonance?", None)
-    nearest, reached = min(known, key=lambda each: (each[1].sensitivity == 0.0, each[1].over(outer, axis)))
+    nearest, reached = min(known, key=lambda each: (each[1].sensitivity == 0.0, each[1].over(outer)))
     advice = (
         "the loop of [weights] does not keep its bounds; calibrate again, or leave [weights] out: it has"
         if tried == 1
-        else f"none of {tried} outer loops keeps its bounds; what binds is {reached.binding(outer, axis)}; "
-        "the nearest has"
+        else f"none of {tried} outer loops keeps its bounds; what binds is {reached.binding(outer)}; the nearest has"
     )
     return NoLoop(
-        f"axis {axis + 1}: {advice} {reached}; allowed are {of_axis(outer.beyond, axis):g}, "
-        f"{outer.forward_beyond:g}, {outer.max_sensitivity:g}, and twice {outer.mistuned_sensitivity:g}"
+        f"axis {axis + 1}: {advice} {reached}; allowed are Ms {outer.max_sensitivity:g}, mistuned "
+        f"{outer.mistuned_sensitivity:g}, answer {outer.mistuned_sensitivity:g}"
         f"{_narrow(model, outer.mistuning) if reached.mistuned_sensitivity == np.inf else ''}",
         nearest,
     )

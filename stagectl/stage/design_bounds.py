@@ -4,7 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stagectl.config import Outer, PerAxis
+from stagectl.config import Outer
+from stagectl.stage.allowed_gains import AllowedGains, frequencies_above
 from stagectl.stage.sensitivity import frequencies, is_stable
 from stagectl.stage.state_feedback import StateFeedback
 from stagectl.stage.state_space import StateSpace
@@ -26,6 +27,8 @@ class Reached:
     ----------
     beyond, forward_beyond : float, 1
         Largest gain of the controller above `Outer.reach`, from the error and from the reference, re the plant at rest.
+    beyond_share, forward_share : float, 1
+        Of the gains that are allowed at each frequency there, the largest.
     sensitivity, mistuned_sensitivity : float, 1
         Ms with the extra delay; and with natural frequencies off as well.
     answer : float, 1
@@ -34,26 +37,28 @@ class Reached:
 
     beyond: float
     forward_beyond: float
+    beyond_share: float
+    forward_share: float
     sensitivity: float = 0.0
     mistuned_sensitivity: float = 0.0
     answer: float = 0.0
 
-    def over(self, outer: Outer, axis: int) -> float:
+    def over(self, outer: Outer) -> float:
         """Return the largest of these re its bound."""
-        return max(self._shares(outer, axis).values())
+        return max(self._shares(outer).values())
 
-    def binding(self, outer: Outer, axis: int) -> str:
+    def binding(self, outer: Outer) -> str:
         """Say which bound is exceeded most, and what would be changed for it."""
-        shares = self._shares(outer, axis)
+        shares = self._shares(outer)
         return max(shares, key=lambda each: shares[each])
 
-    def _shares(self, outer: Outer, axis: int) -> dict[str, float]:
+    def _shares(self, outer: Outer) -> dict[str, float]:
         """Return what is reached re its bound, by what to do about it."""
         return {
             "the controller's gain above outer.reach: calibrate with a wider characterisation.band and raise "
-            "outer.reach with it, or lower outer.disturbance": self.beyond / of_axis(outer.beyond, axis),
+            "outer.reach with it, or lower outer.disturbance": self.beyond_share,
             "the gain from the reference above outer.reach: lower outer.feedforward or outer.disturbance": (
-                self.forward_beyond / outer.forward_beyond
+                self.forward_share
             ),
             "Ms: lower outer.delay, outer.bandwidth or outer.disturbance, or raise outer.max_sensitivity": (
                 self.sensitivity / outer.max_sensitivity
@@ -64,7 +69,10 @@ class Reached:
 
     def __str__(self) -> str:
         """Say it in one line."""
-        gains = f"gains {self.beyond:.2g} and, from the reference, {self.forward_beyond:.2g} above outer.reach"
+        gains = (
+            f"gains {self.beyond:.2g} and, from the reference, {self.forward_beyond:.2g} above outer.reach, "
+            f"{self.beyond_share:.2g} and {self.forward_share:.2g} of those allowed"
+        )
         if self.sensitivity == 0.0:
             return gains
         return (
@@ -82,14 +90,16 @@ class Looks:
         The first is the one that the loops are made for.
     rate : float, samples/s
     outer : Outer
+    allowed : AllowedGains
+        Above `Outer.reach`.
     """
 
-    def __init__(self, plants: list[StateSpace], rate: float, outer: Outer) -> None:
-        self._plants, self._rate, self._outer = plants, rate, outer
+    def __init__(self, plants: list[StateSpace], rate: float, outer: Outer, allowed: AllowedGains) -> None:
+        self._plants, self._rate, self._outer, self._allowed = plants, rate, outer, allowed
         self._frequency = frequencies(plants, rate)[::2]
         self._responses = np.array([plant.response(self._frequency, rate) for plant in plants])
         self._late = np.exp(-2j * np.pi * self._frequency * outer.delay / rate)
-        beyond = np.geomspace(outer.reach, rate / 2, 30) if outer.reach < rate / 2 else np.zeros(0)
+        beyond = frequencies_above(outer, rate)
         self._few = np.append(beyond, outer.disturbance * np.array([FASTER, 1.0, 1.0 / FASTER, 1.0 / SLOWER]))
         self._ringing = _around_resonances(plants[0], rate) if outer.push > 0 else np.zeros(0)
         self._ringing_responses = plants[0].response(self._ringing, rate)
@@ -107,8 +117,11 @@ class Looks:
         missed = np.abs(1.0 - forward[-4:-2] * self._few_responses[-4:-2] * sensitivity[:2])
         gives = np.abs(self._cut * sensitivity[1:3])
         left = np.linalg.norm([missed[0] / FASTER, missed[1], abs(sensitivity[3]), *gives, self._push(loop)])
-        gains = (float(np.abs(each[:-4]).max(initial=0.0)) * self._at_rest for each in (feedback, forward))
-        return Reached(*gains), float(left)
+        gains = [self._at_rest * np.abs(each[:-4]) for each in (feedback, forward)]
+        shares = (
+            gain / most for gain, most in zip(gains, (self._allowed.feedback, self._allowed.forward), strict=True)
+        )
+        return Reached(*(float(each.max(initial=0.0)) for each in (*gains, *shares))), float(left)
 
     def _push(self, loop: StateFeedback) -> float:
         """Return the largest answer to a push at the plant's input, re the plant at rest, times `Outer.push`."""
@@ -138,11 +151,6 @@ def _around_resonances(plant: StateSpace, rate: float) -> np.ndarray:
     poles = np.linalg.eigvals(plant.A).astype(complex)
     natural = np.abs(np.log(poles[poles.imag > 0])) * rate / (2 * np.pi)
     return np.asarray(np.unique(np.outer(natural, NEAR)))
-
-
-def of_axis(values: PerAxis, axis: int) -> float:
-    """Return the setting of an axis: there is one for all, or one an axis."""
-    return values[axis % len(values)]
 
 
 def mistuned(plant: StateSpace, factor: float) -> StateSpace:

@@ -7,8 +7,8 @@ from scipy.optimize import minimize
 
 from calibration.state_space.model import InnovationModel
 from stagectl.config import Outer
+from stagectl.stage.allowed_gains import AllowedGains, of_axis
 from stagectl.stage.design import Candidate, Design, NoLoop, Search, design, only
-from stagectl.stage.design_bounds import of_axis
 from stagectl.stage.weights import Weights
 
 LOOKS = 300
@@ -24,7 +24,7 @@ NONE = 1e3
 """And one where there is no loop."""
 
 
-def designed(model: InnovationModel, outer: Outer, axis: int) -> Design:
+def designed(model: InnovationModel, outer: Outer, axis: int, allowed: AllowedGains | None = None) -> Design:
     """Design the outer loop of an axis with weights between those of `design`, too, also where it finds none.
 
     Parameters
@@ -32,22 +32,25 @@ def designed(model: InnovationModel, outer: Outer, axis: int) -> Design:
     model : InnovationModel
     outer : Outer
     axis : int, counted from 0
+    allowed : AllowedGains, optional
+        Above `Outer.reach`, in place of those of `outer`.
 
     Raises
     ------
     NoLoop : no loop keeps the bounds.
     """
+    search = Search(model, outer, axis, allowed)
     try:
-        found = design(model, outer, axis)
+        found = design(model, outer, axis, allowed=allowed)
     except NoLoop as fault:
-        allowed = None if fault.nearest is None else _allowed(fault.nearest.weights, model, outer, axis)
-        if allowed is None:
+        near = None if fault.nearest is None else _within_bounds(fault.nearest.weights, search)
+        if near is None:
             raise
-        found = allowed
-    return refined(found, model, outer, axis)
+        found = near
+    return refined(found, search)
 
 
-def refined(found: Design, model: InnovationModel, outer: Outer, axis: int) -> Design:
+def refined(found: Design, search: Search) -> Design:
     """Return a design that keeps the same bounds and leaves no more error, its weights between those of `design`.
 
     Bandwidth, drive and feedforward stay within what is asked for.
@@ -56,50 +59,47 @@ def refined(found: Design, model: InnovationModel, outer: Outer, axis: int) -> D
     ----------
     found : Design
         From `design`.
-    model : InnovationModel
-    outer : Outer
-    axis : int, counted from 0
+    search : Search
 
     Source
     ------
     Nelder and Mead, Computer Journal 7 (1965) 308.
     """
-    search, kept = Search(model, outer, axis), []
+    kept = []
 
     def cost(each: Candidate) -> float:
-        over = search.reached(each).over(outer, axis)
+        over = search.reached(each).over(search.outer)
         if over <= 1.0:
             kept.append(each)
         return each.left + OVER * min(max(over - 1.0, 0.0), 1.0)
 
-    _descend(search, found.weights, outer, axis, cost)
+    _descend(search, found.weights, cost)
     best = min(kept, key=lambda each: each.left, default=None)
     return found if best is None or best.left >= found.left else search.design(best)
 
 
-def _allowed(weights: Weights, model: InnovationModel, outer: Outer, axis: int) -> Design | None:
+def _within_bounds(weights: Weights, search: Search) -> Design | None:
     """Return a design that keeps the bounds, from weights that do not; None where there is none near them."""
-    search, kept = Search(model, outer, axis), []
+    kept = []
 
     def cost(each: Candidate) -> float:
-        over = search.reached(each).over(outer, axis)
+        over = search.reached(each).over(search.outer)
         if over <= 1.0 and each.left <= search.useless:
             kept.append(each)
         return min(over, NONE) + OVER * max(each.left - search.useless, 0.0)
 
-    _descend(search, weights, outer, axis, cost, lambda: bool(kept))
+    _descend(search, weights, cost, lambda: bool(kept))
     return search.design(kept[0]) if kept else None
 
 
 def _descend(
     search: Search,
     begin: Weights,
-    outer: Outer,
-    axis: int,
     cost: Callable[[Candidate], float],
     is_enough: Callable[[], bool] = lambda: False,
 ) -> None:
     """Look at loops of lower and lower cost, from weights on, until that is enough."""
+    outer, axis = search.outer, search.axis
     most = np.array([of_axis(outer.bandwidth, axis), of_axis(outer.drive, axis), np.inf, np.inf, outer.feedforward])
 
     def at(logarithms: np.ndarray) -> float:

@@ -1,46 +1,70 @@
 """How what lies above a model's band bounds the loop."""
 
-from types import SimpleNamespace
-from typing import cast
-
 import numpy as np
-import pytest
 
+from calibration.stage_axes.above import HeardGain
+from calibration.stage_axes.allowed import ANSWER, QUIETER, SMALL, quiet_above
 from calibration.stage_axes.bench import left_alone
-from calibration.stage_axes.calibration import ANSWER, SMALL, Closed, inner_loop, quiet_above
+from calibration.stage_axes.calibration import inner_loop
 from rigkit import config as rig_file
 from stagectl.config import Outer, StageConfig
+from stagectl.stage.allowed_gains import AllowedGains, frequencies_above
+from stagectl.stage.design_refinement import designed
 from tests.stagectl.linear_stage import model
 
 AT_REST = abs(model("z").frequency_response(np.zeros(1))[0, 0, 0])
 
 
-def closed(above: float, seen: float | None) -> Closed:
-    told = SimpleNamespace(
-        one=SimpleNamespace(model=model("z")), above=above * AT_REST, seen=None if seen is None else seen * AT_REST
-    )
-    return cast(Closed, told)
+BAND = np.arange(200.0, 800.0)
 
 
-def test_a_stage_that_is_silent_there_keeps_the_bounds_of_its_rig_file() -> None:
-    found = quiet_above(Outer(), 2, closed(1e-3, 1e-3))
-    assert found.beyond == Outer().beyond
-    assert found.forward_beyond == Outer().forward_beyond
+def heard(gain: float, at: float | None = None) -> HeardGain:
+    """Return a gain re that at rest: of all frequencies, or of one alone."""
+    return HeardGain(BAND, AT_REST * gain * (np.ones_like(BAND) if at is None else (at == BAND)))
 
 
-def test_where_noise_alone_is_seen_there_the_rig_files_bounds_hold() -> None:
-    found = quiet_above(Outer(), 2, closed(0.0, 0.0))
-    assert (found.beyond, found.forward_beyond) == (Outer().beyond, Outer().forward_beyond)
+def allowed(above: HeardGain, seen: HeardGain | None) -> AllowedGains:
+    return quiet_above(Outer(), 2, model("z"), above, seen)
+
+
+def test_where_it_is_silent_the_controllers_gain_may_be_larger_than_the_rig_files_but_not_that_from_the_reference() -> (
+    None
+):
+    for silent in (heard(1e-3), heard(0.0)):
+        found = allowed(silent, silent)
+        np.testing.assert_allclose(found.feedback, QUIETER * Outer().beyond[0])
+        np.testing.assert_allclose(found.forward, Outer().forward_beyond)
 
 
 def test_one_that_rings_there_gets_a_loop_of_small_gain() -> None:
-    found = quiet_above(Outer(), 2, closed(4.0, None))
-    assert found.beyond == (pytest.approx(SMALL / 4.0, rel=1e-2),)
-    assert found.forward_beyond == pytest.approx(ANSWER / 4.0)
+    found = allowed(heard(4.0), None)
+    np.testing.assert_allclose(found.feedback, SMALL / 4.0)
+    np.testing.assert_allclose(found.forward, ANSWER / 4.0)
+
+
+def test_what_rings_at_one_frequency_bounds_the_gain_there_and_where_nobody_listened() -> None:
+    found, frequency = allowed(heard(4.0, at=400.0), None), frequencies_above(Outer(), model("z").rate)
+    near = np.abs(frequency / 400.0 - 1.0) < 0.05
+    bound = found.feedback < 1.01 * SMALL / 4.0
+    assert bound[near].all()
+    assert bound[frequency > 1000.0].all()
+    assert not bound[frequency < 300.0].any()
+    assert not bound[(frequency > 500.0) & (frequency < 700.0)].any()
 
 
 def test_what_a_laser_sees_otherwise_than_the_plates_sensor_bounds_the_answer_to_a_reference() -> None:
-    assert quiet_above(Outer(), 2, closed(4.0, 0.2)).forward_beyond == pytest.approx(SMALL / 0.2)
+    np.testing.assert_allclose(allowed(heard(4.0), heard(0.2)).forward, SMALL / 0.2)
+
+
+def test_a_loop_leaves_out_what_rings_and_is_as_good_as_without_elsewhere() -> None:
+    """A faint resonance far above costs less than the same bound for all frequencies."""
+    outer = Outer(bandwidth=(100.0,))
+    above = heard(2.0, at=700.0)
+    one, all_of_them = (
+        designed(model("z"), outer, 2, quiet_above(outer, 2, model("z"), each, above)) for each in (above, heard(2.0))
+    )
+    assert one.left < 0.95 * all_of_them.left
+    assert one.beyond > 1.5 * all_of_them.beyond
 
 
 def test_an_inner_loop_is_so_slow_that_its_gain_is_small_there() -> None:

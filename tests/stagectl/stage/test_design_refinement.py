@@ -5,7 +5,7 @@ import pytest
 from stagectl.config import Outer
 from stagectl.stage import design as design_module
 from stagectl.stage import design_refinement
-from stagectl.stage.design import NoLoop, design
+from stagectl.stage.design import NoLoop, Search, design
 from stagectl.stage.design_refinement import designed, refined
 from tests.stagectl.linear_stage import model
 
@@ -14,7 +14,7 @@ def test_it_leaves_less_error_within_the_same_bounds(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(design_refinement, "LOOKS", 60)
     outer = Outer(bandwidth=(100.0,), max_sensitivity=1.5)
     coarse = design(model("z"), outer, 2)
-    fine = refined(coarse, model("z"), outer, 2)
+    fine = refined(coarse, Search(model("z"), outer, 2))
     assert fine.left < 0.95 * coarse.left
     assert fine.robustness.max_sensitivity <= 1.5
     assert fine.worst_sensitivity <= 3.0
@@ -42,5 +42,5 @@ def test_where_there_is_none_between_them_either_the_nearest_of_the_grid_is_told
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(design_module, "NOTCHES", ())
-    with pytest.raises(NoLoop, match=r"none of 2400 outer loops .* nearest has gains .* are 1, 0.003, 2.2, and"):
+    with pytest.raises(NoLoop, match=r"none of 2400 outer loops .* nearest has gains .* and 7.4 of those allowed.* are Ms 2.2, mist"):
         designed(model("z"), Outer(bandwidth=(100.0,), forward_beyond=0.003), 2)

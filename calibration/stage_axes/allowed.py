@@ -1,0 +1,61 @@
+"""How large an outer loop's gains may be where no model holds, from what the stage was heard to do there."""
+
+import numpy as np
+
+from calibration.stage_axes.above import HeardGain
+from calibration.state_space.model import InnovationModel
+from stagectl.config import Outer
+from stagectl.stage.allowed_gains import BINS, AllowedGains, frequencies_above, of_axis
+
+SMALL = 0.5
+"""Largest gain of the loop where the model knows nothing: with it, whatever the phase is there, Ms is 2 at most."""
+QUIETER = 4.0
+"""Most that silence is worth, of `Outer.beyond`: there may be more than the chirp has shown."""
+ANSWER = 1.0
+"""Largest answer to a reference there, where it is not known what a laser sees."""
+
+
+def quiet_above(
+    outer: Outer, axis: int, model: InnovationModel, above: HeardGain, seen: HeardGain | None
+) -> AllowedGains:
+    """Return the gains above `Outer.reach` that what was measured there allows, and the settings.
+
+    Small gain: a resonance that no model has may have any phase, so the loop's gain must be below one there.  Nor may
+    it answer a reference strongly: what compensates a deflection makes the reference of what laser and plate's sensor
+    see of the plate, and they do not see the same there; a loop, whose gain must be small as well.
+
+    Parameters
+    ----------
+    outer : Outer
+        Resonances may be elsewhere by its `mistuning`.  Where the stage is silent the controller's gain may be
+        `QUIETER` times its `beyond`.
+    axis : int, counted from 0
+    model : InnovationModel
+        From the inner loop's reference (m) to the position (m).
+    above : HeardGain, m/m
+        To the position.
+    seen : HeardGain or None, m/m
+        To what a deflection's compensation takes for the robot's motion; None without a laser.
+
+    Source
+    ------
+    Skogestad and Postlethwaite, Multivariable Feedback Control, 2nd ed., 2005, section 4.9.
+    """
+    frequency = frequencies_above(outer, model.rate)
+    if len(frequency) == 0:
+        return AllowedGains(frequency, frequency)
+    at_rest = abs(model.frequency_response(np.zeros(1))[0, 0, 0])
+    spread = outer.mistuning + np.log(frequency[-1] / frequency[0]) / (BINS - 1)
+    heard = above.near(frequency, spread)
+    small, answer = SMALL * at_rest, ANSWER * at_rest
+    forward = _within(answer, heard) if seen is None else _within(small, seen.near(frequency, spread))
+    return AllowedGains(
+        np.minimum(QUIETER * of_axis(outer.beyond, axis), _within(small, heard)),
+        np.minimum(outer.forward_beyond, forward),
+    )
+
+
+def _within(allowed: float, measured: np.ndarray) -> np.ndarray:
+    """Return by how much gains may be multiplied; without end where noise alone was measured."""
+    within: np.ndarray = np.divide(allowed, measured, out=np.full_like(measured, np.inf), where=measured > 0)
+    return within

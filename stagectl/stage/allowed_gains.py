@@ -1,0 +1,55 @@
+"""How large a controller's gains may be above `Outer.reach`, where no model holds."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stagectl.config import Outer, PerAxis
+
+BINS = 40
+"""Frequencies at which they are looked at: 6 to 9 % apart."""
+
+
+@dataclass(frozen=True, eq=False)
+class AllowedGains:
+    """Largest gains of a controller, re the plant at rest.
+
+    Parameters
+    ----------
+    feedback : array, shape (bins,), 1
+        From the error, at each of `frequencies_above`.
+    forward : array, shape (bins,), 1
+        From the reference.
+    """
+
+    feedback: np.ndarray
+    forward: np.ndarray
+
+
+def frequencies_above(outer: Outer, rate: float) -> np.ndarray:
+    """Return frequencies from `Outer.reach` to half the rate, shape (bins,), Hz; none where there are none.
+
+    Parameters
+    ----------
+    outer : Outer
+    rate : float, samples/s
+    """
+    return np.geomspace(outer.reach, rate / 2, BINS) if outer.reach < rate / 2 else np.zeros(0)
+
+
+def configured(outer: Outer, axis: int, rate: float) -> AllowedGains:
+    """Return the same gains for all frequencies, those of `[outer]`.
+
+    Parameters
+    ----------
+    outer : Outer
+    axis : int, counted from 0
+    rate : float, samples/s
+    """
+    same = np.ones(len(frequencies_above(outer, rate)))
+    return AllowedGains(of_axis(outer.beyond, axis) * same, outer.forward_beyond * same)
+
+
+def of_axis(values: PerAxis, axis: int) -> float:
+    """Return the setting of an axis: there is one for all, or one an axis."""
+    return values[axis % len(values)]
