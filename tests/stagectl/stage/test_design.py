@@ -108,7 +108,7 @@ def test_a_mistuned_plant_is_the_one_whose_modes_are_elsewhere() -> None:
 def test_bounds_that_cannot_be_kept_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(design_module, "NOTCHES", ())  # which are none the better, and take as long again
     with pytest.raises(
-        ValueError, match=r"axis 3: none of \d+ outer loops .* nearest has gains .* 6.3 and .* of those allowed.* are Ms 1.1, mist"
+        ValueError, match=r"none of \d+ outer loops .* has gains .* 6.3 and .* of those allowed.* are Ms 1.1, mist"
     ):
         design(model("z"), Outer(beyond=(1e-5,), max_sensitivity=1.1, delay=20, mistuning=0.3), 2)
 
@@ -148,9 +148,7 @@ def test_chosen_weights_make_the_loop_that_was_chosen() -> None:
 
 def test_chosen_weights_that_do_not_keep_the_bounds_are_refused_with_what_they_reach() -> None:
     chosen = design(model("z"), Outer(), 2)
-    with pytest.raises(
-        ValueError, match=r"axis 3: the loop of \[weights\] .* Ms 1.\d\d, .* allowed are Ms 1.1, mist"
-    ):
+    with pytest.raises(ValueError, match=r"axis 3: the loop of \[weights\] .* Ms 1.\d\d, .* allowed are Ms 1.1, mist"):
         design(model("z"), Outer(max_sensitivity=1.1), 2, chosen.weights)
 
 
