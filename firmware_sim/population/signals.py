@@ -198,4 +198,7 @@ def _damage(streams: Streams) -> tuple[Damage, tuple[str, ...]]:
 
 def _loop(streams: Streams, truth: LinearSystem) -> tuple[np.ndarray, np.ndarray]:
     rng = streams("loop's weights")
-    return truth.loop(float(log_uniform(rng, *EFFORT)), float(log_uniform(rng, *TRUST)))
+    try:
+        return truth.loop(float(log_uniform(rng, *EFFORT)), float(log_uniform(rng, *TRUST)))
+    except np.linalg.LinAlgError as fault:
+        raise ValueError(f"no loop holds the system that this seed draws ({fault}); take another seed") from None
