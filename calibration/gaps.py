@@ -9,6 +9,9 @@ from calibration.stretches import stretches
 
 ENOUGH = 160
 """Samples beyond which a longer stretch is worth no more than its samples: four horizons of the usual length."""
+STILL, RARE, MOVES = 2, 0.01, 0.1
+"""Samples in which every channel repeats its last value, from where on a logger stood still; part of all other samples
+that may repeat, where signals move; how much of the usual change from sample to sample comes before it and after."""
 
 
 def without_gaps(
@@ -16,7 +19,8 @@ def without_gaps(
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Return the stretches of records in which no sample is missing, each as a record of its own.
 
-    What is left out is said in a warning.
+    Missing as well are those at which a logger stood still and repeated all channels; see `held`.  What is left out is
+    said in a warning.
 
     Parameters
     ----------
@@ -44,8 +48,12 @@ def without_gaps(
     [[0.0, 1.0, 2.0, 3.0], [5.0, 6.0, 7.0, 8.0]]
     """
     pairs = list(zip(drives, responses, strict=True))
-    whole = [np.isfinite(drive).all(axis=1) & np.isfinite(response).all(axis=1) for drive, response in pairs]
-    missing = sum(int(np.sum(~present)) for present in whole)
+    still = [held(drive, response) for drive, response in pairs]
+    whole = [
+        np.isfinite(drive).all(axis=1) & np.isfinite(response).all(axis=1) & ~stands
+        for (drive, response), stands in zip(pairs, still, strict=True)
+    ]
+    missing, repeated = (sum(int(np.sum(each)) for each in of) for of in ([~present for present in whole], still))
     if not missing:
         return list(drives), list(responses)
     between = [
@@ -58,11 +66,53 @@ def without_gaps(
     if not found:
         raise ValueError(f"{missing} samples are missing, and between them there is no stretch of {least} samples")
     kept, samples = sum(len(drive) for drive, _ in found), sum(len(present) for present in whole)
-    warnings.warn(
-        f"{missing} of {samples} samples are missing: {kept} in {len(found)} stretch{'es' * (len(found) > 1)} are used",
-        stacklevel=3,
-    )
+    missed = f"{missing} of {samples} samples are missing{_and_held(repeated)}"
+    warnings.warn(f"{missed}: {kept} in {len(found)} stretch{'es' * (len(found) > 1)} are used", stacklevel=3)
     return [drive for drive, _ in found], [response for _, response in found]
+
+
+def held(drive: np.ndarray, response: np.ndarray) -> np.ndarray:
+    """Return at which samples a logger stood still: all channels repeat their last value, amid signals that move.
+
+    Signals at rest are none: they come to rest before, and where they flicker between two values they do so elsewhere,
+    too.
+
+    Parameters
+    ----------
+    drive : array, shape (N, m), any unit
+    response : array, shape (N, p), any unit
+
+    Returns
+    -------
+    array of bool, shape (N,)
+
+    Examples
+    --------
+    >>> u, y = np.random.default_rng(1).standard_normal((2, 100, 1))
+    >>> u[50:60], y[50:60] = u[49], y[49]
+    >>> np.flatnonzero(held(u, y))[[0, -1]].tolist()
+    [50, 59]
+    """
+    both = np.hstack([drive, response])
+    same = np.append(False, (both[1:] == both[:-1]).all(axis=1))[: len(both)]
+    runs = [(first, last) for first, last in stretches(same) if last - first >= STILL]
+    stands = np.zeros(len(both), bool)
+    if not runs:
+        return stands
+    for first, last in runs:
+        stands[first:last] = True
+    if np.mean(same[~stands]) > RARE:
+        return np.zeros(len(both), bool)
+    change = np.abs(np.diff(response, axis=0, prepend=response[:1]))
+    moving = (change >= MOVES * np.nanmedian(change[~same], axis=0)).any(axis=1) & ~same
+    for first, last in runs:
+        begins, ends = first < 2 or moving[first - 1], last == len(both) or moving[last]
+        stands[first:last] = begins and ends
+    return stands
+
+
+def _and_held(samples: int) -> str:
+    return f", {samples} of them repeated by a logger that stood still" if samples else ""
 
 
 def _best_of(lengths: list[int]) -> int:

@@ -7,6 +7,7 @@ import numpy as np
 
 from calibration.subspace.explained import explained
 from calibration.subspace.lagged import OWN, lagged
+from calibration.subspace.periodic import periodic
 
 LAGS, OF_INNOVATIONS = 30, 10
 """Lags of the inputs' own past, and of the outputs' innovations, that each input is explained by."""
@@ -58,7 +59,8 @@ def feedback(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]) -> F
     """Tell how much the innovations of the outputs foretell of the inputs beside the inputs' own past.
 
     Innovations are what an ARX model leaves, and what it leaves is free of the input of the same sample, which a direct
-    term would put there.  Of records too short for that nothing is found.
+    term would put there.  Of records too short for that nothing is found, nor of inputs that repeat themselves exactly:
+    noise would have gone around a loop and into them.
 
     Parameters
     ----------
@@ -82,4 +84,5 @@ def feedback(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]) -> F
     past = np.concatenate([innovations[rows - lag] for lag in range(1, OF_INNOVATIONS + 1)], axis=1)
     noise = np.mean(innovations**2, axis=0) / np.mean(wanted**2, axis=0)
     found = explained(own[rows], past, later[rows])
-    return Feedback(found.share, found.probability, float(noise.max()))
+    share = np.where(periodic(drives), 0.0, found.share)
+    return Feedback(share, found.probability, float(noise.max()))

@@ -4,8 +4,9 @@ import warnings
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
-from calibration.gaps import ENOUGH, without_gaps
+from calibration.gaps import ENOUGH, held, without_gaps
 
 DRIVE, RESPONSE = np.arange(40.0).reshape(20, 2), np.arange(20.0)[:, None]
 
@@ -61,3 +62,39 @@ def test_without_a_length_that_is_asked_for_most_is_kept_of_what_is_long(
     with pytest.warns(UserWarning, match="samples are missing"):
         drives, _ = without_gaps([np.zeros((900, 1))], [response])
     assert [len(drive) for drive in drives] == kept
+
+
+def _noisy(samples: int = 400) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(3)
+    return rng.standard_normal((samples, 2)), rng.standard_normal((samples, 1))
+
+
+def test_stretches_in_which_a_logger_stood_still_are_gaps() -> None:
+    drive, response = _noisy()
+    for first, last in ((0, 5), (100, 103), (396, 400)):
+        drive[first:last], response[first:last] = drive[max(first - 1, 0)], response[max(first - 1, 0)]
+    stood = [*range(1, 5), *range(100, 103), *range(396, 400)]
+    assert np.flatnonzero(held(drive, response)).tolist() == stood
+    with pytest.warns(UserWarning, match="11 of 400 samples are missing, 11 of them repeated by a logger that stood"):
+        drives, _ = without_gaps([drive], [response], 10)
+    assert [len(each) for each in drives] == [95, 293]
+
+
+def test_signals_that_come_to_rest_are_no_gap() -> None:
+    drive = np.repeat(np.sign(np.sin(np.arange(8.0) + 1.0)), 200)[:, None]
+    response = lfilter([0.5], [1.0, -0.5], drive, axis=0)
+    assert np.all(response[150:200] == response[199])  # to the last bit
+    assert not held(drive, response).any()
+
+
+def test_coarse_signals_that_flicker_at_rest_are_no_gap() -> None:
+    rng = np.random.default_rng(5)
+    drive = np.repeat(np.sign(np.sin(np.arange(10.0) + 1.0)), 200)[:, None]
+    response = np.round(lfilter([0.1], [1.0, -0.9], drive, axis=0) / 0.1 + 0.3 * rng.standard_normal((2000, 1)))
+    assert not held(drive, response).any()
+
+
+def test_one_channel_alone_may_repeat() -> None:
+    drive, response = _noisy()
+    drive[100:200] = drive[100]
+    assert not held(drive, response).any()
