@@ -74,8 +74,8 @@ def without_gaps(
 def held(drive: np.ndarray, response: np.ndarray) -> np.ndarray:
     """Return at which samples a logger stood still: all channels repeat their last value, amid signals that move.
 
-    Signals at rest are none: they come to rest before, and where they flicker between two values they do so elsewhere,
-    too.
+    Signals at rest are none: they are at the beginning, or come to rest before, and where they flicker between two
+    values they do so elsewhere, too.
 
     Parameters
     ----------
@@ -106,8 +106,7 @@ def held(drive: np.ndarray, response: np.ndarray) -> np.ndarray:
     change = np.abs(np.diff(response, axis=0, prepend=response[:1]))
     moving = (change >= MOVES * np.nanmedian(change[~same], axis=0)).any(axis=1) & ~same
     for first, last in runs:
-        begins, ends = first < 2 or moving[first - 1], last == len(both) or moving[last]
-        stands[first:last] = begins and ends
+        stands[first:last] = first > 1 and moving[first - 1] and (last == len(both) or moving[last])
     return stands
 
 
