@@ -51,6 +51,18 @@ def own_horizon() -> Method:
     return lambda drive, response, order, _: identify(drive, response, order, 0)
 
 
+def own_all() -> Method:
+    """The call that says nothing: order, horizon, dead time and loops are found."""
+    from calibration import subspace
+
+    def identify(drive: np.ndarray, response: np.ndarray, order: int, horizon: int) -> Matrices:
+        found = subspace.identify(drive, response, RATE)
+        offsets = {"input_offset": found.input_offset, "output_offset": found.output_offset}
+        return {**{name: getattr(found.model, name) for name in "ABCDK"}, **offsets}
+
+    return identify
+
+
 def our_order() -> Proposal:
     identify = ours("moesp", refined=False)
     return lambda drive, response, horizon: len(identify(drive, response, 0, horizon)["A"])
@@ -173,6 +185,7 @@ METHODS: dict[str, Callable[[], Method]] = {
     "ours": partial(ours, "moesp", refined=False),
     "ours, n4sid": partial(ours, "n4sid", refined=False),
     "ours, horizon left to it": own_horizon,
+    "ours, all left to it": own_all,
     "ours, refined": partial(ours, "moesp", refined=True),
     "SLICOT N4SID": partial(slicot, "N"),
     "SLICOT N4SID, by QR": partial(slicot, "N", compression="Q"),

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import metadata
+from pathlib import Path
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -31,6 +32,7 @@ PACKAGES = ("ctrlsys", "sippy_unipi", "nfoursid", "control", "pysid")
 SYSTEMS = {7: resonant_systems.order_7, 9: resonant_systems.order_9, 18: resonant_systems.order_18}
 TITLES = {7: "one input, one output", 9: "one input, three outputs", 18: "three inputs, three outputs"}
 
+LEFT = "ours, all left to it"
 QUICK = (
     "ours",
     "ours, n4sid",
@@ -47,14 +49,15 @@ CASES = (
         7,
         100_000,
         20,
-        (*QUICK, "SLICOT N4SID, by QR", "SIPPY PARSIM-K", "nfoursid", "python-control ERA", "pysid ARMAX"),
+        (*QUICK, LEFT, "SLICOT N4SID, by QR", "SIPPY PARSIM-K", "nfoursid", "python-control ERA", "pysid ARMAX"),
     ),
     (7, 100_000, 40, QUICK),
     (9, 10_000, 20, (*QUICK, "SIPPY MOESP", "SIPPY PARSIM-K", "SIPPY PARSIM-S", "nfoursid", "python-control ERA")),
     (9, 10_000, 40, QUICK),
     (18, 10_000, 20, (*QUICK, "SIPPY PARSIM-K", "SIPPY PARSIM-S", "nfoursid", "python-control ERA")),
     (18, 10_000, 40, (*QUICK, "ours, horizon left to it")),
-    (18, 100_000, 20, (*QUICK, "ours, horizon left to it", "nfoursid", "python-control ERA")),
+    (18, 100_000, 20, (*QUICK, "ours, horizon left to it", LEFT, "nfoursid", "python-control ERA")),
+    (7, 1_000_000, 20, ("ours", "SLICOT N4SID", "SLICOT MOESP")),
 )
 
 
@@ -130,6 +133,10 @@ def table(order: int, samples: int, horizon: int, methods: tuple[str, ...]) -> l
     for peer in ("SLICOT N4SID", "SLICOT MOESP", "SIPPY N4SID"):
         if np.isfinite(times.get(peer, np.nan)):
             print(f"\nProcessor time of ours over that of {peer}: {times['ours'] / times[peer]:.2f}")
+    if LEFT in times:
+        print(
+            f"\nProcessor time with all left to it over that with order and horizon: {times[LEFT] / times['ours']:.1f}"
+        )
     return made
 
 
@@ -153,7 +160,7 @@ def proposals() -> dict[tuple[int, int], list[int]]:
 
 def main() -> None:
     print("# Identification, against other packages on the same records\n")
-    machine = f"{os.cpu_count()} processors ({platform.machine()}), Python {platform.python_version()}"
+    machine = f"{os.cpu_count()} processors ({_processor()}), Python {platform.python_version()}"
     print(f"Made by `python -m benchmarks.identification_peers`, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC, on {machine},")
     print(f"numpy {np.__version__}; {', '.join(_version(name) for name in PACKAGES)}.")
     print(f"\nLoad average at the start {os.getloadavg()[0]:.1f}: the clock shows what others left of the machine, the")
@@ -164,6 +171,14 @@ def main() -> None:
     made = [row for case in CASES for row in table(*case)]
     targets(made, proposals())
     print(f"\nLoad average at the end {os.getloadavg()[0]:.1f}.")
+
+
+def _processor() -> str:
+    """Return its maker's name for it, where the system knows."""
+    known = Path("/proc/cpuinfo")
+    lines = known.read_text(encoding="utf-8").splitlines() if known.exists() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
 
 
 def _radius(matrix: np.ndarray) -> float:
