@@ -52,10 +52,10 @@ def own_horizon() -> Method:
 
 
 def own_all() -> Method:
-    """The call that says nothing: order, horizon, dead time and loops are found."""
+    """Return the call that says nothing: order, horizon, dead time and loops are found."""
     from calibration import subspace
 
-    def identify(drive: np.ndarray, response: np.ndarray, order: int, horizon: int) -> Matrices:
+    def identify(drive: np.ndarray, response: np.ndarray, *_: int) -> Matrices:
         found = subspace.identify(drive, response, RATE)
         offsets = {"input_offset": found.input_offset, "output_offset": found.output_offset}
         return {**{name: getattr(found.model, name) for name in "ABCDK"}, **offsets}
