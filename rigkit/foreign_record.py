@@ -1,6 +1,7 @@
 """Anybody's measurement as signals: opened by its suffix, read block by block or whole."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from ctlblocks.recording import Recording, RecordingError
@@ -10,7 +11,11 @@ from rigkit.foreign_stream import Signals
 
 
 def open_signals(
-    path: Path, rate: float | None = None, channels: Sequence[str] | None = None, asked: str = "must be"
+    path: Path,
+    rate: float | None = None,
+    channels: Sequence[str] | None = None,
+    asked: str = "must be",
+    may_miss: bool = False,
 ) -> Signals:
     """Open a file of signals of one rate and length, to be read block by block.
 
@@ -26,6 +31,8 @@ def open_signals(
         number where one has several.  None: all but a column of time.
     asked : str
         What an error says before `rate`.
+    may_miss : bool
+        Whether samples may be missing, which are NaN.
 
     Returns
     -------
@@ -46,7 +53,7 @@ def open_signals(
         if kind in foreign_arrays.SUFFIXES:
             found = foreign_arrays.array_signals(path, channels, rate)
         elif kind in foreign_table.SUFFIXES:
-            found = foreign_table.table_signals(path, rate)
+            found = foreign_table.table_signals(path, rate, may_miss)
         elif kind in foreign_sound.SUFFIXES:
             found = foreign_sound.sound_signals(path)
         else:
@@ -54,6 +61,7 @@ def open_signals(
             raise RecordingError(f"{path}: suffix is {path.suffix!r}, must be one of {', '.join(known)}")
     except OSError as fault:
         raise RecordingError(f"{path}: {fault.strerror or fault}") from None
+    found = replace(found, may_miss=may_miss)
     if rate is not None and not abs(found.rate - rate) <= STEADY * rate:
         raise RecordingError(f"{path}: {found.rate:.9g} samples/s, {asked} {rate:.9g}")
     if channels is not None:
@@ -64,7 +72,7 @@ def open_signals(
     return found.select(signals)
 
 
-def read_channels(path: Path, channels: Sequence[str], rate: float | None) -> Recording:
+def read_channels(path: Path, channels: Sequence[str], rate: float | None, may_miss: bool = False) -> Recording:
     """Read channels from a file in the order they are asked for, whole.
 
     Parameters
@@ -74,12 +82,14 @@ def read_channels(path: Path, channels: Sequence[str], rate: float | None) -> Re
     channels : sequence of str
     rate : float or None, samples/s
         As given by --rate.
+    may_miss : bool, optional
+        Whether samples may be missing, which are NaN.
 
     Raises
     ------
     RecordingError : as of `open_signals`, and what is found while it is read.
     """
-    return open_signals(path, rate, channels, "--rate says").whole()
+    return open_signals(path, rate, channels, "--rate says", may_miss).whole()
 
 
 def read_signals(path: Path, rate: float | None = None) -> Recording:

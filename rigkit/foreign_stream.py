@@ -33,6 +33,8 @@ class Signals:
     columns : tuple of int
         Which of the columns these signals are.
     provenance : mapping of str to str
+    may_miss : bool
+        Whether samples may be missing, which are NaN.
 
     Raises
     ------
@@ -47,6 +49,7 @@ class Signals:
     source: Callable[[], Iterator[np.ndarray]]
     columns: tuple[int, ...]
     provenance: Mapping[str, str] = field(default_factory=dict)
+    may_miss: bool = False
 
     def __post_init__(self) -> None:
         """Refuse what no recording may be."""
@@ -169,7 +172,7 @@ class Signals:
         )
 
     def _refuse_not_finite(self, data: np.ndarray, first: int) -> None:
-        if (finite := np.isfinite(data)).all():
+        if (finite := np.isfinite(data) | (self.may_miss & np.isnan(data))).all():
             return
         frame, column = divmod(int(finite.argmin()), data.shape[1])
         sample = first + frame

@@ -1,6 +1,7 @@
 """Tables of anybody's as signals: CSV, TSV, text and LabVIEW's; the rate from their head or a column of time."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from rigkit.table_rows import MARK, parsed, text_blocks
 SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".lvm")
 
 
-def table_signals(path: Path, rate: float | None) -> Signals:
+def table_signals(path: Path, rate: float | None, may_miss: bool = False) -> Signals:
     """Open a table; its columns are "channel_1", "channel_2", ... where it names none.
 
     Parameters
@@ -23,6 +24,8 @@ def table_signals(path: Path, rate: float | None) -> Signals:
     path : Path
     rate : float or None, samples/s
         Where the table does not say it.
+    may_miss : bool, optional
+        Whether samples may be missing: cells that are empty, or nan.
 
     Raises
     ------
@@ -37,6 +40,7 @@ def table_signals(path: Path, rate: float | None) -> Signals:
     else:
         head = plain_head(path)
     found, frames = _rate(path, head, rate)
+    head = replace(head, cells=replace(head.cells, may_miss=may_miss))
 
     def source() -> Iterator[np.ndarray]:
         for _, rows in _rows(path, head):

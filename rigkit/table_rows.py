@@ -36,12 +36,15 @@ class Cells:
         "." or, where `between` is no comma, ",".
     open_ended : bool
         Whether a row may begin and end with empty cells, and end with words.
+    may_miss : bool
+        Whether a cell may be empty or nan, which is a sample that is missing.
     """
 
     between: str | None
     width: int
     decimal: str = "."
     open_ended: bool = False
+    may_miss: bool = False
 
     def split(self, line: str) -> list[str]:
         """Return the cells of a line."""
@@ -166,8 +169,8 @@ def _numbers(path: Path, row: int, line: str, cells: Cells) -> list[float]:
         raise RecordingError(f"{path}: row {row} has {len(found)} cells, must have {cells.width}")
     numbers = []
     for column, cell in enumerate(found, start=1):
-        number = cells.number(cell)
-        if number is None or not np.isfinite(number):
+        number = cells.number(cell or "nan" if cells.may_miss else cell)
+        if number is None or not (np.isfinite(number) or (cells.may_miss and np.isnan(number))):
             raise RecordingError(f"{path}: row {row}, column {column}: {cell[:60]!r}, must be a finite number")
         numbers.append(number)
     return numbers

@@ -12,7 +12,7 @@ from calibration.from_command import CorrectClockOption
 from calibration.identification.arguments import channels_of, order_of
 from calibration.identification.beginnings import begun_together
 from calibration.identification.excitation import excitation_notes
-from calibration.identification.recordings import Measured, from_file, from_pairs
+from calibration.identification.recordings import Measured, from_file, from_pairs, without_outliers
 from calibration.identification.report import (
     CANDIDATE_HEAD,
     FIT_HEAD,
@@ -92,7 +92,7 @@ def identify_command(
     states = order_of(order)
     made = _made(out, [*(data or []), *(drives or [])])
     given = _read(data or [], drives or [], (inputs, outputs, channels), rate)
-    measured = _made_ready(given, decimate, correct_clock)
+    measured = _made_ready(given, decimate, correct_clock, cast(Outliers, outliers))
     with _watched(measured) as show:
         found = identify_recordings(
             measured.recordings,
@@ -172,8 +172,10 @@ def _labelled(measured: Measured) -> Measured:
     return replace(measured, recordings=tuple(labelled))
 
 
-def _made_ready(measured: Measured, factor: int, correct_clock: bool) -> Measured:
-    """Lower the rate, and look at how responses lie beside drives at that."""
+def _made_ready(measured: Measured, factor: int, correct_clock: bool, outliers: Outliers) -> Measured:
+    """Lower the rate, once outliers are gone that it would spread, and look at how responses lie beside drives then."""
+    if factor > 1:
+        measured = without_outliers(measured, outliers)
     thin = thinned_recordings(measured.recordings, measured.names, factor)
     beside = begun_together(measured, thin, factor, correct_clock)
     if beside.recordings != measured.recordings:

@@ -1,11 +1,14 @@
 """Recordings that anybody made as inputs and outputs: in one file, or drives and responses in two, pair by pair."""
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from calibration.gaps import without_gaps
+from calibration.subspace.outliers import Outliers, outlier_notes, treated
 from ctlblocks.recording import Recording, RecordingError
 from rigkit.even_time import STEADY
 from rigkit.foreign_record import open_signals, read_channels
@@ -45,11 +48,11 @@ class Measured:
     @property
     def source(self) -> str:
         """All files."""
-        return ", ".join(self.names)
+        return ", ".join(dict.fromkeys(self.names))
 
 
 def from_file(path: Path, inputs: Sequence[str], outputs: Sequence[str], rate: float | None) -> Measured:
-    """Read inputs and outputs from one file.
+    """Read inputs and outputs from one file; where samples are missing a recording ends, and another one begins.
 
     Parameters
     ----------
@@ -66,7 +69,19 @@ def from_file(path: Path, inputs: Sequence[str], outputs: Sequence[str], rate: f
     """
     if both := set(inputs) & set(outputs):
         raise ValueError(f"{', '.join(sorted(both))}: cannot be input and output at once")
-    return Measured((read_channels(path, [*inputs, *outputs], rate),), (str(path),), len(inputs), (False,))
+    return _without_gaps(read_channels(path, [*inputs, *outputs], rate, may_miss=True), str(path), len(inputs))
+
+
+def _without_gaps(recording: Recording, name: str, inputs: int) -> Measured:
+    """Return the stretches of a recording in which no sample is missing, and say what is left out."""
+    drive, response = np.hsplit(recording.data, [inputs])
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        pieces = list(zip(*without_gaps([drive], [response]), strict=True))
+    found = tuple(replace(recording, data=np.hstack(piece)) for piece in pieces)
+    return Measured(
+        found, (name,) * len(found), inputs, (False,) * len(found), tuple(str(each.message) for each in told)
+    )
 
 
 def from_pairs(
@@ -115,6 +130,25 @@ def from_pairs(
     names = tuple(_name(*pair) for pair in zip(drives, responses, strict=True))
     apart = tuple(drive != response for drive, response in zip(drives, responses, strict=True))
     return Measured(tuple(read), names, inputs, apart, tuple(notes))
+
+
+def without_outliers(measured: Measured, outliers: Outliers) -> Measured:
+    """Return recordings without single samples of outputs that are far off, and say how many those were.
+
+    Parameters
+    ----------
+    measured : Measured
+    outliers : "replace" or "keep"
+
+    Raises
+    ------
+    ValueError : another word.
+    """
+    drives, responses = zip(*(np.hsplit(each.data, [measured.inputs]) for each in measured.recordings), strict=True)
+    cleaned, found = treated(drives, responses, outliers)
+    data = (np.hstack(pair) for pair in zip(drives, cleaned, strict=True))
+    recordings = tuple(replace(each, data=both) for each, both in zip(measured.recordings, data, strict=True))
+    return replace(measured, recordings=recordings, notes=(*measured.notes, *outlier_notes(found)))
 
 
 def _side(path: Path, kind: str, given: Mapping[str, str], rate: float | None) -> Recording:

@@ -118,3 +118,20 @@ def test_a_rate_that_nobody_says_is_asked_for(tmp_path: Path) -> None:
     path.write_text("u,y\n1,2\n3,4\n")
     with pytest.raises(RecordingError, match="does not say its rate"):
         read_channels(path, ["u"], None)
+
+
+def test_cells_that_are_empty_or_nan_are_samples_that_are_missing_where_some_may_be(tmp_path: Path) -> None:
+    path = tmp_path / "holes.csv"
+    path.write_text("t [s],a,b\n0,1,2\n0.1,,4\n0.2,nan,6\n0.3,7,\n")
+    found = read_channels(path, ["a", "b"], None, may_miss=True)
+    np.testing.assert_array_equal(found.data, [[1, 2], [np.nan, 4], [np.nan, 6], [7, np.nan]])
+    with pytest.raises(RecordingError, match="row 3, column 2: '', must be a finite number"):
+        read_channels(path, ["a", "b"], None)
+
+
+@pytest.mark.parametrize(("row", "complaint"), [("0.1,inf,4", "column 2: 'inf'"), (",1,4", "column 1: ''")])
+def test_what_is_infinite_and_time_are_refused_all_the_same(tmp_path: Path, row: str, complaint: str) -> None:
+    path = tmp_path / "holes.csv"
+    path.write_text(f"t [s],a,b\n0,1,2\n{row}\n0.2,5,6\n0.3,7,8\n")
+    with pytest.raises(RecordingError, match=complaint):
+        read_channels(path, ["a", "b"], None, may_miss=True)

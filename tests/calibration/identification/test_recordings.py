@@ -54,6 +54,12 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
     holes = heard.copy()
     holes[700:720] = np.nan
     csv(folder / "holes.csv", "t [s],y1 [m],y2 [m]", time, holes)
+    csv(folder / "all-holes.csv", "t [s],u1 [V],u2 [V],y1 [m],y2 [m]", time, drive, holes)
+    lines = (folder / "all-holes.csv").read_text().replace("nan", "", 10)  # as spreadsheets write it
+    (folder / "all-holes.csv").write_text(lines)
+    spiky = heard.copy()
+    spiky[::97, 0] += 40.0 * heard[:, 0].std()
+    csv(folder / "spiky.csv", "t [s],u1 [V],u2 [V],y1 [m],y2 [m]", time, drive, spiky)
     return folder
 
 
@@ -67,6 +73,34 @@ def folder(lab: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def identify(monkeypatch: pytest.MonkeyPatch, *words: str | Path) -> int:
     monkeypatch.setattr(sys, "argv", ["calibrate", "identify", *map(str, words)])
     return main()
+
+
+CHANNELS = ("--inputs", "u1,u2", "--outputs", "y1,y2")
+
+
+def test_where_samples_are_missing_a_recording_ends_and_another_one_begins(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = folder / "m.h5"
+    assert identify(monkeypatch, "all-holes.csv", *CHANNELS, "--order", "8", "--out", out) == 0
+    assert off(read_model(out, RATE).frequency_response(FREQUENCY), FREQUENCY) < 0.05
+    assert read_model(out, RATE).provenance["recording"] == "all-holes.csv"
+    assert "20 of 2200 samples are missing: 2180 in 2 stretches are used" in capsys.readouterr().out.replace("\n", " ")
+
+
+def test_outliers_are_replaced_before_the_rate_is_lowered(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    wrong, low = [], FREQUENCY[FREQUENCY < 90]
+    for words in ((), ("--outliers", "keep")):
+        out = folder / f"m{len(wrong)}.h5"
+        assert (
+            identify(monkeypatch, "spiky.csv", *CHANNELS, "--order", "8", "--decimate", "4", "--out", out, *words) == 0
+        )
+        wrong.append(off(read_model(out).frequency_response(low), low))
+    assert wrong[0] < 0.1
+    assert wrong[1] > 2 * wrong[0]
+    assert "22 of 2200 samples of output 1 are far off" in capsys.readouterr().out.replace("\n", " ")
 
 
 FEW = "drive_1=u1,drive_2=u2,response_1=y1,response_2=y2"
