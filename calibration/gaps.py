@@ -9,9 +9,11 @@ from calibration.stretches import stretches
 
 ENOUGH = 160
 """Samples beyond which a longer stretch is worth no more than its samples: four horizons of the usual length."""
-STILL, RARE, MOVES = 2, 0.01, 0.1
-"""Samples in which every channel repeats its last value, from where on a logger stood still; part of all other samples
-that may repeat, where signals move; how much of the usual change from sample to sample comes before it and after."""
+STILL, CHANCE, MOVES = 2, 1e-6, 0.1
+"""Samples in which every channel repeats its last value, from where on a logger stood still; probability of as many one
+after another by chance; how much of the usual change from sample to sample comes before it and after."""
+FEW, RARE = 5, 0.005
+"""Times that a logger may stand still in any record, and of all samples: more often it is how the signals are made."""
 
 
 def without_gaps(
@@ -74,8 +76,8 @@ def without_gaps(
 def held(drive: np.ndarray, response: np.ndarray) -> np.ndarray:
     """Return at which samples a logger stood still: all channels repeat their last value, amid signals that move.
 
-    Signals at rest are none: they are at the beginning, or come to rest before, and where they flicker between two
-    values they do so elsewhere, too.
+    Signals at rest are none: they are so at the ends of a record, or come to rest before.  Coarse ones repeat
+    themselves by chance: as long as that explains it, and where it is often, signals are taken as they are.
 
     Parameters
     ----------
@@ -95,18 +97,25 @@ def held(drive: np.ndarray, response: np.ndarray) -> np.ndarray:
     """
     both = np.hstack([drive, response])
     same = np.append(False, (both[1:] == both[:-1]).all(axis=1))[: len(both)]
-    runs = [(first, last) for first, last in stretches(same) if last - first >= STILL]
+    with np.errstate(invalid="ignore"):
+        change = np.abs(np.diff(response, axis=0, prepend=response[:1]))
+    known = ~same[:, None] & np.isfinite(change)
+    usual = [np.median(of[where]) if where.any() else np.inf for of, where in zip(change.T, known.T, strict=True)]
+    missing = ~np.isfinite(both).all(axis=1)  # nobody knows what the signals did
+    moves = ~same & ~missing & (change >= MOVES * np.array(usual)).any(axis=1)
+    runs = [
+        (first, last)
+        for first, last in stretches(same)
+        if last - first >= STILL and first > 1 and last < len(both)
+        if moves[first - 1] and (moves[last] or missing[last]) or missing[first - 2] and moves[last]
+    ]
     stands = np.zeros(len(both), bool)
-    if not runs:
+    if not runs or len(runs) > max(FEW, RARE * len(both)):
         return stands
+    rests = [(first, last) for first, last in stretches(same) if first == 1 or last == len(both)]
+    by_chance = (np.sum(same) - sum(last - first for first, last in (*runs, *rests))) / len(both)
     for first, last in runs:
-        stands[first:last] = True
-    if np.mean(same[~stands]) > RARE:
-        return np.zeros(len(both), bool)
-    change = np.abs(np.diff(response, axis=0, prepend=response[:1]))
-    moving = (change >= MOVES * np.nanmedian(change[~same], axis=0)).any(axis=1) & ~same
-    for first, last in runs:
-        stands[first:last] = first > 1 and moving[first - 1] and (last == len(both) or moving[last])
+        stands[first:last] = len(both) * by_chance ** (last - first) < CHANCE
     return stands
 
 

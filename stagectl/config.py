@@ -137,6 +137,9 @@ class Outer(Section):
     beyond: PerAxis = setting(
         (1.0,), "1", "largest gain of the controller from there on, re the plant at rest", min_length=1
     )
+    allowed: PerAxis = setting(
+        (), "1", "gain that `calibrate stage` has found to be allowed at every frequency there; none: beyond"
+    )
     forward_beyond: float = setting(
         12.0,
         "1",
@@ -167,6 +170,9 @@ class ChosenWeights(Section):
     caution: PerAxis = setting((), "1", "weight of each mode by itself")
     feedforward: PerAxis = setting((), "1", "part of the l_r that leaves no error on a ramp")
     notch: PerAxis = setting((), "1", "damping ratio of notches around narrow resonances; none, or 0: no notches")
+    beyond: PerAxis = setting(
+        (), "1", "gain above outer.reach that is allowed with these weights; none, or 0: as for all of them"
+    )
 
 
 class Reference(Section):
@@ -244,10 +250,12 @@ class StageConfig(Section):
             values = getattr(getattr(self, table), key)
             if len(values) not in (1, axes) or not all(value > 0 for value in values):
                 raise ValueError(f"{table}.{key} is {values}, must be 1 or {axes} numbers > 0")
+        if len(self.outer.allowed) not in (0, 1, axes) or not all(value > 0 for value in self.outer.allowed):
+            raise ValueError(f"outer.allowed is {self.outer.allowed}, must be none, or 1 or {axes} numbers > 0")
         if len(self.inner.hysteresis) not in (0, axes):
             raise ValueError(f"inner.hysteresis has {len(self.inner.hysteresis)} files, must have none or {axes}")
         for key, values in self.weights:
-            if key == "notch" and not values:
+            if key in ("notch", "beyond") and not values:
                 continue  # rig files from before have none
             if len(values) != (axes if self.weights.bandwidth else 0) or not all(value >= 0 for value in values):
                 raise ValueError(f"weights.{key} is {values}, must be {axes} numbers >= 0, or none in all of [weights]")

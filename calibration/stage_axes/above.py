@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-RESOLUTION, COHERENT = 1.0, 0.8
-"""Hz, of a cell: as wide as a resonance, or less; part of a cell's response that follows the drive, where any does."""
+RESOLUTION, COHERENT, MOSTLY = 1.0, 0.8, 0.5
+"""Hz, of a cell: as wide as a resonance, or less; part of a cell's response that follows the drive, where any does; and
+part of the cells in which it does, where a stage was heard."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,26 +18,37 @@ class HeardGain:
     frequency : array, shape (cells,), Hz
         Where each cell begins.
     gain : array, shape (cells,), the response's unit per unit of drive
+        0 where little of the response follows the drive: noise.
     """
 
     frequency: np.ndarray
     gain: np.ndarray
 
-    def near(self, frequency: np.ndarray, spread: float) -> np.ndarray:
-        """Return the largest gain near each of some frequencies; where the chirp did not go, the largest of all.
+    def near(self, frequency: np.ndarray, spread: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the largest gain near each of some frequencies, and whether it was heard there.
+
+        Where the chirp did not go up to all that is near, or where more of that was noise than not, it was not: then
+        the gain is the largest of all.
 
         Parameters
         ----------
         frequency : array, shape (bins,), Hz
         spread : float, 1
             How far away still counts, of the frequency: resonances may be elsewhere another day.
+
+        Returns
+        -------
+        gain : array, shape (bins,), the response's unit per unit of drive
+        heard : array of bool, shape (bins,)
         """
-        cell = RESOLUTION / frequency
-        low = np.searchsorted(self.frequency, frequency * (1 - spread - cell))
+        low = np.searchsorted(self.frequency, frequency * (1 - spread) - RESOLUTION)
         high = np.searchsorted(self.frequency, frequency * (1 + spread), side="right")
-        went = (self.frequency[0] <= frequency * (1 + spread)) & (frequency * (1 - spread) <= self.frequency[-1])
-        pairs = zip(low, high, went, strict=True)
-        return np.array([self.gain[a:b].max() if inside else self.gain.max() for a, b, inside in pairs])
+        went = (low < high) & (frequency * (1 + spread) <= self.frequency[-1] + RESOLUTION)
+        bins = zip(low, high, went, strict=True)
+        near = [self.gain[first:last] if inside else self.gain[:0] for first, last, inside in bins]
+        heard = np.array([len(each) > 0 and np.mean(each > 0) > MOSTLY for each in near])
+        gain = [each.max() if there else self.gain.max() for each, there in zip(near, heard, strict=True)]
+        return np.array(gain), heard
 
 
 def heard_gain(drive: np.ndarray, response: np.ndarray, rate: float, band: tuple[float, float]) -> HeardGain:

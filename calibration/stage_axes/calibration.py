@@ -90,8 +90,8 @@ class AxisCalibration:
     closed : Closed
     outer : Design or str
         The outer loop on the closed loop's model; or why there is none.
-    beyond : float, 1
-        `Outer.beyond` that it is run with: its largest gain there; without a loop, what was asked for.
+    allowed : float, 1
+        `Outer.allowed`: the controller's gain that is allowed at every frequency above `Outer.reach`.
     """
 
     axis: str
@@ -99,7 +99,7 @@ class AxisCalibration:
     opened: Opened
     closed: Closed
     outer: Design | str
-    beyond: float
+    allowed: float
 
 
 def calibrate_axes(
@@ -137,15 +137,10 @@ def calibrate_axes(
         closed = _closed(bench(axis, opened.loop), raw, order, method, about)
         allowed = quiet_above(config.outer, axis, closed.one.model, closed.above, closed.seen)
         outer = outer_loop(config.outer, axis, closed.one.model, allowed)
-        beyond = of_axis(config.outer.beyond, axis) if isinstance(outer, str) else _rounded_up(outer.beyond)
         name, top = config.stage.axes[axis], config.characterisation.band[1]
-        found.append(AxisCalibration(name, top, opened, closed, outer, beyond))
+        everywhere = min(of_axis(config.outer.beyond, axis), float(allowed.feedback.min(initial=np.inf)))
+        found.append(AxisCalibration(name, top, opened, closed, outer, float(f"{everywhere:.3g}")))
     return found
-
-
-def _rounded_up(gain: float) -> float:
-    """Return a gain with three digits, no less."""
-    return float(f"{1.005 * gain:.3g}")
 
 
 def outer_loop(outer: Outer, axis: int, model: InnovationModel, allowed: AllowedGains | None = None) -> Design | str:

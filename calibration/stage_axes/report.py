@@ -69,7 +69,7 @@ def inner_row(found: AxisCalibration) -> tuple[str, ...]:
 def outer_row(found: AxisCalibration) -> tuple[str, ...]:
     """Return the outer loop's integral bandwidth and drive, how robust it is, and what error it leaves."""
     if isinstance(found.outer, str):
-        return (found.axis, *["none"] * (len(OUTER_HEAD) - 3), f"{found.beyond:g}", "none")
+        return (found.axis, *["none"] * (len(OUTER_HEAD) - 3), f"{found.allowed:g}", "none")
     weights, figures = found.outer.weights, found.outer.robustness
     return (
         found.axis,
@@ -79,7 +79,7 @@ def outer_row(found: AxisCalibration) -> tuple[str, ...]:
         f"{found.outer.worst_sensitivity:.2f}",
         f"{figures.phase_margin:.0f}",
         f"{figures.crossover:.0f}",
-        f"{found.beyond:g}",
+        f"{found.outer.beyond:.3g}",
         f"{found.outer.left:.2f}",
     )
 
@@ -107,7 +107,7 @@ def calibration_figures(found: Sequence[AxisCalibration]) -> dict[str, Any]:
                 "crossover_hz": each.opened.robustness.crossover,
                 "phase_margin_deg": each.opened.robustness.phase_margin,
             },
-            "outer": _outer_figures(each.outer) | {"beyond": each.beyond},
+            "outer": _outer_figures(each.outer) | {"allowed": each.allowed},
             "amplitude": {"voltage": each.opened.experiment.amplitude, "reference": each.closed.experiment.amplitude},
             "seconds": each.opened.experiment.seconds + each.closed.experiment.seconds,
             **{name: identification_figures(model) for name, model in _keyed(each).items()},

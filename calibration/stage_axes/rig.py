@@ -1,10 +1,13 @@
 """The rig file that a calibration makes: the given one with the PIDs, the outer loops' weights and a bound on them."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from calibration.stage_axes.calibration import AxisCalibration
 from stagectl.config import ChosenWeights, Inner, Outer, StageConfig
+from stagectl.stage.allowed_gains import of_axis
 from stagectl.stage.design import Design
+from stagectl.stage.weights import Weights
 
 CHOSEN = "inner", "outer", "weights"
 """Tables of a rig file that a calibration chooses."""
@@ -35,14 +38,16 @@ def _inner(config: StageConfig, found: Sequence[AxisCalibration]) -> Inner:
 
 
 def _outer(config: StageConfig, found: Sequence[AxisCalibration]) -> Outer:
-    made, given = {each.axis: each.beyond for each in found}, config.outer.beyond
-    beyond = tuple(made.get(axis, given[at % len(given)]) for at, axis in enumerate(config.stage.axes))
-    return config.outer.model_copy(update={"beyond": beyond if len(set(beyond)) > 1 else beyond[:1]})
+    """Return the bounds with the gains that are allowed at every frequency; of other axes as they were."""
+    made, outer, axes = {each.axis: each.allowed for each in found}, config.outer, config.stage.axes
+    before = outer.allowed or outer.beyond
+    allowed = tuple(made.get(axis, of_axis(before, at)) for at, axis in enumerate(axes))
+    return outer.model_copy(update={"allowed": allowed})
 
 
 def _weights(config: StageConfig, found: Sequence[AxisCalibration]) -> ChosenWeights:
     """Return the weights of every axis; a bandwidth of 0 where there are none."""
-    made = {each.axis: each.outer.weights if isinstance(each.outer, Design) else None for each in found}
+    made = {each.axis: _chosen(each.outer) if isinstance(each.outer, Design) else None for each in found}
     whole = {}
     for name, given in config.weights:
         before = given or (0.0,) * len(config.stage.axes)
@@ -51,3 +56,8 @@ def _weights(config: StageConfig, found: Sequence[AxisCalibration]) -> ChosenWei
             for at, axis in enumerate(config.stage.axes)
         )
     return ChosenWeights(**whole)
+
+
+def _chosen(design: Design) -> Weights:
+    """Return a loop's weights with the gain that it reaches where it is bounded frequency by frequency."""
+    return replace(design.weights, beyond=float(f"{1.005 * design.beyond:.3g}"))

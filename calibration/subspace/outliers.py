@@ -29,6 +29,8 @@ START = max(OWN, LAGS)
 """Samples at the beginning of a record that nothing foretells."""
 AROUND, PIECES = 100, 20
 """Samples in which the usual error is taken; stretches of long records, all over them, that the model is fitted to."""
+BLOCK = 65_536
+"""Samples that are looked at together."""
 Outliers = Literal["replace", "keep"]
 
 _WITHOUT_TAIL = 0.93
@@ -189,8 +191,11 @@ def outlier_notes(found: Sequence[np.ndarray]) -> tuple[str, ...]:
 
 def _jumps(response: np.ndarray) -> np.ndarray:
     """Return where samples are far from the median of the seven around them, and of all."""
-    around = np.lib.stride_tricks.sliding_window_view(np.pad(response, ((3, 3), (0, 0)), mode="edge"), 7, axis=0)
-    away = response - np.median(around, axis=-1)
+    padded, away = np.pad(response, ((3, 3), (0, 0)), mode="edge"), np.empty_like(response)
+    for first in range(0, len(response), BLOCK):  # the windows take seven times the memory
+        part = slice(first, first + BLOCK)
+        around = np.lib.stride_tricks.sliding_window_view(padded[first : first + BLOCK + 6], 7, axis=0)
+        away[part] = response[part] - np.median(around, axis=-1)
     return np.asarray(np.abs(away) > BOUND * np.maximum(_spread(away), _spread(response)))
 
 

@@ -7,7 +7,8 @@ import numpy as np
 EXACT = 1e-10
 """Power of the difference between periods, of the signal's: rounding, and no more."""
 SEEN = 0.25
-"""Of a record: how much more than a period has to be there."""
+"""Of a record: how much more than a period has to be there.  Of a signal's power: how much both of the parts that
+repeat must have; rest at both ends of a record is no period."""
 
 
 def periodic(records: Sequence[np.ndarray]) -> np.ndarray:
@@ -36,8 +37,15 @@ def _repeats(pieces: Sequence[np.ndarray]) -> bool:
     period = _period(longest)
     if period == 0:
         return False
+    power = float(np.var(longest))
     long_enough = [piece for piece in pieces if len(piece) * (1 - SEEN) > period]
-    return all(_off(piece, period) < EXACT * np.mean(longest**2) for piece in long_enough)
+    return all(_repeats_after(piece, period, power) for piece in long_enough)
+
+
+def _repeats_after(signal: np.ndarray, period: int, power: float) -> bool:
+    early, late = signal[:-period], signal[period:]
+    moves = min(float(np.var(early)), float(np.var(late))) > SEEN * power
+    return moves and float(np.mean((late - early) ** 2)) < EXACT * power
 
 
 def _period(signal: np.ndarray) -> int:
@@ -49,7 +57,3 @@ def _period(signal: np.ndarray) -> int:
     correlation = np.fft.irfft(np.abs(spectrum) ** 2)[:last] / (len(signal) - np.arange(last))
     falls = np.flatnonzero(correlation < 0.5 * correlation[0])  # a slow signal is like itself a sample later
     return int(falls[0] + correlation[falls[0] :].argmax()) if len(falls) else 0
-
-
-def _off(signal: np.ndarray, period: int) -> float:
-    return float(np.mean((signal[period:] - signal[:-period]) ** 2))

@@ -37,7 +37,7 @@ def frequencies_above(outer: Outer, rate: float) -> np.ndarray:
     return np.geomspace(outer.reach, rate / 2, BINS) if outer.reach < rate / 2 else np.zeros(0)
 
 
-def configured(outer: Outer, axis: int, rate: float) -> AllowedGains:
+def configured(outer: Outer, axis: int, rate: float, chosen: float = 0.0) -> AllowedGains:
     """Return the same gains for all frequencies, those of `[outer]`.
 
     Parameters
@@ -45,9 +45,14 @@ def configured(outer: Outer, axis: int, rate: float) -> AllowedGains:
     outer : Outer
     axis : int, counted from 0
     rate : float, samples/s
+    chosen : float, 1, optional
+        `Weights.beyond` of a loop that was chosen: in place of the gain from the error, where there is one.
     """
     same = np.ones(len(frequencies_above(outer, rate)))
-    return AllowedGains(of_axis(outer.beyond, axis) * same, outer.forward_beyond * same)
+    beyond = of_axis(outer.beyond, axis)
+    if outer.allowed:
+        beyond = min(beyond, of_axis(outer.allowed, axis))
+    return AllowedGains((chosen or beyond) * same, outer.forward_beyond * same)
 
 
 def of_axis(values: PerAxis, axis: int) -> float:

@@ -47,10 +47,10 @@ class Design:
     worst_sensitivity : float, 1
         Ms where natural frequencies are off by `Outer.mistuning` either way, or not.
     left : float, 1
-        What is left of a reference that moves at `Outer.disturbance`, of one `FASTER` and smaller, and of a push that
-        changes `SLOWER`; `Outer.compliance` of the answers to forces that change as fast as the first and `FASTER`
-        times more slowly, and `Outer.push` of that to a push that rings, all re the plant at rest: root of the sum of
-        their squares.
+        Root of the sum of the squares of: what is left of a reference that moves at `Outer.disturbance`; of one
+        `FASTER` and smaller; of a push that changes `SLOWER`; `Outer.compliance` times the answers to forces at
+        `Outer.disturbance` and at that over `FASTER`; `Outer.push` times the answer to a push that rings.  Answers are
+        re the plant at rest.
     beyond : float, 1
         Largest gain of the controller above `Outer.reach`, from the error, re the plant at rest.
     """
@@ -116,6 +116,8 @@ def design(
     ------
     NoLoop : no combination keeps the bounds, or the one that was chosen does not.
     """
+    if allowed is None:
+        allowed = configured(outer, axis, model.rate, weights.beyond if weights is not None else 0.0)
     search, tried = Search(model, outer, axis, allowed), 0
     known: list[tuple[Candidate, Reached]] = []
     for ranges in _asked_for(outer, axis) if weights is None else [only(weights)]:
@@ -138,15 +140,14 @@ class Search:
     model : InnovationModel
     outer : Outer
     axis : int, counted from 0
-    allowed : AllowedGains, optional
-        In place of those of `outer`.
+    allowed : AllowedGains
     """
 
-    def __init__(self, model: InnovationModel, outer: Outer, axis: int, allowed: AllowedGains | None = None) -> None:
+    def __init__(self, model: InnovationModel, outer: Outer, axis: int, allowed: AllowedGains) -> None:
         offs = sorted({0.0, -outer.mistuning, outer.mistuning}, key=abs)
         self._model, self.outer, self.axis = model, outer, axis
         self._plants = [mistuned(plant_of(model), 1.0 + off) for off in offs]
-        self._looks = Looks(self._plants, model.rate, outer, allowed or configured(outer, axis, model.rate))
+        self._looks = Looks(self._plants, model.rate, outer, allowed)
         self.useless = self._looks.useless
 
     def candidates(self, ranges: Ranges) -> Iterator[Candidate]:
@@ -214,8 +215,8 @@ def _no_loop(
         else f"none of {tried} outer loops keeps its bounds; what binds is {reached.binding(outer)}; the nearest has"
     )
     return NoLoop(
-        f"axis {axis + 1}: {advice} {reached}; allowed are Ms {outer.max_sensitivity:g}, mistuned "
-        f"{outer.mistuned_sensitivity:g}, answer {outer.mistuned_sensitivity:g}"
+        f"axis {axis + 1}: {advice} {reached}; allowed are Ms {outer.max_sensitivity:g}, mistuned and answer "
+        f"{outer.mistuned_sensitivity:g}"
         f"{_narrow(model, outer.mistuning) if reached.mistuned_sensitivity == np.inf else ''}",
         nearest,
     )

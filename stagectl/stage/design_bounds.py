@@ -14,9 +14,10 @@ NEAR = np.geomspace(0.85, 1.0 / 0.85, 41)
 """Of a resonance's frequency: where pushes are looked at, since a loop moves it."""
 SLOWER, FASTER = 10.0, 3.0
 """How many times slower than `Outer.disturbance` pushes are; how many times faster, and smaller, references are too.
-Of the forces that `Outer.compliance` counts the second is `FASTER` times more slow."""
+The second of the forces that `Outer.compliance` counts is as many times slower."""
 USELESS = 1.35
-"""Error left, where no loop at all leaves 1.45: whoever asks for a loop does not want one of more."""
+"""Error left, where no loop at all leaves 1.45: whoever asks for a loop does not want one of more.  Answers to
+forces are added to both."""
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from scipy.optimize import minimize
 
 from calibration.state_space.model import InnovationModel
 from stagectl.config import Outer
-from stagectl.stage.allowed_gains import AllowedGains, of_axis
+from stagectl.stage.allowed_gains import AllowedGains, configured, of_axis
 from stagectl.stage.design import Candidate, Design, NoLoop, Search, design, only
 from stagectl.stage.weights import Weights
 
@@ -39,6 +39,7 @@ def designed(model: InnovationModel, outer: Outer, axis: int, allowed: AllowedGa
     ------
     NoLoop : no loop keeps the bounds.
     """
+    allowed = configured(outer, axis, model.rate) if allowed is None else allowed
     search = Search(model, outer, axis, allowed)
     try:
         found = design(model, outer, axis, allowed=allowed)

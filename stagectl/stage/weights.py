@@ -35,6 +35,8 @@ class Weights:
         Part of the l_r that leaves no error on a ramp.
     notch : float, 1
         Damping ratio of the poles of `notches`; 0 for none.
+    beyond : float, 1
+        Gain above `Outer.reach`, re the plant at rest, that was found to be allowed with these; 0 for none found.
     """
 
     bandwidth: float
@@ -44,6 +46,7 @@ class Weights:
     caution: float
     feedforward: float
     notch: float
+    beyond: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -71,20 +71,47 @@ def _noisy(samples: int = 400) -> tuple[np.ndarray, np.ndarray]:
 
 def test_stretches_in_which_a_logger_stood_still_are_gaps() -> None:
     drive, response = _noisy()
-    for first, last in ((0, 5), (100, 103), (396, 400)):  # the first is rest
+    for first, last in ((0, 5), (100, 103), (250, 260), (396, 400)):  # at the ends it is rest
         drive[first:last], response[first:last] = drive[max(first - 1, 0)], response[max(first - 1, 0)]
-    stood = [*range(100, 103), *range(396, 400)]
+    stood = [*range(100, 103), *range(250, 260)]
     assert np.flatnonzero(held(drive, response)).tolist() == stood
-    with pytest.warns(UserWarning, match="7 of 400 samples are missing, 7 of them repeated by a logger that stood"):
+    with pytest.warns(UserWarning, match="13 of 400 samples are missing, 13 of them repeated by a logger that stood"):
         drives, _ = without_gaps([drive], [response], 10)
-    assert [len(each) for each in drives] == [100, 293]
+    assert [len(each) for each in drives] == [100, 147, 140]
 
 
-def test_signals_that_come_to_rest_are_no_gap() -> None:
-    drive = np.repeat(np.sign(np.sin(np.arange(8.0) + 1.0)), 200)[:, None]
-    response = lfilter([0.5], [1.0, -0.5], drive, axis=0)
-    assert np.all(response[150:200] == response[199])  # to the last bit
+@pytest.mark.parametrize("pole", [0.0, 0.5, 0.8])
+@pytest.mark.parametrize("bits", [0, 8, 12])
+def test_signals_that_come_to_rest_are_no_gap(pole: float, bits: int) -> None:
+    """Steps, and a burst with rest behind it."""
+    steps = np.repeat(np.sign(np.sin(np.arange(8.0) + 1.0)), 200)[:, None]
+    burst = np.where(np.arange(2000) < 1500, np.random.default_rng(1).choice([-1.0, 1.0], 2000), 0.0)[:, None]
+    for drive in (steps, burst):
+        response = lfilter([0.0, 1.0 - pole], [1.0, -pole], drive, axis=0)
+        response = np.round(response * 2 ** (bits - 1)) / 2 ** (bits - 1) if bits else response
+        assert not held(drive, response).any()
+
+
+@pytest.mark.parametrize("every", [2, 3, 4])
+def test_signals_that_change_every_few_samples_are_taken_as_they_are(every: int) -> None:
+    rng = np.random.default_rng(6)
+    drive, response = (np.repeat(rng.standard_normal((1000, 1)), every, axis=0) for _ in "ur")
     assert not held(drive, response).any()
+
+
+def test_coarse_noise_repeats_itself_by_chance() -> None:
+    noise = np.round(60 * np.random.default_rng(7).standard_normal((100_000, 1)))
+    assert not held(noise[:, :0], noise).any()
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_logger_that_stood_still_before_samples_are_missing_is_found(value: float) -> None:
+    drive, response = _noisy()
+    drive[100:110], response[100:110] = drive[99], response[99]
+    response[110:113] = value
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert np.flatnonzero(held(drive, response)).tolist() == list(range(100, 110))
 
 
 def test_coarse_signals_that_flicker_at_rest_are_no_gap() -> None:

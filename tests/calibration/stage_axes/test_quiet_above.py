@@ -1,6 +1,9 @@
 """How what lies above a model's band bounds the loop."""
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
 from calibration.stage_axes.above import HeardGain
 from calibration.stage_axes.allowed import ANSWER, QUIETER, SMALL, quiet_above
@@ -9,6 +12,7 @@ from calibration.stage_axes.calibration import inner_loop
 from rigkit import config as rig_file
 from stagectl.config import Outer, StageConfig
 from stagectl.stage.allowed_gains import AllowedGains, frequencies_above
+from stagectl.stage.design import NoLoop, design
 from stagectl.stage.design_refinement import designed
 from tests.stagectl.linear_stage import model
 
@@ -20,20 +24,28 @@ BAND = np.arange(200.0, 800.0)
 
 def heard(gain: float, at: float | None = None) -> HeardGain:
     """Return a gain re that at rest: of all frequencies, or of one alone."""
-    return HeardGain(BAND, AT_REST * gain * (np.ones_like(BAND) if at is None else (at == BAND)))
+    return HeardGain(BAND, AT_REST * gain * (np.ones_like(BAND) if at is None else np.where(at == BAND, 1.0, 1e-6)))
 
 
 def allowed(above: HeardGain, seen: HeardGain | None) -> AllowedGains:
     return quiet_above(Outer(), 2, model("z"), above, seen)
 
 
-def test_where_it_is_silent_the_controllers_gain_may_be_larger_than_the_rig_files_but_not_that_from_the_reference() -> (
-    None
-):
-    for silent in (heard(1e-3), heard(0.0)):
-        found = allowed(silent, silent)
-        np.testing.assert_allclose(found.feedback, QUIETER * Outer().beyond[0])
-        np.testing.assert_allclose(found.forward, Outer().forward_beyond)
+FREQUENCY = frequencies_above(Outer(), model("z").rate)
+
+
+def test_where_it_is_silent_the_gain_may_be_larger_than_the_rig_files_but_not_that_from_the_reference() -> None:
+    found = allowed(heard(1e-3), heard(1e-3))
+    went = FREQUENCY < 700.0
+    np.testing.assert_allclose(found.feedback[went], QUIETER * Outer().beyond[0])
+    np.testing.assert_allclose(found.feedback[FREQUENCY > 800.0], Outer().beyond[0])
+    np.testing.assert_allclose(found.forward, Outer().forward_beyond)
+
+
+def test_where_noise_alone_is_heard_the_rig_files_bounds_hold() -> None:
+    found = allowed(heard(0.0), heard(0.0))
+    np.testing.assert_allclose(found.feedback, Outer().beyond[0])
+    np.testing.assert_allclose(found.forward, Outer().forward_beyond)
 
 
 def test_one_that_rings_there_gets_a_loop_of_small_gain() -> None:
@@ -43,7 +55,7 @@ def test_one_that_rings_there_gets_a_loop_of_small_gain() -> None:
 
 
 def test_what_rings_at_one_frequency_bounds_the_gain_there_and_where_nobody_listened() -> None:
-    found, frequency = allowed(heard(4.0, at=400.0), None), frequencies_above(Outer(), model("z").rate)
+    found, frequency = allowed(heard(4.0, at=400.0), None), FREQUENCY
     near = np.abs(frequency / 400.0 - 1.0) < 0.05
     bound = found.feedback < 1.01 * SMALL / 4.0
     assert bound[near].all()
@@ -65,6 +77,18 @@ def test_a_loop_leaves_out_what_rings_and_is_as_good_as_without_elsewhere() -> N
     )
     assert one.left < 0.95 * all_of_them.left
     assert one.beyond > 1.5 * all_of_them.beyond
+
+
+def test_a_loop_that_is_made_anew_keeps_what_is_allowed_at_every_frequency() -> None:
+    """Chosen weights alone have what was measured at each."""
+    outer = Outer(allowed=(0.2,), bandwidth=(100.0,))
+    assert design(model("z"), outer, 2).beyond <= 0.2
+    chosen = design(model("z"), outer.model_copy(update={"allowed": ()}), 2)
+    assert chosen.beyond > 0.21
+    with pytest.raises(NoLoop, match=r"of those allowed"):
+        design(model("z"), outer, 2, chosen.weights)
+    again = design(model("z"), outer, 2, replace(chosen.weights, beyond=1.001 * chosen.beyond))
+    assert again.beyond == pytest.approx(chosen.beyond)
 
 
 def test_an_inner_loop_is_so_slow_that_its_gain_is_small_there() -> None:

@@ -34,6 +34,20 @@ def test_steps_ramps_and_nothing_do_not() -> None:
     assert not periodic([np.column_stack([steps, np.arange(500.0), np.zeros(500)])]).any()
 
 
+def test_rest_at_both_ends_is_no_period() -> None:
+    """A controller that is switched on for a while, and a knock."""
+    rng = np.random.default_rng(8)
+    while_on, knock = np.zeros((2, 4000, 1))
+    while_on[1050:2950] = rng.standard_normal((1900, 1))
+    knock[2000] = 1.0
+    assert not periodic([while_on]).any()
+    assert not periodic([knock]).any()
+
+
+def test_a_level_hides_no_difference() -> None:
+    assert not periodic([1e6 + np.random.default_rng(9).standard_normal((1000, 1))]).any()
+
+
 @pytest.mark.parametrize("seed", [4185, 4241])
 def test_a_periodic_input_is_in_no_loop_whatever_the_outputs_seem_to_tell(
     seed: int, monkeypatch: pytest.MonkeyPatch

@@ -5,16 +5,17 @@ import pytest
 from stagectl.config import Outer
 from stagectl.stage import design as design_module
 from stagectl.stage import design_refinement
+from stagectl.stage.allowed_gains import configured
 from stagectl.stage.design import NoLoop, Search, design
 from stagectl.stage.design_refinement import designed, refined
-from tests.stagectl.linear_stage import model
+from tests.stagectl.linear_stage import RATE, model
 
 
 def test_it_leaves_less_error_within_the_same_bounds(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(design_refinement, "LOOKS", 60)
     outer = Outer(bandwidth=(100.0,), max_sensitivity=1.5)
     coarse = design(model("z"), outer, 2)
-    fine = refined(coarse, Search(model("z"), outer, 2))
+    fine = refined(coarse, Search(model("z"), outer, 2, configured(outer, 2, RATE)))
     assert fine.left < 0.95 * coarse.left
     assert fine.robustness.max_sensitivity <= 1.5
     assert fine.worst_sensitivity <= 3.0
