@@ -17,7 +17,10 @@ FEW, RARE = 5, 0.005
 
 
 def without_gaps(
-    drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], shortest: int | None = None
+    drives: Sequence[np.ndarray],
+    responses: Sequence[np.ndarray],
+    shortest: int | None = None,
+    at_least: int = 1,
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Return the stretches of records in which no sample is missing, each as a record of its own.
 
@@ -32,6 +35,8 @@ def without_gaps(
     shortest : int, samples, optional
         What is shorter is left out too.  Where not given, as long as leaves most: the sum of what is kept times the
         shortest of it, of which `ENOUGH` are enough.
+    at_least : int, samples, optional
+        And no shorter than this.
 
     Returns
     -------
@@ -63,7 +68,8 @@ def without_gaps(
         for (drive, response), present in zip(pairs, whole, strict=True)
         for first, last in stretches(present)
     ]
-    least = _best_of([len(drive) for drive, _ in between]) if shortest is None else shortest
+    lengths = [len(drive) for drive, _ in between if len(drive) >= at_least]
+    least = _best_of(lengths, at_least) if shortest is None else max(shortest, at_least)
     found = [(drive, response) for drive, response in between if len(drive) >= least]
     if not found:
         raise ValueError(f"{missing} samples are missing, and between them there is no stretch of {least} samples")
@@ -123,7 +129,7 @@ def _and_held(samples: int) -> str:
     return f", {samples} of them repeated by a logger that stood still" if samples else ""
 
 
-def _best_of(lengths: list[int]) -> int:
+def _best_of(lengths: list[int], otherwise: int) -> int:
     """Return the least length that is worth keeping."""
     worth = {length: sum(each for each in lengths if each >= length) * min(length, ENOUGH) for length in lengths}
-    return max(worth, key=lambda length: worth[length], default=1)
+    return max(worth, key=lambda length: worth[length], default=otherwise)

@@ -143,7 +143,7 @@ def parsed(
     if data is not None:
         return np.arange(first, first + len(data)), data
     rows, numbers = [], []
-    for row, line in _kept(path, first, block):
+    for row, line in _kept(path, first, block, cells.may_miss and cells.between == "\t"):
         rows.append(row)
         numbers.append(_numbers(path, row, line, cells))
     return np.array(rows, dtype=int), np.array(numbers).reshape(-1, cells.width)[:, wanted]
@@ -157,9 +157,9 @@ def as_text(path: Path, first: int, block: bytes) -> str:
         raise RecordingError(str(fault)) from None
 
 
-def _kept(path: Path, first: int, block: bytes) -> Iterator[tuple[int, str]]:
+def _kept(path: Path, first: int, block: bytes, has_empty_rows: bool = False) -> Iterator[tuple[int, str]]:
     for number, line in enumerate(as_text(path, first, block).removesuffix("\n").split("\n"), start=first):
-        if line.strip() and not line.startswith(COMMENT):
+        if (line if has_empty_rows else line.strip()) and not line.startswith(COMMENT):
             yield number, line
 
 

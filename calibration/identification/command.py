@@ -26,8 +26,16 @@ from calibration.identification.report import (
     record_notes,
     verdicts,
 )
-from calibration.identification.thinning import thinned_recordings, thinning_note
-from calibration.identification.workflow import METHODS, REFINED, STEPS, Identification, Method, identify_recordings
+from calibration.identification.thinning import shortest_stretch, thinned_recordings, thinning_note
+from calibration.identification.workflow import (
+    METHODS,
+    REFINED,
+    STEPS,
+    Identification,
+    Method,
+    identify_recordings,
+    shortest_recording,
+)
 from calibration.names import raw_folder, refuse_inputs, refuse_taken
 from calibration.output import AgainOption
 from calibration.subspace.outliers import Outliers
@@ -91,7 +99,8 @@ def identify_command(
     """
     states = order_of(order)
     made = _made(out, [*(data or []), *(drives or [])])
-    given = _read(data or [], drives or [], (inputs, outputs, channels), rate)
+    at_least = shortest_stretch(max(decimate, 1), shortest_recording(hold_back))
+    given = _read(data or [], drives or [], (inputs, outputs, channels), rate, at_least)
     measured = _made_ready(given, decimate, correct_clock, cast(Outliers, outliers))
     with _watched(measured) as show:
         found = identify_recordings(
@@ -147,7 +156,11 @@ def _watched(measured: Measured) -> Iterator[Callable[[int, str], None]]:
 
 
 def _read(
-    data: Sequence[Path], drives: Sequence[Path], named: tuple[str | None, str | None, str | None], rate: float | None
+    data: Sequence[Path],
+    drives: Sequence[Path],
+    named: tuple[str | None, str | None, str | None],
+    rate: float | None,
+    at_least: int,
 ) -> Measured:
     """Read what is given: one file whose channels are named, or pairs of files."""
     inputs, outputs, channels = named
@@ -162,7 +175,7 @@ def _read(
     if len(data) != 1:
         raise ValueError(f"{len(data)} files are given, must be one, or pairs of drives and responses: --from D R")
     wanted = channels_of("--inputs", inputs), channels_of("--outputs", outputs)
-    return _labelled(from_file(data[0], *wanted, rate))
+    return _labelled(from_file(data[0], *wanted, rate, at_least))
 
 
 def _labelled(measured: Measured) -> Measured:

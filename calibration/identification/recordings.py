@@ -51,7 +51,9 @@ class Measured:
         return ", ".join(dict.fromkeys(self.names))
 
 
-def from_file(path: Path, inputs: Sequence[str], outputs: Sequence[str], rate: float | None) -> Measured:
+def from_file(
+    path: Path, inputs: Sequence[str], outputs: Sequence[str], rate: float | None, at_least: int = 1
+) -> Measured:
     """Read inputs and outputs from one file; where samples are missing a recording ends, and another one begins.
 
     Parameters
@@ -61,23 +63,32 @@ def from_file(path: Path, inputs: Sequence[str], outputs: Sequence[str], rate: f
         Channels, by name or number.
     rate : float or None, samples/s
         Where the file does not say it.
+    at_least : int, samples, optional
+        Shorter stretches between samples that are missing are left out.
 
     Raises
     ------
     RecordingError : as of `read_channels`.
-    ValueError : a channel that is both.
+    ValueError : a channel that is both, or has no sample, or no stretch that is long enough.
     """
     if both := set(inputs) & set(outputs):
         raise ValueError(f"{', '.join(sorted(both))}: cannot be input and output at once")
-    return _without_gaps(read_channels(path, [*inputs, *outputs], rate, may_miss=True), str(path), len(inputs))
+    recording = read_channels(path, [*inputs, *outputs], rate, may_miss=True)
+    try:
+        return _without_gaps(recording, str(path), len(inputs), at_least)
+    except ValueError as fault:
+        raise ValueError(f"{path}: {fault}") from None
 
 
-def _without_gaps(recording: Recording, name: str, inputs: int) -> Measured:
+def _without_gaps(recording: Recording, name: str, inputs: int, at_least: int) -> Measured:
     """Return the stretches of a recording in which no sample is missing, and say what is left out."""
+    for channel, signal in zip(recording.names, recording.data.T, strict=True):
+        if np.isnan(signal).all():
+            raise ValueError(f"channel {channel!r} has no sample")
     drive, response = np.hsplit(recording.data, [inputs])
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
-        pieces = list(zip(*without_gaps([drive], [response]), strict=True))
+        pieces = list(zip(*without_gaps([drive], [response], at_least=at_least), strict=True))
     found = tuple(replace(recording, data=np.hstack(piece)) for piece in pieces)
     return Measured(
         found, (name,) * len(found), inputs, (False,) * len(found), tuple(str(each.message) for each in told)

@@ -34,6 +34,17 @@ def thinned(signal: np.ndarray, factor: int) -> np.ndarray:
     return thin[DECIMATOR_REACH:-DECIMATOR_REACH] if factor > 1 else thin
 
 
+def shortest_stretch(factor: int, wanted: int) -> int:
+    """Return how many samples a recording must have for `wanted` of them to be left at the lower rate.
+
+    Parameters
+    ----------
+    factor : int, >= 1
+    wanted : int, samples
+    """
+    return wanted if factor == 1 else factor * (max(wanted, LEAST) + 2 * DECIMATOR_REACH)
+
+
 def thinned_recordings(recordings: Sequence[Recording], names: Sequence[str], factor: int) -> list[Recording]:
     """Lower the rate of recordings.
 

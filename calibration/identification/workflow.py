@@ -1,5 +1,6 @@
 """Identify a model on the first part of each recording, and judge it on the rest."""
 
+import math
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -147,6 +148,16 @@ def identify_recordings(
     runs = [free_run(model, drive, heard) for drive, heard in zip(*late, strict=True)]
     drive, response, modelled = (np.concatenate(each) for each in (*late, runs))
     return Identification(model, found, method, errors, own, fresh, drive, response, modelled, nearly, (*notes, *ended))
+
+
+def shortest_recording(hold_back: float) -> int:
+    """Return how many samples a recording must have for enough of them to be held back.
+
+    Parameters
+    ----------
+    hold_back : float, share of the samples
+    """
+    return math.ceil((LAGS + 1) / min(max(hold_back, LEAST_HELD_BACK), MOST_HELD_BACK)) + 1
 
 
 def _cut(samples: int, number: int, hold_back: float) -> int:

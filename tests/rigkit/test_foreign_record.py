@@ -129,6 +129,13 @@ def test_cells_that_are_empty_or_nan_are_samples_that_are_missing_where_some_may
         read_channels(path, ["a", "b"], None)
 
 
+def test_a_row_of_nothing_but_tabs_is_one_that_is_missing(tmp_path: Path) -> None:
+    path = tmp_path / "holes.tsv"
+    path.write_text("a\tb\n1\t2\n\t\n\n5\t6\n")
+    found = read_channels(path, ["a", "b"], 10.0, may_miss=True)
+    np.testing.assert_array_equal(found.data, [[1, 2], [np.nan, np.nan], [5, 6]])
+
+
 @pytest.mark.parametrize(("row", "complaint"), [("0.1,inf,4", "column 2: 'inf'"), (",1,4", "column 1: ''")])
 def test_what_is_infinite_and_time_are_refused_all_the_same(tmp_path: Path, row: str, complaint: str) -> None:
     path = tmp_path / "holes.csv"

@@ -88,6 +88,30 @@ def test_where_samples_are_missing_a_recording_ends_and_another_one_begins(
     assert "20 of 2200 samples are missing: 2180 in 2 stretches are used" in capsys.readouterr().out.replace("\n", " ")
 
 
+def test_stretches_too_short_to_be_decimated_or_held_back_are_left_out(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = Path("both.csv").read_text().splitlines()
+    text[2001] = ",".join([*text[2001].split(",")[:-1], ""])
+    (folder / "tail.csv").write_text("\n".join(text))
+    assert identify(monkeypatch, folder / "tail.csv", *CHANNELS, "--order", "8", "--decimate", "4") == 0
+    assert "1 of 2200 samples are missing: 2000 in 1 stretch are used" in capsys.readouterr().out.replace("\n", " ")
+    text[1::50] = [",".join([*line.split(",")[:-1], "nan"]) for line in text[1::50]]
+    (folder / "many.csv").write_text("\n".join(text))
+    assert identify(monkeypatch, folder / "many.csv", *CHANNELS) == 2
+    assert "many.csv: 44 samples are missing, and between them there is no stretch of 88" in capsys.readouterr().err
+
+
+def test_a_channel_that_has_no_sample_is_named(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "none.csv").write_text(
+        "t [s],u1,u2,y1,y2\n" + "".join(f"{n},{n % 7},{n % 5},,{n % 3}\n" for n in range(300))
+    )
+    assert identify(monkeypatch, folder / "none.csv", *CHANNELS) == 2
+    assert "none.csv: channel 'y1' has no sample" in capsys.readouterr().err
+
+
 def test_outliers_are_replaced_before_the_rate_is_lowered(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
