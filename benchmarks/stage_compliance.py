@@ -1,26 +1,27 @@
 """How far a cut of 100 N pushes the plate: outer loops calibrated with `outer.compliance` and without, side by side.
 
 `python -m benchmarks.stage_compliance [SEED ...] [--write]`, two minutes a seed, on the chirps that
-`benchmarks.stage_chain` has recorded: `calibrate stage --recompute` with each compliance.  Answers at 10 and 30 Hz and
+`benchmarks.stage_chain` has recorded, models and loops made as `calibrate stage` does.  Answers at 10 and 30 Hz and
 Ms are those of the plants themselves, linearised, all modes among them, the inner loop closed.  Ms is the largest where
 natural frequencies are off by 5 % either way, the gain by 20 % either way, and there is one sample of delay more.  The
 cut is the simulated one, nonlinear, its force scaled to a mean of 100 N along the axis; the largest error is that of
 the worst of natural frequencies off by 5 % or not, one sample of delay more.  Nothing else moves the plate.
 """
 
-import shutil
-import subprocess
-import sys
 from dataclasses import replace
+from functools import partial
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 from scipy.linalg import expm
 
 from benchmarks.page_table import put, table, words
-from benchmarks.stage_chain import AXES, FOLDER, RATE, SECONDS, SEEDS, calibrated, simulated_run
+from benchmarks.stage_chain import AXES, RATE, SECONDS, SEEDS, calibrated, simulated_run
 from benchmarks.stage_robustness import closed, linearised
+from calibration.experiment import RawFolder
+from calibration.stage_axes.allowed import quiet_above
+from calibration.stage_axes.bench import RecordedBench
+from calibration.stage_axes.calibration import AxisCalibration, calibrate_axes
 from firmware_sim.plants.milling_disturbance import MillingDisturbance
 from firmware_sim.plants.piezo_stage import PiezoStagePlant
 from rigkit import config as rig_file
@@ -29,6 +30,7 @@ from stagectl.scenario import MILLING
 from stagectl.session import error_of
 from stagectl.setup import Setup, setup
 from stagectl.stage.design import Design
+from stagectl.stage.design_refinement import designed
 from stagectl.stage.piezo_pid import pid
 from stagectl.stage.sensitivity import robustness
 from stagectl.stage.state_space import StateSpace
@@ -100,27 +102,26 @@ def mean_force(name: str, axis: int, start: float) -> float:
     return float(force[whole.cut, axis].mean())
 
 
-def recalibrated(seed: int, compliance: float) -> Path:
-    """Calibrate a stage anew from its chirps, unless it is; return the folder."""
-    before, folder = calibrated(seed), FOLDER / f"seed-{seed}-compliance-{compliance:g}"
-    if not (folder / "stage.json").exists():
-        shutil.copytree(before, folder, dirs_exist_ok=True)
-        (folder / "stage.json").unlink()
-        options = ("--axis", "all", "--seed", seed, "--out", folder / "stage.h5", "--json", folder / "stage.json")
-        given = [*map(str, options), "--recompute", "--set", f"outer.compliance={compliance}"]
-        subprocess.run([sys.executable, "-m", "calibration", "stage", *given], check=False)
-    return folder
+def calibrations(seed: int) -> list[AxisCalibration]:
+    """Identify a stage again from its chirps, with its outer loops."""
+    folder = calibrated(seed)
+    rig = rig_file.load(None, StageConfig, [f"simulator.options.seed={seed}"])
+    with RawFolder(folder / "stage.raw") as raw:
+        return calibrate_axes(rig, range(len(AXES)), raw, None, "moesp", partial(RecordedBench, rig), {})
 
 
-def rows_of(seed: int, axis: int) -> list[list[str]]:
-    """Return a row for each of `COMPLIANCE`."""
-    rows = []
-    for compliance in COMPLIANCE:
-        folder = recalibrated(seed, compliance)
-        rig = rig_file.load(folder / "stage.toml", StageConfig)
-        made = setup(rig, [folder / f"stage-{name}.h5" for name in AXES])
-        answers, error = 1e6 * gives(seed, axis, made.designs[axis], rig), 1e6 * largest_error(seed, axis, made)
-        figures = [*answers, worst_sensitivity(seed, axis, made.designs[axis], rig), error]
+def rows_of(seed: int) -> list[list[str]]:
+    """Return a row for each axis and each of `COMPLIANCE`."""
+    folder, found, rows = calibrated(seed), calibrations(seed), []
+    rig = rig_file.load(folder / "stage.toml", StageConfig)
+    before = setup(rig, [folder / f"stage-{name}.h5" for name in AXES])
+    for axis, compliance in product(range(len(AXES)), COMPLIANCE):
+        outer, closed = rig.outer.model_copy(update={"compliance": compliance, "allowed": ()}), found[axis].closed
+        model = closed.one.model
+        made = designed(model, outer, axis, quiet_above(outer, axis, model, closed.above, closed.seen))
+        designs = [made if at == axis else each for at, each in enumerate(before.designs)]
+        error = 1e6 * largest_error(seed, axis, replace(before, designs=tuple(designs)))
+        figures = [*(1e6 * gives(seed, axis, made, rig)), worst_sensitivity(seed, axis, made, rig), error]
         rows.append([str(seed), AXES[axis], f"{compliance:g}", *(f"{each:.2f}" for each in figures)])
         print(*rows[-1], flush=True)
     return rows
@@ -129,7 +130,7 @@ def rows_of(seed: int, axis: int) -> list[list[str]]:
 def main() -> None:
     """Print the table, and put it into `docs/`."""
     seeds = [int(text) for text in words()] or SEEDS
-    rows = [row for seed in seeds for axis in range(len(AXES)) for row in rows_of(seed, axis)]
+    rows = [row for seed in seeds for row in rows_of(seed)]
     answers = ["100 N at 10 Hz, µm", "at 30 Hz, µm"]
     head = ["seed", "axis", "compliance", *answers, "Ms, worst", "cut of 100 N, largest, µm"]
     put(table(head, rows), "stage.md", "compliance")

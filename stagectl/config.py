@@ -135,7 +135,11 @@ class Outer(Section):
     )
     reach: float = setting(200.0, "Hz", "the models hold up to here", gt=0, le=50_000)
     beyond: PerAxis = setting(
-        (1.0,), "1", "largest gain of the controller from there on, re the plant at rest", min_length=1
+        (1.0,),
+        "1",
+        "largest gain of the controller from there on, re the plant at rest; four times it where `calibrate stage` has "
+        "heard that the stage is silent",
+        min_length=1,
     )
     allowed: PerAxis = setting(
         (), "1", "gain that `calibrate stage` has found to be allowed at every frequency there; none: beyond"

@@ -48,7 +48,7 @@ class MillingOptions:
     scale : float, 1
         Of deflection and force, for a stage of another travel.
     force : float, 1
-        Of the force alone: 5 is the mean of 100 N along the cut that steel takes.
+        Of the force alone: steel takes a mean of 100 N, five times this along x and y, four times along z.
 
     Raises
     ------
