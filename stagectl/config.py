@@ -137,8 +137,7 @@ class Outer(Section):
     beyond: PerAxis = setting(
         (1.0,),
         "1",
-        "largest gain of the controller from there on, re the plant at rest; four times it where `calibrate stage` has "
-        "heard that the stage is silent",
+        "largest gain of the controller from there on, re the plant at rest",
         min_length=1,
     )
     allowed: PerAxis = setting(

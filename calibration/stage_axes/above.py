@@ -24,31 +24,24 @@ class HeardGain:
     frequency: np.ndarray
     gain: np.ndarray
 
-    def near(self, frequency: np.ndarray, spread: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the largest gain near each of some frequencies, and whether it was heard there.
+    def near(self, frequency: np.ndarray, spread: float) -> np.ndarray:
+        """Return the largest gain near each of some frequencies, shape (bins,), the response's unit per unit of drive.
 
-        Where the chirp did not go up to all that is near, or where more of that was noise than not, it was not: then
-        the gain is the largest of all.
+        Where the chirp did not go up to all that is near, or more of that was noise than not, it is the largest of all.
 
         Parameters
         ----------
         frequency : array, shape (bins,), Hz
         spread : float, 1
             How far away still counts, of the frequency: resonances may be elsewhere another day.
-
-        Returns
-        -------
-        gain : array, shape (bins,), the response's unit per unit of drive
-        heard : array of bool, shape (bins,)
         """
         low = np.searchsorted(self.frequency, frequency * (1 - spread) - RESOLUTION)
         high = np.searchsorted(self.frequency, frequency * (1 + spread), side="right")
         went = (low < high) & (frequency * (1 + spread) <= self.frequency[-1] + RESOLUTION)
         bins = zip(low, high, went, strict=True)
-        near = [self.gain[first:last] if inside else self.gain[:0] for first, last, inside in bins]
-        heard = np.array([len(each) > 0 and np.mean(each > 0) > MOSTLY for each in near])
-        gain = [each.max() if there else self.gain.max() for each, there in zip(near, heard, strict=True)]
-        return np.array(gain), heard
+        near = (self.gain[first:last] if inside else self.gain[:0] for first, last, inside in bins)
+        heard = (each if len(each) > 0 and np.mean(each > 0) > MOSTLY else self.gain for each in near)
+        return np.array([each.max() for each in heard])
 
 
 def heard_gain(drive: np.ndarray, response: np.ndarray, rate: float, band: tuple[float, float]) -> HeardGain:

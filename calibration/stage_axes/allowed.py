@@ -9,8 +9,6 @@ from stagectl.stage.allowed_gains import BINS, AllowedGains, frequencies_above, 
 
 SMALL = 0.5
 """Largest gain of the loop where the model knows nothing: with it, whatever the phase is there, Ms is 2 at most."""
-QUIETER = 4.0
-"""Most that silence is worth, of `Outer.beyond`, where the chirp went: there may be more than it has shown."""
 ANSWER = 1.0
 """Largest answer to a reference there, where it is not known what a laser sees."""
 
@@ -27,8 +25,7 @@ def quiet_above(
     Parameters
     ----------
     outer : Outer
-        Resonances may be elsewhere by its `mistuning`.  Where the stage was heard, and is silent, the controller's gain
-        may be `QUIETER` times its `beyond`; where it was not heard, as much.
+        Resonances may be elsewhere by its `mistuning`; where the stage is silent its `beyond` holds.
     axis : int, counted from 0
     model : InnovationModel
         From the inner loop's reference (m) to the position (m).
@@ -47,10 +44,9 @@ def quiet_above(
     at_rest = abs(model.frequency_response(np.zeros(1))[0, 0, 0])
     spread = outer.mistuning + 0.5 * np.log(frequency[-1] / frequency[0]) / (BINS - 1)
     small, answer = SMALL * at_rest, ANSWER * at_rest
-    gain, heard = above.near(frequency, spread)
-    forward = _within(answer, gain) if seen is None else _within(small, seen.near(frequency, spread)[0])
-    most = np.where(heard, QUIETER, 1.0) * of_axis(outer.beyond, axis)
-    return AllowedGains(np.minimum(most, _within(small, gain)), np.minimum(outer.forward_beyond, forward))
+    gain, beyond = above.near(frequency, spread), of_axis(outer.beyond, axis)
+    forward = _within(answer, gain) if seen is None else _within(small, seen.near(frequency, spread))
+    return AllowedGains(np.minimum(beyond, _within(small, gain)), np.minimum(outer.forward_beyond, forward))
 
 
 def _within(allowed: float, measured: np.ndarray) -> np.ndarray:
