@@ -109,16 +109,17 @@ def held(drive: np.ndarray, response: np.ndarray) -> np.ndarray:
     usual = [np.median(of[where]) if where.any() else np.inf for of, where in zip(change.T, known.T, strict=True)]
     missing = ~np.isfinite(both).all(axis=1)  # nobody knows what the signals did
     moves = ~same & ~missing & (change >= MOVES * np.array(usual)).any(axis=1)
+    every = list(stretches(same))
     runs = [
         (first, last)
-        for first, last in stretches(same)
+        for first, last in every
         if last - first >= STILL and first > 1 and last < len(both)
         if moves[first - 1] and (moves[last] or missing[last]) or missing[first - 2] and moves[last]
     ]
     stands = np.zeros(len(both), bool)
     if not runs or len(runs) > max(FEW, RARE * len(both)):
         return stands
-    rests = [(first, last) for first, last in stretches(same) if first == 1 or last == len(both)]
+    rests = [(first, last) for first, last in every if first == 1 or last == len(both)]
     by_chance = (np.sum(same) - sum(last - first for first, last in (*runs, *rests))) / len(both)
     for first, last in runs:
         stands[first:last] = len(both) * by_chance ** (last - first) < CHANCE

@@ -138,7 +138,7 @@ def calibrate_axes(
         allowed = quiet_above(config.outer, axis, closed.one.model, closed.above, closed.seen)
         outer = outer_loop(config.outer, axis, closed.one.model, allowed)
         name, top = config.stage.axes[axis], config.characterisation.band[1]
-        everywhere = min(of_axis(config.outer.beyond, axis), float(allowed.feedback.min(initial=np.inf)))
+        everywhere = float(allowed.feedback.min(initial=of_axis(config.outer.beyond, axis)))
         found.append(AxisCalibration(name, top, opened, closed, outer, float(f"{everywhere:.3g}")))
     return found
 

@@ -121,6 +121,7 @@ def _outer_figures(outer: Design | str) -> dict[str, Any]:
         return {"none": outer}
     figures = outer.robustness
     return asdict(outer.weights) | {
+        "beyond": outer.beyond,
         "max_sensitivity": figures.max_sensitivity,
         "mistuned_sensitivity": outer.worst_sensitivity,
         "phase_margin_deg": figures.phase_margin,

@@ -88,19 +88,8 @@ class NoLoop(ValueError):
         self.nearest = nearest
 
 
-def design(
-    model: InnovationModel,
-    outer: Outer,
-    axis: int,
-    weights: Weights | None = None,
-    allowed: AllowedGains | None = None,
-) -> Design:
-    """Design the outer loop of an axis, by weights that were chosen for its model, or choose them.
-
-    Of bandwidths and drives up to those asked for, of filters and gains of more and less trust in the model, and with
-    `notches` where there is none without, it takes the combination that leaves the least error (`Design.left`) while
-    these keep their bounds: the gain above `Outer.reach`; Ms, with the extra delay; Ms with natural frequencies off by
-    `Outer.mistuning` either way, and the largest answer to a reference, off or not.
+def design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | None = None) -> Design:
+    """Design the outer loop of an axis, by weights that were chosen for its model, or choose them: see `chosen`.
 
     Parameters
     ----------
@@ -109,18 +98,35 @@ def design(
     outer : Outer
     axis : int, counted from 0
     weights : Weights, optional
-    allowed : AllowedGains, optional
-        Above `Outer.reach`, in place of those of `outer`.
 
     Raises
     ------
     NoLoop : no combination keeps the bounds, or the one that was chosen does not.
     """
-    if allowed is None:
-        allowed = configured(outer, axis, model.rate, weights.beyond if weights is not None else 0.0)
-    search, tried = Search(model, outer, axis, allowed), 0
+    allowed = configured(outer, axis, model.rate, weights.beyond if weights is not None else 0.0)
+    return chosen(Search(model, outer, axis, allowed), weights)
+
+
+def chosen(search: "Search", weights: Weights | None = None) -> Design:
+    """Take the loop of some weights, or the best there is.
+
+    Of bandwidths and drives up to those asked for, of filters and gains of more and less trust in the model, and with
+    `notches` where there is none without, it takes the combination that leaves the least error (`Design.left`) while
+    these keep their bounds: the gain above `Outer.reach`; Ms, with the extra delay; Ms with natural frequencies off by
+    `Outer.mistuning` either way, and the largest answer to a reference, off or not.
+
+    Parameters
+    ----------
+    search : Search
+    weights : Weights, optional
+
+    Raises
+    ------
+    NoLoop : no combination keeps the bounds, or the one that was chosen does not.
+    """
+    outer, tried = search.outer, 0
     known: list[tuple[Candidate, Reached]] = []
-    for ranges in _asked_for(outer, axis) if weights is None else [only(weights)]:
+    for ranges in _asked_for(outer, search.axis) if weights is None else [only(weights)]:
         made = list(search.candidates(ranges))
         tried += len(made)
         useful = [each for each in made if each.left <= search.useless or weights is not None]
@@ -129,7 +135,7 @@ def design(
             if reached.over(outer) <= (1.0 if weights is None else ROUNDED):
                 return search.design(each)
             known.append((each, reached))
-    raise _no_loop(model, outer, axis, tried, known)
+    raise _no_loop(search, tried, known)
 
 
 class Search:
@@ -145,14 +151,14 @@ class Search:
 
     def __init__(self, model: InnovationModel, outer: Outer, axis: int, allowed: AllowedGains) -> None:
         offs = sorted({0.0, -outer.mistuning, outer.mistuning}, key=abs)
-        self._model, self.outer, self.axis = model, outer, axis
+        self.model, self.outer, self.axis = model, outer, axis
         self._plants = [mistuned(plant_of(model), 1.0 + off) for off in offs]
         self._looks = Looks(self._plants, model.rate, outer, allowed)
         self.useless = self._looks.useless
 
     def candidates(self, ranges: Ranges) -> Iterator[Candidate]:
         """Make the loop of every combination."""
-        for weights, loop in loops(self._model, self.outer, ranges):
+        for weights, loop in loops(self.model, self.outer, ranges):
             yield Candidate(weights, loop, *self._looks.beyond_and_left(loop))
 
     def reached(self, each: Candidate) -> Reached:
@@ -174,7 +180,7 @@ class Search:
 
     def _figures(self, each: Candidate) -> list[Robustness]:
         controller, outer = each.loop.system(), self.outer
-        return [robustness(plant, controller, self._model.rate, outer.delay) for plant in self._plants]
+        return [robustness(plant, controller, self.model.rate, outer.delay) for plant in self._plants]
 
 
 def _asked_for(outer: Outer, axis: int) -> Iterator[Ranges]:
@@ -198,9 +204,8 @@ def only(weights: Weights) -> Ranges:
     )
 
 
-def _no_loop(
-    model: InnovationModel, outer: Outer, axis: int, tried: int, known: list[tuple[Candidate, Reached]]
-) -> NoLoop:
+def _no_loop(search: Search, tried: int, known: list[tuple[Candidate, Reached]]) -> NoLoop:
+    model, outer, axis = search.model, search.outer, search.axis
     if not known:
         why = (
             "there is no LQ gain for this model"

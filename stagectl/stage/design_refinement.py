@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 from calibration.state_space.model import InnovationModel
 from stagectl.config import Outer
 from stagectl.stage.allowed_gains import AllowedGains, configured, of_axis
-from stagectl.stage.design import Candidate, Design, NoLoop, Search, design, only
+from stagectl.stage.design import Candidate, Design, NoLoop, Search, chosen, only
 from stagectl.stage.weights import Weights
 
 LOOKS = 300
@@ -39,10 +39,9 @@ def designed(model: InnovationModel, outer: Outer, axis: int, allowed: AllowedGa
     ------
     NoLoop : no loop keeps the bounds.
     """
-    allowed = configured(outer, axis, model.rate) if allowed is None else allowed
-    search = Search(model, outer, axis, allowed)
+    search = Search(model, outer, axis, configured(outer, axis, model.rate) if allowed is None else allowed)
     try:
-        found = design(model, outer, axis, allowed=allowed)
+        found = chosen(search)
     except NoLoop as fault:
         near = None if fault.nearest is None else _within_bounds(fault.nearest.weights, search)
         if near is None:

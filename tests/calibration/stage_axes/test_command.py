@@ -93,6 +93,7 @@ def test_the_rig_file_has_the_outer_loop_that_a_run_is_to_use(calibrated: Path) 
     assert made.robustness.max_sensitivity == pytest.approx(figures["max_sensitivity"], rel=1e-6)
     assert made.robustness.max_sensitivity <= 2.2
     assert made.left == pytest.approx(figures["left"], rel=1e-6)
+    assert made.beyond == pytest.approx(figures["beyond"], rel=1e-6)
     assert chosen_weights(rig.weights, 0) is None  # not calibrated
 
 
