@@ -1,9 +1,10 @@
 """Predictors that forget where they began within the length of a record."""
 
 import numpy as np
-from scipy.linalg import LinAlgError, solve_discrete_are
+from scipy.linalg import LinAlgError
 
 from calibration.subspace.kalman_gain import is_stable
+from calibration.subspace.riccati import filter_covariance
 
 LEFT, WITHIN = 0.01, 0.25
 """What may be left of a wrong first state, after what part of the longest record."""
@@ -52,7 +53,7 @@ def forgetting(
         extra *= _MORE
         try:
             predictor = transition - gain @ outlet
-            error = solve_discrete_are(predictor.T, outlet.T, process, innovation)
+            error = filter_covariance(predictor, outlet, process, innovation)
             more = np.linalg.solve(outlet @ error @ outlet.T + innovation, (predictor @ error @ outlet.T).T).T
         except (LinAlgError, ValueError):
             continue

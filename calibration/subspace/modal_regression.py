@@ -71,9 +71,9 @@ def responses(modes: Modal, outlet: np.ndarray, inlet: np.ndarray, drive: np.nda
     """
     decays = int(np.any(state))
     entering = np.concatenate([inlet, state[:, None]], axis=1) if decays else inlet
-    coefficients = np.linalg.solve(modes.basis, entering).T.ravel()
-    maps = [_modal_map(modes, seen, entering.shape[1]) @ coefficients for seen in outlet @ modes.basis]
-    weights = np.stack(maps, axis=1)
+    seen, pushed = _paired(modes, outlet @ modes.basis), _paired(modes, np.linalg.solve(modes.basis, entering).T)
+    of_modes = (seen.conj()[:, None] * pushed).reshape(len(outlet), -1)
+    weights = np.concatenate([of_modes.real, of_modes.imag], axis=1).T
     result = np.empty((len(drive), len(outlet)))
     for start, block in _blocks(modes, drive, decays, 0):
         np.matmul(block, weights, out=result[start : start + len(block)])
@@ -106,20 +106,18 @@ def regress(modes: Modal, outlet: np.ndarray, records: Sequence[Sums], terms: Te
     records : sequence of Sums
     terms : Terms
     """
-    seen = outlet @ modes.basis
-    outputs, order = seen.shape
-    drives = (len(records[0].products) - 1 - 2 * len(modes.poles)) // (2 * len(modes.poles) + 1)
-    maps = [_regressors(modes, seen, output, drives, terms) for output in range(outputs)]
-    shared = maps[0].shape[1] - order
-    normal, right, left, pieces = np.zeros((shared, shared)), np.zeros(shared), 0.0, []
+    seen, (outputs, order) = _paired(modes, outlet @ modes.basis), outlet.shape
+    drives = len(records[0].products) // (2 * len(modes.poles) + 1) - 1
+    own = np.arange(order * drives, order * (drives + 1))
+    normal, right, left, pieces = 0.0, 0.0, 0.0, []
     for record in records:
-        whole = sum(each.T @ record.products @ each for each in maps)
-        sides = sum(each.T @ record.targets[:, output] for output, each in enumerate(maps))
-        inverse = _inverse(whole[shared:, shared:])
-        pieces.append((inverse, whole[shared:, :shared], sides[shared:]))
-        normal += whole[:shared, :shared] - whole[:shared, shared:] @ inverse @ whole[shared:, :shared]
-        right += sides[:shared] - whole[:shared, shared:] @ inverse @ sides[shared:]
-        left += float(np.trace(record.power)) - float(sides[shared:] @ inverse @ sides[shared:])
+        whole, sides = _normal_equations(modes, seen, record, terms)
+        shared = np.delete(np.arange(len(sides)), own)
+        inverse, mixed = _inverse(whole[np.ix_(own, own)]), whole[np.ix_(own, shared)]
+        pieces.append((inverse, mixed, sides[own]))
+        normal = normal + whole[np.ix_(shared, shared)] - mixed.T @ inverse @ mixed
+        right = right + sides[shared] - mixed.T @ inverse @ sides[own]
+        left += float(np.trace(record.power)) - float(sides[own] @ inverse @ sides[own])
     found = _inverse(normal) @ right
     states = tuple(modes.basis @ (inverse @ (side - mixed @ found)) for inverse, mixed, side in pieces)
     inlet = modes.basis @ found[: order * drives].reshape(drives, order).T
@@ -127,34 +125,49 @@ def regress(modes: Modal, outlet: np.ndarray, records: Sequence[Sums], terms: Te
     return Regression(inlet, through, level, states, max(0.0, left - float(found @ right)))
 
 
-def _regressors(modes: Modal, seen: np.ndarray, output: int, drives: int, terms: Terms) -> np.ndarray:
-    """Return how an output's regressors (inlets, other terms, first state) are made of the signals of `Sums`."""
-    outputs, order = seen.shape
-    filtered = _modal_map(modes, seen[output], drives + 1)
-    others = terms.columns(output, outputs, drives)
-    result = np.zeros((len(filtered) + drives + 1, order * (drives + 1) + others.shape[1]))
-    result[: len(filtered), : order * drives] = filtered[:, : order * drives]
-    result[: len(filtered), order * drives + others.shape[1] :] = filtered[:, order * drives :]
-    result[len(filtered) :, order * drives : order * drives + others.shape[1]] = others
+def _normal_equations(modes: Modal, seen: np.ndarray, record: Sums, terms: Terms) -> tuple[np.ndarray, np.ndarray]:
+    """Return sums of products of regressors (inlets, first state, other terms) with each other and with the targets.
+
+    A pair's regressors in an output are real and imaginary part of w f, with how the output sees it, w, and the
+    filter's complex response f: all products follow from those of f with f and with its conjugate.
+    """
+    outputs, count = seen.shape
+    channels = len(record.products) // (2 * count + 1)
+    real, imaginary, beside = np.split(np.arange(len(record.products)), [channels * count, 2 * channels * count])
+    filtered = (record.products[real] + 1j * record.products[imaginary]).reshape(channels, count, -1)
+    with_real, with_imaginary = (
+        filtered[..., each].reshape(channels, count, channels, count) for each in (real, imaginary)
+    )
+    plain = (seen.T @ seen)[:, None] * (with_real + 1j * with_imaginary)
+    conjugate = (seen.T @ seen.conj())[:, None] * (with_real - 1j * with_imaginary)
+    half = _unpaired(modes, (plain + conjugate) / 2, (plain - conjugate) / 2j)
+    half = half.reshape(channels, count, -1).transpose(2, 0, 1)
+    states = _unpaired(modes, half.real, half.imag).reshape(half.shape[0], -1)
+
+    columns = [terms.columns(output, outputs, channels - 1) for output in range(outputs)]
+    targets = (record.targets[real] + 1j * record.targets[imaginary]).reshape(channels, count, outputs)
+    crossed = [weight[:, None] * (filtered[..., beside] @ each) for weight, each in zip(seen, columns, strict=True)]
+    others, told = np.moveaxis(sum(crossed), 2, 0), np.einsum("om,cmo->cm", seen, targets)
+    mixed = _unpaired(modes, others.real, others.imag).reshape(len(others), len(states))
+    rest = sum(each.T @ record.products[np.ix_(beside, beside)] @ each for each in columns)
+    sides = sum(each.T @ record.targets[beside, output] for output, each in enumerate(columns))
+    whole = np.block([[states, mixed.T], [mixed, np.asarray(rest)]])
+    return whole, np.concatenate([_unpaired(modes, told.real, told.imag).ravel(), np.asarray(sides)])
+
+
+def _paired(modes: Modal, rows: np.ndarray) -> np.ndarray:
+    """Return what belongs to the two states of each pair as a complex number: from shape (..., n) to (..., modes)."""
+    result, pair = rows[..., modes.first].astype(complex), modes.is_complex
+    result[..., pair] += 1j * rows[..., modes.first[pair] + 1]
     return result
 
 
-def _modal_map(modes: Modal, seen: np.ndarray, channels: int) -> np.ndarray:
-    """Return how outputs follow from inlets, channel by channel: shape (2 channels modes, channels n).
-
-    Of a pair, x1 - j x2 = (b1 - j b2) f with the filter's complex response f.
-    """
-    count, order = len(modes.poles), len(seen)
-    half = count * channels
-    result = np.zeros((2 * half, channels * order))
+def _unpaired(modes: Modal, real: np.ndarray, imaginary: np.ndarray) -> np.ndarray:
+    """Return what belongs to each state, from the parts of what belongs to a mode: from (..., modes) to (..., n)."""
     pair = modes.is_complex
-    for channel in range(channels):
-        row, column = channel * count + np.arange(count), channel * order + modes.first
-        result[row, column] = seen[modes.first]
-        row, column, first = row[pair], column[pair], modes.first[pair]
-        result[half + row, column] = -seen[first + 1]
-        result[row, column + 1] = seen[first + 1]
-        result[half + row, column + 1] = seen[first]
+    result = np.empty((*real.shape[:-1], len(modes.basis)), np.result_type(real))
+    result[..., modes.first] = real
+    result[..., modes.first[pair] + 1] = imaginary[..., pair]
     return result
 
 

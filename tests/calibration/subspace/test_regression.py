@@ -55,6 +55,18 @@ def test_both_ways_give_the_same(direct: bool, constant: bool) -> None:
     assert bool(np.any(one.constant)) is constant
 
 
+def test_both_ways_give_the_same_with_real_poles_among_the_pairs() -> None:
+    matrix, rng = np.zeros((6, 6)), np.random.default_rng(8)
+    matrix[0, 0], matrix[1:5, 1:5], matrix[5, 5] = -0.4, MODEL.A, 0.7
+    outlet, terms = rng.standard_normal((3, 6)), Terms(direct=True, constant=True)
+    modes = modal(matrix)
+    one = regress(modes, outlet, [sums(modes, *pair) for pair in zip(DRIVES, TARGETS, strict=True)], terms)
+    other = regress_columns(matrix, outlet, DRIVES, TARGETS, terms)
+    np.testing.assert_allclose(one.inlet, other.inlet, rtol=1e-7, atol=1e-9)
+    np.testing.assert_allclose(one.direct, other.direct, rtol=1e-7, atol=1e-9)
+    np.testing.assert_allclose(one.states, other.states, rtol=1e-6, atol=1e-8)
+
+
 def test_what_is_left_is_what_the_fitted_model_misses() -> None:
     found = by_columns(Terms(direct=True, constant=True))
     fitted = InnovationModel(MODEL.A, found.inlet, MODEL.C, found.direct, MODEL.K, RATE, MODEL.innovation)
