@@ -109,14 +109,14 @@ def regress(modes: Modal, outlet: np.ndarray, records: Sequence[Sums], terms: Te
     seen, (outputs, order) = _paired(modes, outlet @ modes.basis), outlet.shape
     drives = len(records[0].products) // (2 * len(modes.poles) + 1) - 1
     own = np.arange(order * drives, order * (drives + 1))
-    normal, right, left, pieces = 0.0, 0.0, 0.0, []
+    shared = np.delete(np.arange(order * (drives + 1) + terms.columns(0, outputs, drives).shape[1]), own)
+    normal, right, left, pieces = np.zeros((len(shared), len(shared))), np.zeros(len(shared)), 0.0, []
     for record in records:
         whole, sides = _normal_equations(modes, seen, record, terms)
-        shared = np.delete(np.arange(len(sides)), own)
         inverse, mixed = _inverse(whole[np.ix_(own, own)]), whole[np.ix_(own, shared)]
         pieces.append((inverse, mixed, sides[own]))
-        normal = normal + whole[np.ix_(shared, shared)] - mixed.T @ inverse @ mixed
-        right = right + sides[shared] - mixed.T @ inverse @ sides[own]
+        normal += whole[np.ix_(shared, shared)] - mixed.T @ inverse @ mixed
+        right += sides[shared] - mixed.T @ inverse @ sides[own]
         left += float(np.trace(record.power)) - float(sides[own] @ inverse @ sides[own])
     found = _inverse(normal) @ right
     states = tuple(modes.basis @ (inverse @ (side - mixed @ found)) for inverse, mixed, side in pieces)

@@ -31,7 +31,8 @@ def filter_covariance(transition: np.ndarray, outlet: np.ndarray, process: np.nd
     Chu, Fan, Lin, Wang 2004, Structure-preserving algorithms for periodic discrete-time algebraic Riccati equations,
     Int. J. Control 77(8), the structured doubling algorithm.
     """
-    step, known, spread = transition.T, outlet.T @ np.linalg.solve(noise, outlet), process
+    step, known = transition.T, outlet.T @ np.linalg.solve(noise, outlet)
+    spread: np.ndarray = process
     for _ in range(_DOUBLINGS):
         mixed = np.linalg.solve(np.eye(len(step)) + known @ spread, np.concatenate([step, known], axis=1))
         ahead, told = mixed[:, : len(step)], mixed[:, len(step) :]
