@@ -1,8 +1,8 @@
 """Systems drawn by seed, identified with no option given: how much of the response is missed, and what is said of it.
 
-`python -m benchmarks.identification_population [FIRST]`, 120 records, ten minutes on two cores, longer where one has
-many channels and samples; prints a table.  Beside the default stands what it was before loops, dead time, outliers and
-horizons were looked for: horizon 20 and MOESP, all told.
+`python -m benchmarks.identification_population [FIRST] [--write]`, 120 records, a quarter of an hour on two cores;
+prints a table, and with --write puts it into docs/identification.md.  Beside the default stands what it was before
+loops, dead time, outliers and horizons were looked for: horizon 20 and MOESP, all told.
 
 Missed: root mean square of the frequency response's error over that of the response, all channels, at those of 200
 frequencies up to 0.48 of the rate, geometric from a thousandth of it on, at which every input has at least a thousandth
@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.on_all_cores import over_seeds
-from benchmarks.page_table import table, words
+from benchmarks.page_table import put, table, words
 from calibration import subspace
 from calibration.state_space import InnovationModel
 from firmware_sim.plants.linear_system import LinearSystem
@@ -155,7 +155,7 @@ def _row(name: str, found: Sequence[Outcome]) -> list[str]:
 
 
 def main() -> None:
-    """Print the table."""
+    """Print the table, and write it."""
     first = int((words() or [str(FIRST)])[0])
     found = []
     for seed, each in zip(range(first, first + COUNT), over_seeds(outcome, range(first, first + COUNT)), strict=True):
@@ -169,7 +169,7 @@ def main() -> None:
         *("records", "N", "refused", f"response missed, {three}", "as it was before", "order within 1"),
         *("damping off", "covered, %: median, 5 %", "processor, s"),
     ]
-    print(table(head, rows))
+    put(table(head, rows), "identification.md", "drawn systems")
 
 
 if __name__ == "__main__":

@@ -125,6 +125,18 @@ def free_run(model: InnovationModel, drive: np.ndarray, response: np.ndarray) ->
     return model.simulate(drive, model.initial_state(drive, response))
 
 
+def one_step(model: InnovationModel, drive: np.ndarray, response: np.ndarray) -> np.ndarray:
+    """Return each sample as predicted from those before it, shape (N, p), from the state that suits them best.
+
+    Parameters
+    ----------
+    model : InnovationModel
+    drive : array, shape (N, m), the inputs' units
+    response : array, shape (N, p), the outputs' units
+    """
+    return model.predict(drive, response, model.initial_predictor_state(drive, response))
+
+
 def fit(
     model: InnovationModel,
     drives: Sequence[np.ndarray],
@@ -149,7 +161,7 @@ def fit(
     free, ahead, rested = [], [], []
     for drive, response in zip(drives, responses, strict=True):
         free.append(free_run(model, drive, response))
-        ahead.append(model.predict(drive, response, model.initial_predictor_state(drive, response)))
+        ahead.append(one_step(model, drive, response))
         rested.append(model.predict(drive, response))
     measured = np.concatenate(responses)
     residuals = [response - predicted for response, predicted in zip(responses, ahead, strict=True)]

@@ -69,8 +69,8 @@ class CrossCorrelation:
 
     @property
     def outside(self) -> float:
-        """Part of the correlations from lag 0 on beyond their bound; 0.01 is what chance gives."""
-        return float(np.mean(np.abs(self.correlation[self.lag >= 0]) > self.bound))
+        """Part of the correlations from lag 0 on beyond their bound; 0.01 is what chance gives, 0 where none are."""
+        return float(np.mean(np.abs(self.correlation[self.lag >= 0]) > self.bound)) if self.bound.size else 0.0
 
 
 def whiteness(residuals: Sequence[np.ndarray], lags: int = LAGS, fitted: int = 0) -> Whiteness:

@@ -14,11 +14,9 @@ from calibration.identification.beginnings import begun_together
 from calibration.identification.excitation import excitation_notes
 from calibration.identification.recordings import Measured, from_file, from_pairs, without_outliers
 from calibration.identification.report import (
-    CANDIDATE_HEAD,
-    FIT_HEAD,
     MODE_HEAD,
-    candidate_rows,
-    fit_rows,
+    candidate_table,
+    fit_table,
     identification_figures,
     identification_report,
     mode_rows,
@@ -45,6 +43,7 @@ from rigkit.written import made_folder, written_file
 from stagectl.model_file import write_model
 from vibractl.foreign.tracks import parsed_map
 
+NO_INPUTS = "none"
 LARGE = 100_000
 """Numbers in a measurement from which on it is said how long it may take."""
 
@@ -53,7 +52,8 @@ FilesArgument = Annotated[
     typer.Argument(metavar="DATA", help="CSV, WAV, FLAC, HDF5 or MAT file; with --from the second file of each."),
 ]
 InputsOption = Annotated[
-    str | None, typer.Option(metavar="u1,u2", help="Channels of the drive in DATA: names, numbers, datasets.")
+    str | None,
+    typer.Option(metavar="u1,u2", help="Channels of the drive in DATA: names, numbers, datasets; none: a time series."),
 ]
 OutputsOption = Annotated[str | None, typer.Option(metavar="y1,y2", help="Channels of the response in DATA.")]
 FromOption = Annotated[
@@ -174,7 +174,7 @@ def _read(
         raise ValueError("--map is given without --from, must be with it: --inputs and --outputs say the channels")
     if len(data) != 1:
         raise ValueError(f"{len(data)} files are given, must be one, or pairs of drives and responses: --from D R")
-    wanted = channels_of("--inputs", inputs), channels_of("--outputs", outputs)
+    wanted = [] if inputs == NO_INPUTS else channels_of("--inputs", inputs), channels_of("--outputs", outputs)
     return _labelled(from_file(data[0], *wanted, rate, at_least))
 
 
@@ -200,10 +200,11 @@ def _made_ready(measured: Measured, factor: int, correct_clock: bool, outliers: 
 def _print(found: Identification, measured: Measured, out: Path | None, json: str | None) -> None:
     stream, model = words(json), found.model
     title = f"{measured.source}: order {found.order} by {found.method}, {len(found.response)} samples held back"
-    print_table(title, FIT_HEAD, fit_rows(found), stream)
+    fits, tried = fit_table(found), candidate_table(found)
+    print_table(title, fits.head, fits.rows, stream)
     print_table("modes, with one standard error", MODE_HEAD, mode_rows(found), stream)
-    if found.started.candidates:
-        print_table("orders", CANDIDATE_HEAD, candidate_rows(found), stream)
+    if tried.rows:
+        print_table("orders", tried.head, tried.rows, stream)
     values = found.started.singular_values
     shown = ", ".join(f"{value:.3g}" for value in values[: found.order + 3])
     stream.write(f"singular values: {shown}{' ...' if len(values) > found.order + 3 else ''}\n")

@@ -68,7 +68,7 @@ def nearly_collinear(drives: Sequence[np.ndarray], rate: float, names: Sequence[
     ValueError : inputs that cannot be told apart.
     """
     length = _length([len(each) for each in drives])
-    if len(names) == 1 or length < SHORTEST:
+    if len(names) <= 1 or length < SHORTEST:
         return ()
     estimated = spectra(list(drives), list(drives), rate, rate / length)
     power, frequency = estimated.drive[1:], estimated.frequency[1:]

@@ -1,4 +1,4 @@
-"""Figures of an identification: singular values, free run on fresh data, correlations of the residuals."""
+"""Figures of an identification: singular values, the model's response on fresh data, correlations of residuals."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -33,32 +33,33 @@ def singular_value_figure(found: Identification) -> Figure:
 
 
 def free_run_figure(found: Identification) -> Figure:
-    """Draw what was measured on fresh data, what the free run gives, and the difference."""
-    shown = slice(SHOWN), slice(MOST_ROWS)
-    return drawing.free_run_figure(
-        found.model, found.response[shown], found.free_run[shown], found.fresh.free_run.nrmse
-    )
+    """Draw what was measured on fresh data, what the free run (the prediction without inputs) gives, and the rest."""
+    shown, fresh = (slice(SHOWN), slice(MOST_ROWS)), found.fresh
+    fit, kind = (fresh.free_run, "free run") if found.model.inputs else (fresh.one_step, "one step ahead")
+    return drawing.free_run_figure(found.model, found.response[shown], found.free_run[shown], fit.nrmse, kind)
 
 
 def residual_figure(found: Identification) -> Figure:
-    """Draw the correlations of the residuals one step ahead with their past and with the drive, on fresh data."""
+    """Draw the correlations of the residuals one step ahead with their past and with a drive, on fresh data."""
     model, white, cross = found.model, found.fresh.whiteness, found.fresh.cross_correlation
     rows = min(model.outputs, MOST_ROWS)
     figure = Figure(figsize=(8.0, 1.2 + 2.0 * rows))
-    grid = figure.subplots(rows, 2, sharex="col", squeeze=False)
+    grid = figure.subplots(rows, 2 if model.inputs else 1, sharex="col", squeeze=False)
     lags = np.arange(1, len(white.correlation) + 1)
-    for row, (own, other) in enumerate(grid):
+    for row, own in enumerate(grid[:, 0]):
         own.vlines(lags, 0, white.correlation[:, row, row], color=COLOURS[0], linewidth=2)
         for side in (-1, 1):
             own.axhline(side * white.bound, **LIMIT)
         own.set(title=model.output_names[row], ylabel="with its past")
+    for row, other in enumerate(grid[:, 1] if model.inputs else ()):
         for drive in range(model.inputs):
             colour = COLOURS[drive % len(COLOURS)]
             other.plot(cross.lag, cross.correlation[:, row, drive], color=colour, label=model.input_names[drive])
         for side in (-1, 1):
             other.axhline(side * float(cross.bound[row].max()), **LIMIT)
         other.set(ylabel="with the drive")
-    grid[0, 1].legend()
+    if model.inputs:
+        grid[0, 1].legend()
     for axes in grid[-1]:
         axes.set_xlabel("lag, samples")
     return figure

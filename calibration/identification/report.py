@@ -18,13 +18,36 @@ MODE_HEAD = ("pole", "natural frequency, Hz", "+-", "damping ratio", "+-")
 CANDIDATE_HEAD = ("order tried", "at horizon", "free run, %", "one step, %")
 NEARLY_HEAD = ("inputs nearly go together, Hz", "inputs", "weakest combination over strongest, power")
 
+_UNSEEN = "the model has not seen these samples."
+_FREE_RUN = "Free run on held back data", f"The response to the drive alone; {_UNSEEN}"
+_PREDICTION = "Prediction on held back data", f"Each sample from those before it; {_UNSEEN}"
+
 ONE_IN_20 = 0.05
 CROSSED = 0.05
 """Share of correlations with the drive beyond their bound of one in a hundred, up to which they are called none."""
 
 
-def fit_rows(found: Identification) -> list[tuple[str, ...]]:
-    """Return a row for each output: fits on fresh data."""
+def fit_table(found: Identification) -> Table:
+    """Return a row for each output: fits on fresh data; of a time series, which has no free run, one step ahead."""
+    table = Table(FIT_HEAD, tuple(_fit_rows(found)))
+    return table if found.model.inputs else _without(table, slice(1, 4))
+
+
+def candidate_table(found: Identification) -> Table:
+    """Return a row for each order tried, at the horizon where it did best; none where both were given."""
+    table = Table(CANDIDATE_HEAD, tuple(_candidate_rows(found)))
+    return table if found.model.inputs else _without(table, slice(2, 3))
+
+
+def _without(table: Table, columns: slice) -> Table:
+    """Leave columns out."""
+    kept = [each for each in range(len(table.head)) if each not in range(*columns.indices(len(table.head)))]
+    return Table(
+        tuple(table.head[each] for each in kept), tuple(tuple(row[each] for each in kept) for row in table.rows)
+    )
+
+
+def _fit_rows(found: Identification) -> list[tuple[str, ...]]:
     free, step = found.fresh.free_run, found.fresh.one_step
     return [
         (
@@ -65,8 +88,7 @@ def record_notes(found: Identification) -> list[str]:
     return [*found.notes, *late]
 
 
-def candidate_rows(found: Identification) -> list[tuple[str, ...]]:
-    """Return a row for each order tried, at the horizon where it did best; none where both were given."""
+def _candidate_rows(found: Identification) -> list[tuple[str, ...]]:
     best: dict[int, Candidate] = {}
     for each in found.started.candidates:
         if each.order not in best or each.error < best[each.order].error:
@@ -91,17 +113,18 @@ def verdicts(found: Identification) -> list[str]:
     white, cross = found.fresh.whiteness, found.fresh.cross_correlation
     noise = "white" if white.probability >= ONE_IN_20 else "not white: the noise model leaves something"
     heard = "none" if cross.outside <= CROSSED else "some: the response has more to it than the model"
-    return [
+    own = (
         f"residuals one step ahead are {noise} (probability {white.probability:.2g}, "
-        f"{100 * white.outside:.0f} % of correlations beyond the bound of 1 %)",
-        f"correlation with the drive: {heard} ({100 * cross.outside:.0f} % beyond the bound of 1 %)",
-    ]
+        f"{100 * white.outside:.0f} % of correlations beyond the bound of 1 %)"
+    )
+    other = f"correlation with the drive: {heard} ({100 * cross.outside:.0f} % beyond the bound of 1 %)"
+    return [own, other] if found.model.inputs else [own]
 
 
 def pair_notes(found: Identification) -> list[str]:
     """Return a sentence where drives and responses seem not to belong together; none where they do, or in a loop."""
     explained = float(found.fresh.free_run.nrmse.max())
-    if explained >= EXPLAINED or found.started.feedback.inputs:
+    if not found.model.inputs or explained >= EXPLAINED or found.started.feedback.inputs:
         return []
     return [
         f"warning: the free run explains {explained:.0f} % of the output that it explains best: drives and responses "
@@ -123,7 +146,7 @@ def identification_figures(found: Identification) -> dict[str, Any]:
             {
                 "order": each.order,
                 "horizon": each.horizon,
-                "free_run_nrmse": each.free_run,
+                **({"free_run_nrmse": each.free_run} if model.inputs else {}),
                 "one_step_nrmse": each.one_step,
             }
             for each in started.candidates
@@ -148,15 +171,8 @@ def identification_figures(found: Identification) -> dict[str, Any]:
 
 def identification_report(found: Identification, source: str, notes: Sequence[str] = ()) -> Report:
     """Put the report of an identification together, with what is to be said of its recordings."""
-    model, fresh = found.model, found.fresh
-    facts = (
-        Fact("order", f"{found.order}"),
-        Fact("free run on held back data", f"{fresh.free_run.nrmse.mean():.2f} %"),
-        Fact("one step ahead on held back data", f"{fresh.one_step.nrmse.mean():.2f} %"),
-        Fact("every pole is stable", "yes" if model.is_stable else "no", model.is_stable),
-        Fact("residuals are white", f"probability {fresh.whiteness.probability:.2g}"),
-    )
-    tried = candidate_rows(found)
+    tried = candidate_table(found)
+    heading, about = _FREE_RUN if found.model.inputs else _PREDICTION
     with styled():
         sections = (
             *_of_recordings(found, notes),
@@ -164,13 +180,13 @@ def identification_report(found: Identification, source: str, notes: Sequence[st
                 "Singular values",
                 "Those that stand out of the noise are states of the model.",
                 (Plot(singular_value_figure(found), "Singular values, and the order taken."),),
-                (Table(CANDIDATE_HEAD, tuple(tried)),) if tried else (),
+                (tried,) if tried.rows else (),
             ),
             Section(
-                "Free run on held back data",
-                "The response to the drive alone; the model has not seen these samples.",
+                heading,
+                about,
                 (Plot(free_run_figure(found), "Measured, modelled, and the difference; in the title the NRMSE fit."),),
-                (Table(FIT_HEAD, tuple(fit_rows(found))),),
+                (fit_table(found),),
             ),
             Section(
                 "Residuals",
@@ -185,8 +201,21 @@ def identification_report(found: Identification, source: str, notes: Sequence[st
                 (Table(MODE_HEAD, tuple(mode_rows(found))),),
             ),
         )
-    subtitle = f"{source}, {len(found.response)} samples held back, {model.rate:g} samples/s, by {found.method}"
-    return Report("Identified model", subtitle, facts, sections)
+    subtitle = f"{source}, {len(found.response)} samples held back, {found.model.rate:g} samples/s, by {found.method}"
+    return Report("Identified model", subtitle, _facts(found), sections)
+
+
+def _facts(found: Identification) -> tuple[Fact, ...]:
+    """Return what stands above the sections."""
+    model, fresh = found.model, found.fresh
+    run = Fact("free run on held back data", f"{fresh.free_run.nrmse.mean():.2f} %")
+    return (
+        Fact("order", f"{found.order}"),
+        *([run] if model.inputs else []),
+        Fact("one step ahead on held back data", f"{fresh.one_step.nrmse.mean():.2f} %"),
+        Fact("every pole is stable", "yes" if model.is_stable else "no", model.is_stable),
+        Fact("residuals are white", f"probability {fresh.whiteness.probability:.2g}"),
+    )
 
 
 def _of_recordings(found: Identification, notes: Sequence[str]) -> tuple[Section, ...]:
@@ -198,16 +227,19 @@ def _of_recordings(found: Identification, notes: Sequence[str]) -> tuple[Section
 
 def _fit_figures(found: Identification, fit: Fit) -> dict[str, Any]:
     names = found.model.output_names
+    kinds = {"free_run": fit.free_run} if found.model.inputs else {}
+    kinds |= {"one_step": fit.one_step, "from_rest": fit.from_rest}
+    crossed = {"cross_correlations_outside": fit.cross_correlation.outside} if found.model.inputs else {}
     return {
         "outputs": {
             name: {
                 f"{kind}_{measure}": float(np.asarray(getattr(each, measure))[row])
-                for kind, each in (("free_run", fit.free_run), ("one_step", fit.one_step), ("from_rest", fit.from_rest))
+                for kind, each in kinds.items()
                 for measure in ("nrmse", "vaf", "mae")
             }
             for row, name in enumerate(names)
         },
         "whiteness_probability": fit.whiteness.probability,
         "autocorrelations_outside": fit.whiteness.outside,
-        "cross_correlations_outside": fit.cross_correlation.outside,
+        **crossed,
     }

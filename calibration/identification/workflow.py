@@ -9,7 +9,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from calibration import subspace
-from calibration.fit_measures import Fit, fit, free_run
+from calibration.fit_measures import Fit, fit, free_run, one_step
 from calibration.identification.excitation import Nearly, nearly_collinear
 from calibration.one_thread import on_one_thread
 from calibration.prediction_error import ModeErrors, refine
@@ -50,7 +50,8 @@ class Identification:
     drive, response : arrays, shapes (N, m) and (N, p), the inputs' and the outputs' units
         The part held back, recording after recording, as deviations from the operating point.
     free_run : array, shape (N, p), the outputs' units
-        What the model gives for that drive alone, in each recording from the initial state that suits it best.
+        What the model gives for that drive alone, in each recording from the initial state that suits it best; without
+        inputs what it predicts one step ahead.
     nearly : tuple of Nearly
         Bands in which inputs nearly go together.
     notes : tuple of str
@@ -129,15 +130,9 @@ def identify_recordings(
     nearly = nearly_collinear([each[:, :inputs] for each in records], first.rate, first.names[:inputs])
     cuts = [_cut(len(each), number, hold_back) for number, each in enumerate(records, 1)]
     early, late, off = _parts(records, cuts, inputs, outliers)
-    start: Literal["auto"] | subspace.Method = "auto" if method == "pem" else method
-    delay: Literal["auto"] | int = 0 if method == "pem" else "auto"
     show(0, "orders and the model")
-    with warnings.catch_warnings(record=True) as told:
-        warnings.simplefilter("always")
-        found = subspace.identify(
-            *early, first.rate, order=order, horizon=horizon, method=start, delay=delay, outliers="keep"
-        )
-    notes = (*(str(each.message) for each in told), *off, *found.diagnosis.of_plant)
+    found, told = _started(early, first.rate, order, horizon, method)
+    notes = (*told, *off, *found.diagnosis.of_plant)
     early, late = _about(early, found), _about(late, found)
     show(1, "errors of its modes" if method != "pem" else "the model refined")
     model, errors, ended = _refined(found, early, seconds, show) if method == "pem" else _plain(found)
@@ -145,7 +140,8 @@ def identify_recordings(
     model = _labelled(model, first, inputs, method, sum(cuts))
     show(2, "fits")
     own, fresh = fit(model, *early, fitted=found.core.order * model.outputs), fit(model, *late)
-    runs = [free_run(model, drive, heard) for drive, heard in zip(*late, strict=True)]
+    shown = free_run if inputs else one_step
+    runs = [shown(model, drive, heard) for drive, heard in zip(*late, strict=True)]
     drive, response, modelled = (np.concatenate(each) for each in (*late, runs))
     return Identification(model, found, method, errors, own, fresh, drive, response, modelled, nearly, (*notes, *ended))
 
@@ -189,6 +185,26 @@ def _parts(
     return (drives, clean), (later, clean_later), said
 
 
+def _started(
+    records: Pair, rate: float, order: int | None, horizon: int | None, method: Method
+) -> tuple[subspace.Identified, list[str]]:
+    """Return the subspace estimate, and what it warned of."""
+    start: Literal["auto"] | subspace.Method = "auto" if method == "pem" else method
+    delay: Literal["auto"] | int = 0 if method == "pem" else "auto"
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        found = subspace.identify(
+            *_given(records), rate, order=order, horizon=horizon, method=start, delay=delay, outliers="keep"
+        )
+    return found, [str(each.message) for each in told]
+
+
+def _given(records: Pair) -> tuple[list[np.ndarray] | None, list[np.ndarray]]:
+    """Return inputs, None where there are none, and outputs."""
+    drives, responses = records
+    return drives if drives[0].shape[1] else None, responses
+
+
 def _about(sides: Pair, found: subspace.Identified) -> Pair:
     """Return deviations from the operating point."""
     drives, responses = sides
@@ -211,7 +227,7 @@ def _refined(
     def told(number: int, gain: float) -> None:
         show(1, f"iteration {number}: the criterion is lower by {gain:.1g}")
 
-    done = refine(found.model, *records, direct=found.method != "pbsid", seconds=seconds, show=told)
+    done = refine(found.model, *_given(records), direct=found.method != "pbsid", seconds=seconds, show=told)
     ended = (
         f"the refinement ended after {done.iterations} iterations, before it arrived; at most {seconds:g} s are given"
     )

@@ -48,7 +48,7 @@ class Refined:
 @on_one_thread
 def refine(
     model: InnovationModel,
-    drive: np.ndarray | Sequence[np.ndarray],
+    drive: np.ndarray | Sequence[np.ndarray] | None,
     response: np.ndarray | Sequence[np.ndarray],
     *,
     focus: Focus = "prediction",
@@ -68,7 +68,7 @@ def refine(
     ----------
     model : InnovationModel
         To start from, of the order wanted, with A and A - K C stable.
-    drive : array, shape (N, m), the inputs' units, or a sequence of such
+    drive : array, shape (N, m), the inputs' units, or a sequence of such; None where there are no inputs
         Deviations from the operating point, as the model was estimated from.
     response : array, shape (N, p), the outputs' units, or a sequence of such
         As many records as drives.

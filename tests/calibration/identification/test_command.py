@@ -50,6 +50,28 @@ def test_it_writes_model_report_figures_and_json(
     assert "identifying 100 %" in told
 
 
+def test_a_time_series_is_judged_by_its_prediction_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pushed, series = np.random.default_rng(3).standard_normal(3000), np.zeros(3002)
+    for sample, push in enumerate(pushed, 2):
+        series[sample] = 1.6 * series[sample - 1] - 0.9 * series[sample - 2] + push
+    path, out = tmp_path / "series.csv", tmp_path / "series.h5"
+    np.savetxt(path, series, header="y", comments="")
+    files = ("--out", out, "--png", tmp_path / "png", "--json", tmp_path / "figures.json")
+    assert call(monkeypatch, path, "--inputs", "none", "--outputs", "y", "--rate", "500", *files) == 0
+    model = read_model(out, 500.0, [], ["y"])
+    assert model.poles == pytest.approx(np.roots([1.0, -1.6, 0.9]), abs=0.03)
+    figures = json.loads((tmp_path / "figures.json").read_text())["held_back"]
+    share = 100 * (1 - 1 / np.std(series))  # the pushes are all that nobody can foretell
+    assert figures["outputs"]["y"]["one_step_nrmse"] == pytest.approx(share, abs=3.0)
+    assert not [name for name in (*figures, *figures["outputs"]["y"]) if "free" in name or "cross" in name]
+    assert "prediction-on-held-back-data.png" in {each.name for each in (tmp_path / "png").iterdir()}
+    said = capsys.readouterr().out
+    assert "free run" not in said
+    assert "drive" not in said
+
+
 def test_how_long_much_data_takes_is_said_beforehand(
     table: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
