@@ -25,7 +25,7 @@ from calibration.state_space import InnovationModel
 from firmware_sim.plants.linear_system import LinearSystem
 from firmware_sim.population.signals import SYSTEMS, SignalSource, signal
 
-FIRST, COUNT = 5300, 120
+FIRST, COUNT = 5320, 120
 FREQUENCY = np.geomspace(1e-3, 0.48, 200)
 """Of the rate."""
 SURE, LIGHT = 1.96, 0.3
