@@ -19,7 +19,8 @@ OFF = 0.5
 LEFT = 0.35
 """Part of that, rms over the outputs that are off, which a change may leave for it to be what has happened."""
 UNHEARD = 0.6
-"""Part of what those outputs have heard that it may leave, unless they are silent."""
+"""Part of what those outputs have heard that it may leave, unless they are silent; of n channels that each have another
+size, an n-th of it: so many gains fit to a poor model what no change has done."""
 ALIKE = 2.0
 """Two changes of which one leaves not so many times more than the other may both be what has happened."""
 FLOOR = 0.1
@@ -88,7 +89,8 @@ def change_of(response: np.ndarray, drive: np.ndarray, heard: np.ndarray, freque
     here, there = (float(_energy(lines)[is_off].sum()) for lines in (heard, predicted))
     off = float(error[is_off].sum()) / max(float(smaller[is_off].sum()), _TINY)
     left = float(alike[0].left[is_off].sum()) / max(here, _TINY)
-    if left > LEFT**2 * off or (left > UNHEARD**2 and here > SILENT**2 * there):
+    unheard = UNHEARD / max(1, _sizes(alike[0]))
+    if left > LEFT**2 * off or (left > unheard**2 and here > SILENT**2 * there):
         return None
     text = ", or: ".join(_simplest(alike))
     return Change(text, float(np.sqrt(off)), float(np.sqrt(left))) if text else None
@@ -223,6 +225,12 @@ def _simplest(alike: Iterable[_Explanation]) -> list[str]:
     """Return what those say that say least, each once."""
     texts = {text: len(re.split("[;,]", text)) for each in alike if (text := _told(each))}
     return [text for text, parts in texts.items() if parts == min(texts.values())]
+
+
+def _sizes(found: _Explanation) -> int:
+    """Return how many unlike sizes of channels it takes."""
+    told = {f"{abs(gain):.2g}" for gain in found.gain if abs(gain) >= SILENT and not SMALLER <= abs(gain) <= LARGER}
+    return len(told)
 
 
 def _told(found: _Explanation) -> str:
