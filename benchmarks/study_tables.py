@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from benchmarks.ablation import ablation_table
 from benchmarks.page_table import DOCS, replaced
 from rigkit.origin import checksum
 from rigkit.report import Table
@@ -21,6 +22,7 @@ from rigkit.study.tables import endings_table, markdown
 KEPT = DOCS / "populations"
 PAGE = DOCS / "populations.md"
 PLACES = {
+    "ablation": "learning.md",
     "around": "calibration.md",
     "learning": "learning.md",
     "prediction": "predict.md",
@@ -72,7 +74,10 @@ def tables(file: Path, found: StudyReport) -> str:
         f"{told['finished'][:10]}; {'; '.join([*told['software'], *told['processors']])}; "
         f"study hash `{told['hash'][:16]}`; `docs/populations/{file.name}`, SHA-256 `{checksum(file)[:16]}`."
     )
-    texts = [f"**{text}**\n\n{markdown(table)}\n" for text, table in found.tables()]
+    if file.stem in INSTEAD:
+        texts = [f"{INSTEAD[file.stem](found)}\n"]
+    else:
+        texts = [f"**{text}**\n\n{markdown(table)}\n" for text, table in found.tables()]
     if ends := endings_table(found.rows).rows[:MOST_ENDS]:
         rows = tuple((text, count, name) for text, _, count, name, _ in ends)
         texts.append(f"**not done**\n\n{markdown(Table(('last line', 'tasks', 'the first'), rows))}\n")
@@ -129,6 +134,8 @@ BESIDE: dict[str, Callable[[Sequence[Row]], str]] = {
     "vibrators": within_the_floor,
 }
 """What else is said of a study."""
+INSTEAD: dict[str, Callable[[StudyReport], str]] = {"ablation": ablation_table}
+"""What is shown in place of a table for each figure."""
 
 
 def take_in(folder: Path) -> None:

@@ -80,10 +80,11 @@ def identify(
         of a stable model after that, by prediction error.
     direct : "auto" or bool, optional
         Whether D is fitted; it is 0 otherwise.  "auto": but where inputs follow from outputs, perhaps at once.
-    detrend : "mean", "record", "linear" or "none", optional
+    detrend : "mean", "record", "linear", "slow" or "none", optional
         Whether there is an operating point, the inputs' mean over all records and what the outputs are there, or it is
-        zero.  With "record" each record has one of its own, with "linear" one that drifts along a line: what is taken
-        away from the records leaves the mean over all of them.
+        zero.  With "record" each record has one of its own, with "linear" one that drifts along a line, with "slow"
+        one that swings as well, by ten half periods over the record at most: what is taken away from the records leaves
+        the mean over all of them.
     stable : bool, optional
         Poles on or outside of the unit circle are moved inside.  False: they stay, and B, D and first states are fitted
         to the prediction one step ahead, which also chooses horizon and order.

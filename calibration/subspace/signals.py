@@ -6,10 +6,12 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from calibration.subspace.drift import without_slow
+
 _STILL = 1e-12
 """Spread re the largest value below which there is rounding alone."""
 
-Detrend = Literal["mean", "record", "linear", "none"]
+Detrend = Literal["mean", "record", "linear", "slow", "none"]
 
 
 @dataclass(frozen=True)
@@ -46,12 +48,12 @@ class Signals:
 
 
 def levelled(records: Sequence[np.ndarray], detrend: Detrend) -> list[np.ndarray]:
-    """Return records without a mean or a line of their own, about the mean over all of them.
+    """Return records without a mean, a line or slow swings of their own, about the mean over all of them.
 
     Parameters
     ----------
     records : sequence of arrays, each of shape (N, width), any unit
-    detrend : "mean", "record", "linear" or "none"
+    detrend : "mean", "record", "linear", "slow" or "none"
 
     Raises
     ------
@@ -62,6 +64,8 @@ def levelled(records: Sequence[np.ndarray], detrend: Detrend) -> list[np.ndarray
     if detrend in ("mean", "none"):
         return list(records)
     whole = np.concatenate(records).mean(axis=0)
+    if detrend == "slow":
+        return [whole + without_slow(record) for record in records]
     return [whole + _without_line(record, detrend == "linear") for record in records]
 
 

@@ -220,7 +220,7 @@ def test_past_and_future_can_be_chosen_apart() -> None:
         ({"u": np.full((500, 1), np.nan)}, "500 samples are missing, and between them there is no stretch"),
         ({"u": np.ones((400, 1))}, r"inputs have \[400\] samples and outputs \[500\]"),
         ({"u": []}, "there is no record of input"),
-        ({"detrend": "line"}, "detrend is 'line', must be one of mean, record, linear, none"),
+        ({"detrend": "line"}, "detrend is 'line', must be one of mean, record, linear, slow, none"),
         ({"delay": -1}, "delay is -1, must be 0 to 249 samples"),
         ({"delay": (1, 2)}, "delay has 2 entries, must be one number or one for each of 1 inputs"),
         ({"method": "cva"}, "method is 'cva', must be one of auto, n4sid, moesp, pbsid"),
