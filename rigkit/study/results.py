@@ -176,7 +176,9 @@ def _read(file: Path) -> tuple[About, list[Row]]:
     arrow, parquet = optional("pyarrow"), optional("pyarrow.parquet")
     try:
         with file.open("rb") as stream:  # whose errors name the file
-            table = parquet.read_table(stream)
+            table = parquet.read_table(
+                stream, use_threads=False, pre_buffer=False
+            )  # Arrow's threads can abort a program that ends
     except (arrow.ArrowException, OSError) as fault:
         if isinstance(fault, OSError) and fault.errno is not None:
             raise
