@@ -26,12 +26,10 @@ from calibration.identification.report import (
 )
 from calibration.identification.thinning import shortest_stretch, thinned_recordings, thinning_note
 from calibration.identification.workflow import (
-    LEVELS,
     METHODS,
     REFINED,
     STEPS,
     Identification,
-    Level,
     Method,
     identify_recordings,
     shortest_recording,
@@ -70,9 +68,6 @@ MapOption = Annotated[
 OutliersOption = Annotated[
     str, typer.Option(metavar="replace|keep", help="Single samples of outputs that are far off.")
 ]
-DetrendOption = Annotated[
-    str, typer.Option(metavar="|".join(LEVELS), help="slow: sensors drift; mean, slope and slow swings are left out.")
-]
 SecondsOption = Annotated[float, typer.Option(metavar="S", help="In which pem ends, arrived or not.")]
 
 
@@ -90,7 +85,6 @@ def identify_command(
     horizon: Annotated[int | None, typer.Option(help="Samples that the singular values look back and ahead.")] = None,
     hold_back: Annotated[float, typer.Option("--hold-back", help="Share kept, at the end, to judge by.")] = 0.3,
     outliers: OutliersOption = "replace",
-    detrend: DetrendOption = "mean",
     seconds: SecondsOption = REFINED,
     out: Annotated[Path | None, written_file("FILE", "Model file; the report goes beside it.")] = None,
     png: Annotated[Path | None, made_folder("DIR", "Write the figures as PNG files.")] = None,
@@ -103,19 +97,20 @@ def identify_command(
     in two files, or several recordings:
     `calibrate identify --from drive.wav heard.wav --decimate 20 --out model.h5`
     """
+    states = order_of(order)
     made = _made(out, [*(data or []), *(drives or [])])
-    read = _read(data or [], drives or [], (inputs, outputs, channels), rate, hold_back, decimate)
-    measured = _made_ready(read, decimate, correct_clock, cast(Outliers, outliers))
+    at_least = shortest_stretch(max(decimate, 1), shortest_recording(hold_back))
+    given = _read(data or [], drives or [], (inputs, outputs, channels), rate, at_least)
+    measured = _made_ready(given, decimate, correct_clock, cast(Outliers, outliers))
     with _watched(measured) as show:
         found = identify_recordings(
             measured.recordings,
             measured.inputs,
-            order=order_of(order),
+            order=states,
             method=cast(Method, method),
             horizon=horizon,
             hold_back=hold_back,
             outliers=cast(Outliers, outliers),
-            detrend=cast(Level, detrend),
             seconds=seconds,
             show=show,
         )
@@ -165,8 +160,7 @@ def _read(
     drives: Sequence[Path],
     named: tuple[str | None, str | None, str | None],
     rate: float | None,
-    hold_back: float,
-    decimate: int,
+    at_least: int,
 ) -> Measured:
     """Read what is given: one file whose channels are named, or pairs of files."""
     inputs, outputs, channels = named
@@ -181,7 +175,6 @@ def _read(
     if len(data) != 1:
         raise ValueError(f"{len(data)} files are given, must be one, or pairs of drives and responses: --from D R")
     wanted = [] if inputs == NO_INPUTS else channels_of("--inputs", inputs), channels_of("--outputs", outputs)
-    at_least = shortest_stretch(max(decimate, 1), shortest_recording(hold_back))
     return _labelled(from_file(data[0], *wanted, rate, at_least))
 
 

@@ -15,17 +15,12 @@ from calibration.one_thread import on_one_thread
 from calibration.prediction_error import ModeErrors, refine
 from calibration.residual_tests import LAGS
 from calibration.state_space.model import InnovationModel
-from calibration.subspace.drift import without_slow
 from calibration.subspace.outliers import Outliers, outlier_notes, treated
 from ctlblocks.recording import Recording
 from rigkit.provenance import now, software
 
 Method = Literal["auto", "moesp", "n4sid", "pbsid", "pem"]
 METHODS = get_args(Method)
-
-Level = Literal["mean", "slow"]
-LEVELS = get_args(Level)
-"""What the operating point may do."""
 
 Pair = tuple[list[np.ndarray], list[np.ndarray]]
 """Inputs and outputs, record by record."""
@@ -95,7 +90,6 @@ def identify_recordings(
     horizon: int | None = None,
     hold_back: float = 0.3,
     outliers: Outliers = "replace",
-    detrend: Level = "mean",
     seconds: float = REFINED,
     show: Callable[[int, str], object] = unseen,
 ) -> Identification:
@@ -118,8 +112,6 @@ def identify_recordings(
     hold_back : float, share of the samples, at the end of each recording
     outliers : "replace" or "keep"
         What becomes of single samples of outputs that are far off, those held back among them.
-    detrend : "mean" or "slow"
-        Whether the operating point is one, or drifts slowly in each recording, in what is held back as well.
     seconds : float, s
         In which "pem" ends, arrived or not.
     show : callable(int, str)
@@ -129,16 +121,19 @@ def identify_recordings(
     ------
     ValueError : recordings that are unusable or too short, or inputs that cannot be told apart.
     """
-    _check_words(hold_back, method, detrend)
+    if not LEAST_HELD_BACK <= hold_back <= MOST_HELD_BACK:
+        raise ValueError(f"held back are {hold_back} of the samples, must be {LEAST_HELD_BACK} to {MOST_HELD_BACK}")
+    if method not in METHODS:
+        raise ValueError(f"method is {method!r}, must be one of {', '.join(METHODS)}")
     records, first = [np.asarray(each.data, float) for each in recordings], recordings[0]
     _check_moving(first.names, records)
     nearly = nearly_collinear([each[:, :inputs] for each in records], first.rate, first.names[:inputs])
     cuts = [_cut(len(each), number, hold_back) for number, each in enumerate(records, 1)]
     early, late, off = _parts(records, cuts, inputs, outliers)
     show(0, "orders and the model")
-    found, told = _started(early, first.rate, (order, horizon, method, detrend))
+    found, told = _started(early, first.rate, order, horizon, method)
     notes = (*told, *off, *found.diagnosis.of_plant)
-    early, late = (_about(each, found, detrend == "slow") for each in (early, late))
+    early, late = _about(early, found), _about(late, found)
     show(1, "errors of its modes" if method != "pem" else "the model refined")
     model, errors, ended = _refined(found, early, seconds, show) if method == "pem" else _plain(found)
     method = "pem" if method == "pem" else found.method
@@ -149,14 +144,6 @@ def identify_recordings(
     runs = [shown(model, drive, heard) for drive, heard in zip(*late, strict=True)]
     drive, response, modelled = (np.concatenate(each) for each in (*late, runs))
     return Identification(model, found, method, errors, own, fresh, drive, response, modelled, nearly, (*notes, *ended))
-
-
-def _check_words(hold_back: float, method: str, detrend: str) -> None:
-    if not LEAST_HELD_BACK <= hold_back <= MOST_HELD_BACK:
-        raise ValueError(f"held back are {hold_back} of the samples, must be {LEAST_HELD_BACK} to {MOST_HELD_BACK}")
-    for name, word, words in (("method", method, METHODS), ("detrend", detrend, LEVELS)):
-        if word not in words:
-            raise ValueError(f"{name} is {word!r}, must be one of {', '.join(words)}")
 
 
 def shortest_recording(hold_back: float) -> int:
@@ -199,23 +186,15 @@ def _parts(
 
 
 def _started(
-    records: Pair, rate: float, wanted: tuple[int | None, int | None, Method, Level]
+    records: Pair, rate: float, order: int | None, horizon: int | None, method: Method
 ) -> tuple[subspace.Identified, list[str]]:
     """Return the subspace estimate, and what it warned of."""
-    order, horizon, method, level = wanted
     start: Literal["auto"] | subspace.Method = "auto" if method == "pem" else method
     delay: Literal["auto"] | int = 0 if method == "pem" else "auto"
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         found = subspace.identify(
-            *_given(records),
-            rate,
-            order=order,
-            horizon=horizon,
-            method=start,
-            detrend=level,
-            delay=delay,
-            outliers="keep",
+            *_given(records), rate, order=order, horizon=horizon, method=start, delay=delay, outliers="keep"
         )
     return found, [str(each.message) for each in told]
 
@@ -226,11 +205,9 @@ def _given(records: Pair) -> tuple[list[np.ndarray] | None, list[np.ndarray]]:
     return drives if drives[0].shape[1] else None, responses
 
 
-def _about(sides: Pair, found: subspace.Identified, drifts: bool) -> Pair:
+def _about(sides: Pair, found: subspace.Identified) -> Pair:
     """Return deviations from the operating point."""
     drives, responses = sides
-    if drifts:
-        return [without_slow(each) for each in drives], [without_slow(each) for each in responses]
     return [each - found.input_offset for each in drives], [each - found.output_offset for each in responses]
 
 

@@ -19,8 +19,10 @@ OFF = 0.5
 LEFT = 0.35
 """Part of that, rms over the outputs that are off, which a change may leave for it to be what has happened."""
 UNHEARD = 0.6
-"""Part of what those outputs have heard that it may leave, unless they are silent; of n channels that each have another
-size, an n-th of it: so many gains fit to a poor model what no change has done."""
+"""Part of what those outputs have heard that it may leave, unless they are silent; where it takes n unlike sizes of
+channels, that over the root of n: so many gains fit to a poor model what no change has done."""
+UNLIKE = 1.25
+"""Times as large as the next smaller one, from where on a size is another."""
 ALIKE = 2.0
 """Two changes of which one leaves not so many times more than the other may both be what has happened."""
 FLOOR = 0.1
@@ -89,7 +91,7 @@ def change_of(response: np.ndarray, drive: np.ndarray, heard: np.ndarray, freque
     here, there = (float(_energy(lines)[is_off].sum()) for lines in (heard, predicted))
     off = float(error[is_off].sum()) / max(float(smaller[is_off].sum()), _TINY)
     left = float(alike[0].left[is_off].sum()) / max(here, _TINY)
-    unheard = UNHEARD / max(1, _sizes(alike[0]))
+    unheard = UNHEARD / np.sqrt(max(1, _sizes(alike[0])))
     if left > LEFT**2 * off or (left > unheard**2 and here > SILENT**2 * there):
         return None
     text = ", or: ".join(_simplest(alike))
@@ -229,8 +231,8 @@ def _simplest(alike: Iterable[_Explanation]) -> list[str]:
 
 def _sizes(found: _Explanation) -> int:
     """Return how many unlike sizes of channels it takes."""
-    told = {f"{abs(gain):.2g}" for gain in found.gain if abs(gain) >= SILENT and not SMALLER <= abs(gain) <= LARGER}
-    return len(told)
+    sizes = np.sort([size for size in np.abs(found.gain) if size >= SILENT and not SMALLER <= size <= LARGER])
+    return int(np.sum(sizes[1:] > UNLIKE * sizes[:-1])) + 1 if len(sizes) else 0
 
 
 def _told(found: _Explanation) -> str:

@@ -102,7 +102,6 @@ def test_columns_go_by_number_and_figures_to_the_standard_output(
         (("--out", "nowhere/model.h5"), "cannot be: nowhere is no folder"),
         (("--out", "model.txt"), "must be '.h5'"),
         (("--method", "arx"), "method is 'arx'"),
-        (("--detrend", "linear"), "detrend is 'linear', must be one of mean, slow"),
         (("--horizon", "9000"), "too few"),
         (("--hold-back", "2"), "held back are 2.0"),
     ],

@@ -27,11 +27,11 @@ def missed(detrend: subspace.Detrend, wandering: float) -> float:
 
 
 def test_slopes_and_swings_of_a_few_periods_go_and_faster_ones_stay() -> None:
-    fast = np.cos(2 * np.pi * 40 * (TIME + 0.5 / SAMPLES))
+    fast = np.sin(2 * np.pi * 8 * TIME)
     left = without_slow(np.stack([SLOW, 5 + 3 * TIME, fast], axis=1))
     assert left[:, 0].std() < 0.04 * SLOW.std()
     np.testing.assert_allclose(left[:, 1], 0.0, atol=1e-9)
-    np.testing.assert_allclose(left[:, 2], fast, atol=0.05)
+    assert (left[:, 2] @ fast) / (fast @ fast) > 0.9
 
 
 def test_a_short_record_loses_its_line_alone() -> None:
