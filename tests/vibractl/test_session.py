@@ -199,6 +199,7 @@ DEFAULT_LAW = (
 FAINT = (*DEFAULT_LAW, "simulator.options.nonlinearity=0.0", "reference.signal=chirp:40:90:2", "learning.quiet=true")
 
 
+@pytest.mark.slow
 def test_a_run_that_begins_faint_says_so_and_goes_on_where_it_stopped(tmp_path: Path) -> None:
     model = linear_model(tmp_path)
     run(tmp_path / "whole", model, 4, *FAINT)

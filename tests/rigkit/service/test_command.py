@@ -239,6 +239,7 @@ def test_control_that_is_watched_with_lasts(daemon: Served) -> None:
         assert client.ask("PUT", "/api/control")["who"] == "Ada"
 
 
+@pytest.mark.slow
 def test_a_hangup_reloads_the_rig_file(daemon: Served) -> None:
     daemon.process.send_signal(signal.SIGHUP)
     until(lambda: daemon.named("reload"))

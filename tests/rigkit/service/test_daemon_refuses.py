@@ -262,6 +262,7 @@ def test_the_description_says_of_every_way_in_what_it_answers_how_it_refuses_and
     assert described["components"]["securitySchemes"]["HTTPBearer"]["scheme"] == "bearer"
 
 
+@pytest.mark.slow
 def test_a_second_daemon_on_the_same_data_or_address_is_refused_in_one_line(daemon: Served, tmp_path: Path) -> None:
     with pytest.raises(AssertionError, match="is in use by process"), served(Path(daemon.settings.data)):
         pass

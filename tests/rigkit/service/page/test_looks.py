@@ -219,6 +219,7 @@ def test_quantities_are_written_with_three_digits_and_a_fitting_unit(page: Visit
     assert page.tab.driver.execute_async_script(script) == text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("call", "ticks"),
     [

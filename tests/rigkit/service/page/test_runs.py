@@ -37,6 +37,7 @@ def opened(visit: Visit, name: str = "sea trial 4") -> list[WebElement]:
     return visit.tab.find("run-list").find_elements("css selector", "li button")
 
 
+@pytest.mark.slow
 def test_the_files_of_a_run_are_listed_with_their_sizes_and_fetched_whole(
     visit: Visit, runs: Path, tmp_path: Path
 ) -> None:
