@@ -31,15 +31,15 @@ def ablation_table(found: StudyReport) -> str:
 
 def _cells(rows: Sequence[Row], part: str) -> tuple[str, ...]:
     both = [row for row in rows if all(_is_told(row.figures.get(f"{name}_last")) for name in (ALL, part))]
-    shots = [tuple(_shot(row.figures[name]) for name in (part, ALL)) for row in both]
+    shots = [tuple(shot(row.figures[name]) for name in (part, ALL)) for row in both]
     worse = np.array([float(row.figures[f"{part}_last"]) - float(row.figures[f"{ALL}_last"]) for row in both])
-    met = f"{sum(math.isfinite(shot) for shot, _ in shots)}"
+    met = f"{sum(math.isfinite(without) for without, _ in shots)}"
     if part == ALL or not both:
         return f"{len(both)}", met, *[""] * 4
     return (
         f"{len(both)}",
         met,
-        f"{sum(shot < usual for shot, usual in shots)}, {sum(shot > usual for shot, usual in shots)}",
+        f"{sum(without < usual for without, usual in shots)}, {sum(without > usual for without, usual in shots)}",
         f"{np.sum(worse < -NOTABLE)}, {np.sum(worse > NOTABLE)}",
         f"{worse.mean():+.2f}",
         ", ".join(f"{each:+.2f}" for each in (worse.min(), float(np.median(worse)), worse.max())),
@@ -50,6 +50,6 @@ def _is_told(value: object) -> bool:
     return isinstance(value, int | float) and math.isfinite(value)
 
 
-def _shot(value: float | None) -> float:
+def shot(value: float | str | None) -> float:
     """Return a shot; none came: infinite."""
     return math.inf if value is None else float(value)

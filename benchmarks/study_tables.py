@@ -5,12 +5,11 @@ runs/studies/stages, and writes the pages again; without a folder it writes the 
 have docs/populations.md to themselves; each of the others stands in the page of what it is about.
 """
 
-import math
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from benchmarks.ablation import ablation_table
+from benchmarks.ablation import ablation_table, shot
 from benchmarks.page_table import DOCS, replaced
 from rigkit.origin import checksum
 from rigkit.report import Table
@@ -102,7 +101,7 @@ def predicted_beside_observed(rows: Sequence[Row]) -> str:
 
 def _shots(row: Row) -> tuple[float, ...]:
     names = ("low", "predicted", "high", "observed")
-    return tuple(math.inf if row.figures[name] is None else float(row.figures[name]) for name in names)
+    return tuple(shot(row.figures[name]) for name in names)
 
 
 EARLY = 14

@@ -30,18 +30,18 @@ CROSSED = 0.05
 def fit_table(found: Identification) -> Table:
     """Return a row for each output: fits on fresh data; of a time series, which has no free run, one step ahead."""
     table = Table(FIT_HEAD, tuple(_fit_rows(found)))
-    return table if found.model.inputs else _without(table, slice(1, 4))
+    return table if found.model.inputs else _without(table, range(1, 4))
 
 
 def candidate_table(found: Identification) -> Table:
     """Return a row for each order tried, at the horizon where it did best; none where both were given."""
     table = Table(CANDIDATE_HEAD, tuple(_candidate_rows(found)))
-    return table if found.model.inputs else _without(table, slice(2, 3))
+    return table if found.model.inputs else _without(table, range(2, 3))
 
 
-def _without(table: Table, columns: slice) -> Table:
+def _without(table: Table, columns: range) -> Table:
     """Leave columns out."""
-    kept = [each for each in range(len(table.head)) if each not in range(*columns.indices(len(table.head)))]
+    kept = [each for each in range(len(table.head)) if each not in columns]
     return Table(
         tuple(table.head[each] for each in kept), tuple(tuple(row[each] for each in kept) for row in table.rows)
     )
