@@ -63,7 +63,7 @@ class _Foreteller:
         for lag, weights in enumerate(self.memory, 1):
             left[lag:] -= believed[:-lag] @ weights
         size = np.abs(left[START:])
-        near = [_NORMAL * np.median(block, axis=0) for block in np.array_split(size, max(1, len(size) // AROUND))]
+        near = _NORMAL * _medians(size, max(1, len(size) // AROUND))
         place = START + (np.arange(len(near)) + 0.5) * len(size) / len(near)
         local = [np.interp(np.arange(len(told)), place, column) for column in np.transpose(near)]
         return np.asarray(np.maximum(np.stack(local, axis=1), self.least))
@@ -79,6 +79,15 @@ class _Foreteller:
         around = [np.convolve(each, np.ones(2 * NEAR + 1), "same") for each in found.T.astype(float)]
         crowded = found & (np.stack(around, axis=1) > CROWD)
         return np.where(crowded, measured, clean), found & ~crowded
+
+
+def _medians(size: np.ndarray, count: int) -> np.ndarray:
+    """Return the medians of `count` blocks of samples of equal length, or nearly, shape (count, p)."""
+    length, longer = divmod(len(size), count)
+    cut = longer * (length + 1)
+    width = size.shape[1]
+    parts = size[:cut].reshape(longer, length + 1, width), size[cut:].reshape(count - longer, length, width)
+    return np.concatenate([np.median(part, axis=1) for part in parts if len(part)])
 
 
 def treated(
