@@ -1,10 +1,38 @@
-"""Who calls `tick`: nobody in particular (offline, as fast as it goes) or a timer (paced, counting late ticks)."""
+"""Who calls `tick`: nobody in particular (offline), a timer (paced), or the other end of a wire, where its link is."""
 
 import time
 from collections.abc import Callable, Sequence
 from threading import Event
+from typing import Protocol
 
 from ctlblocks.graph import Graph
+
+
+class Clock(Protocol):
+    """What ticks a graph.  Called again, it goes on where it was."""
+
+    def run(self, graph: Graph, ticks: int, over: Callable[[], bool]) -> int:
+        """Tick a prepared graph `ticks` times, or until `over`, asked now and then, is true; return the ticks run."""
+
+
+class Offline:
+    """As fast as it goes.
+
+    Parameters
+    ----------
+    chunk : int, ticks, >= 1
+        From one question whether it is over to the next.
+    """
+
+    def __init__(self, chunk: int = 25) -> None:
+        self.chunk = chunk
+
+    def run(self, graph: Graph, ticks: int, over: Callable[[], bool]) -> int:
+        """Tick a prepared graph `ticks` times, or until `over`; return the ticks run."""
+        done = 0
+        while done < ticks and not over():
+            done += run_offline(graph, min(self.chunk, ticks - done))
+        return done
 
 
 def run_offline(graph: Graph, ticks: int, stop: Event | None = None) -> int:

@@ -104,6 +104,10 @@ class Graph:
         self._port(output, "outputs")
         return self._signals[output]
 
+    def port(self, output: str) -> Port:
+        """Return the port of output "block.port"; KeyError where there is none."""
+        return self._port(output, "outputs")
+
     def _port(self, path: str, side: str) -> Port:
         name, _, port_name = path.partition(".")
         if name not in self._blocks:

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from ctlblocks import Block, Graph, Port
-from ctlblocks.basic import Saturation, Sum
 from ctlblocks.clock import run_offline
 from ctlblocks.recording import write
 from ctlblocks.replay import Record
@@ -35,18 +34,19 @@ class Step(Block):
 class Controller(Block):
     """Proportional and integral action, in physical parameters: what depends on the rate is computed in `prepare`."""
 
-    inputs = (Port("error", "m"),)
+    inputs = (Port("reference", "m"), Port("position", "m"))
     outputs = (Port("drive", "V"),)
-    gain, integral_time = 3.0, 0.2  # V/m, s
+    gain, integral_time, limit = 3.0, 0.2, 2.0  # V/m, s, V
 
     def prepare(self, rate: float, frames: int) -> None:
         """Forget the past."""
         self.step, self.integral = 1.0 / (rate * self.integral_time), 0.0
 
-    def process(self, error: np.ndarray, drive: np.ndarray) -> None:
+    def process(self, reference: np.ndarray, position: np.ndarray, drive: np.ndarray) -> None:
         """Compute one sample."""
-        self.integral += self.step * error.item()
-        drive.fill(self.gain * (error.item() + self.integral))
+        error = reference.item() - position.item()
+        self.integral += self.step * error
+        drive.fill(min(max(self.gain * (error + self.integral), -self.limit), self.limit))
 
 
 class Plant(Block):
@@ -70,18 +70,14 @@ def loop() -> tuple[Graph, Record]:
     record = Record([Port("position", "m"), Port("drive", "V")], round(RATE * SECONDS))
     graph = Graph(RATE)
     graph.add("reference", Step())
-    graph.add("error", Sum("+-", unit="m"))
     graph.add("controller", Controller())
-    graph.add("amplifier", Saturation(-2.0, 2.0, unit="V"))
     graph.add("plant", Plant())
     graph.add("record", record)
-    graph.connect("reference.position", "error.first")
-    graph.connect("plant.position", "error.second", delayed=True)
-    graph.connect("error.total", "controller.error")
-    graph.connect("controller.drive", "amplifier.signal")
-    graph.connect("amplifier.limited", "plant.drive")
+    graph.connect("reference.position", "controller.reference")
+    graph.connect("plant.position", "controller.position", delayed=True)
+    graph.connect("controller.drive", "plant.drive")
     graph.connect("plant.position", "record.position")
-    graph.connect("amplifier.limited", "record.drive")
+    graph.connect("controller.drive", "record.drive")
     return graph, record
 
 

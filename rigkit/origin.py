@@ -45,6 +45,8 @@ class Origin:
         Keys whose difference a person has accepted.
     finished : str
         When all that was to come of it was there: UTC, ISO 8601; empty while it is not.
+    designed : mapping
+        What it is made again from beside settings and parts, as JSON has it: gains, what was asked for.
     """
 
     kind: str
@@ -54,6 +56,7 @@ class Origin:
     measured: str = field(default_factory=now)
     accepted: tuple[str, ...] = ()
     finished: str = ""
+    designed: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
     def of(cls, kind: str, config: BaseModel, parts: Mapping[str, Path] | None = None) -> Self:
@@ -122,6 +125,8 @@ class Origin:
         told = {"schema": SCHEMA, "kind": self.kind, "software": self.software, "measured": self.measured}
         told |= {"finished": self.finished}
         told |= {"accepted": list(self.accepted), "parts": dict(self.parts), "settings": dict(self.settings)}
+        if self.designed:
+            told |= {"designed": dict(self.designed)}
         return f"{json_text(told, indent=1)}\n"
 
 
@@ -148,7 +153,9 @@ def read_origin(path: Path) -> Origin | None:
         "accepted": list,
         "parts": dict,
         "settings": dict,
+        "designed": dict,
     }
+    told.setdefault("designed", {})
     for name, kind in wanted.items():
         if not isinstance(told.get(name), kind):
             raise OriginError(f"{path}: {name} is {told.get(name)!r}, must be {kind.__name__}")

@@ -1,9 +1,10 @@
 """What a run began with, in its folder, and whether it may go on with what is there now."""
 
 import sys
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from pydantic import BaseModel
 
@@ -15,7 +16,14 @@ from rigkit.run_folder import LOCK, RunFolder
 WAY_OUT = "put back what it began with, or begin a new run"
 
 
-def keep_origin(folder: RunFolder, kind: str, config: BaseModel, parts: Sequence[str], accept: Sequence[str]) -> None:
+def keep_origin(
+    folder: RunFolder,
+    kind: str,
+    config: BaseModel,
+    parts: Sequence[str],
+    accept: Sequence[str],
+    designed: Mapping[str, Any] | None = None,
+) -> None:
     """Write into the folder of a new run what it begins with.
 
     Parameters
@@ -30,8 +38,11 @@ def keep_origin(folder: RunFolder, kind: str, config: BaseModel, parts: Sequence
         Names of the files in the folder that the run is made of.
     accept : sequence of str
         Keys whose difference has been accepted.
+    designed : mapping, optional
+        As of `Origin`.
     """
     origin = Origin.of(kind, config, {name: folder.path / name for name in parts})
+    origin = replace(origin, designed=designed or {})
     folder.write(RUN, origin.accepting(accept).text)
 
 

@@ -1,5 +1,6 @@
-"""What flows by, on the disk as it comes: a block that a graph feeds, and a thread that writes."""
+"""What flows by, on the disk as it comes: a block that a graph feeds, and a thread, or whoever ticks, that writes."""
 
+import time
 from collections import deque
 from pathlib import Path
 from threading import Event, Thread
@@ -29,18 +30,21 @@ class StreamRecorder(Block):
     ----------
     stream : Stream
     tell : callable(event, fields)
-        Told, by the writer's thread, of "recording_gap", "recording_failed" and "recording_resumed".
+        Told, by whoever writes, of "recording_gap", "recording_failed" and "recording_resumed".
+    has_thread : bool
+        Whether a thread of its own writes; else whoever ticks the graph, who calls `drain_when_due` between ticks.
     """
 
-    def __init__(self, stream: Stream, tell: Tell) -> None:
+    def __init__(self, stream: Stream, tell: Tell, *, has_thread: bool = True) -> None:
         self.inputs = stream.ports
-        self._stream, self._writer = stream, StreamWriter(stream, tell)
+        self._stream, self._writer, self._has_thread = stream, StreamWriter(stream, tell), has_thread
         self._thread: Thread | None = None
-        self._over = Event()
+        self._over, self._is_on = Event(), False
+        self._due = 0.0
 
     def prepare(self, rate: float, frames: int) -> None:
         """Allocate, and count samples from 0; ValueError while it records, or where a WAV cannot hold it."""
-        if self._thread is not None:
+        if self._is_on:
             raise ValueError(f"{self._stream.path} is being recorded, must be closed before it is prepared again")
         self._channels = self._stream.channels(rate)
         self._channels.header()
@@ -51,8 +55,7 @@ class StreamRecorder(Block):
         self._ring = Ring(sum(widths), self._capacity)
         self._buffer = np.zeros((min(AT_ONCE, self._capacity), sum(widths)))
         self._restarts: deque[tuple[int, int]] = deque()
-        self._seen = 0
-        self._is_on, self._is_broken = False, True
+        self._seen, self._is_broken = 0, True
 
     def process(self, *signals: np.ndarray) -> None:
         """Hand one frame to the writer, or count it as lost."""
@@ -97,8 +100,9 @@ class StreamRecorder(Block):
         """Make the first file and begin."""
         self._writer.open(self._channels, self._seen)
         self._over.clear()
-        self._thread = Thread(target=self._work, name=f"record {self._stream.path.name}", daemon=True)
-        self._thread.start()
+        if self._has_thread:
+            self._thread = Thread(target=self._work, name=f"record {self._stream.path.name}", daemon=True)
+            self._thread.start()
         self._is_on = True
         return self
 
@@ -108,11 +112,14 @@ class StreamRecorder(Block):
 
     def close(self) -> None:
         """Write what waits, and finish the file; may be called twice."""
-        self._is_on = False
+        was_on, self._is_on = self._is_on, False
         if self._thread is not None:
             self._over.set()
             self._thread.join()
             self._thread = None
+        elif was_on:
+            self._drain()
+            self._writer.close()
 
     def _work(self) -> None:
         try:
@@ -123,6 +130,13 @@ class StreamRecorder(Block):
         except Exception as fault:  # a slip of ours is not silent either
             self._writer.slip(fault)
             raise
+
+    def drain_when_due(self) -> None:
+        """Write what has come, where no thread does: each `PERIOD`, and before the memory is half full."""
+        moment = time.monotonic()
+        if moment >= self._due or len(self._ring) > self._capacity // 4:
+            self._due = moment + PERIOD
+            self._drain()
 
     def _drain(self) -> None:
         """Write all that has come until now."""

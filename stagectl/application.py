@@ -9,7 +9,7 @@ PROGRAM = Program(
         "example-cell": "stagectl.example_commands:example_cell",
         "example-pocket": "stagectl.example_commands:example_pocket",
         "run": "stagectl.run_command:run_command",
-        "midrange": "stagectl.robot.midranging.command:midrange",
+        "midrange": "stagectl.experiments.midranging.command:midrange",
         "cell": "stagectl.machining.command:cell",
         "ilc": "stagectl.trials.command:ilc",
         "force": "stagectl.feed.command:force",

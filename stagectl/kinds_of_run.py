@@ -4,32 +4,26 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from rigkit.origin import RUN, read_origin
+from rigkit.experiment import kept
+from rigkit.experiment.kind import kind_of
+from rigkit.experiment.replayed import Replayed
 from stagectl import session
+from stagectl.experiments.kinds import KINDS
 from stagectl.feed.folder import is_of_feed, replay_folder, report_folder
 from stagectl.machining.replay import replay_cell
 from stagectl.machining.report import cell_report
 from stagectl.machining.session import is_of_cell
-from stagectl.replay import Replayed, replay
+from stagectl.replay import replay
 from stagectl.report import run_report
-from stagectl.robot.midranging.session import KIND as MIDRANGING
 from stagectl.trials.job import report_again
 from stagectl.trials.replay import replay_trials
 from stagectl.trials.session import is_of_trials
 
 
-def refuse_mid_ranging(path: Path) -> None:
-    """Refuse, by ValueError, what is neither reported nor replayed."""
-    origin = read_origin(path / RUN)
-    if origin is not None and origin.kind == MIDRANGING:
-        raise ValueError(
-            f"{path}/ is a {MIDRANGING}: its report was written when it ended, and neither that nor the run is made "
-            f"again; `stagectl export {path}` takes its recordings"
-        )
-
-
 def reported(path: Path, png: Path | None) -> dict[str, Any]:
     """Write the report of a run, and figures as PNG files where they are wanted; return its figures."""
+    if (kind := KINDS.get(kind_of(path))) is not None:
+        return kept.reported(path, kind, png)
     if is_of_feed(path):
         return report_folder(path, png)
     if is_of_trials(path):
@@ -39,6 +33,8 @@ def reported(path: Path, png: Path | None) -> dict[str, Any]:
 
 def replayed(path: Path) -> Iterator[Replayed]:
     """Make every recording of a run again."""
+    if (kind := KINDS.get(kind_of(path))) is not None:
+        return kept.replayed(path, kind)
     if is_of_feed(path):
         return replay_folder(path)
     if is_of_trials(path):

@@ -1,36 +1,12 @@
 """Replay: the recorded sensors go through the run's own graph again, and every output must come out as it was."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
-from ctlblocks.recording import Recording
+from rigkit.experiment.replayed import Replayed, compared
 from stagectl.cell import MADE, Cell, kept_in, memory, recorded
 from stagectl.session import RECORDING, UNCOMPENSATED, read_recording
 from stagectl.setup import Setup
-
-
-@dataclass(frozen=True)
-class Replayed:
-    """One output of one axis, recorded and made again.
-
-    Parameters
-    ----------
-    recording : str
-    channel, unit : str
-    identical : bool
-        Whether every sample is the same, bit for bit.
-    difference : float, in `unit`
-        Largest.
-    """
-
-    recording: str
-    channel: str
-    unit: str
-    identical: bool
-    difference: float
 
 
 def replay(path: Path, made: Setup) -> Iterator[Replayed]:
@@ -75,20 +51,3 @@ def _ends_here(cell: Cell, made: Setup, rows: int) -> bool:
     return rows < made.timeline.total and cell.graph.ticks >= rows - round(
         1.1 * made.config.limits.ramp * made.config.stage.rate
     )
-
-
-def compared(name: str, before: Recording, again: Recording) -> Iterator[Replayed]:
-    """Compare every channel that was made again with the recorded one.
-
-    Parameters
-    ----------
-    name : str
-        Of the recording.
-    before, again : Recording
-        The latter may have fewer channels.
-    """
-    for channel, unit in zip(again.names, again.units, strict=True):
-        one, other = (np.ascontiguousarray(each.select([channel]).data) for each in (before, again))
-        rows = min(len(one), len(other))
-        is_same = one.shape == other.shape and one.tobytes() == other.tobytes()
-        yield Replayed(name, channel, unit, is_same, float(np.abs(one[:rows] - other[:rows]).max()))

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 import typer
 
 from rigkit.command import JsonOption, RunArgument, print_table, words, write_json
+from rigkit.experiment.replayed import Replayed
 from rigkit.run_origin import say_at_work
 from stagectl.changed import say_changed
-from stagectl.kinds_of_run import refuse_mid_ranging, replayed
-from stagectl.replay import Replayed
+from stagectl.kinds_of_run import replayed
 
 
 def replay_command(
@@ -20,7 +20,6 @@ def replay_command(
 
     Example: `stagectl replay RUN/`
     """
-    refuse_mid_ranging(path)
     say_changed(path)
     say_at_work(path)
     done = _collected(replayed(path))

@@ -4,7 +4,7 @@ from rigkit.command import JsonOption, PngOption, RunArgument, words, write_json
 from rigkit.run_folder import make_whole
 from rigkit.run_origin import say_at_work
 from stagectl.changed import say_changed
-from stagectl.kinds_of_run import refuse_mid_ranging, reported
+from stagectl.kinds_of_run import reported
 
 
 def report_command(
@@ -17,7 +17,6 @@ def report_command(
     Example: `stagectl report RUN/ --png figures/`
     """
     make_whole(path)
-    refuse_mid_ranging(path)
     say_changed(path)
     say_at_work(path)
     figures = reported(path, png)

@@ -19,13 +19,13 @@ from calibration.joint_clamping.results import RAW, Clamped, of_recording
 from calibration.joint_clamping.session import KEPT, KIND, measure
 from calibration.names import raw_folder
 from calibration.output import Wish, output
+from rigkit.experiment.strips import PERIOD
 from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
 from rigkit.service.show import Gauge, Table
 from stagectl.daemon.cell.conductor import Conductor
 from stagectl.daemon.cell.gauges import Motion, timed
 from stagectl.daemon.cell.options import JointsOptions
-from stagectl.daemon.cell.strips import PERIOD
 from stagectl.robot.clamp_config import clamp_procedure
 from stagectl.robot.config import CellConfig
 

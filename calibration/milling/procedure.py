@@ -8,6 +8,8 @@ from calibration.milling.sweep_session import sweep, sweep_steps
 from calibration.output import Wish
 from ctlblocks import Graph
 from ctlblocks.recording import Recording
+from rigkit.experiment.strips import PERIOD, strip
+from rigkit.experiment.watch import WINDOW
 from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
 from rigkit.service.show import Axis, Gauge, Table
@@ -16,9 +18,8 @@ from stagectl.daemon.cell.conductor import Conductor
 from stagectl.daemon.cell.gauges import Motion, timed
 from stagectl.daemon.cell.learning_panels import along, errors, path
 from stagectl.daemon.cell.options import MillingOptions
-from stagectl.daemon.cell.strips import PERIOD, force_strip, strip
+from stagectl.daemon.cell.strips import force_strip
 from stagectl.daemon.cell.trial_runner import SOURCES, TrialRunner
-from stagectl.daemon.cell.watch import WINDOW
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.milling_models import write_milling
 from stagectl.robot.milling.torque_file import UNITS

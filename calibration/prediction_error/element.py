@@ -94,13 +94,19 @@ class Steps:
 def balanced(element: Element) -> tuple[Element, np.ndarray]:
     """Return it with its states balanced, and the basis T, shape (n, n), with x = T (balanced state).
 
+    Where that would be worse than its states are, such as far from a normal matrix, they are scaled alone.
+
     Source
     ------
     Laub, Heath, Paige, Ward 1987, IEEE Trans. Automatic Control 32(2), through square roots of the Gramians.
     """
     _, spread = matrix_balance(element.a, permute=False)
     even = _turned(element, spread)
-    left, right = _root(_gramian(even.a, even.b)), _root(_gramian(even.a.T, even.c.T))
+    with np.errstate(over="ignore", invalid="ignore"):
+        gramians = _gramian(even.a, even.b), _gramian(even.a.T, even.c.T)
+    if not np.isfinite(gramians).all():  # far from normal: rounding outgrows the poles
+        return even, spread
+    left, right = map(_root, gramians)
     _, hankel, rows = svd(right.T @ left)
     basis = left @ rows.T / np.sqrt(hankel.clip(LEAST_HANKEL * max(hankel[0], np.finfo(float).tiny)))
     if not np.linalg.cond(basis) <= WORST_BALANCE:

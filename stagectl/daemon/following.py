@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
+from rigkit.experiment.pace import Pace
 from rigkit.faults import FaultTable
 from rigkit.provenance import software
 from rigkit.run_folder import RunFolder
@@ -18,7 +19,6 @@ from stagectl.config import StageConfig
 from stagectl.daemon.gauges import driven, motion, paced, tracked
 from stagectl.daemon.monitor import Monitor
 from stagectl.daemon.options import FollowOptions, HoldOptions
-from stagectl.daemon.pace import Pace
 from stagectl.daemon.panels import PERIOD, Panels
 from stagectl.daemon.ready import Ready
 from stagectl.daemon.spoiled import spoiled

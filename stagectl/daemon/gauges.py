@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from rigkit.experiment.pace import Pace
 from rigkit.service.show import Gauge
 from stagectl.config import StageConfig
 from stagectl.daemon.monitor import Monitor
-from stagectl.daemon.pace import Pace
 from stagectl.link.stage_link import StageLink
 from stagectl.tracking import WITHIN
 from stagectl.wire.messages import State

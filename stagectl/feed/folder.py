@@ -4,13 +4,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from rigkit.experiment.replayed import Replayed
 from rigkit.run_folder import CONFIG
 from stagectl.feed.job import read_job
 from stagectl.feed.process_session import process_report, replay_process
 from stagectl.feed.replay import replay_feed
 from stagectl.feed.report import feed_report
 from stagectl.feed.session import JOB
-from stagectl.replay import Replayed
 
 
 def is_of_feed(path: Path) -> bool:

@@ -8,13 +8,13 @@ from calibration.state_space.model import InnovationModel
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file
+from rigkit.experiment.replayed import Replayed, compared
 from rigkit.figure_style import styled
 from rigkit.report import Fact, Report, Section, Table
 from rigkit.run_folder import CONFIG, RunFolder
 from stagectl.feed.figures import PROCESS, control_plot
 from stagectl.feed.process_run import process_figures, recorded, run_process, simulated
 from stagectl.feed.session import MODEL, velocity_model
-from stagectl.replay import Replayed, compared
 from stagectl.robot.config import CellConfig
 
 RECORD, PAGE = "process.csv", "report.html"

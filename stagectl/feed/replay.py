@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from pathlib import Path
 
+from rigkit.experiment.replayed import Replayed, compared
 from stagectl.feed.job import Repeated, once
 from stagectl.feed.recorded import made
 from stagectl.feed.run import mill_pocket
 from stagectl.feed.session import read_back
 from stagectl.feed.surroundings import recorded
 from stagectl.machining.run import Conduct
-from stagectl.replay import Replayed, compared
 
 
 def replay_feed(path: Path) -> Iterator[Replayed]:

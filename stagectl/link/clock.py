@@ -40,38 +40,57 @@ class Pacemaker(Protocol):
         """Have what waits to be sent sent now."""
 
 
-def run_linked(graph: Graph, link: Pacemaker, ticks: int, stopped: Callable[[], bool] = lambda: False) -> int:
-    """Tick a prepared graph once for each beat of the link, `ticks` times or until `stopped`; return the ticks run.
+class Linked:
+    """Ticks a prepared graph once for each beat of a link.  Called again, it goes on with the next beat.
 
     Two beats that come at once make two ticks without a pause; none is left out.
 
     Parameters
     ----------
-    graph : Graph, of the link's rate and frames
     link : StageLink or RobotPort, open
-    ticks : int
-    stopped : callable() -> bool
-
-    Raises
-    ------
-    ValueError : the graph's frames or its rate are not the link's.
-    LinkFault, RobotFault : a fault has latched.
-    LinkError : no beat has come for `link.patience`.
     """
-    if (graph.frames, graph.rate) != (link.frames, link.rate):
-        raise ValueError(
-            f"the graph ticks by {graph.frames} frames at {graph.rate:g} samples/s, must be {link.frames} at "
-            f"{link.rate:g} as on the wire"
-        )
-    with real_time():
-        samples = link.skip()
-        for done in range(ticks):
-            if stopped():
-                return done
-            samples += link.frames
-            if not link.wait(samples, link.patience):
-                link.refuse_when_latched()
-                raise LinkError(f"no {link.beat} within {link.patience:g} s")
-            graph.tick()
-            link.flush()
-    return ticks
+
+    def __init__(self, link: Pacemaker) -> None:
+        self._link = link
+        self._samples: int | None = None
+
+    def run(self, graph: Graph, ticks: int, over: Callable[[], bool]) -> int:
+        """Tick a graph `ticks` times, or until `over`, asked before each; return the ticks run.
+
+        Parameters
+        ----------
+        graph : Graph, of the link's rate and frames
+        ticks : int
+        over : callable() -> bool
+
+        Raises
+        ------
+        ValueError : the graph's frames or its rate are not the link's.
+        LinkFault, RobotFault : a fault has latched.
+        LinkError : no beat has come for `link.patience`.
+        """
+        link = self._link
+        if (graph.frames, graph.rate) != (link.frames, link.rate):
+            raise ValueError(
+                f"the graph ticks by {graph.frames} frames at {graph.rate:g} samples/s, must be {link.frames} at "
+                f"{link.rate:g} as on the wire"
+            )
+        with real_time():
+            samples = link.skip() if self._samples is None else self._samples
+            for done in range(ticks):
+                self._samples = samples
+                if over():
+                    return done
+                samples += link.frames
+                if not link.wait(samples, link.patience):
+                    link.refuse_when_latched()
+                    raise LinkError(f"no {link.beat} within {link.patience:g} s")
+                graph.tick()
+                link.flush()
+            self._samples = samples
+        return ticks
+
+
+def run_linked(graph: Graph, link: Pacemaker, ticks: int, stopped: Callable[[], bool] = lambda: False) -> int:
+    """Tick a prepared graph once for each beat of a link from now on, as `Linked` does."""
+    return Linked(link).run(graph, ticks, stopped)

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from pathlib import Path
 
+from rigkit.experiment.replayed import Replayed, compared
 from stagectl.machining.recorded import MADE
 from stagectl.machining.run import Conduct, mill
 from stagectl.machining.session import read_back
 from stagectl.machining.surroundings import recorded
-from stagectl.replay import Replayed, compared
 
 
 def replay_cell(path: Path) -> Iterator[Replayed]:

@@ -9,7 +9,7 @@ import numpy as np
 from calibration.milling.sweep_block import Sweep
 from calibration.state_space.model import InnovationModel
 from ctlblocks import Block, Port, recording, replay
-from ctlblocks.basic import Gain, RateHold, Saturation, Sum, UnitDelay
+from ctlblocks.basic import Gain
 from firmware_sim.clamped_robot import ClampedRobot
 from firmware_sim.force_sensor_block import ForceSensor
 from firmware_sim.guided_robot import GuidedRobot
@@ -27,6 +27,7 @@ from rigkit.stream_recorder import StreamRecorder
 from rigkit.stream_writer import Stream
 from stagectl import config as stage
 from stagectl.deflection import DeflectionReference
+from stagectl.experiments.midranging.wired_blocks import LivePair, LiveSeen, LiveSend
 from stagectl.link.blocks import Excite, Newest, Receive, Send
 from stagectl.link.config import Laser, Link
 from stagectl.link.laser import Displacement, LaserLine
@@ -48,7 +49,6 @@ from stagectl.robot.config import Tracker as TrackerConfig
 from stagectl.robot.force_config import ForceSensor as ForceSensorConfig
 from stagectl.robot.force_line import ForceLine, MeasuredForce
 from stagectl.robot.midranging.internal_model import Estimation, InternalModel, InternalModelAxis
-from stagectl.robot.midranging.live_pair import LivePair, LiveSeen, LiveSend
 from stagectl.robot.midranging.reference_governor import Governor
 from stagectl.robot.midranging.tuning import LoopModel, lambda_tuned
 from stagectl.robot.midranging.valve_position import ValvePosition, ValvePositionAxis
@@ -215,11 +215,7 @@ def _hear(*_: object) -> None:
 
 
 EXAMPLES: dict[type[Block], Example] = {
-    Sum: Example(lambda: Sum("+-", width=2)),
     Gain: Example(lambda: Gain(-2.5, width=2)),
-    Saturation: Example(lambda: Saturation(-0.05, 0.02, width=2)),
-    UnitDelay: Example(lambda: UnitDelay(width=2)),
-    RateHold: Example(lambda: RateHold(40, width=2)),
     replay.Replay: Example(_replay),
     replay.Record: Example(lambda: replay.Record([Port("left"), Port("right", width=2)], 400)),
     Faults: Example(_faults),

@@ -10,11 +10,15 @@ import numpy as np
 import pytest
 
 from firmware_sim.stage_processor import Settings
+from rigkit.experiment.kept import create, records_of, replayed, reported, run
+from rigkit.experiment.runner import Conduct
+from rigkit.run_folder import read_events
+from stagectl.experiments.midranging.experiment import KIND, Midranging
+from stagectl.experiments.midranging.measures import channel
+from stagectl.experiments.midranging.read_back import MIDRANGING as KIND_OF
+from stagectl.experiments.midranging.scenario import Scenario
+from stagectl.link.bus import LinkError
 from stagectl.robot.config import CellConfig
-from stagectl.robot.midranging.axes import run_axes
-from stagectl.robot.midranging.live import LiveFault
-from stagectl.robot.midranging.measures import channel
-from stagectl.robot.midranging.scenario import Scenario
 from stagectl.wire.messages import State
 from tests.scenario.stepped_cell import BUSY, SteppedCell
 from tests.stagectl.link.stand_in import PATIENT, link_to, running
@@ -40,7 +44,11 @@ def test_the_robot_takes_over_from_the_stage_along_two_axes(tmp_path: Path) -> N
         running(tmp_path / "can", Settings(silence=PATIENT, pace="host")) as (_, stage),
         SteppedCell(midranging=MIDRANGING) as stepped,
     ):
-        runs = run_axes("mvpc", cell_of(stepped, tmp_path / "can"), chosen)
+        made = Midranging(cell_of(stepped, tmp_path / "can"), "mvpc", chosen)
+        with create(tmp_path / "run", KIND, made.cell, made) as folder:
+            run(folder, made, Conduct())
+    runs = made.runs(records_of(tmp_path / "run"))
+    assert all(each.identical for each in replayed(tmp_path / "run", KIND_OF))
     assert list(runs) == ["y", "z"]
     assert len(runs["y"].data) == 250
     y, z = (channel(each, "slow") for each in runs.values())
@@ -59,15 +67,20 @@ def test_a_fault_of_the_robot_sends_the_stage_to_mid_travel_and_keeps_what_was_r
         running(tmp_path / "can", Settings(silence=PATIENT, pace="host")) as (node, _),
         SteppedCell(midranging=MIDRANGING) as stepped,
     ):
-        with pytest.raises(LiveFault, match="the tool is asked to move at .* m/s, must be <= 0.25 m/s") as fault:
-            run_axes("mvpc", cell_of(stepped, tmp_path / "can"), {"": Scenario("jump", wave)})
+        made = Midranging(cell_of(stepped, tmp_path / "can"), "mvpc", {"": Scenario("jump", wave)})
+        with (
+            create(tmp_path / "run", KIND, made.cell, made) as folder,
+            pytest.raises(LinkError, match="the tool is asked to move at .* m/s, must be <= 0.25 m/s"),
+        ):
+            run(folder, made, Conduct())
         until(lambda: node.processor.state is not State.FOLLOWING)  # it has yet to read that it is to stop
         assert node.processor.state in (State.RAMPING, State.HOLDING)
-    (recorded,) = fault.value.recorded
-    assert 100 <= len(recorded.data) < 225
+    assert 100 <= len(records_of(tmp_path / "run")["recording"].data) < 225
+    assert "must be <= 0.25 m/s" in read_events(tmp_path / "run")[-1]["reason"]
+    assert reported(tmp_path / "run", KIND_OF)["seconds"] < 0.8
 
 
 def test_what_cannot_run_live_is_refused_before_a_wire_is_opened() -> None:
     config = CellConfig.model_validate({"midranging": {"session": {"live": True}}})
     with pytest.raises(ValueError, match="a live run has the axes w .* must be of x, y, z"):
-        run_axes("aimc", config, {"w": Scenario("hold", np.zeros(10))})
+        Midranging(config, "aimc", {"w": Scenario("hold", np.zeros(10))})

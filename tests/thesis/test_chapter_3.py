@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from rigkit import config as rig_file
+from stagectl.experiments.midranging.measures import channel, figures, iae
+from stagectl.experiments.midranging.scenario import Scenario, scenario, steps
+from stagectl.experiments.midranging.schedule import simulate
+from stagectl.experiments.midranging.table import table
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.controllers import controller
-from stagectl.robot.midranging.measures import channel, figures, iae
-from stagectl.robot.midranging.scenario import Scenario, scenario, steps
-from stagectl.robot.midranging.simulation import simulate
-from stagectl.robot.midranging.table import table
 
 NOISE = ("learning.noise=5e-5", "simulator.options.noise=5e-5")
 """50 um on every sensor, as in the third row."""

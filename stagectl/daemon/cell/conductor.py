@@ -3,10 +3,10 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from rigkit.experiment.watch import Watch
 from rigkit.run_folder import RunFolder
 from rigkit.service.rig import Desk
 from rigkit.stop import Stopped
-from stagectl.daemon.cell.watch import Watch
 from stagectl.machining.run import Conduct
 
 _OWN = ("started", "ended", "milled")

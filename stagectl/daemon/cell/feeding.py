@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 
+from rigkit.experiment.strips import PERIOD
 from rigkit.service.paths import data_file, run_path
 from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
@@ -11,7 +12,6 @@ from stagectl.daemon.cell.conductor import Conductor
 from stagectl.daemon.cell.feeding_panels import FeedingPanels, cutting
 from stagectl.daemon.cell.gauges import REFERENCE, Motion, timed
 from stagectl.daemon.cell.options import ForceOptions
-from stagectl.daemon.cell.strips import PERIOD
 from stagectl.feed import session
 from stagectl.feed.job import POCKETS, Job, pocket_of
 from stagectl.feed.plan import feed_plan

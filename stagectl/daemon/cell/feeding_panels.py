@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from rigkit.experiment.strips import TIME, strip, thinned
+from rigkit.experiment.watch import WINDOW, Watch
 from rigkit.service.rig import Desk
 from rigkit.service.show import Axis, Curves, Gauge, Table, Trace
-from stagectl.daemon.cell.strips import TIME, strip, thinned
-from stagectl.daemon.cell.watch import WINDOW, Watch
 from stagectl.feed.report import HEAD, TYPE_HEAD, pocket_rows, type_rows
 from stagectl.feed.session import Kept, summary
 from stagectl.robot.milling.feed_config import ForceFeed

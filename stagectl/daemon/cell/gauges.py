@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from rigkit.experiment.watch import LOOKS, Watch
 from rigkit.service.show import Gauge
-from stagectl.daemon.cell.watch import LOOKS, Watch
 from stagectl.daemon.gauges import paced
 from stagectl.robot.config import CellConfig
 from stagectl.robot.kinematics import forward

@@ -6,6 +6,7 @@ from typing import Any
 from rigkit import config as rig_file
 from rigkit.agreement import together
 from rigkit.disk_space import require
+from rigkit.experiment.strips import PERIOD
 from rigkit.run_folder import CONFIG, RunFolder
 from rigkit.run_origin import going_on
 from rigkit.service.paths import data_file, run_path
@@ -15,7 +16,7 @@ from rigkit.service.show import Gauge
 from stagectl.daemon.cell.conductor import Conductor
 from stagectl.daemon.cell.learning_panels import LearningPanels
 from stagectl.daemon.cell.options import IlcOptions
-from stagectl.daemon.cell.strips import PERIOD, force_strip
+from stagectl.daemon.cell.strips import force_strip
 from stagectl.daemon.cell.trial_runner import SOURCES, TrialRunner
 from stagectl.robot.config import CellConfig
 from stagectl.trials.campaign import FIRST, learn_free_space, learn_pocket

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
+from rigkit.experiment.strips import TIME, thinned
 from rigkit.service.rig import Desk
 from rigkit.service.show import Axis, Curves, Table, Trace
-from stagectl.daemon.cell.strips import AXES, TIME, thinned
+from stagectl.daemon.cell.strips import AXES
 from stagectl.robot.milling.torque_file import read_force_model
 from stagectl.trials.campaign import FIRST, Learner
 from stagectl.trials.done import DoneTrial

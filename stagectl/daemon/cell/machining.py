@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from rigkit.disk_space import require
+from rigkit.experiment.strips import PERIOD
 from rigkit.service.paths import data_file, run_path
 from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
@@ -13,7 +14,6 @@ from stagectl.daemon.cell.conductor import Conductor
 from stagectl.daemon.cell.gauges import REFERENCE, Motion, sighted, timed
 from stagectl.daemon.cell.machining_panels import MachiningPanels, near
 from stagectl.daemon.cell.options import CellOptions
-from stagectl.daemon.cell.strips import PERIOD
 from stagectl.machining import session
 from stagectl.machining.plan import AXES, RATE, SETUPS, Plan, designs_of, plan, stage_of
 from stagectl.machining.report import cell_report

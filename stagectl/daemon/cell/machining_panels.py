@@ -3,10 +3,11 @@
 from collections.abc import Iterator
 from typing import Any
 
+from rigkit.experiment.strips import strip
+from rigkit.experiment.watch import WINDOW, Watch
 from rigkit.service.rig import Desk
 from rigkit.service.show import Axis, Gauge, Table
-from stagectl.daemon.cell.strips import AXES, strip
-from stagectl.daemon.cell.watch import WINDOW, Watch
+from stagectl.daemon.cell.strips import AXES
 from stagectl.machining.plan import Plan
 from stagectl.machining.report import HEAD, table_rows
 

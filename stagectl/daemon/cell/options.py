@@ -6,8 +6,8 @@ from pydantic import model_validator
 
 from rigkit.config import Section, setting
 from stagectl.daemon.options import Renewed
+from stagectl.experiments.midranging.scenario import SCENARIOS
 from stagectl.planning.pocket import UNTRAINED
-from stagectl.robot.midranging.scenario import SCENARIOS
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$"
 MODEL = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,76}\.h5$"

@@ -86,7 +86,7 @@ PROCEDURES = (
         "",
         "It ends at once; what is recorded is kept. Live, the robot is held and the stage goes to mid-travel.",
         MidrangeOptions,
-        "stagectl.daemon.cell.midranging:Midranging",
+        "stagectl.experiments.midranging.daemon:procedure",
     ),
     Entry(
         "calibrate-milling",

@@ -1,15 +1,11 @@
 """The command `stagectl midrange`: the macro and the micro manipulator under one of the controllers."""
 
 import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from ctlblocks import Graph
-from ctlblocks.clock import run_offline
 from rigkit import config as rig_file
 from rigkit.command import (
     ConfigOption,
@@ -23,16 +19,12 @@ from rigkit.command import (
     words,
     write_json,
 )
-from rigkit.progress import progress
-from rigkit.stop import Stopped, stoppable
+from rigkit.experiment.command import CommandLine
+from stagectl.experiments.midranging.experiment import KIND, Midranging
+from stagectl.experiments.midranging.scenario import scenarios
+from stagectl.experiments.midranging.table import table
 from stagectl.robot.config import CellConfig
-from stagectl.robot.midranging import session
-from stagectl.robot.midranging.axes import all_figures, run_axes
-from stagectl.robot.midranging.controllers import CONTROLLERS, controller
-from stagectl.robot.midranging.report import PAGE
-from stagectl.robot.midranging.scenario import Scenario, scenarios
-from stagectl.robot.midranging.simulation import Advance
-from stagectl.robot.midranging.table import table
+from stagectl.robot.midranging.controllers import CONTROLLERS
 
 TABLE = "table-3.1"
 
@@ -65,52 +57,17 @@ def midrange(
     cell = rig_file.load(config, CellConfig, laid_over(settings, {"midranging.session.live": live}))
     if png is not None and out is None:
         raise ValueError("--png goes with --out RUN/, which is not given")
+    is_live = cell.midranging.session.live
     if scenario_name == TABLE:
-        if out is not None or cell.midranging.session.live:
+        if out is not None or is_live:
             raise ValueError(f"--scenario {TABLE} makes a table and no recording: it takes no --out and no --live")
         _tell_table(table(cell.midranging), json)
         return
-    chosen = scenarios(scenario_name, cell.midranging.pair.rate)
-    with stoppable() as stop, _watched(cell, chosen) as advance:
-        if out is None:
-            runs = run_axes(controller_name, cell, chosen, lambda: stop.made, advance)
-            _tell(all_figures(runs, chosen, cell.midranging), json)
-            _end_if(stop.made, "")
-            return
-        kept = session.about(controller_name, scenario_name)
-        session.require_room(out, controller(controller_name, cell.midranging, len(chosen)), chosen)
-        with session.create(out, cell) as folder:
-            runs = session.recorded(
-                folder, lambda: run_axes(controller_name, cell, chosen, lambda: stop.made, advance), chosen, kept
-            )
-            _tell(session.keep(folder, runs, chosen, cell, kept, png), json)
-    print(f"report: {out / PAGE}", file=words(json))  # noqa: T201
-    _end_if(stop.made, f"; what is recorded is in {out}/")
-
-
-def _end_if(is_stopped: bool, where: str) -> None:
-    if is_stopped:
-        raise Stopped(f"stopped: these are the figures of what was run until then{where}")
-
-
-@contextmanager
-def _watched(cell: CellConfig, chosen: Mapping[str, Scenario]) -> Iterator[Advance]:
-    """Say how long it takes, and show how far what is simulated is; while a robot is led nothing is printed."""
-    lead, rate = cell.midranging.session.lead, cell.midranging.pair.rate
-    lengths, done = [round(lead * rate) + len(each.reference) for each in chosen.values()], 0
-    if cell.midranging.session.live:
-        sys.stderr.write(f"mid-ranging: {max(lengths) / rate:g} s in real time\n")
-        yield run_offline
-        return
-    with progress("mid-ranging", sum(lengths)) as meter:
-
-        def advance(graph: Graph, ticks: int) -> None:
-            nonlocal done
-            run_offline(graph, ticks)
-            done += ticks
-            meter.show(done)
-
-        yield advance
+    made = Midranging(cell, controller_name, scenarios(scenario_name, cell.midranging.pair.rate))
+    line = CommandLine("mid-ranging", is_live, out, png, json)
+    reason, found = line.carry_out(KIND, cell, made)
+    _tell(found, json)
+    line.end(reason)
 
 
 def _tell(found: dict[str, Any], json: str | None) -> None:

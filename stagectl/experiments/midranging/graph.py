@@ -1,22 +1,31 @@
-"""Reference, controller, manipulators and recorder in one graph, the pair in process or behind its wires."""
+"""The netlist of mid-ranging: reference, controller, and the pair of manipulators, of whatever make."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from ctlblocks import Block, Graph, Port
 from ctlblocks.recording import Recording
-from ctlblocks.replay import Record, Replay
+from ctlblocks.replay import Replay
+from ctlblocks.taps import Tap
+from rigkit.experiment.part import Track, numbered
 
 MEASURED = ("relative", "fast", "slow", "control", "position")
 """What the pair gives; `position` is the relative position itself, without noise where it is simulated."""
+ASKED = ("fast_reference", "slow_reference")
+"""What it takes."""
 
-Source = tuple[str, bool]
-"""An output in the graph, and whether it is read a tick late."""
 
-
-def wire(graph: Graph, made: Block, wanted: np.ndarray, seen: Mapping[str, Source], sink: str) -> Record:
-    """Add reference, controller and recorder to a graph that has the pair, and prepare it.
+def netlist(
+    graph: Graph,
+    made: Block,
+    wanted: np.ndarray,
+    seen: Mapping[str, Tap],
+    sink: str | None,
+    track: str,
+    channels: Callable[[Port], tuple[str, ...]] = numbered,
+) -> Track:
+    """Add reference and controller to a graph that has the pair; return what is to be recorded.
 
     Parameters
     ----------
@@ -25,73 +34,41 @@ def wire(graph: Graph, made: Block, wanted: np.ndarray, seen: Mapping[str, Sourc
         InternalModel or ValvePosition, of as many axes as `wanted` has.
     wanted : array, shape (samples, axes), m
         The reference.
-    seen : mapping of str to (str, bool)
+    seen : mapping of str to Tap
         Where each of `MEASURED` comes from.
-    sink : str
-        The block that takes `fast_reference` and `slow_reference`.
-
-    Returns
-    -------
-    Record
-        Of `reference`, what the pair gives, and all that the controller makes.
+    sink : str or None
+        The block that takes `ASKED`; none where the pair is a recording.
+    track : str
+        Name of the recording.
+    channels : callable(Port) -> tuple of str
+        As of `Track`.
     """
-    axes = wanted.shape[1]
-    names = tuple(f"reference_{axis}" for axis in range(axes))
-    graph.add("wanted", Replay(Recording(names, ("m",) * axes, graph.rate, wanted), {"reference": names}))
+    names = tuple(f"reference_{axis}" for axis in range(wanted.shape[1]))
+    reference = Recording(names, ("m",) * len(names), graph.rate, wanted)
+    graph.add("wanted", Replay(reference, {"reference": names}))
     graph.add("controller", made)
-    sources = {"reference": ("wanted.reference", False), **seen}
-    answers = {port.name: f"controller.{port.name}" for port in made.outputs}
+    sources = {"reference": Tap("reference", "wanted.reference"), **seen}
     for port in made.inputs:
-        graph.connect(sources[port.name][0], f"controller.{port.name}", delayed=sources[port.name][1])
-    for name in ("fast_reference", "slow_reference"):
-        graph.connect(answers[name], f"{sink}.{name}")
-    ports = [Port(name, "m/s" if name == "control" else "m", axes) for name in sources]
-    ports += [Port(_told(port.name), port.unit, port.width) for port in made.outputs]
-    record = Record(ports, len(wanted))
-    graph.add("record", record)
-    for name, (source, delayed) in sources.items():
-        graph.connect(source, f"record.{name}", delayed=delayed and name != "control")
-    for name, source in answers.items():
-        graph.connect(source, f"record.{_told(name)}")
-    graph.prepare()
-    return record
+        tap = sources[port.name]
+        graph.connect(tap.source, f"controller.{port.name}", delayed=tap.delayed)
+    for name in ASKED if sink is not None else ():
+        graph.connect(f"controller.{name}", f"{sink}.{name}")
+    answers = [Tap(_told(port.name), f"controller.{port.name}") for port in made.outputs]
+    return Track(track, (*sources.values(), *answers), frozenset(tap.name for tap in answers), 1, channels)
 
 
-def split(record: Record, axes: int, lead: int) -> list[Recording]:
-    """Return what was recorded from sample `lead` on, a recording an axis, named as that of one axis alone.
+def of_axes(axes: Sequence[str]) -> Callable[[Port], tuple[str, ...]]:
+    """Return how the channels of a port are called that is equally wide for each axis: an axis' name ends each."""
 
-    Parameters
-    ----------
-    record : Record
-        Of `wire`.
-    axes : int
-    lead : int, samples
-    """
-    whole = record.recording()
-    edges = np.cumsum([0, *(port.width for port in record.inputs)])
-    found = []
-    for axis in range(axes):
-        columns, names, units = [], [], []
-        for port, start in zip(record.inputs, edges, strict=False):
-            width = port.width // axes
-            columns += list(range(start + axis * width, start + (axis + 1) * width))
-            names += [port.name] if width == 1 else [f"{port.name}_{place + 1}" for place in range(width)]
-            units += [port.unit] * width
-        found.append(Recording(tuple(names), tuple(units), whole.rate, whole.data[lead:, columns].copy()))
-    return found
+    def channels(port: Port) -> tuple[str, ...]:
+        each = port.width // len(axes)
+        return tuple(
+            f"{name}_{axis}" if axis else name for axis in axes for name in numbered(Port(port.name, port.unit, each))
+        )
+
+    return channels
 
 
 def _told(name: str) -> str:
     """Return under which name a controller's output is recorded: its own control signal beside the pair's."""
     return "foreseen_control" if name == "control" else name
-
-
-def refuse_unready(record: Record, lead: int) -> None:
-    """Raise ValueError where a controller that must estimate first had not done so when the lead was over."""
-    whole = record.recording()
-    columns = [place for place, name in enumerate(whole.names) if name.partition("_")[0] == "active"]
-    if columns and not whole.data[min(lead, len(whole.data) - 1), columns].all():
-        raise ValueError(
-            f"the models are not accurate after session.lead of {lead / whole.rate:g} s: let the estimation phase "
-            "last longer, excite more, or allow estimating.accuracy to be worse"
-        )

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from ctlblocks.recording import Recording
+from stagectl.experiments.midranging.scenario import Scenario
+from stagectl.experiments.midranging.schedule import simulate
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.controllers import fast_loop, known_pair
 from stagectl.robot.midranging.internal_model import InternalModel
-from stagectl.robot.midranging.scenario import Scenario
-from stagectl.robot.midranging.simulation import simulate
 
 
 def channel(run: Recording, name: str) -> np.ndarray:
@@ -58,7 +58,7 @@ def figures(run: Recording, chosen: Scenario, config: MidrangeConfig) -> dict[st
 
 
 def changes(run: Recording, chosen: Scenario, config: MidrangeConfig) -> list[dict[str, float]]:
-    """Say how well a run of adaptive control came through each change of the process gain.
+    """Say how well a run of adaptive control came through each change of the process gain that it lasted beyond.
 
     Returns
     -------
@@ -70,8 +70,10 @@ def changes(run: Recording, chosen: Scenario, config: MidrangeConfig) -> list[di
     ends = [*(time for time, _ in chosen.gains[1:]), len(run.data) / run.rate]
     found = []
     for (time, gain), end in zip(chosen.gains, ends, strict=True):
-        known = simulate(InternalModel([known_pair(config, gain)]), _from_the_start(chosen, gain, config), config)
         begin, until = (round(each * run.rate) for each in (time + chosen.period, end))
+        if begin >= min(until, len(run.data)):
+            break
+        known = simulate(InternalModel([known_pair(config, gain)]), _from_the_start(chosen, gain, config), config)
         apart = np.abs(channel(run, "position") - channel(known, "position"))[begin:until]
         size = np.abs(np.diff(chosen.reference)).max()
         believed = believed_gain(run, config)[begin - 1]

@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from ctlblocks.recording import Recording
 from rigkit.figure_style import COLOURS, LIMIT
 from rigkit.report import Plot
+from stagectl.experiments.midranging.measures import believed_gain, channel, model_columns, together
+from stagectl.experiments.midranging.scenario import RADIUS, Scenario
 from stagectl.robot.midranging.config import MidrangeConfig
-from stagectl.robot.midranging.measures import believed_gain, channel, model_columns, together
-from stagectl.robot.midranging.scenario import RADIUS, Scenario
 
 MILLI, MICRO = 1e3, 1e6
 BOUND: dict[str, Any] = {**LIMIT}

@@ -7,9 +7,9 @@ from typing import Any
 from ctlblocks.recording import Recording
 from rigkit.figure_style import styled
 from rigkit.report import Fact, Report, Section, Table
+from stagectl.experiments.midranging.plots import circle_plot, control_plot, error_plot, model_plot, position_plot
+from stagectl.experiments.midranging.scenario import Scenario
 from stagectl.robot.midranging.config import MidrangeConfig
-from stagectl.robot.midranging.figures import circle_plot, control_plot, error_plot, model_plot, position_plot
-from stagectl.robot.midranging.scenario import Scenario
 
 PAGE = "report.html"
 
@@ -19,7 +19,7 @@ def write_report(
     runs: Mapping[str, Recording],
     chosen: Mapping[str, Scenario],
     config: MidrangeConfig,
-    found: dict[str, Any],
+    found: Mapping[str, Any],
     png: Path | None = None,
 ) -> None:
     """Write `report.html` into a folder, and the figures as PNG files into another one where that is given.
@@ -46,7 +46,7 @@ def _report(
     runs: Mapping[str, Recording],
     chosen: Mapping[str, Scenario],
     config: MidrangeConfig,
-    found: dict[str, Any],
+    found: Mapping[str, Any],
 ) -> Report:
     sections = [Section("Circle", plots=(circle_plot(runs),))] if "circle" in found else []
     for axis, each in runs.items():
@@ -67,7 +67,7 @@ def _report(
 
 
 def _sections(
-    axis: str, run: Recording, chosen: Scenario, config: MidrangeConfig, found: dict[str, Any]
+    axis: str, run: Recording, chosen: Scenario, config: MidrangeConfig, found: Mapping[str, Any]
 ) -> list[Section]:
     of = f", {axis}" if axis else ""
     sections = [

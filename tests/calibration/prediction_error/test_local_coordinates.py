@@ -108,6 +108,15 @@ def test_balanced_states_change_nothing_outside() -> None:
     np.testing.assert_allclose(basis @ found.a, element.a @ basis, atol=1e-8 * np.abs(basis).max())
 
 
+def test_states_too_far_from_normal_to_be_balanced_are_scaled_alone() -> None:
+    """Poles of 0.98, and rounding that makes powers of the matrix grow without end."""
+    random = np.random.default_rng(1)
+    a = 0.98 * np.eye(80) + 1e3 * np.triu(random.standard_normal((80, 80)), 1)
+    element = Element(a, random.standard_normal((80, 2)), random.standard_normal((2, 80)))
+    found, basis = balanced(element)
+    np.testing.assert_allclose(basis @ found.a, a @ basis, rtol=1e-12, atol=1e-12 * np.abs(a @ basis).max())
+
+
 def test_poles_move_as_their_slopes_say() -> None:
     element = system(POLES["mixed"], seed=7)
     directions = np.random.default_rng(0).standard_normal((3, *element.a.shape))

@@ -3,9 +3,9 @@
 import numpy as np
 
 from rigkit import config as rig_file
+from rigkit.experiment.pace import Pace
 from stagectl.config import StageConfig
 from stagectl.daemon.monitor import Monitor
-from stagectl.daemon.pace import Pace
 from stagectl.setup import Setup
 
 

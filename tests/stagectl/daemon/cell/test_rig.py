@@ -83,8 +83,8 @@ def test_a_position_is_shared_as_a_file_says(lab: Lab) -> None:
     lab.begin("midrange", scenario="wave.csv", controller="vpc")
     lab.ended()
     assert lab.state is State.ARMED, lab.why
-    kept = recording.read(lab.run_folder() / "recording.csv")
-    np.testing.assert_allclose(kept.select(["reference"]).data, wanted)
+    kept = recording.read(lab.run_folder() / "recording.wav")
+    np.testing.assert_allclose(kept.select(["reference"]).data[50:], wanted)  # behind the lead
     assert set(lab.control.board.revisions()) == {"position", "manipulators", "control"}
     assert lab.events("finished")[0]["iae"] > 0.0
 

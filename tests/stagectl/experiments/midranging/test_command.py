@@ -7,19 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ctlblocks import Graph
-from ctlblocks.clock import run_offline
+from ctlblocks.clock import Offline
 from ctlblocks.recording import Recording, read, write
 from rigkit import config as rig_file
+from rigkit.run_folder import read_events
 from rigkit.stop import Stopped, StopRequest
 from stagectl.application import PROGRAM
+from stagectl.experiments.midranging.measures import iae
+from stagectl.experiments.midranging.scenario import Scenario, scenario, scenarios
+from stagectl.experiments.midranging.schedule import simulate, without_lead
 from stagectl.link.bus import LinkError
-from stagectl.robot.midranging import command
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.controllers import controller
-from stagectl.robot.midranging.measures import iae
-from stagectl.robot.midranging.scenario import Scenario, scenario, scenarios
-from stagectl.robot.midranging.simulation import simulate
 
 
 def _run(*arguments: str) -> None:
@@ -31,12 +30,12 @@ def test_a_run_is_recorded_and_reported(tmp_path: Path) -> None:
          "--png", str(tmp_path / "png"))  # fmt: skip
     found = json.loads((tmp_path / "found.json").read_text())
     assert {"iae", "control_over_limit", "fast_model", "slow_model", "changes"} <= set(found)
-    kept = read(tmp_path / "run/recording.csv", rate=250.0)
+    kept = read(tmp_path / "run/recording.wav", rate=250.0)
     assert {"reference", "relative", "fast", "slow", "control", "share", "fast_model_1", "slow_model_2"} <= set(
         kept.names
     )
     assert kept.provenance["controller"] == "aimc"
-    assert iae(kept) == pytest.approx(found["iae"], rel=1e-12)
+    assert iae(without_lead(kept, MidrangeConfig())) == pytest.approx(found["iae"], rel=1e-12)
     assert "IAE" in (tmp_path / "run/report.html").read_text()
     assert {file.name for file in (tmp_path / "png").iterdir()} == {
         "positions.png", "error.png", "control-signal.png", "models.png"}  # fmt: skip
@@ -52,7 +51,7 @@ def test_a_reference_from_a_file_under_every_other_controller(tmp_path: Path, na
     found = json.loads((tmp_path / "found.json").read_text())
     assert found["seconds"] == 4.0
     assert 0.0 < found["iae"] < 1e-3 * 4.0
-    assert "share" not in read(tmp_path / "run/recording.csv", rate=250.0).names
+    assert "share" not in read(tmp_path / "run/recording.wav", rate=250.0).names
 
 
 def test_the_toroid_is_followed_by_an_axis_each_and_judged_by_its_circle(
@@ -66,7 +65,7 @@ def test_the_toroid_is_followed_by_an_axis_each_and_judged_by_its_circle(
     assert found["circle"]["mean_absolute"] < 5e-6
     assert found["fast_peak"] < 5.1e-3  # what the slow loop lags at 5 mm/s
     assert "Off the circle" in (tmp_path / "run/report.html").read_text()
-    y, z = (read(tmp_path / f"run/recording-{axis}.csv", rate=250.0) for axis in "yz")
+    y, z = (read(tmp_path / f"run/recording-{axis}.wav", rate=250.0) for axis in "yz")
     np.testing.assert_allclose(np.hypot(y.data[:, 0], z.data[:, 0] - 35e-3), 35e-3, atol=1e-9)
 
 
@@ -77,7 +76,7 @@ def test_a_file_with_several_channels_is_an_axis_each(tmp_path: Path) -> None:
 
 
 def test_the_table_is_a_list_of_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("stagectl.robot.midranging.table.ROWS", (("sim, r = 1.5", 1.5e-3, 0.0),))
+    monkeypatch.setattr("stagectl.experiments.midranging.table.ROWS", (("sim, r = 1.5", 1.5e-3, 0.0),))
     _run("--scenario", "table-3.1", "--json", str(tmp_path / "rows.json"))
     (row,) = json.loads((tmp_path / "rows.json").read_text())["setups"]
     assert row["setup"] == "sim, r = 1.5"
@@ -154,19 +153,33 @@ def test_the_scenarios_are_those_of_section_3_3() -> None:
 def test_a_toroid_that_is_stopped_on_its_last_axis_is_kept_and_says_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    ticks = 0
-
-    def advance(graph: Graph, chunk: int) -> None:
-        nonlocal ticks
-        run_offline(graph, chunk)
-        ticks += chunk
-        stop.made = ticks > 1.7 * 55 * 250
-
-    stop = StopRequest()
-    monkeypatch.setattr(command, "stoppable", lambda: nullcontext(stop))
-    monkeypatch.setattr(command, "run_offline", advance)
-    with pytest.raises(Stopped, match=r"^stopped: .*; what is recorded is in .*run/$"):
+    _stop_after(monkeypatch, 1.7 * 59)
+    with pytest.raises(Stopped, match=r"^stopped by its user: .*; what is recorded is in .*run/$"):
         _run("--scenario", "toroid", "--out", str(tmp_path / "run"))
-    y, z = (read(tmp_path / f"run/recording-{axis}.csv", rate=250.0) for axis in "yz")
+    y, z = (read(tmp_path / f"run/recording-{axis}.wav", rate=250.0) for axis in "yz")
     assert 0 < len(z.data) < len(y.data)
     assert "Off the circle" in (tmp_path / "run/report.html").read_text()
+
+
+def test_a_run_that_is_stopped_in_its_lead_says_that_there_is_nothing_to_judge(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _stop_after(monkeypatch, 5.0)
+    with pytest.raises(Stopped, match=r"stopped by its user: nothing .* had not begun; what is recorded is in .*run/$"):
+        _run("--scenario", "thesis-1", "--out", str(tmp_path / "run"))
+    assert len(read(tmp_path / "run/recording.wav").data) == pytest.approx(5.0 * 250, abs=50)
+    assert read_events(tmp_path / "run")[-1]["reason"] == "stopped by its user"
+
+
+def _stop_after(monkeypatch: pytest.MonkeyPatch, seconds: float) -> None:
+    """Have a run stopped after about so many seconds of its own time, of all parts."""
+    asked = round(seconds * 250 / Offline().chunk)
+
+    class After(StopRequest):
+        @property
+        def made(self) -> bool:  # type: ignore[override]
+            nonlocal asked
+            asked -= 1
+            return asked < 0
+
+    monkeypatch.setattr("rigkit.experiment.command.stoppable", lambda: nullcontext(After()))

@@ -1,18 +1,20 @@
-"""What the cell does now: chosen signals of its graph, seen between ticks, and those of the last seconds."""
+"""What an experiment does now: chosen signals of its graph, seen between ticks, and those of the last seconds."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 
 import numpy as np
 
 from ctlblocks import Graph
 from ctlblocks.clock import run_offline
-from stagectl.daemon.pace import Pace
+from rigkit.experiment.pace import Pace
 
 LOOKS = 250.0
 """A second of the graph's own time: those of the robot port."""
 WINDOW = 10.0
 """s that are kept."""
+ASKED = 10.0
+"""Times a second of the graph's own that it is asked whether to stop."""
 PACED = 10
 """Ticks at which one that is ticked elsewhere waits for the clock."""
 
@@ -35,6 +37,15 @@ class Watch:
         self._seen = _Seen({})
         self.pace: Pace | None = None
         """None where it goes as fast as it can, or nothing has been ticked."""
+
+    def run(self, graph: Graph, ticks: int, over: Callable[[], bool]) -> int:
+        """Tick a prepared graph so many times, or until `over`, and look on: a `Clock`."""
+        done, chunk = 0, max(1, round(graph.rate / ASKED))
+        while done < ticks and not over():
+            some = min(chunk, ticks - done)
+            self.advance(graph, some)
+            done += some
+        return done
 
     def advance(self, graph: Graph, ticks: int) -> None:
         """Tick a prepared graph so many times, and look on: `machining.run.Advance`."""

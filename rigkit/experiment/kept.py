@@ -1,0 +1,165 @@
+"""A run of an experiment in its folder: made, run, read back, reported and replayed."""
+
+from collections.abc import Callable, Collection, Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from ctlblocks import recording
+from ctlblocks.recording import Recording
+from rigkit import config as rig_file
+from rigkit.disk_space import require
+from rigkit.experiment.kind import Experiment, Kind
+from rigkit.experiment.replayed import Replayed, compared
+from rigkit.experiment.runner import Conduct, perform, remembered
+from rigkit.kept_files import kept_files
+from rigkit.run_folder import RunFolder, make_whole
+from rigkit.run_origin import keep_origin
+from rigkit.stop import Stopped
+
+
+def create(path: Path, kind: str, config: BaseModel, experiment: Experiment, but: Collection[str] = ()) -> RunFolder:
+    """Make the folder of a new run, with copies of the files that its rig file names.
+
+    Parameters
+    ----------
+    path : Path
+        Absent, or an empty folder.
+    kind : str
+    config : Section
+        The whole rig file.
+    experiment : Experiment
+    but : collection of str
+        Keys of files that it does not depend on.
+
+    Raises
+    ------
+    FolderInUseError : something is there already.
+    DiskFault : there is no room for its recordings.
+    """
+    require(path, experiment.room, "the recordings")
+    files = kept_files(config, but)
+    with RunFolder.filled(path, rig_file.dump(files.config)) as folder:
+        keep_origin(folder, kind, files.config, files.take_into(folder), [], experiment.designed)
+    return folder
+
+
+def run(
+    folder: RunFolder, experiment: Experiment, conduct: Conduct, png: Path | None = None
+) -> tuple[str, dict[str, Any]]:
+    """Run an experiment, recorded as it goes; return why it ended before its end, or nothing, and its figures.
+
+    Parameters
+    ----------
+    folder : RunFolder
+    experiment : Experiment
+    conduct : Conduct
+    png : Path, optional
+        Where its figures are to be as PNG files.
+
+    Raises
+    ------
+    Stopped : before there was anything to judge.
+    Whatever ends a part: what was recorded until then is kept, `reported` makes a report of it.
+    """
+    reason = perform(folder, experiment.parts(), experiment.about, conduct)
+    records = records_of(folder.path)
+    with _judging(reason, f"; what is recorded is in {folder.path}/"):
+        return reason, _written(folder.path, experiment, records, folder.summarise, png)
+
+
+def in_memory(experiment: Experiment, conduct: Conduct) -> tuple[str, dict[str, Any]]:
+    """Run an experiment without a folder; return why it ended before its end, or nothing, and its figures."""
+    records: dict[str, Recording] = {}
+    reason = ""
+    with closing(experiment.parts()) as parts:  # type: ignore[type-var]  # a generator
+        for part in parts:
+            conduct.between(part.name)
+            kept, reason = remembered(part, conduct, sum(len(each.data) / each.rate for each in records.values()))
+            records |= kept
+            if reason:
+                break
+    with _judging(reason, ""):
+        return reason, experiment.figures(records)
+
+
+def records_of(path: Path) -> dict[str, Recording]:
+    """Return what is recorded in a run's folder, by track; of one with gaps, what is ahead of the first."""
+    files = [file for file in sorted(path.glob("*.wav")) if not _goes_on(file)]
+    return {file.stem: recording.read(file) for file in files}
+
+
+def reported(path: Path, kind: Kind, png: Path | None = None) -> dict[str, Any]:
+    """Write the report of a run again; return its figures.
+
+    Parameters
+    ----------
+    path : Path
+        Of its folder.
+    kind : Kind
+    png : Path, optional
+        Where its figures are to be as PNG files.
+
+    Raises
+    ------
+    ValueError : nothing that could be judged is recorded.
+    """
+    make_whole(path)
+    records = records_of(path)
+    return _written(path, kind.read(path, records), records, lambda _: None, png)
+
+
+def replayed(path: Path, kind: Kind) -> Iterator[Replayed]:
+    """Make every output of a run's controllers again from its recorded sensors.
+
+    Parameters
+    ----------
+    path : Path
+        Of its folder.
+    kind : Kind
+
+    Raises
+    ------
+    ValueError : nothing is recorded, or it cannot be made again.
+    """
+    records = records_of(path)
+    parts = kind.read(path, records).again(records)
+    if not records:
+        raise ValueError(f"{path}: nothing is recorded")
+    for part in parts:
+        again, _ = remembered(part, Conduct())
+        for track in part.tracks:
+            made = again[track.name].select(track.made_names(part.graph))
+            yield from compared(track.name, records[track.name], made)
+
+
+@contextmanager
+def _judging(reason: str, where: str) -> Iterator[None]:
+    """Judge a run: one that was stopped before there was anything to judge is `Stopped`, and no error."""
+    try:
+        yield
+    except ValueError as fault:
+        if not reason:
+            raise
+        raise Stopped(f"{reason}: {fault}{where}") from None
+
+
+def _written(
+    path: Path,
+    experiment: Experiment,
+    records: dict[str, Recording],
+    keep: Callable[[dict[str, Any]], object],
+    png: Path | None = None,
+) -> dict[str, Any]:
+    figures = experiment.figures(records)
+    keep(figures)
+    experiment.report(path, records, figures, png)
+    return figures
+
+
+def _goes_on(file: Path) -> bool:
+    """Whether a recording follows a gap in another: its name ends in a dash and four digits."""
+    stem, dash, number = file.stem.rpartition("-")
+    return bool(dash) and len(number) == 4 and number.isdecimal() and file.with_name(f"{stem}.wav").exists()

@@ -1,0 +1,77 @@
+"""What an experiment is to whoever runs, reports, replays or serves it: one protocol, and a line in a registry."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from ctlblocks.recording import Recording
+from rigkit.experiment.part import Part
+from rigkit.origin import RUN, read_origin
+
+Records = Mapping[str, Recording]
+"""The recordings of a run, by the names of its tracks."""
+
+
+class Experiment(Protocol):
+    """One experiment, with its settings and what was asked for: no file, no clock, no thread."""
+
+    @property
+    def seconds(self) -> float:
+        """Of all its parts, when nothing ends them before."""
+
+    @property
+    def about(self) -> Mapping[str, str]:
+        """Provenance of its recordings."""
+
+    @property
+    def designed(self) -> Mapping[str, Any]:
+        """What it is made again from, beside its rig file and its recordings, as JSON has it."""
+
+    @property
+    def room(self) -> int:
+        """Bytes that its recordings may take, at most."""
+
+    def parts(self) -> Iterator[Part]:
+        """Give its parts one after another, their devices open while each is in use: a generator."""
+
+    def again(self, records: Records) -> Iterator[Part]:
+        """Give the parts whose recordings there are, with the recorded sensors in place of the devices.
+
+        Raises
+        ------
+        ValueError : they cannot be made again, and why.
+        """
+
+    def figures(self, records: Records) -> dict[str, Any]:
+        """Return what a run comes to, from its recordings alone.
+
+        Raises
+        ------
+        ValueError : nothing that could be judged is recorded.
+        """
+
+    def report(self, path: Path, records: Records, figures: Mapping[str, Any], png: Path | None) -> None:
+        """Write the report of the run in a folder, and its figures as PNG files where they are wanted."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of experiment.
+
+    Parameters
+    ----------
+    name : str
+        In the `run.json` of its runs.
+    read : callable(Path, Records) -> Experiment
+        Makes the experiment of a run again, from its folder.
+    """
+
+    name: str
+    read: Callable[[Path, Records], Experiment]
+
+
+def kind_of(path: Path) -> str:
+    """Return what kind of run a folder has; empty where it does not say so."""
+    origin = read_origin(path / RUN)
+    return "" if origin is None else origin.kind

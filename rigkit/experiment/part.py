@@ -1,0 +1,128 @@
+"""A part of an experiment: one graph, what is recorded of it, and what happens in which order."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from ctlblocks import Block, Graph, Port
+from ctlblocks.clock import Clock
+from ctlblocks.recording import Recording
+from ctlblocks.replay import Record
+from ctlblocks.taps import Tap, attach
+
+
+def numbered(port: Port) -> tuple[str, ...]:
+    """Return how the channels of a port are called: by its name, with numbers from 1 where it has several."""
+    if port.width == 1:
+        return (port.name,)
+    return tuple(f"{port.name}_{number}" for number in range(1, port.width + 1))
+
+
+def nothing() -> None:
+    """Do nothing."""
+
+
+@dataclass(frozen=True)
+class Track:
+    """What is recorded together, at one rate.
+
+    Parameters
+    ----------
+    name : str
+        Of its file, without a suffix.
+    taps : tuple of Tap
+    made : frozenset of str
+        Names of the taps that controllers make: these a replay makes again.
+    every : int, ticks, >= 1
+        From one sample to the next.
+    channels : callable(Port) -> tuple of str
+        How the channels of a tap are called.
+    """
+
+    name: str
+    taps: tuple[Tap, ...]
+    made: frozenset[str]
+    every: int = 1
+    channels: Callable[[Port], tuple[str, ...]] = numbered
+
+    def ports(self, graph: Graph) -> tuple[Port, ...]:
+        """Return the ports of a sink for it."""
+        return tuple(tap.port(graph) for tap in self.taps)
+
+    def names(self, graph: Graph) -> tuple[str, ...]:
+        """Return the names of its channels."""
+        return tuple(name for port in self.ports(graph) for name in self.channels(port))
+
+    def made_names(self, graph: Graph) -> list[str]:
+        """Return the names of the channels that a replay makes again."""
+        return [name for port in self.ports(graph) if port.name in self.made for name in self.channels(port)]
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A stretch of a part.
+
+    Parameters
+    ----------
+    name : str
+    ticks : int, >= 0
+    begin, end : callable()
+        Called before its first tick and after its last one, and not where it was stopped; what either raises ends the
+        part.
+    """
+
+    name: str
+    ticks: int
+    begin: Callable[[], object] = nothing
+    end: Callable[[], object] = nothing
+
+
+@dataclass(frozen=True)
+class Part:
+    """One graph of an experiment, with its devices open.
+
+    Parameters
+    ----------
+    name : str
+        Within its experiment; empty where that has one part.
+    graph : Graph
+        Not prepared.
+    tracks : sequence of Track
+    phases : sequence of Phase
+    clock : Clock or None
+        The devices' own; None where nothing outside keeps time.
+    """
+
+    name: str
+    graph: Graph
+    tracks: Sequence[Track]
+    phases: Sequence[Phase]
+    clock: Clock | None = None
+
+    @property
+    def ticks(self) -> int:
+        """Of all its phases."""
+        return sum(phase.ticks for phase in self.phases)
+
+    def attach(self, sink_of: Callable[[Track], Block]) -> None:
+        """Add a sink for each track to the graph."""
+        for track in self.tracks:
+            attach(self.graph, f"recorder_{track.name.replace('-', '_')}", sink_of(track), track.taps, track.every)
+
+    def in_memory(self) -> Callable[[], dict[str, Recording]]:
+        """Add sinks that keep all in memory; return what gives their recordings, by track."""
+        kept: dict[str, tuple[Track, Record]] = {}
+
+        def sink(track: Track) -> Block:
+            kept[track.name] = track, Record(track.ports(self.graph), max(1, -(-self.ticks // track.every)))
+            return kept[track.name][1]
+
+        def recordings() -> dict[str, Recording]:
+            return {name: _named(record, track.names(self.graph)) for name, (track, record) in kept.items()}
+
+        self.attach(sink)
+        return recordings
+
+
+def _named(record: Record, names: tuple[str, ...]) -> Recording:
+    made = record.recording()
+    return Recording(names, made.units, made.rate, made.data, made.provenance)

@@ -1,0 +1,156 @@
+"""The daemon's side of an experiment: a procedure that runs it, says what it does, and draws the last seconds."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from pydantic import BaseModel
+
+from rigkit.experiment.kept import create, run
+from rigkit.experiment.kind import Experiment
+from rigkit.experiment.runner import STOPPED, Conduct
+from rigkit.experiment.strips import PERIOD, strip
+from rigkit.experiment.watch import WINDOW, Watch
+from rigkit.service.regularly import Regularly
+from rigkit.service.rig import Desk
+from rigkit.service.show import Axis, Gauge
+from rigkit.stop import Stopped
+
+_OWN = ("started", "ended")
+"""Events of the run's folder that the desk hears of in other words."""
+
+
+@dataclass(frozen=True)
+class Strip:
+    """A panel of the last seconds.
+
+    Parameters
+    ----------
+    name, unit : str
+        Of the panel and its axis.
+    signals : sequence of str
+        Names of what is seen.
+    lines : sequence of str
+        Of the columns of all of them.
+    """
+
+    name: str
+    unit: str
+    signals: Sequence[str]
+    lines: Sequence[str]
+
+
+class View(Protocol):
+    """What is seen of an experiment while it runs."""
+
+    @property
+    def sources(self) -> Mapping[str, str]:
+        """Outputs "block.port" by the names under which they are asked for."""
+
+    @property
+    def strips(self) -> Sequence[Strip]:
+        """Panels of the last seconds."""
+
+    def gauges(self, watch: Watch) -> Iterable[Gauge]:
+        """Give what is measured now, of which one at least is the output."""
+
+
+class ExperimentProcedure:
+    """One run of an experiment under the daemon.
+
+    Parameters
+    ----------
+    kind : str
+    title : str
+        What it does, for the progress.
+    config : Section
+        The whole rig file.
+    experiment : Experiment
+    view : View
+    desk : Desk
+    path : Path
+        Of the folder to make.
+    is_paced : bool
+        Whether what is simulated keeps to the clock on the wall.
+
+    Raises
+    ------
+    FolderInUseError, DiskFault : there is no place for it; no folder is made.
+    """
+
+    def __init__(
+        self,
+        kind: str,
+        title: str,
+        config: BaseModel,
+        experiment: Experiment,
+        view: View,
+        desk: Desk,
+        path: Path,
+        *,
+        is_paced: bool,
+    ) -> None:
+        self._title, self._experiment, self._view, self._desk = title, experiment, view, desk
+        self._watch, self._is_stopped = Watch(view.sources, is_paced), False
+        desk.progress(0.0, experiment.seconds, "getting ready")
+        self._folder = create(path, kind, config, experiment)
+        self._folder.listener = self._heard
+
+    def stop(self) -> None:
+        """End it at its next look: from any thread."""
+        self._is_stopped = True
+
+    def gauges(self) -> list[Gauge]:
+        """Return what is measured now."""
+        return list(self._view.gauges(self._watch))
+
+    def run(self) -> None:
+        """Run it and write the report.
+
+        Raises
+        ------
+        Stopped : the desk said that it is to end.
+        Whatever ends a part.
+        """
+        desk, watch = self._desk, self._watch
+        conduct = Conduct(self._ending, watch, watch.look, self._show, self._between)
+        with self._folder as folder:
+            desk.recording(True)
+            try:
+                with Regularly(self._draw, PERIOD):
+                    reason, found = run(folder, self._experiment, conduct)
+            finally:
+                desk.recording(False)
+                watch.forget()
+            if reason == STOPPED:
+                raise Stopped("ended, as asked; what is recorded is kept")
+            told = {name: value for name, value in found.items() if isinstance(value, int | float | str)}
+            desk.event("finished", {"run": folder.path.name, **told})
+
+    def _ending(self) -> bool:
+        return self._is_stopped or self._desk.ending()
+
+    def _show(self, seconds: float) -> None:
+        self._desk.progress(seconds, self._experiment.seconds, self._title)
+
+    def _between(self, part: str) -> None:
+        """Wait here while it is held."""
+        if self._desk.held() and not self._ending():
+            self._desk.event("held", {"before": part})
+            self._desk.wait_while_held()
+
+    def _heard(self, event: str, fields: Mapping[str, Any]) -> None:
+        if event not in _OWN:
+            self._desk.event(event, fields)
+
+    def _draw(self) -> None:
+        for each in self._view.strips:
+            found = [self._watch.lately(signal) for signal in each.signals]
+            count = min(len(time) for time, _ in found)
+            if count:
+                rows = np.column_stack([rows[-count:] for _, rows in found])
+                title = f"{each.name.capitalize()}, last {WINDOW:g} s"
+                curves = strip(title, Axis(each.name, each.unit), found[0][0][-count:], rows, tuple(each.lines))
+                self._desk.show(each.name, curves)

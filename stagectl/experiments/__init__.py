@@ -1,0 +1,1 @@
+"""Experiments with stage and robot: of each its netlist, its order of events and its figures."""

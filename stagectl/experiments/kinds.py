@@ -1,0 +1,6 @@
+"""The registry of experiments: every kind of run that the one runner knows, by the name in its `run.json`."""
+
+from rigkit.experiment.kind import Kind
+from stagectl.experiments.midranging.read_back import MIDRANGING
+
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (MIDRANGING,)}

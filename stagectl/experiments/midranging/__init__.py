@@ -1,0 +1,1 @@
+"""The macro and the micro manipulator share one position."""

@@ -1,0 +1,105 @@
+"""The order of events in mid-ranging: a lead, in which models are estimated, and the reference."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ctlblocks import Block, Graph, Port
+from ctlblocks.clock import Clock
+from ctlblocks.recording import Recording
+from rigkit.experiment.part import Part, Phase, nothing, numbered
+from rigkit.experiment.runner import Conduct, remembered
+from stagectl.experiments.midranging import pairs
+from stagectl.experiments.midranging.graph import netlist
+from stagectl.experiments.midranging.scenario import Scenario
+from stagectl.robot.midranging.config import MidrangeConfig
+
+TRACK = "recording"
+
+
+def lead_of(config: MidrangeConfig) -> int:
+    """Return how many samples come before the reference begins."""
+    return round(config.session.lead * config.pair.rate)
+
+
+def with_lead(reference: np.ndarray, config: MidrangeConfig) -> np.ndarray:
+    """Return a reference behind its lead, shape (samples, axes), m, from one of shape (samples, axes)."""
+    return np.concatenate([np.zeros((lead_of(config), reference.shape[1])), reference])
+
+
+def without_lead(recording: Recording, config: MidrangeConfig) -> Recording:
+    """Return a recording from the first sample of the reference on."""
+    data = recording.data[lead_of(config) :].astype(float)
+    return Recording(recording.names, recording.units, recording.rate, data, recording.provenance)
+
+
+def part(
+    config: MidrangeConfig,
+    controls: Block,
+    wanted: np.ndarray,
+    pair: pairs.Pair,
+    name: str = "",
+    channels: Callable[[Port], tuple[str, ...]] = numbered,
+    **wires: Any,
+) -> Part:
+    """Return a part of the experiment.
+
+    Parameters
+    ----------
+    config : MidrangeConfig
+    controls : Block
+        InternalModel or ValvePosition, of as many axes as `wanted` has.
+    wanted : array, shape (samples, axes), m
+        The reference, with its lead.
+    pair : callable(Graph) -> Wired
+        The manipulators.
+    name : str
+        Of the axis.
+    channels : callable(Port) -> tuple of str
+        As of `Track`.
+    **wires
+        Where the pair is behind wires, their `clock`, and what lets it follow: `begin`.
+    """
+    graph, lead = Graph(config.pair.rate), lead_of(config)
+    clock: Clock | None = wires.get("clock")
+    there = pair(graph)
+    track = netlist(graph, controls, wanted, there.seen, there.sink, f"{TRACK}-{name}" if name else TRACK, channels)
+    estimates = any(port.name == "active" for port in controls.outputs)
+
+    def ready() -> None:
+        """Refuse, by ValueError, a controller that must estimate first and has not done so."""
+        if estimates and not graph.signal("controller.active").all():
+            raise ValueError(
+                f"the models are not accurate after session.lead of {config.session.lead:g} s: let the estimation "
+                "phase last longer, excite more, or allow estimating.accuracy to be worse"
+            )
+
+    first = min(lead + 1, len(wanted))
+    phases = Phase("lead", first, wires.get("begin", nothing), ready), Phase("reference", len(wanted) - first)
+    return Part(name, graph, (track,), phases, clock)
+
+
+def simulate(controls: Block, chosen: Scenario, config: MidrangeConfig) -> Recording:
+    """Run one controller of one axis against the pair that the rig file names, in memory.
+
+    Parameters
+    ----------
+    controls : Block
+        InternalModel or ValvePosition.
+    chosen : Scenario
+    config : MidrangeConfig
+
+    Returns
+    -------
+    Recording
+        `reference`, what the pair gave, and all that the controller made, from the first sample of the scenario's
+        reference.  Every sample holds what the controller saw and what it answered.
+
+    Raises
+    ------
+    ValueError : a controller that must estimate first had not done so when the reference began.
+    """
+    wanted = with_lead(chosen.reference[:, np.newaxis], config)
+    made, _ = remembered(part(config, controls, wanted, pairs.simulated(config, chosen.options)), Conduct())
+    return without_lead(made[TRACK], config)

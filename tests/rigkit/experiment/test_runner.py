@@ -1,0 +1,179 @@
+"""The runner of experiments: phases in order, recorded as they go, ended by a stop or a fault that is told."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ctlblocks import Block, Graph, Port, recording
+from ctlblocks.clock import run_offline
+from ctlblocks.taps import Tap
+from rigkit.experiment.kept import records_of
+from rigkit.experiment.part import Part, Phase, Track, nothing
+from rigkit.experiment.runner import STOPPED, Conduct, perform, remembered
+from rigkit.run_folder import RunFolder, read_events
+from rigkit.stop import Stopped
+
+RATE = 100.0
+
+
+class Count(Block):
+    """Counts samples, and raises at one of them."""
+
+    outputs = (Port("number", "m", 2),)
+
+    def __init__(self, worst: int = -1) -> None:
+        self._worst = worst
+
+    def prepare(self, rate: float, frames: int) -> None:
+        self._next = 0
+
+    def process(self, number: np.ndarray) -> None:
+        if self._next == self._worst:
+            raise ValueError("the belt has slipped")
+        number[:] = self._next, -self._next
+        self._next += 1
+
+
+class Own:
+    """A clock of a device's own, which is asked before each tick."""
+
+    def run(self, graph: Graph, ticks: int, over: Callable[[], bool]) -> int:
+        for done in range(ticks):
+            if over():
+                return done
+            graph.tick()
+        return ticks
+
+
+def part(name: str = "", worst: int = -1, clock: Own | None = None, **calls: Callable[[], object]) -> Part:
+    graph = Graph(RATE)
+    graph.add("count", Count(worst))
+    stem = f"counts-{name}" if name else "counts"
+    tracks = (
+        Track(stem, (Tap("number", "count.number"),), frozenset()),
+        Track(f"{stem}-late", (Tap("number", "count.number", delayed=True),), frozenset(), every=10),
+    )
+    phases = Phase("one", 200, end=calls.get("end", nothing)), Phase("two", 100, begin=calls.get("begin", nothing))
+    return Part(name, graph, tracks, phases, clock)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Iterator[RunFolder]:
+    with RunFolder.create(tmp_path / "run", "") as made:
+        yield made
+
+
+def parts(*made: Part) -> Iterator[Part]:
+    yield from made
+
+
+@pytest.mark.parametrize("clock", [None, Own()])
+def test_what_is_recorded_is_what_is_remembered_tick_by_tick(folder: RunFolder, clock: Own | None) -> None:
+    assert perform(folder, parts(part(clock=clock)), {"who": "a test"}, Conduct()) == ""
+    kept, (again, reason) = records_of(folder.path), remembered(part(), Conduct())
+    assert reason == ""
+    assert kept.keys() == again.keys() == {"counts", "counts-late"}
+    for name, each in kept.items():
+        assert (each.names, each.units, each.rate) == (again[name].names, again[name].units, again[name].rate)
+        assert each.data.tobytes() == np.ascontiguousarray(again[name].data).tobytes()
+    assert kept["counts"].data[:, 0].tolist() == list(range(300))
+    assert kept["counts-late"].rate == RATE / 10
+    assert kept["counts-late"].data[:4, 1].tolist() == [0, -9, -19, -29]
+    assert kept["counts"].provenance["who"] == "a test"
+    started, ended = read_events(folder.path)
+    assert (started["event"], started["part"]) == ("started", "")
+    assert (ended["event"], ended["seconds"], ended["reason"], ended["lost"]) == ("ended", 3.0, "", 0)
+
+
+def test_phases_begin_and_end_where_they_should(folder: RunFolder) -> None:
+    seen = []
+    made = part(
+        end=lambda: seen.append(("end", made.graph.ticks)), begin=lambda: seen.append(("begin", made.graph.ticks))
+    )
+    perform(folder, parts(made), {}, Conduct())
+    assert seen == [("end", 200), ("begin", 200)]
+
+
+@pytest.mark.parametrize("clock", [None, Own()])
+def test_a_stop_ends_the_part_under_way_and_those_to_come(folder: RunFolder, clock: Own | None) -> None:
+    first, second = part("a"), part("b", clock=clock)
+    conduct = Conduct(lambda: second.graph.ticks >= 150, look=lambda graph: seen.append(graph.ticks))
+    seen: list[int] = []
+    assert perform(folder, parts(first, second, part("c")), {}, conduct) == STOPPED
+    assert len(records_of(folder.path)["counts-b"].data) == 150
+    assert set(records_of(folder.path)) == {"counts-a", "counts-a-late", "counts-b", "counts-b-late"}
+    assert read_events(folder.path)[-1]["reason"] == STOPPED
+    assert seen[:3] == ([] if clock is None else [0, 0, 1])
+
+
+@pytest.mark.parametrize("clock", [None, Own()])
+def test_a_fault_is_raised_and_told_and_what_was_recorded_is_kept(folder: RunFolder, clock: Own | None) -> None:
+    with pytest.raises(ValueError, match="the belt has slipped"):
+        perform(folder, parts(part(worst=123, clock=clock)), {}, Conduct())
+    assert len(records_of(folder.path)["counts"].data) == 123
+    assert read_events(folder.path)[-1]["reason"] == "the belt has slipped"
+
+
+def test_a_phase_that_refuses_ends_the_part(folder: RunFolder) -> None:
+    def refuse() -> None:
+        raise ValueError("not ready")
+
+    with pytest.raises(ValueError, match="not ready"):
+        perform(folder, parts(part(end=refuse)), {}, Conduct())
+    assert len(records_of(folder.path)["counts"].data) == 200
+
+
+def test_it_may_be_held_or_ended_between_parts(folder: RunFolder) -> None:
+    asked, shown = [], []
+
+    def between(name: str) -> None:
+        asked.append(name)
+        if name == "b":
+            raise Stopped("ended, as asked")
+
+    with pytest.raises(Stopped):
+        perform(folder, parts(part("a"), part("b")), {}, Conduct(between=between, show=shown.append))
+    assert asked == ["a", "b"]
+    assert set(records_of(folder.path)) == {"counts-a", "counts-a-late"}
+    assert shown == sorted(shown)
+    assert shown[-1] == 3.0
+
+
+def test_devices_are_closed_whatever_ends_it(folder: RunFolder) -> None:
+    closed = []
+
+    def opened() -> Iterator[Part]:
+        try:
+            yield part(worst=1)
+        finally:
+            closed.append(True)
+
+    with pytest.raises(ValueError, match="slipped"):
+        perform(folder, opened(), {}, Conduct())
+    assert closed == [True]
+
+
+def test_while_it_runs_it_is_on_the_disk(folder: RunFolder) -> None:
+    def looked() -> bool:
+        growing = list(folder.path.glob("counts.part.wav"))
+        lengths.append(recording.read(growing[0]).data.shape[0] if growing and growing[0].stat().st_size > 900 else 0)
+        return False
+
+    lengths: list[int] = []
+    perform(folder, parts(part(clock=Slow())), {}, Conduct(looked))
+    assert max(lengths) > 100
+
+
+class Slow:
+    """Waits for the recorder's thread, now and then."""
+
+    def run(self, graph: Graph, ticks: int, over: Callable[[], bool]) -> int:
+        from threading import Event
+
+        for _ in range(10):
+            run_offline(graph, ticks // 10)
+            Event().wait(0.1)
+            over()
+        return ticks
