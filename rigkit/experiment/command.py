@@ -11,7 +11,7 @@ from pydantic import BaseModel
 
 from rigkit.command import words
 from rigkit.experiment.kept import create, in_memory, run
-from rigkit.experiment.kind import Experiment
+from rigkit.experiment.kind import Experiment, Kind
 from rigkit.experiment.runner import Conduct
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
@@ -41,12 +41,12 @@ class CommandLine:
     png: Path | None
     json: str | None
 
-    def carry_out(self, kind: str, config: BaseModel, experiment: Experiment) -> tuple[str, dict[str, Any]]:
+    def carry_out(self, kind: Kind, config: BaseModel, experiment: Experiment) -> tuple[str, dict[str, Any]]:
         """Run an experiment; return why it ended before its end, or nothing, and its figures.
 
         Parameters
         ----------
-        kind : str
+        kind : Kind
         config : Section
             The whole rig file.
         experiment : Experiment
@@ -60,7 +60,7 @@ class CommandLine:
             if self.out is None:
                 return in_memory(experiment, conduct)
             with create(self.out, kind, config, experiment) as folder:
-                return run(folder, experiment, conduct, self.png)
+                return run(folder, kind, experiment, conduct, self.png)
 
     def end(self, reason: str) -> None:
         """Say where the report is; raise `Stopped` where the run was."""

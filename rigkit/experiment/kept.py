@@ -1,6 +1,6 @@
 """A run of an experiment in its folder: made, run, read back, reported and replayed."""
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
@@ -9,25 +9,27 @@ from pydantic import BaseModel
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording
+from rigkit import atomic
 from rigkit import config as rig_file
 from rigkit.disk_space import require
 from rigkit.experiment.kind import Experiment, Kind
 from rigkit.experiment.replayed import Replayed, compared
-from rigkit.experiment.runner import Conduct, perform, remembered
+from rigkit.experiment.runner import Conduct, perform, remembered, repeated, unheard
+from rigkit.json_text import json_text
 from rigkit.kept_files import kept_files
-from rigkit.run_folder import RunFolder, make_whole
+from rigkit.run_folder import SUMMARY, RunFolder, make_whole, read_events
 from rigkit.run_origin import keep_origin
 from rigkit.stop import Stopped
 
 
-def create(path: Path, kind: str, config: BaseModel, experiment: Experiment, but: Collection[str] = ()) -> RunFolder:
+def create(path: Path, kind: Kind, config: BaseModel, experiment: Experiment, but: Collection[str] = ()) -> RunFolder:
     """Make the folder of a new run, with copies of the files that its rig file names.
 
     Parameters
     ----------
     path : Path
         Absent, or an empty folder.
-    kind : str
+    kind : Kind
     config : Section
         The whole rig file.
     experiment : Experiment
@@ -42,18 +44,19 @@ def create(path: Path, kind: str, config: BaseModel, experiment: Experiment, but
     require(path, experiment.room, "the recordings")
     files = kept_files(config, but)
     with RunFolder.filled(path, rig_file.dump(files.config)) as folder:
-        keep_origin(folder, kind, files.config, files.take_into(folder), [], experiment.designed)
+        keep_origin(folder, kind.name, files.config, files.take_into(folder), [], experiment.designed)
     return folder
 
 
 def run(
-    folder: RunFolder, experiment: Experiment, conduct: Conduct, png: Path | None = None
+    folder: RunFolder, kind: Kind, experiment: Experiment, conduct: Conduct, png: Path | None = None
 ) -> tuple[str, dict[str, Any]]:
     """Run an experiment, recorded as it goes; return why it ended before its end, or nothing, and its figures.
 
     Parameters
     ----------
     folder : RunFolder
+    kind : Kind
     experiment : Experiment
     conduct : Conduct
     png : Path, optional
@@ -64,21 +67,21 @@ def run(
     Stopped : before there was anything to judge.
     Whatever ends a part: what was recorded until then is kept, `reported` makes a report of it.
     """
-    reason = perform(folder, experiment.parts(), experiment.about, conduct)
-    records = records_of(folder.path)
+    reason = perform(folder, experiment.parts(folder.event), experiment.about, conduct)
     with _judging(reason, f"; what is recorded is in {folder.path}/"):
-        return reason, _written(folder.path, experiment, records, folder.summarise, png)
+        return reason, _written(folder.path, kind, png)
 
 
 def in_memory(experiment: Experiment, conduct: Conduct) -> tuple[str, dict[str, Any]]:
     """Run an experiment without a folder; return why it ended before its end, or nothing, and its figures."""
     records: dict[str, Recording] = {}
-    reason = ""
-    with closing(experiment.parts()) as parts:  # type: ignore[type-var]  # a generator
+    reason, done = "", 0.0
+    with closing(experiment.parts(unheard)) as parts:  # type: ignore[type-var]  # a generator
         for part in parts:
             conduct.between(part.name)
-            kept, reason = remembered(part, conduct, sum(len(each.data) / each.rate for each in records.values()))
-            records |= kept
+            kept, ended = remembered(part, conduct, done)
+            done += part.graph.ticks * part.graph.frames / part.graph.rate
+            records, reason = records | kept, ended.reason
             if reason:
                 break
     with _judging(reason, ""):
@@ -107,8 +110,7 @@ def reported(path: Path, kind: Kind, png: Path | None = None) -> dict[str, Any]:
     ValueError : nothing that could be judged is recorded.
     """
     make_whole(path)
-    records = records_of(path)
-    return _written(path, kind.read(path, records), records, lambda _: None, png)
+    return _written(path, kind, png)
 
 
 def replayed(path: Path, kind: Kind) -> Iterator[Replayed]:
@@ -128,11 +130,15 @@ def replayed(path: Path, kind: Kind) -> Iterator[Replayed]:
     parts = kind.read(path, records).again(records)
     if not records:
         raise ValueError(f"{path}: nothing is recorded")
+    ends = {event["part"]: event for event in read_events(path) if event["event"] == "ended"}
     for part in parts:
-        again, _ = remembered(part, Conduct())
+        end, whole = ends.get(part.name), {track.name: len(records[track.name].data) for track in part.tracks}
+        ticks = end["ticks"] if end else min(whole[track.name] * track.every for track in part.tracks)
+        again = repeated(part, ticks, end["held_at"] if end else None)
         for track in part.tracks:
             made = again[track.name].select(track.made_names(part.graph))
-            yield from compared(track.name, records[track.name], made)
+            rows = whole[track.name] if end else len(made.data)  # of one that was killed, as far as all is recorded
+            yield from compared(track.name, _first(records[track.name], rows), made)
 
 
 @contextmanager
@@ -146,17 +152,18 @@ def _judging(reason: str, where: str) -> Iterator[None]:
         raise Stopped(f"{reason}: {fault}{where}") from None
 
 
-def _written(
-    path: Path,
-    experiment: Experiment,
-    records: dict[str, Recording],
-    keep: Callable[[dict[str, Any]], object],
-    png: Path | None = None,
-) -> dict[str, Any]:
+def _written(path: Path, kind: Kind, png: Path | None) -> dict[str, Any]:
+    """Write summary and report of what is in a run's folder; return its figures."""
+    records = records_of(path)
+    experiment = kind.read(path, records)
     figures = experiment.figures(records)
-    keep(figures)
+    atomic.write(path / SUMMARY, f"{json_text(figures, indent=2)}\n")
     experiment.report(path, records, figures, png)
     return figures
+
+
+def _first(record: Recording, rows: int) -> Recording:
+    return Recording(record.names, record.units, record.rate, record.data[:rows], record.provenance)
 
 
 def _goes_on(file: Path) -> bool:

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 from ctlblocks.recording import Recording
 from rigkit.experiment.part import Part
 from rigkit.origin import RUN, read_origin
+from rigkit.stream_writer import Tell
 
 Records = Mapping[str, Recording]
 """The recordings of a run, by the names of its tracks."""
@@ -32,8 +33,14 @@ class Experiment(Protocol):
     def room(self) -> int:
         """Bytes that its recordings may take, at most."""
 
-    def parts(self) -> Iterator[Part]:
-        """Give its parts one after another, their devices open while each is in use: a generator."""
+    def parts(self, tell: Tell) -> Iterator[Part]:
+        """Give its parts one after another, their devices open while each is in use: a generator.
+
+        Parameters
+        ----------
+        tell : callable(event, fields)
+            Told of what happens to the devices.
+        """
 
     def again(self, records: Records) -> Iterator[Part]:
         """Give the parts whose recordings there are, with the recorded sensors in place of the devices.

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from ctlblocks import Block, Graph, Port
 from ctlblocks.clock import Clock
@@ -77,6 +78,25 @@ class Phase:
 
 
 @dataclass(frozen=True)
+class Retreat:
+    """How the devices of a part come to rest where it ends before its end.
+
+    Parameters
+    ----------
+    fault : callable() -> str
+        What has latched, or nothing; asked between ticks.
+    begin : callable(str)
+        Brings them to rest for a reason; does nothing where a fault has done so.
+    ticks : int
+        That are run and recorded of it, at most.
+    """
+
+    fault: Callable[[], str]
+    begin: Callable[[str], object]
+    ticks: int
+
+
+@dataclass(frozen=True)
 class Part:
     """One graph of an experiment, with its devices open.
 
@@ -90,6 +110,10 @@ class Part:
     phases : sequence of Phase
     clock : Clock or None
         The devices' own; None where nothing outside keeps time.
+    retreat : Retreat or None
+        None where nothing has to come to rest.
+    counts : callable() -> dict
+        What its blocks have counted, for the event of its end.
     """
 
     name: str
@@ -97,6 +121,8 @@ class Part:
     tracks: Sequence[Track]
     phases: Sequence[Phase]
     clock: Clock | None = None
+    retreat: Retreat | None = None
+    counts: Callable[[], dict[str, Any]] = dict
 
     @property
     def ticks(self) -> int:

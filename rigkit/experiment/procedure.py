@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from rigkit.experiment.kept import create, run
-from rigkit.experiment.kind import Experiment
+from rigkit.experiment.kind import Experiment, Kind
 from rigkit.experiment.runner import STOPPED, Conduct
 from rigkit.experiment.strips import PERIOD, strip
 from rigkit.experiment.watch import WINDOW, Watch
@@ -62,7 +62,7 @@ class ExperimentProcedure:
 
     Parameters
     ----------
-    kind : str
+    kind : Kind
     title : str
         What it does, for the progress.
     config : Section
@@ -82,7 +82,7 @@ class ExperimentProcedure:
 
     def __init__(
         self,
-        kind: str,
+        kind: Kind,
         title: str,
         config: BaseModel,
         experiment: Experiment,
@@ -92,7 +92,8 @@ class ExperimentProcedure:
         *,
         is_paced: bool,
     ) -> None:
-        self._title, self._experiment, self._view, self._desk = title, experiment, view, desk
+        self._kind, self._title, self._experiment = kind, title, experiment
+        self._view, self._desk = view, desk
         self._watch, self._is_stopped = Watch(view.sources, is_paced), False
         desk.progress(0.0, experiment.seconds, "getting ready")
         self._folder = create(path, kind, config, experiment)
@@ -120,7 +121,7 @@ class ExperimentProcedure:
             desk.recording(True)
             try:
                 with Regularly(self._draw, PERIOD):
-                    reason, found = run(folder, self._experiment, conduct)
+                    reason, found = run(folder, self._kind, self._experiment, conduct)
             finally:
                 desk.recording(False)
                 watch.forget()

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from ctlblocks import Block, Graph
-from ctlblocks.clock import Clock, Offline
+from ctlblocks.clock import Clock, Offline, run_offline
 from ctlblocks.recording import Recording
 from rigkit.experiment.part import Part, Track
 from rigkit.provenance import now, software
@@ -27,6 +28,10 @@ def unseen(graph: Graph) -> None:
 
 def unshown(seconds: float) -> None:
     """Show nothing of what is done."""
+
+
+def unheard(event: str, fields: Mapping[str, Any]) -> None:
+    """Tell nobody."""
 
 
 def at_once(name: str) -> None:
@@ -58,8 +63,24 @@ class Conduct:
     between: Callable[[str], object] = at_once
 
 
-def play(part: Part, conduct: Conduct, attend: Callable[[], object] = lambda: None, done: float = 0.0) -> str:
-    """Run a prepared part through its phases; return why it ended before its end, or nothing.
+@dataclass(frozen=True)
+class Ended:
+    """How a part ended.
+
+    Parameters
+    ----------
+    reason : str
+        Why, where that was before its end.
+    held_at : int or None
+        Tick at which its retreat began, if it did.
+    """
+
+    reason: str = ""
+    held_at: int | None = None
+
+
+def play(part: Part, conduct: Conduct, attend: Callable[[], object] = lambda: None, done: float = 0.0) -> Ended:
+    """Run a prepared part through its phases, or into its retreat.
 
     Parameters
     ----------
@@ -75,28 +96,41 @@ def play(part: Part, conduct: Conduct, attend: Callable[[], object] = lambda: No
     ------
     Whatever a phase's `begin` or `end`, a block or the clock raises.
     """
-    graph, own = part.graph, part.clock
+    graph, own, retreat = part.graph, part.clock, part.retreat
+    clock = own or conduct.clock
 
-    def over() -> bool:
+    def see() -> bool:
         attend()
         if own is not None:
             conduct.look(graph)
         conduct.show(done + graph.ticks * graph.frames / graph.rate)
-        return conduct.stopped()
+        return False
+
+    def over() -> bool:
+        see()
+        return bool(retreat is not None and retreat.fault()) or conduct.stopped()
 
     for phase in part.phases:
         if over():
-            return STOPPED
+            break
         phase.begin()
-        if (own or conduct.clock).run(graph, phase.ticks, over) < phase.ticks:
-            return STOPPED
+        if clock.run(graph, phase.ticks, over) < phase.ticks:
+            break
         phase.end()
-    over()
-    return ""
+    else:
+        if not over() or retreat is None or not retreat.fault():
+            return Ended()
+    if retreat is None:
+        return Ended(STOPPED)
+    held_at = graph.ticks
+    retreat.begin(STOPPED)
+    clock.run(graph, min(retreat.ticks, part.ticks - held_at), see)
+    see()
+    return Ended(retreat.fault() or STOPPED, held_at)
 
 
-def remembered(part: Part, conduct: Conduct, done: float = 0.0) -> tuple[dict[str, Recording], str]:
-    """Run a part and keep all in memory; return its recordings, by track, and why it ended before its end.
+def remembered(part: Part, conduct: Conduct, done: float = 0.0) -> tuple[dict[str, Recording], Ended]:
+    """Run a part and keep all in memory; return its recordings, by track, and how it ended.
 
     Parameters
     ----------
@@ -107,8 +141,43 @@ def remembered(part: Part, conduct: Conduct, done: float = 0.0) -> tuple[dict[st
     """
     recordings = part.in_memory()
     part.graph.prepare()
-    reason = play(part, conduct, done=done)
-    return recordings(), reason
+    ended = play(part, conduct, done=done)
+    return recordings(), ended
+
+
+def repeated(part: Part, ticks: int, held_at: int | None = None) -> dict[str, Recording]:
+    """Run a part as it was run before, in memory, and return its recordings, by track.
+
+    Parameters
+    ----------
+    part : Part
+        With the recorded sensors in place of its devices.
+    ticks : int
+        Of the run.
+    held_at : int or None
+        Tick at which its retreat began.
+    """
+    clock = _Until(ticks if held_at is None else held_at)
+
+    def hold(reason: str) -> None:
+        if part.retreat is not None:
+            part.retreat.begin(reason)
+        clock.tick = ticks
+
+    retreat = None if part.retreat is None or held_at is None else replace(part.retreat, begin=hold)
+    again = replace(part, retreat=retreat, clock=clock)
+    return remembered(again, Conduct(lambda: part.graph.ticks >= clock.tick))[0]
+
+
+class _Until:
+    """A clock that runs to a tick without a question, and no further."""
+
+    def __init__(self, tick: int) -> None:
+        self.tick = tick
+
+    def run(self, graph: Graph, ticks: int, over: Callable[[], bool]) -> int:  # noqa: ARG002 (a clock's arguments)
+        """Tick a prepared graph `ticks` times, or until the tick is reached; return the ticks run."""
+        return run_offline(graph, min(ticks, max(self.tick - graph.ticks, 0)))
 
 
 def perform(folder: RunFolder, parts: Iterator[Part], about: Mapping[str, str], conduct: Conduct) -> str:
@@ -143,7 +212,7 @@ def perform(folder: RunFolder, parts: Iterator[Part], about: Mapping[str, str], 
 
 def _recorded(folder: RunFolder, part: Part, about: Mapping[str, str], conduct: Conduct, done: float) -> str:
     """Run a part, recorded; return the reason of an early end, which is in the events as well."""
-    reason = "killed"
+    ended = Ended("killed")
     with _recorders(folder, part, {**about, "date": now(), "software": software()}) as recorders:
         folder.event("started", {"part": part.name, "software": software()})
 
@@ -152,15 +221,16 @@ def _recorded(folder: RunFolder, part: Part, about: Mapping[str, str], conduct: 
                 each.drain_when_due()
 
         try:
-            reason = play(part, conduct, drain if part.clock is None else lambda: None, done)
+            ended = play(part, conduct, drain if part.clock is None else lambda: None, done)
         except Exception as fault:
-            reason = str(fault)
+            ended = Ended(str(fault))
             raise
         finally:
             seconds = part.graph.ticks * part.graph.frames / part.graph.rate
             lost = sum(each.lost for each in recorders)
-            folder.event("ended", {"part": part.name, "seconds": seconds, "reason": reason, "lost": lost})
-    return reason
+            how = {"part": part.name, "seconds": seconds, "ticks": part.graph.ticks, "held_at": ended.held_at}
+            folder.event("ended", {**how, "reason": ended.reason, "lost": lost, **part.counts()})
+    return ended.reason
 
 
 @contextmanager

@@ -13,9 +13,9 @@ from firmware_sim.stage_processor import Settings
 from rigkit.experiment.kept import create, records_of, replayed, reported, run
 from rigkit.experiment.runner import Conduct
 from rigkit.run_folder import read_events
-from stagectl.experiments.midranging.experiment import KIND, Midranging
+from stagectl.experiments.midranging.experiment import Midranging
 from stagectl.experiments.midranging.measures import channel
-from stagectl.experiments.midranging.read_back import MIDRANGING as KIND_OF
+from stagectl.experiments.midranging.read_back import MIDRANGING as KIND
 from stagectl.experiments.midranging.scenario import Scenario
 from stagectl.link.bus import LinkError
 from stagectl.robot.config import CellConfig
@@ -46,9 +46,9 @@ def test_the_robot_takes_over_from_the_stage_along_two_axes(tmp_path: Path) -> N
     ):
         made = Midranging(cell_of(stepped, tmp_path / "can"), "mvpc", chosen)
         with create(tmp_path / "run", KIND, made.cell, made) as folder:
-            run(folder, made, Conduct())
+            run(folder, KIND, made, Conduct())
     runs = made.runs(records_of(tmp_path / "run"))
-    assert all(each.identical for each in replayed(tmp_path / "run", KIND_OF))
+    assert all(each.identical for each in replayed(tmp_path / "run", KIND))
     assert list(runs) == ["y", "z"]
     assert len(runs["y"].data) == 250
     y, z = (channel(each, "slow") for each in runs.values())
@@ -72,12 +72,12 @@ def test_a_fault_of_the_robot_sends_the_stage_to_mid_travel_and_keeps_what_was_r
             create(tmp_path / "run", KIND, made.cell, made) as folder,
             pytest.raises(LinkError, match="the tool is asked to move at .* m/s, must be <= 0.25 m/s"),
         ):
-            run(folder, made, Conduct())
+            run(folder, KIND, made, Conduct())
         until(lambda: node.processor.state is not State.FOLLOWING)  # it has yet to read that it is to stop
         assert node.processor.state in (State.RAMPING, State.HOLDING)
     assert 100 <= len(records_of(tmp_path / "run")["recording"].data) < 225
     assert "must be <= 0.25 m/s" in read_events(tmp_path / "run")[-1]["reason"]
-    assert reported(tmp_path / "run", KIND_OF)["seconds"] < 0.8
+    assert reported(tmp_path / "run", KIND)["seconds"] < 0.8
 
 
 def test_what_cannot_run_live_is_refused_before_a_wire_is_opened() -> None:

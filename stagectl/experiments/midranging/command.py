@@ -20,7 +20,8 @@ from rigkit.command import (
     write_json,
 )
 from rigkit.experiment.command import CommandLine
-from stagectl.experiments.midranging.experiment import KIND, Midranging
+from stagectl.experiments.midranging.experiment import Midranging
+from stagectl.experiments.midranging.read_back import MIDRANGING
 from stagectl.experiments.midranging.scenario import scenarios
 from stagectl.experiments.midranging.table import table
 from stagectl.robot.config import CellConfig
@@ -65,7 +66,7 @@ def midrange(
         return
     made = Midranging(cell, controller_name, scenarios(scenario_name, cell.midranging.pair.rate))
     line = CommandLine("mid-ranging", is_live, out, png, json)
-    reason, found = line.carry_out(KIND, cell, made)
+    reason, found = line.carry_out(MIDRANGING, cell, made)
     _tell(found, json)
     line.end(reason)
 

@@ -12,7 +12,8 @@ from rigkit.service.show import Gauge
 from stagectl.daemon.cell.gauges import timed
 from stagectl.daemon.cell.options import MidrangeOptions
 from stagectl.daemon.gauges import linked
-from stagectl.experiments.midranging.experiment import KIND, Midranging
+from stagectl.experiments.midranging.experiment import Midranging
+from stagectl.experiments.midranging.read_back import MIDRANGING
 from stagectl.experiments.midranging.scenario import SCENARIOS, scenarios
 from stagectl.experiments.midranging.wired_blocks import LivePair
 from stagectl.robot.config import CellConfig
@@ -40,7 +41,7 @@ def procedure(config: CellConfig, options: MidrangeOptions, desk: Desk) -> Exper
     made = Midranging(config, options.controller, scenarios(file, config.midranging.pair.rate))
     title = f"{options.controller}, {name}"
     path = run_path(data, options.run)
-    return ExperimentProcedure(KIND, title, config, made, _View(made), desk, path, is_paced=options.paced)
+    return ExperimentProcedure(MIDRANGING, title, config, made, _View(made), desk, path, is_paced=options.paced)
 
 
 class _View:

@@ -21,11 +21,10 @@ from stagectl.experiments.midranging.scenario import Scenario
 from stagectl.experiments.midranging.schedule import TRACK, lead_of, part, with_lead, without_lead
 from stagectl.experiments.midranging.wired_blocks import LivePair
 from stagectl.link.clock import Linked
+from stagectl.link.tell import Tell, nobody
 from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.controllers import controller
-
-KIND = "mid-ranging run"
 
 Runs = dict[str, Recording]
 """By the axis' name, which is empty where there is one axis only."""
@@ -52,8 +51,6 @@ class Midranging:
     pair : LivePair or None
         Both manipulators while their wires are open.
     """
-
-    kind = KIND
 
     def __init__(self, cell: CellConfig, name: str, chosen: Mapping[str, Scenario]) -> None:
         self.cell, self.config, self.name, self.chosen = cell, cell.midranging, name, dict(chosen)
@@ -98,15 +95,20 @@ class Midranging:
         """Return the controller, at its beginning."""
         return controller(self.name, self.config, axes)
 
-    def parts(self) -> Iterator[Part]:
+    def parts(self, tell: Tell = nobody) -> Iterator[Part]:
         """Give the parts, one after another, simulated or with their wires open.
+
+        Parameters
+        ----------
+        tell : callable(event, fields)
+            Told of what happens to the wires.
 
         Raises
         ------
         LinkError : a wire that cannot be had.
         """
         if self.is_live:
-            yield from self._live()
+            yield from self._live(tell)
             return
         for number, (axis, each) in enumerate(self.chosen.items()):
             pair = pairs.simulated(_of_axis(self.config, number), each.options)
@@ -160,10 +162,10 @@ class Midranging:
     def _channels(self, axes: Sequence[str]) -> Callable[[Port], tuple[str, ...]]:
         return of_axes(axes) if len(axes) > 1 else numbered
 
-    def _live(self) -> Iterator[Part]:
+    def _live(self, tell: Tell) -> Iterator[Part]:
         axes = list(self.chosen)
         wired.compile_kernel(self.controller(len(axes)))
-        with wired.opened(self.cell, self.axes) as pair, undisturbed():
+        with wired.opened(self.cell, self.axes, tell) as pair, undisturbed():
             self.pair = pair
             try:
                 make = pairs.wired(pair, self.config.session.smoothing)

@@ -13,7 +13,7 @@ from rigkit.experiment.kind import Kind, Records
 from rigkit.experiment.part import Part
 from rigkit.origin import RUN, read_origin
 from rigkit.run_folder import CONFIG
-from stagectl.experiments.midranging.experiment import KIND, Midranging
+from stagectl.experiments.midranging.experiment import Midranging
 from stagectl.experiments.midranging.scenario import SECONDS, Scenario, scenario
 from stagectl.experiments.midranging.schedule import TRACK
 from stagectl.robot.config import CellConfig
@@ -85,4 +85,4 @@ def _named(name: str, run: Recording) -> Scenario:
     return Scenario(name, reference, known.options, known.period)
 
 
-MIDRANGING = Kind(KIND, read_back)
+MIDRANGING = Kind("mid-ranging run", read_back)

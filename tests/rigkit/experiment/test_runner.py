@@ -10,8 +10,8 @@ from ctlblocks import Block, Graph, Port, recording
 from ctlblocks.clock import run_offline
 from ctlblocks.taps import Tap
 from rigkit.experiment.kept import records_of
-from rigkit.experiment.part import Part, Phase, Track, nothing
-from rigkit.experiment.runner import STOPPED, Conduct, perform, remembered
+from rigkit.experiment.part import Part, Phase, Retreat, Track, nothing
+from rigkit.experiment.runner import STOPPED, Conduct, Ended, perform, remembered, repeated
 from rigkit.run_folder import RunFolder, read_events
 from rigkit.stop import Stopped
 
@@ -72,8 +72,8 @@ def parts(*made: Part) -> Iterator[Part]:
 @pytest.mark.parametrize("clock", [None, Own()])
 def test_what_is_recorded_is_what_is_remembered_tick_by_tick(folder: RunFolder, clock: Own | None) -> None:
     assert perform(folder, parts(part(clock=clock)), {"who": "a test"}, Conduct()) == ""
-    kept, (again, reason) = records_of(folder.path), remembered(part(), Conduct())
-    assert reason == ""
+    kept, (again, ended) = records_of(folder.path), remembered(part(), Conduct())
+    assert ended == Ended()
     assert kept.keys() == again.keys() == {"counts", "counts-late"}
     for name, each in kept.items():
         assert (each.names, each.units, each.rate) == (again[name].names, again[name].units, again[name].rate)
@@ -82,9 +82,9 @@ def test_what_is_recorded_is_what_is_remembered_tick_by_tick(folder: RunFolder, 
     assert kept["counts-late"].rate == RATE / 10
     assert kept["counts-late"].data[:4, 1].tolist() == [0, -9, -19, -29]
     assert kept["counts"].provenance["who"] == "a test"
-    started, ended = read_events(folder.path)
+    started, told = read_events(folder.path)
     assert (started["event"], started["part"]) == ("started", "")
-    assert (ended["event"], ended["seconds"], ended["reason"], ended["lost"]) == ("ended", 3.0, "", 0)
+    assert (told["event"], told["seconds"], told["ticks"], told["reason"], told["lost"]) == ("ended", 3.0, 300, "", 0)
 
 
 def test_phases_begin_and_end_where_they_should(folder: RunFolder) -> None:
@@ -177,3 +177,50 @@ class Slow:
             Event().wait(0.1)
             over()
         return ticks
+
+
+class Brake(Block):
+    """Counts until it is held; then what it gives comes to rest, and why is `reason`."""
+
+    outputs = (Port("number"),)
+
+    def __init__(self, fault_at: int = -1) -> None:
+        self._fault_at = fault_at
+
+    def prepare(self, rate: float, frames: int) -> None:
+        self._number, self._done, self.reason = 0.0, 0, ""
+
+    def process(self, number: np.ndarray) -> None:
+        if self._done == self._fault_at:
+            self.hold("it smokes")
+        self._done += 1
+        self._number = 0.9 * self._number if self.reason else self._number + 1.0
+        number[:] = self._number
+
+    def hold(self, reason: str) -> None:
+        self.reason = self.reason or reason
+
+
+def braked(fault_at: int = -1, ticks: int = 300) -> Part:
+    graph, brake = Graph(RATE), Brake(fault_at)
+    graph.add("brake", brake)
+    track = Track("brake", (Tap("number", "brake.number"),), frozenset({"number"}))
+    retreat = Retreat(lambda: brake.reason, brake.hold, 40)
+    return Part("", graph, (track,), (Phase("all", ticks),), retreat=retreat, counts=lambda: {"brakes": 1})
+
+
+@pytest.mark.parametrize(
+    ("fault_at", "stop_at", "reason", "held_at", "rows"),
+    [(110, 999, "it smokes", 125, 165), (-1, 200, STOPPED, 200, 240), (290, 999, "it smokes", 300, 300),
+     (280, 290, "it smokes", 300, 300), (-1, 999, "", None, 300)],
+)  # fmt: skip
+def test_a_part_comes_to_rest_and_what_it_does_is_repeated(
+    folder: RunFolder, fault_at: int, stop_at: int, reason: str, held_at: int | None, rows: int
+) -> None:
+    made = braked(fault_at)
+    assert perform(folder, parts(made), {}, Conduct(lambda: made.graph.ticks >= stop_at)) == reason
+    kept, told = records_of(folder.path)["brake"], read_events(folder.path)[-1]
+    assert (told["ticks"], told["held_at"], told["reason"], told["brakes"]) == (rows, held_at, reason, 1)
+    assert len(kept.data) == rows
+    again = repeated(braked(fault_at), rows, held_at)["brake"]
+    assert again.data.tobytes() == np.ascontiguousarray(kept.data).tobytes()
