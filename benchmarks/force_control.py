@@ -16,10 +16,10 @@ from firmware_sim.plants.feed_process import FeedProcess
 from stagectl.feed.job import Job, pocket_of
 from stagectl.feed.process_run import channel, process_figures, run_process, simulated
 from stagectl.feed.session import mill_pockets, summary, velocity_model
-from stagectl.machining.run import Conduct
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force_kernel import CONTROLLING
+from stagectl.trials.conduct import Conduct
 
 PLANT = "firmware_sim.feed_blocks:FedTool"
 SEEDS = range(1, 6)

@@ -22,10 +22,10 @@ from rigkit.config import load
 from rigkit.provenance import now
 from rigkit.run_folder import RunFolder
 from rigkit.stop import StopRequest
-from stagectl.machining.run import Conduct
 from stagectl.robot.config import CellConfig
 from stagectl.trials.campaign import Learner, learn_pocket
 from stagectl.trials.command import wanted_methods
+from stagectl.trials.conduct import Conduct
 from stagectl.trials.done import DoneTrial
 from stagectl.trials.session import Runner, run_simulated
 from stagectl.trials.trial import cell_for_task

@@ -15,24 +15,30 @@ class Clock(Protocol):
         """Tick a prepared graph `ticks` times, or until `over`, asked now and then, is true; return the ticks run."""
 
 
+ASKED = 20.0
+"""Times a second of a graph's own that it is asked whether it is over."""
+
+
 class Offline:
-    """As fast as it goes.
-
-    Parameters
-    ----------
-    chunk : int, ticks, >= 1
-        From one question whether it is over to the next.
-    """
-
-    def __init__(self, chunk: int = 25) -> None:
-        self.chunk = chunk
+    """As fast as it goes."""
 
     def run(self, graph: Graph, ticks: int, over: Callable[[], bool]) -> int:
         """Tick a prepared graph `ticks` times, or until `over`; return the ticks run."""
-        done = 0
+        done, chunk = 0, max(1, round(graph.rate / (graph.frames * ASKED)))
         while done < ticks and not over():
-            done += run_offline(graph, min(self.chunk, ticks - done))
+            done += self._some(graph, min(chunk, ticks - done))
         return done
+
+    def _some(self, graph: Graph, ticks: int) -> int:
+        return run_offline(graph, ticks)
+
+
+class Paced(Offline):
+    """In real time; TimeoutError where the computer falls behind by a second."""
+
+    def _some(self, graph: Graph, ticks: int) -> int:
+        Timer(graph, ()).run(ticks)
+        return ticks
 
 
 def run_offline(graph: Graph, ticks: int, stop: Event | None = None) -> int:

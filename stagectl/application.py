@@ -10,7 +10,7 @@ PROGRAM = Program(
         "example-pocket": "stagectl.example_commands:example_pocket",
         "run": "stagectl.run_command:run_command",
         "midrange": "stagectl.experiments.midranging.command:midrange",
-        "cell": "stagectl.machining.command:cell",
+        "cell": "stagectl.experiments.toroid.command:cell",
         "ilc": "stagectl.trials.command:ilc",
         "force": "stagectl.feed.command:force",
         "plan": "stagectl.planning.command:plan",

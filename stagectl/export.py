@@ -10,6 +10,7 @@ from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import atomic
 from rigkit.command import JsonOption, RunArgument, print_table, words, write_json
+from rigkit.experiment.kept import recordings
 from rigkit.export.mcap_file import write_mcap
 from rigkit.export.optional import refuse_missing
 from rigkit.export.parquet_file import write_recording
@@ -91,18 +92,6 @@ def export_run(path: Path, formats: Sequence[str] = FORMATS, out: Path | None = 
             with atomic.replacing(written[-1]) as temporary:
                 write_recording(temporary, recording.read(file))
     return written
-
-
-def recordings(path: Path) -> list[Path]:
-    """Return the recordings that lie in a run folder, whatever has made them."""
-    return [file for file in sorted(path.iterdir()) if file.suffix == ".wav" or _is_recorded_csv(file)]
-
-
-def _is_recorded_csv(file: Path) -> bool:
-    if file.suffix != ".csv":
-        return False
-    with file.open("rb") as content:
-        return content.read(1) == b"#"
 
 
 def _write_mcap(place: Path, path: Path, files: Sequence[Path]) -> None:

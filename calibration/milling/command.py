@@ -24,12 +24,12 @@ from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
 from rigkit.stop import Stopped, stoppable
 from rigkit.written import written_file
-from stagectl.machining.run import Conduct
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_needless_yes
 from stagectl.robot.live.person import Person
 from stagectl.robot.milling.milling_models import write_milling
 from stagectl.robot.milling.torque_file import UNITS
+from stagectl.trials.conduct import Conduct
 from stagectl.trials.live import performing
 from stagectl.trials.session import PACES, Runner, Tell
 from stagectl.trials.trial import TASKS, cell_for_task

@@ -1,18 +1,19 @@
 """The command line's side of an experiment: run with progress and Ctrl-C, in a folder or in memory, and told."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
 
+from ctlblocks.clock import Clock, Offline
 from rigkit.command import words
 from rigkit.experiment.kept import create, in_memory, run
 from rigkit.experiment.kind import Experiment, Kind
-from rigkit.experiment.runner import Conduct
+from rigkit.experiment.runner import STOPPED, Conduct
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
 
@@ -33,6 +34,8 @@ class CommandLine:
         Folder of the run, and of its figures as PNG files.
     json : str or None
         Where its figures go as JSON.
+    clock : Clock
+        Of what is simulated.
     """
 
     title: str
@@ -40,9 +43,12 @@ class CommandLine:
     out: Path | None
     png: Path | None
     json: str | None
+    clock: Clock = field(default_factory=Offline)
 
-    def carry_out(self, kind: Kind, config: BaseModel, experiment: Experiment) -> tuple[str, dict[str, Any]]:
-        """Run an experiment; return why it ended before its end, or nothing, and its figures.
+    def carry_out(
+        self, kind: Kind, config: BaseModel, experiment: Experiment, **folder: Any
+    ) -> tuple[dict[str, str], dict[str, Any]]:
+        """Run an experiment; return why parts ended before their end, by name, and its figures.
 
         Parameters
         ----------
@@ -50,6 +56,8 @@ class CommandLine:
         config : Section
             The whole rig file.
         experiment : Experiment
+        **folder
+            As of `kept.create`.
 
         Raises
         ------
@@ -59,16 +67,16 @@ class CommandLine:
         with self._watched(experiment) as conduct:
             if self.out is None:
                 return in_memory(experiment, conduct)
-            with create(self.out, kind, config, experiment) as folder:
-                return run(folder, kind, experiment, conduct, self.png)
+            with create(self.out, kind, config, experiment, **folder) as made:
+                return run(made, kind, experiment, conduct, self.png)
 
-    def end(self, reason: str) -> None:
+    def end(self, reasons: Mapping[str, str]) -> None:
         """Say where the report is; raise `Stopped` where the run was."""
         if self.out is not None:
             print(f"report: {self.out / PAGE}", file=words(self.json))  # noqa: T201
-        if reason:
+        if STOPPED in reasons.values():
             kept = "" if self.out is None else f"; what is recorded is in {self.out}/"
-            raise Stopped(f"{reason}: these are the figures of what was run until then{kept}")
+            raise Stopped(f"{STOPPED}: these are the figures of what was run until then{kept}")
 
     @contextmanager
     def _watched(self, experiment: Experiment) -> Iterator[Conduct]:
@@ -76,7 +84,7 @@ class CommandLine:
         with stoppable() as stop:
             if self.is_live:
                 sys.stderr.write(f"{self.title}: {seconds:g} s in real time\n")
-                yield Conduct(lambda: stop.made)
+                yield Conduct(lambda: stop.made, self.clock)
                 return
             with progress(self.title, seconds) as meter:
-                yield Conduct(lambda: stop.made, show=meter.show)
+                yield Conduct(lambda: stop.made, self.clock, show=meter.show)

@@ -1,7 +1,7 @@
 """A run of an experiment in its folder: made, run, read back, reported and replayed."""
 
-from collections.abc import Collection, Iterator
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from rigkit import config as rig_file
 from rigkit.disk_space import require
 from rigkit.experiment.kind import Experiment, Kind
 from rigkit.experiment.replayed import Replayed, compared
-from rigkit.experiment.runner import Conduct, perform, remembered, repeated, unheard
+from rigkit.experiment.runner import STOPPED, Conduct, perform, repeated, run_in_memory, unheard
 from rigkit.json_text import json_text
 from rigkit.kept_files import kept_files
 from rigkit.run_folder import SUMMARY, RunFolder, make_whole, read_events
@@ -22,7 +22,19 @@ from rigkit.run_origin import keep_origin
 from rigkit.stop import Stopped
 
 
-def create(path: Path, kind: Kind, config: BaseModel, experiment: Experiment, but: Collection[str] = ()) -> RunFolder:
+def nothing_more(folder: RunFolder) -> list[str]:  # noqa: ARG001 (a taker's argument)
+    """Take no further file into the folder of a run."""
+    return []
+
+
+def create(
+    path: Path,
+    kind: Kind,
+    config: BaseModel,
+    experiment: Experiment,
+    take_more: Callable[[RunFolder], list[str]] = nothing_more,
+    accept: Sequence[str] = (),
+) -> RunFolder:
     """Make the folder of a new run, with copies of the files that its rig file names.
 
     Parameters
@@ -33,8 +45,10 @@ def create(path: Path, kind: Kind, config: BaseModel, experiment: Experiment, bu
     config : Section
         The whole rig file.
     experiment : Experiment
-    but : collection of str
-        Keys of files that it does not depend on.
+    take_more : callable(RunFolder) -> list of str
+        Takes further files into the folder, and returns their names there.
+    accept : sequence of str
+        Keys whose difference has been accepted.
 
     Raises
     ------
@@ -42,16 +56,17 @@ def create(path: Path, kind: Kind, config: BaseModel, experiment: Experiment, bu
     DiskFault : there is no room for its recordings.
     """
     require(path, experiment.room, "the recordings")
-    files = kept_files(config, but)
+    files = kept_files(config, kind.apart)
     with RunFolder.filled(path, rig_file.dump(files.config)) as folder:
-        keep_origin(folder, kind.name, files.config, files.take_into(folder), [], experiment.designed)
+        parts = [*take_more(folder), *files.take_into(folder)]
+        keep_origin(folder, kind.name, files.config, parts, accept, experiment.designed)
     return folder
 
 
 def run(
     folder: RunFolder, kind: Kind, experiment: Experiment, conduct: Conduct, png: Path | None = None
-) -> tuple[str, dict[str, Any]]:
-    """Run an experiment, recorded as it goes; return why it ended before its end, or nothing, and its figures.
+) -> tuple[dict[str, str], dict[str, Any]]:
+    """Run an experiment, recorded as it goes; return why parts ended before their end, by name, and its figures.
 
     Parameters
     ----------
@@ -67,31 +82,41 @@ def run(
     Stopped : before there was anything to judge.
     Whatever ends a part: what was recorded until then is kept, `reported` makes a report of it.
     """
-    reason = perform(folder, experiment.parts(folder.event), experiment.about, conduct)
-    with _judging(reason, f"; what is recorded is in {folder.path}/"):
-        return reason, _written(folder.path, kind, png)
+    reasons = perform(folder, experiment.parts(folder.event), experiment.about, conduct)
+    with _judging(reasons, f"; what is recorded is in {folder.path}/"):
+        return reasons, _written(folder.path, kind, png)
 
 
-def in_memory(experiment: Experiment, conduct: Conduct) -> tuple[str, dict[str, Any]]:
-    """Run an experiment without a folder; return why it ended before its end, or nothing, and its figures."""
-    records: dict[str, Recording] = {}
-    reason, done = "", 0.0
-    with closing(experiment.parts(unheard)) as parts:  # type: ignore[type-var]  # a generator
-        for part in parts:
-            conduct.between(part.name)
-            kept, ended = remembered(part, conduct, done)
-            done += part.graph.ticks * part.graph.frames / part.graph.rate
-            records, reason = records | kept, ended.reason
-            if reason:
-                break
-    with _judging(reason, ""):
-        return reason, experiment.figures(records)
+def in_memory(experiment: Experiment, conduct: Conduct) -> tuple[dict[str, str], dict[str, Any]]:
+    """Run an experiment without a folder; return why parts ended before their end, by name, and its figures."""
+    reasons, records = run_in_memory(experiment.parts(unheard), conduct)
+    with _judging(reasons, ""):
+        return reasons, experiment.figures(records)
 
 
-def records_of(path: Path) -> dict[str, Recording]:
-    """Return what is recorded in a run's folder, by track; of one with gaps, what is ahead of the first."""
-    files = [file for file in sorted(path.glob("*.wav")) if not _goes_on(file)]
+def records_of(path: Path, part: str = "") -> dict[str, Recording]:
+    """Return what is recorded in a run's folder, by track; of one with gaps, what is ahead of the first.
+
+    Parameters
+    ----------
+    path : Path
+    part : str
+        Only what is recorded of that part; of all without.
+    """
+    files = [file for file in recordings(path) if not _goes_on(file) and file.stem.startswith(part)]
     return {file.stem: recording.read(file) for file in files}
+
+
+def recordings(path: Path) -> list[Path]:
+    """Return the recordings that lie in a run folder, whatever has made them."""
+    return [file for file in sorted(path.iterdir()) if file.suffix == ".wav" or _is_recorded_csv(file)]
+
+
+def _is_recorded_csv(file: Path) -> bool:
+    if file.suffix != ".csv":
+        return False
+    with file.open("rb") as content:
+        return content.read(1) == b"#"
 
 
 def reported(path: Path, kind: Kind, png: Path | None = None) -> dict[str, Any]:
@@ -130,26 +155,28 @@ def replayed(path: Path, kind: Kind) -> Iterator[Replayed]:
     parts = kind.read(path, records).again(records)
     if not records:
         raise ValueError(f"{path}: nothing is recorded")
-    ends = {event["part"]: event for event in read_events(path) if event["event"] == "ended"}
+    ends = {event["part"]: event for event in read_events(path) if event["event"] == "ended" and "part" in event}
     for part in parts:
         end, whole = ends.get(part.name), {track.name: len(records[track.name].data) for track in part.tracks}
         ticks = end["ticks"] if end else min(whole[track.name] * track.every for track in part.tracks)
         again = repeated(part, ticks, end["held_at"] if end else None)
         for track in part.tracks:
+            if not track.made:
+                continue
             made = again[track.name].select(track.made_names(part.graph))
             rows = whole[track.name] if end else len(made.data)  # of one that was killed, as far as all is recorded
             yield from compared(track.name, _first(records[track.name], rows), made)
 
 
 @contextmanager
-def _judging(reason: str, where: str) -> Iterator[None]:
+def _judging(reasons: Mapping[str, str], where: str) -> Iterator[None]:
     """Judge a run: one that was stopped before there was anything to judge is `Stopped`, and no error."""
     try:
         yield
     except ValueError as fault:
-        if not reason:
+        if STOPPED not in reasons.values():
             raise
-        raise Stopped(f"{reason}: {fault}{where}") from None
+        raise Stopped(f"{STOPPED}: {fault}{where}") from None
 
 
 def _written(path: Path, kind: Kind, png: Path | None) -> dict[str, Any]:

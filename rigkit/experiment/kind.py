@@ -72,10 +72,13 @@ class Kind:
         In the `run.json` of its runs.
     read : callable(Path, Records) -> Experiment
         Makes the experiment of a run again, from its folder.
+    apart : tuple of str
+        Keys of the rig file whose files it does not depend on.
     """
 
     name: str
     read: Callable[[Path, Records], Experiment]
+    apart: tuple[str, ...] = ()
 
 
 def kind_of(path: Path) -> str:

@@ -114,6 +114,8 @@ class Part:
         None where nothing has to come to rest.
     counts : callable() -> dict
         What its blocks have counted, for the event of its end.
+    is_apart : bool
+        Whether the next part is run though a fault has ended this one.
     """
 
     name: str
@@ -123,6 +125,7 @@ class Part:
     clock: Clock | None = None
     retreat: Retreat | None = None
     counts: Callable[[], dict[str, Any]] = dict
+    is_apart: bool = False
 
     @property
     def ticks(self) -> int:

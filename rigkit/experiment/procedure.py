@@ -15,7 +15,7 @@ from rigkit.experiment.strips import PERIOD, strip
 from rigkit.experiment.watch import WINDOW, Watch
 from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
-from rigkit.service.show import Axis, Gauge
+from rigkit.service.show import Axis, Gauge, Panel
 from rigkit.stop import Stopped
 
 _OWN = ("started", "ended")
@@ -34,12 +34,15 @@ class Strip:
         Names of what is seen.
     lines : sequence of str
         Of the columns of all of them.
+    title : str
+        The name, unless given.
     """
 
     name: str
     unit: str
     signals: Sequence[str]
     lines: Sequence[str]
+    title: str = ""
 
 
 class View(Protocol):
@@ -55,6 +58,9 @@ class View(Protocol):
 
     def gauges(self, watch: Watch) -> Iterable[Gauge]:
         """Give what is measured now, of which one at least is the output."""
+
+    def after(self, part: str, path: Path) -> Mapping[str, Panel]:
+        """Return panels on a part that has ended, by name, from what is recorded of it in a folder."""
 
 
 class ExperimentProcedure:
@@ -74,6 +80,8 @@ class ExperimentProcedure:
         Of the folder to make.
     is_paced : bool
         Whether what is simulated keeps to the clock on the wall.
+    **folder
+        As of `kept.create`.
 
     Raises
     ------
@@ -91,12 +99,13 @@ class ExperimentProcedure:
         path: Path,
         *,
         is_paced: bool,
+        **folder: Any,
     ) -> None:
         self._kind, self._title, self._experiment = kind, title, experiment
         self._view, self._desk = view, desk
         self._watch, self._is_stopped = Watch(view.sources, is_paced), False
         desk.progress(0.0, experiment.seconds, "getting ready")
-        self._folder = create(path, kind, config, experiment)
+        self._folder = create(path, kind, config, experiment, **folder)
         self._folder.listener = self._heard
 
     def stop(self) -> None:
@@ -116,17 +125,19 @@ class ExperimentProcedure:
         Whatever ends a part.
         """
         desk, watch = self._desk, self._watch
-        conduct = Conduct(self._ending, watch, watch.look, self._show, self._between)
+        conduct = Conduct(self._ending, watch, watch.look, self._show, self._between, self._after)
         with self._folder as folder:
             desk.recording(True)
             try:
                 with Regularly(self._draw, PERIOD):
-                    reason, found = run(folder, self._kind, self._experiment, conduct)
+                    reasons, found = run(folder, self._kind, self._experiment, conduct)
             finally:
                 desk.recording(False)
                 watch.forget()
-            if reason == STOPPED:
+            if STOPPED in reasons.values():
                 raise Stopped("ended, as asked; what is recorded is kept")
+            for part, reason in reasons.items():
+                raise ValueError(f"{part}: {reason}" if part else reason)
             told = {name: value for name, value in found.items() if isinstance(value, int | float | str)}
             desk.event("finished", {"run": folder.path.name, **told})
 
@@ -142,6 +153,12 @@ class ExperimentProcedure:
             self._desk.event("held", {"before": part})
             self._desk.wait_while_held()
 
+    def _after(self, part: str) -> None:
+        self._draw()
+        self._watch.forget()
+        for name, panel in self._view.after(part, self._folder.path).items():
+            self._desk.show(name, panel)
+
     def _heard(self, event: str, fields: Mapping[str, Any]) -> None:
         if event not in _OWN:
             self._desk.event(event, fields)
@@ -152,6 +169,7 @@ class ExperimentProcedure:
             count = min(len(time) for time, _ in found)
             if count:
                 rows = np.column_stack([rows[-count:] for _, rows in found])
-                title = f"{each.name.capitalize()}, last {WINDOW:g} s"
-                curves = strip(title, Axis(each.name, each.unit), found[0][0][-count:], rows, tuple(each.lines))
+                title = each.title or each.name.capitalize()
+                what = Axis(each.title or each.name, each.unit)
+                curves = strip(f"{title}, last {WINDOW:g} s", what, found[0][0][-count:], rows, tuple(each.lines))
                 self._desk.show(each.name, curves)

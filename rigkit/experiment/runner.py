@@ -35,7 +35,7 @@ def unheard(event: str, fields: Mapping[str, Any]) -> None:
 
 
 def at_once(name: str) -> None:
-    """Go on with the next part at once."""
+    """Go on at once."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,9 @@ class Conduct:
         Called before each tick of the parts that have a clock of their own.
     show : callable(float)
         Told, now and then, of the seconds done, of all parts.
-    between : callable(str)
-        Called with the name of each part before it begins; returns when it may, or raises `rigkit.stop.Stopped`.
+    between, after : callable(str)
+        Called with the name of each part before it begins, and returns when it may, or raises `rigkit.stop.Stopped`;
+        and once it has ended.
     """
 
     stopped: Callable[[], bool] = never
@@ -61,6 +62,7 @@ class Conduct:
     look: Callable[[Graph], object] = unseen
     show: Callable[[float], object] = unshown
     between: Callable[[str], object] = at_once
+    after: Callable[[str], object] = at_once
 
 
 @dataclass(frozen=True)
@@ -180,8 +182,8 @@ class _Until:
         return run_offline(graph, min(ticks, max(self.tick - graph.ticks, 0)))
 
 
-def perform(folder: RunFolder, parts: Iterator[Part], about: Mapping[str, str], conduct: Conduct) -> str:
-    """Run all parts, recorded into the folder as they go; return why that ended before its end, or nothing.
+def perform(folder: RunFolder, parts: Iterator[Part], about: Mapping[str, str], conduct: Conduct) -> dict[str, str]:
+    """Run all parts, recorded into the folder as they go; return why parts ended before their end, by name.
 
     Each has a line "started" and a line "ended" in the folder's events, the latter with the reason.
 
@@ -199,15 +201,40 @@ def perform(folder: RunFolder, parts: Iterator[Part], about: Mapping[str, str], 
     Stopped : while held between two parts.
     Whatever ends a part; it is told in the events, and what was recorded until then is kept.
     """
-    reason, done = "", 0.0
+    return _one_by_one(parts, conduct, lambda part, done: _recorded(folder, part, about, conduct, done))
+
+
+def run_in_memory(parts: Iterator[Part], conduct: Conduct) -> tuple[dict[str, str], dict[str, Recording]]:
+    """Run all parts and keep all in memory; return why parts ended before their end, by name, and the recordings.
+
+    Parameters
+    ----------
+    parts : iterator of Part
+    conduct : Conduct
+    """
+    records: dict[str, Recording] = {}
+
+    def run(part: Part, done: float) -> str:
+        kept, ended = remembered(part, conduct, done)
+        records.update(kept)
+        return ended.reason
+
+    return _one_by_one(parts, conduct, run), records
+
+
+def _one_by_one(parts: Iterator[Part], conduct: Conduct, run: Callable[[Part, float], str]) -> dict[str, str]:
+    reasons, done = {}, 0.0
     with closing(parts):  # type: ignore[type-var]  # a generator
         for part in parts:
             conduct.between(part.name)
-            reason = _recorded(folder, part, about, conduct, done)
+            reason = run(part, done)
+            conduct.after(part.name)
             done += part.graph.ticks * part.graph.frames / part.graph.rate
             if reason:
+                reasons[part.name] = reason
+            if reason == STOPPED or (reason and not part.is_apart):
                 break
-    return reason
+    return reasons
 
 
 def _recorded(folder: RunFolder, part: Part, about: Mapping[str, str], conduct: Conduct, done: float) -> str:

@@ -6,15 +6,13 @@ from contextlib import suppress
 import numpy as np
 
 from ctlblocks import Graph
-from ctlblocks.clock import run_offline
+from ctlblocks.clock import ASKED, run_offline
 from rigkit.experiment.pace import Pace
 
 LOOKS = 250.0
 """A second of the graph's own time: those of the robot port."""
 WINDOW = 10.0
 """s that are kept."""
-ASKED = 10.0
-"""Times a second of the graph's own that it is asked whether to stop."""
 PACED = 10
 """Ticks at which one that is ticked elsewhere waits for the clock."""
 

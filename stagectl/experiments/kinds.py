@@ -2,5 +2,6 @@
 
 from rigkit.experiment.kind import Kind
 from stagectl.experiments.midranging.read_back import MIDRANGING
+from stagectl.experiments.toroid.read_back import TOROID
 
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (MIDRANGING,)}
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (MIDRANGING, TOROID)}

@@ -21,11 +21,11 @@ from stagectl.feed.process_run import process_figures
 from stagectl.feed.report import HEAD, PAGE, TYPE_HEAD, feed_report, pocket_rows, type_rows
 from stagectl.feed.surroundings import plants_of
 from stagectl.link.tell import nobody
-from stagectl.machining.run import Conduct, offline, paced
 from stagectl.planning.pocket import PLANNERS, UNTRAINED
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_needless_yes, refuse_unattended
 from stagectl.robot.live.person import Person
+from stagectl.trials.conduct import Conduct, offline, paced
 
 Task = Annotated[str, typer.Option(metavar="TASK", help=f"{', '.join(POCKETS)}, POCKET.json, or {PROCESS}.")]
 Newtons = Annotated[float | None, typer.Option("--force", metavar="N", help="The force wanted.")]

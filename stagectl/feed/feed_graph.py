@@ -5,6 +5,7 @@ from collections.abc import Callable
 from ctlblocks import Graph
 from ctlblocks.basic import Gain
 from ctlblocks.replay import Record
+from stagectl.devices.signals import ROBOT, Signal
 from stagectl.feed.constant_feed import ConstantFeed
 from stagectl.feed.feed_seen import FeedSeen
 from stagectl.feed.plan import RATE, FeedPlan
@@ -12,7 +13,6 @@ from stagectl.feed.recorded import FORCE, SLOW
 from stagectl.feed.segment_move import SegmentMove
 from stagectl.feed.surroundings import Surroundings
 from stagectl.link.tell import Tell
-from stagectl.machining.recorded import ROBOT, Signal
 from stagectl.planning.milling import Planner
 from stagectl.planning.segments import Segments
 from stagectl.robot.milling.feed_force import FeedForce

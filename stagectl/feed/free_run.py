@@ -10,14 +10,14 @@ from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
 from ctlblocks.replay import Record, Replay
 from rigkit.named_code import named_block
+from stagectl.devices.signals import ROBOT
 from stagectl.feed.feed_seen import FeedSeen
 from stagectl.feed.plan import RATE, FeedPlan
 from stagectl.feed.recorded import SLOW
 from stagectl.feed.run import LEAD
-from stagectl.machining.recorded import ROBOT
-from stagectl.machining.run import quietly
 from stagectl.robot.tool_place import ToolPlace
 from stagectl.robot.wired_port import WiredPort
+from stagectl.trials.conduct import quietly
 
 MEAN, STEP, HELD, TURN = 0.02, 0.01, 0.04, 2.0
 """m/s, m/s, s and s: the feed steps up and down about its mean, at random, and turns round now and then."""

@@ -5,16 +5,13 @@ from collections.abc import Callable
 
 from ctlblocks import Graph
 from rigkit.priority import real_time, undisturbed
+from stagectl.devices.signals import ROBOT, Sources
 from stagectl.feed.job import Job, once
 from stagectl.feed.plan import RATE, FeedPlan
 from stagectl.feed.recorded import FORCE, SLOW, made
 from stagectl.feed.run import Pocketed, mill_pocket
 from stagectl.feed.session import about
 from stagectl.feed.surroundings import Surroundings
-from stagectl.machining.led import led
-from stagectl.machining.recorded import ROBOT
-from stagectl.machining.run import Conduct
-from stagectl.machining.surroundings import Sources
 from stagectl.planning.milling import Planner
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.blocks import LiveForce, LiveReference, LiveRobot
@@ -22,6 +19,8 @@ from stagectl.robot.live.guide import Guide
 from stagectl.robot.live.person import Person
 from stagectl.robot.live.way import room_of
 from stagectl.robot.live.wires import LiveWires
+from stagectl.trials.conduct import Conduct
+from stagectl.trials.led import led
 
 
 class LivePockets:

@@ -1,6 +1,6 @@
 """What is recorded of force-controlled milling: which signals, under which names."""
 
-from stagectl.machining.recorded import Signal
+from stagectl.devices.signals import Signal
 
 SLOW = 8
 """Ticks between two samples of everything but robot and cut."""

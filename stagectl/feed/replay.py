@@ -9,7 +9,7 @@ from stagectl.feed.recorded import made
 from stagectl.feed.run import mill_pocket
 from stagectl.feed.session import read_back
 from stagectl.feed.surroundings import recorded
-from stagectl.machining.run import Conduct
+from stagectl.trials.conduct import Conduct
 
 
 def replay_feed(path: Path) -> Iterator[Replayed]:

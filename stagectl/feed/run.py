@@ -4,15 +4,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ctlblocks.recording import Recording
+from stagectl.devices.signals import Signal, named
 from stagectl.feed.constant_feed import ConstantFeed
 from stagectl.feed.feed_graph import FeedGraph
 from stagectl.feed.plan import RATE, FeedPlan
 from stagectl.feed.recorded import SLOW
 from stagectl.feed.surroundings import Surroundings
-from stagectl.machining.recorded import Signal, named
-from stagectl.machining.run import AFTERWARDS, STOPPED, Conduct
 from stagectl.planning.milling import Milled, Planner
 from stagectl.robot.milling.feed_force import FeedForce
+from stagectl.trials.conduct import AFTERWARDS, STOPPED, Conduct
 
 LEAD = 0.2
 """s at rest, beside those in which zero force is taken, before the robot follows, and at the end."""

@@ -16,6 +16,7 @@ from rigkit.kept_files import kept_files
 from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder, read_events
 from rigkit.run_origin import keep_origin
+from stagectl.devices.signals import ROBOT
 from stagectl.feed.job import Job, Repeated, once, read_job
 from stagectl.feed.measures import Strip, as_milled, figures, retold, safe_feeds, strips
 from stagectl.feed.plan import RATE as FRAMES
@@ -23,8 +24,6 @@ from stagectl.feed.plan import FeedPlan, feed_plan
 from stagectl.feed.recorded import FORCE, SLOW, TRUE, made
 from stagectl.feed.run import LONGEST, Pocketed, mill_pocket
 from stagectl.feed.surroundings import plants_of, simulated
-from stagectl.machining.recorded import ROBOT
-from stagectl.machining.run import Conduct
 from stagectl.model_file import read_model
 from stagectl.model_origin import refuse_other_wiring
 from stagectl.planning.milling import Milled, Planner
@@ -32,6 +31,7 @@ from stagectl.planning.problem import Pocket
 from stagectl.planning.segment_file import write_segments
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
+from stagectl.trials.conduct import Conduct
 from stagectl.wire.egm import RATE
 
 Perform = Callable[[FeedPlan, Planner, Conduct], Pocketed]

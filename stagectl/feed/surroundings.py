@@ -6,10 +6,9 @@ from ctlblocks import Block, Graph
 from ctlblocks.recording import Recording
 from ctlblocks.replay import Replay
 from rigkit.named_code import named_block
+from stagectl.devices.signals import ROBOT, Sources
 from stagectl.feed.plan import FeedPlan
 from stagectl.feed.recorded import FORCE, SLOW
-from stagectl.machining.recorded import ROBOT
-from stagectl.machining.surroundings import Sources
 
 Surroundings = Callable[[Graph, FeedPlan], Sources]
 """Adds what surrounds the controllers, which are in the graph already, and wires it to them."""

@@ -13,7 +13,6 @@ from rigkit.stop import Stopped, stoppable
 from rigkit.written import written_file
 from stagectl.feed.session import simulated_pockets
 from stagectl.link.tell import nobody
-from stagectl.machining.run import Conduct
 from stagectl.planning.exact import least_time
 from stagectl.planning.milling import Milled, Planner, mill, total
 from stagectl.planning.pocket import PLANNERS, UNTRAINED, Pocket, check, planner, untrained
@@ -22,6 +21,7 @@ from stagectl.planning.report import TYPE_HEAD, learned_types, type_rows, write_
 from stagectl.planning.segment_file import read_segments, write_segments
 from stagectl.planning.toolpath import Cutting, gcode, rapid
 from stagectl.robot.config import CellConfig
+from stagectl.trials.conduct import Conduct
 
 PocketFile = Annotated[Path, typer.Argument(metavar="POCKET.json", help="The pocket, its tool and its costs.")]
 PathFile = Annotated[Path | None, typer.Argument(metavar="PATH.json", help="With --check: the path to look at.")]

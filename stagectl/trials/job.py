@@ -9,9 +9,9 @@ from rigkit.command import print_table
 from rigkit.disk_space import require
 from rigkit.run_folder import RunFolder
 from rigkit.stop import stoppable
-from stagectl.machining.run import Conduct
 from stagectl.robot.live.person import Person
 from stagectl.trials.campaign import FIRST, Learner, learn_free_space, learn_pocket
+from stagectl.trials.conduct import Conduct
 from stagectl.trials.done import DoneTrial
 from stagectl.trials.live import performing
 from stagectl.trials.log_folder import write_logs

@@ -10,10 +10,7 @@ from ctlblocks import Graph
 from ctlblocks.recording import Recording
 from rigkit.priority import real_time, undisturbed
 from rigkit.provenance import now, software
-from stagectl.machining.led import led
-from stagectl.machining.recorded import ROBOT, TRACKER
-from stagectl.machining.run import Conduct, Milled
-from stagectl.machining.surroundings import Sources
+from stagectl.devices.signals import ROBOT, TRACKER, Sources
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.blocks import LiveForce, LiveReference, LiveRobot, LiveTracker
 from stagectl.robot.live.guide import Guide
@@ -21,6 +18,8 @@ from stagectl.robot.live.person import Person
 from stagectl.robot.live.torque_log import TorqueLog
 from stagectl.robot.live.way import room_of
 from stagectl.robot.live.wires import LiveWires
+from stagectl.trials.conduct import Conduct, Milled
+from stagectl.trials.led import led
 from stagectl.trials.recorded import FORCE, RECORDED, SLOW, TORQUE
 from stagectl.trials.run import run
 from stagectl.trials.session import Perform, run_simulated

@@ -1,6 +1,6 @@
 """What is recorded of a trial: which signals, at which rates, under which names."""
 
-from stagectl.machining.recorded import ROBOT, TRACKER, Signal
+from stagectl.devices.signals import ROBOT, TRACKER, Signal
 
 RATE = 2_000.0
 """ticks/s, of the graph: robot, tracker and cut."""

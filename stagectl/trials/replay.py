@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from rigkit.experiment.replayed import Replayed, compared
-from stagectl.machining.run import Conduct
+from stagectl.trials.conduct import Conduct
 from stagectl.trials.done import DoneTrial
 from stagectl.trials.recorded import MADE, SLOW
 from stagectl.trials.run import run

@@ -1,7 +1,7 @@
 """A trial from its first sample to its last, or out of the material and into rest: a fault ends in a named reason."""
 
-from stagectl.machining.recorded import Signal, named
-from stagectl.machining.run import AFTERWARDS, STOPPED, Conduct, Milled
+from stagectl.devices.signals import Signal, named
+from stagectl.trials.conduct import AFTERWARDS, STOPPED, Conduct, Milled
 from stagectl.trials.recorded import RATE
 from stagectl.trials.surroundings import Surroundings
 from stagectl.trials.trial import Trial

@@ -12,9 +12,9 @@ from rigkit.provenance import now, software
 from rigkit.run_folder import CONFIG, RunFolder
 from rigkit.run_origin import keep_origin
 from rigkit.stop import Stopped
-from stagectl.machining.run import Conduct, Milled
 from stagectl.robot.config import CellConfig
 from stagectl.trials.campaign import FIRST, FREE
+from stagectl.trials.conduct import Conduct, Milled
 from stagectl.trials.done import SUFFIXES, WHOLE, DoneTrial, TrialEnded, has_trial, read_trial
 from stagectl.trials.recorded import EVERY, RECORDED, SLOW
 from stagectl.trials.run import run

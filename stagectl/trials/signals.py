@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ctlblocks.recording import Recording
-from stagectl.machining.recorded import ROBOT
+from stagectl.devices.signals import ROBOT
 from stagectl.robot.milling.alignment import on_grid, shift
 from stagectl.robot.milling.trial_error import TrialSignals
 from stagectl.trials.recorded import FELT, MADE, TORQUE, TRUTH

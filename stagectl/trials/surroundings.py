@@ -5,8 +5,7 @@ from collections.abc import Callable, Mapping
 from ctlblocks import Graph
 from ctlblocks.recording import Recording
 from rigkit.named_code import named_block
-from stagectl.machining.recorded import ROBOT, TRACKER
-from stagectl.machining.surroundings import Sources, played
+from stagectl.devices.signals import ROBOT, TRACKER, Sources, played
 from stagectl.still import Still
 from stagectl.trials.recorded import EVERY, FORCE, SLOW, TORQUE
 from stagectl.trials.trial import Trial

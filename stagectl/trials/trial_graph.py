@@ -5,8 +5,8 @@ from typing import Any
 
 from ctlblocks import Graph
 from ctlblocks.replay import Record
+from stagectl.devices.signals import ROBOT, TRACKER, Signal
 from stagectl.link.tell import Tell
-from stagectl.machining.recorded import ROBOT, TRACKER, Signal
 from stagectl.robot.wired_force import WiredForce
 from stagectl.robot.wired_port import WiredPort
 from stagectl.robot.wired_tracker import WiredTracker

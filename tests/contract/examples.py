@@ -28,13 +28,13 @@ from rigkit.stream_writer import Stream
 from stagectl import config as stage
 from stagectl.deflection import DeflectionReference
 from stagectl.experiments.midranging.wired_blocks import LivePair, LiveSeen, LiveSend
+from stagectl.experiments.toroid.relative_position import RelativePosition
+from stagectl.experiments.toroid.stage_reference import StageReference
+from stagectl.experiments.toroid.standstill import Standstill
 from stagectl.link.blocks import Excite, Newest, Receive, Send
 from stagectl.link.config import Laser, Link
 from stagectl.link.laser import Displacement, LaserLine
 from stagectl.link.stage_link import StageLink
-from stagectl.machining.relative_position import RelativePosition
-from stagectl.machining.stage_reference import StageReference
-from stagectl.machining.standstill import Standstill
 from stagectl.planning.pocket import planner
 from stagectl.planning.problem import Pocket, milling_types
 from stagectl.planning.segments import Segments

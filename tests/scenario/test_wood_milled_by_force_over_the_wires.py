@@ -18,12 +18,12 @@ from stagectl.feed.process_run import channel
 from stagectl.feed.recorded import made
 from stagectl.feed.run import Pocketed, mill_pocket
 from stagectl.feed.surroundings import recorded
-from stagectl.machining.run import STOPPED, Conduct
 from stagectl.planning.pocket import planner
 from stagectl.planning.problem import Pocket
 from stagectl.robot.live.person import Person
 from stagectl.robot.milling.feed_force import PHASES
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
+from stagectl.trials.conduct import STOPPED, Conduct
 from tests.scenario.stepped_cell import SteppedCell
 
 pytestmark = pytest.mark.stall(0.3)

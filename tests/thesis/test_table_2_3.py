@@ -4,11 +4,9 @@ from typing import Any
 
 import pytest
 
-from stagectl.machining.plan import SETUPS, designs_of, plan, stage_of
-from stagectl.machining.recorded import recordings
-from stagectl.machining.run import Conduct, mill
-from stagectl.machining.session import figures
-from stagectl.machining.surroundings import simulated
+from rigkit.experiment.runner import Conduct, run_in_memory
+from stagectl.experiments.toroid.experiment import Toroid
+from stagectl.experiments.toroid.plan import SETUPS, loops_of, plan, stage_of
 from stagectl.robot.config import CellConfig
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1_200)]
@@ -16,13 +14,11 @@ pytestmark = [pytest.mark.slow, pytest.mark.timeout(1_200)]
 
 @pytest.fixture(scope="module")
 def rows() -> dict[str, dict[str, Any]]:
-    stage, found = stage_of(None), {}
-    designs = designs_of(stage)
-    for setup in SETUPS:
-        made = plan(setup, CellConfig(), stage, designs)
-        done = mill(made, Conduct(), simulated, recordings(made), {})
-        found[setup] = figures(made, done.recordings, done.reason)
-    return found
+    stage = stage_of(None)
+    loops = loops_of(stage)
+    plans = [plan(setup, CellConfig(), stage, loops) for setup in SETUPS]
+    reasons, records = run_in_memory(Toroid(plans).parts(), Conduct())
+    return {row["setup"]: row for row in Toroid(plans, reasons).figures(records)["setups"]}
 
 
 def test_the_circles_are_in_the_order_of_table_2_3(rows: dict[str, dict[str, Any]]) -> None:

@@ -7,7 +7,7 @@ from rigkit.experiment.watch import Watch
 from rigkit.run_folder import RunFolder
 from rigkit.service.rig import Desk
 from rigkit.stop import Stopped
-from stagectl.machining.run import Conduct
+from stagectl.trials.conduct import Conduct
 
 _OWN = ("started", "ended", "milled")
 """Events of a run's folder that a procedure tells in words of its own."""

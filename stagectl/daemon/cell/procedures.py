@@ -72,11 +72,11 @@ PROCEDURES = (
         "cell",
         "Mill the toroid in steel",
         "run",
-        "setups",
+        "s",
         "This setup is run to its end; the next one waits until it goes on.",
         HELD,
         CellOptions,
-        "stagectl.daemon.cell.machining:Machining",
+        "stagectl.experiments.toroid.daemon:procedure",
     ),
     Entry(
         "midrange",

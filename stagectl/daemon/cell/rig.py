@@ -20,7 +20,7 @@ from rigkit.service.show import Gauge
 from stagectl.config import StageConfig
 from stagectl.daemon.cell.options import CellOptions, IlcOptions
 from stagectl.daemon.cell.procedures import PROCEDURES
-from stagectl.machining.plan import stage_of
+from stagectl.experiments.toroid.plan import stage_of
 from stagectl.robot.config import CellConfig
 from stagectl.robot.port import arm_of
 

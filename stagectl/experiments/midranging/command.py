@@ -66,9 +66,9 @@ def midrange(
         return
     made = Midranging(cell, controller_name, scenarios(scenario_name, cell.midranging.pair.rate))
     line = CommandLine("mid-ranging", is_live, out, png, json)
-    reason, found = line.carry_out(MIDRANGING, cell, made)
+    reasons, found = line.carry_out(MIDRANGING, cell, made)
     _tell(found, json)
-    line.end(reason)
+    line.end(reasons)
 
 
 def _tell(found: dict[str, Any], json: str | None) -> None:

@@ -1,6 +1,7 @@
 """Mid-ranging under the daemon: what is measured and drawn while a position is shared."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -8,7 +9,7 @@ from rigkit.experiment.procedure import ExperimentProcedure, Strip
 from rigkit.experiment.watch import LOOKS, Watch
 from rigkit.service.paths import data_file, run_path
 from rigkit.service.rig import Desk
-from rigkit.service.show import Gauge
+from rigkit.service.show import Gauge, Panel
 from stagectl.daemon.cell.gauges import timed
 from stagectl.daemon.cell.options import MidrangeOptions
 from stagectl.daemon.gauges import linked
@@ -69,6 +70,10 @@ class _View:
             yield from self._of_a_simulation(watch)
         elif (pair := self._made.pair) is not None:
             yield from self._of_a_live_pair(watch, pair)
+
+    def after(self, part: str, path: Path) -> Mapping[str, Panel]:
+        """Return nothing."""
+        return {}
 
     def _of_a_simulation(self, watch: Watch) -> Iterator[Gauge]:
         """Give the control signal, which is the output, and the micro manipulator's position; 0 while at rest."""

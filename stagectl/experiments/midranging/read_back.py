@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file
 from rigkit.experiment.kind import Kind, Records
@@ -34,7 +33,7 @@ def read_back(path: Path, records: Records) -> Midranging:
     """
     cell, origin = rig_file.load(path / CONFIG, CellConfig), read_origin(path / RUN)
     if origin is None or not origin.designed:
-        return _Older(cell, path)
+        return _Older(cell, path, records)
     told = origin.designed
     chosen = {
         axis: Scenario(told["scenario"], np.zeros(1), _options(each["options"]), each["period"])
@@ -57,11 +56,10 @@ def _options(told: Mapping[str, Any]) -> dict[str, Any]:
 class _Older(Midranging):
     """A run of version 0.1.0, in CSV files from the reference's first sample on: reported, but not made again."""
 
-    def __init__(self, cell: CellConfig, path: Path) -> None:
-        files = sorted([*path.glob(f"{TRACK}.csv"), *path.glob(f"{TRACK}-?.csv")])
-        if not files:
+    def __init__(self, cell: CellConfig, path: Path, records: Records) -> None:
+        if not records:
             raise ValueError(f"{path}: nothing is recorded")
-        self._kept = {file.stem.removeprefix(TRACK).removeprefix("-"): recording.read(file) for file in files}
+        self._kept = {name.removeprefix(TRACK).removeprefix("-"): record for name, record in records.items()}
         about = next(iter(self._kept.values())).provenance
         chosen = {axis: _named(about["scenario"], each) for axis, each in self._kept.items()}
         super().__init__(cell, about["controller"], chosen)
@@ -85,4 +83,4 @@ def _named(name: str, run: Recording) -> Scenario:
     return Scenario(name, reference, known.options, known.period)
 
 
-MIDRANGING = Kind("mid-ranging run", read_back)
+MIDRANGING = Kind("mid-ranging run", read_back, apart=("learning.model",))

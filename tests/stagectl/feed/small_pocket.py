@@ -4,17 +4,17 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rigkit import config as rig_file
+from stagectl.devices.signals import ROBOT
 from stagectl.feed.job import RATES
 from stagectl.feed.plan import FeedPlan, feed_plan
 from stagectl.feed.recorded import FORCE, TRUE, made
 from stagectl.feed.run import Pocketed, mill_pocket
 from stagectl.feed.surroundings import Surroundings, simulated
-from stagectl.machining.recorded import ROBOT
-from stagectl.machining.run import Conduct
 from stagectl.planning.pocket import planner
 from stagectl.planning.problem import Pocket
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
+from stagectl.trials.conduct import Conduct
 
 SECONDS = 30.0
 LENGTH = 20e-3

@@ -1,8 +1,8 @@
 """A small pocket, milled in seconds of simulated time."""
 
 from rigkit.config import load
-from stagectl.machining.run import Conduct, Milled
 from stagectl.robot.config import CellConfig
+from stagectl.trials.conduct import Conduct, Milled
 from stagectl.trials.recorded import RECORDED
 from stagectl.trials.run import run
 from stagectl.trials.surroundings import simulated

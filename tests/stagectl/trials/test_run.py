@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stagectl.machining.run import Milled
+from stagectl.trials.conduct import Milled
 from stagectl.trials.done import DoneTrial
 from stagectl.trials.signals import touched_block, touched_off
 from stagectl.trials.trial import Trial

@@ -21,10 +21,10 @@ from tests.scenario.test_joints_in_a_clamp_over_the_wires import QUICK as QUICK_
 from tests.scenario.test_mid_ranging_over_both_wires import MIDRANGING
 from tests.stagectl.daemon.bench import Lab, lab_of
 from tests.stagectl.daemon.cell.bench import cell_in
+from tests.stagectl.experiments.toroid.short_cell import SHORT
 from tests.stagectl.feed.small_pocket import QUICK
 from tests.stagectl.feed.test_command import POCKET
 from tests.stagectl.link.stand_in import PATIENT, link_to, running
-from tests.stagectl.machining.short_cell import SHORT
 from tests.until import until
 
 OPTIONS: dict[str, dict[str, Any]] = {

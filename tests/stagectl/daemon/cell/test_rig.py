@@ -15,15 +15,15 @@ from rigkit.service.reload import Reach
 from rigkit.service.state import State
 from stagectl.daemon.cell.options import CellOptions, ForceOptions, MidrangeOptions
 from stagectl.daemon.kinds import CELL, STAGE, kind_of
+from stagectl.experiments.toroid.plan import SETUPS
 from stagectl.feed.session import read_back
-from stagectl.machining.plan import SETUPS
 from stagectl.planning.pocket import PLANNERS
 from stagectl.robot.midranging.controllers import CONTROLLERS
 from tests.stagectl.daemon.bench import Lab
 from tests.stagectl.daemon.cell.bench import cell_in, edit
+from tests.stagectl.experiments.toroid.short_cell import SHORT
 from tests.stagectl.feed.small_pocket import QUICK
 from tests.stagectl.feed.test_command import POCKET
-from tests.stagectl.machining.short_cell import SHORT
 from tests.until import until
 
 

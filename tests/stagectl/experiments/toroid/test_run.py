@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from stagectl.machining.plan import AXES
-from stagectl.machining.run import Milled, paced
-from tests.stagectl.machining.short_cell import milled, short
+from ctlblocks.clock import Paced
+from stagectl.devices.signals import AXES
+from tests.stagectl.experiments.toroid.short_cell import Milled, milled, short
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +29,7 @@ def test_the_cell_runs_to_its_end_without_a_fault(cell: Milled) -> None:
 @pytest.mark.slow
 def test_in_real_time_the_numbers_are_the_same_bit_for_bit(cell: Milled) -> None:
     """Stage, robot, tracker and mid-ranging in one graph, on the timer."""
-    live = milled("C", advance=paced)
+    live = milled("C", clock=Paced())
     for name, record in cell.recordings.items():
         assert record.data.tobytes() == live.recordings[name].data.tobytes(), name
 

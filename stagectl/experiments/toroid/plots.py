@@ -1,5 +1,6 @@
 """The figures of the cell's report: the contour, its deviation, the surface, and what the stage did of its travel."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,8 +11,9 @@ from matplotlib.figure import Figure
 from ctlblocks.recording import Recording
 from rigkit.figure_style import COLOURS, LIMIT
 from rigkit.report import Plot
-from stagectl.machining.measures import STEP, Contour
-from stagectl.machining.plan import AXES, SETUPS, Plan
+from stagectl.devices.signals import AXES
+from stagectl.experiments.toroid.measures import STEP, Contour
+from stagectl.experiments.toroid.plan import SETUPS, Plan
 
 COLOUR = dict(zip(SETUPS, COLOURS, strict=False))
 """Of every setup."""
@@ -30,12 +32,12 @@ class Run:
     Parameters
     ----------
     plan : Plan
-    records : dict of str to Recording
+    records : mapping of str to Recording
     milled : Contour or None
     """
 
     plan: Plan
-    records: dict[str, Recording]
+    records: Mapping[str, Recording]
     milled: Contour | None
 
 

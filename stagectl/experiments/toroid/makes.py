@@ -4,16 +4,15 @@ from collections.abc import Callable, Mapping
 
 from ctlblocks import Graph
 from ctlblocks.recording import Recording
-from ctlblocks.replay import Replay
 from rigkit.named_code import named_block
-from stagectl.machining.plan import Plan
-from stagectl.machining.recorded import EVERY, LASER, PLATE, QUICK, ROBOT, SLOW, TRACKER, Signal
+from stagectl.devices.signals import LASER, PLATE, QUICK, ROBOT, SLOW, TRACKER, Sources, played
+from stagectl.experiments.toroid.plan import Plan
 from stagectl.still import Still
 
-Sources = Mapping[str, tuple[str, bool]]
-"""For each word, the output that it stands for, and whether it is read a tick late."""
-Surroundings = Callable[[Graph, Plan], Sources]
+Make = Callable[[Graph, Plan], Sources]
 """Adds what surrounds the controllers, which are in the graph already, and wires it to them."""
+EVERY = {"cell": SLOW, "tracker": QUICK, "stage": 1}
+"""Ticks between two samples of what is recorded of sensors."""
 
 
 def simulated(graph: Graph, plan: Plan) -> Sources:
@@ -37,16 +36,16 @@ def simulated(graph: Graph, plan: Plan) -> Sources:
     return sources
 
 
-def recorded(recordings: Mapping[str, Recording]) -> Surroundings:
+def recorded(recordings: Mapping[str, Recording]) -> Make:
     """Return what adds the sensors of a run's recordings.
 
     Parameters
     ----------
     recordings : mapping of str to Recording
-        By name, as `recorded.recordings` says.
+        `cell` and `tracker`; with a stage, `stage`.
     """
 
-    def surround(graph: Graph, plan: Plan) -> Sources:
+    def add(graph: Graph, plan: Plan) -> Sources:
         parts = [("robot", "cell", ROBOT), ("camera", "tracker", TRACKER)]
         if plan.has_stage:
             parts += [("laser", "tracker", LASER), ("plant", "stage", PLATE)]
@@ -56,7 +55,7 @@ def recorded(recordings: Mapping[str, Recording]) -> Surroundings:
             sources |= {signal.name: (f"{name}.{signal.name}", False) for signal in signals}
         return sources
 
-    return surround
+    return add
 
 
 def refuse_wrong_plants(plan: Plan) -> None:
@@ -89,8 +88,3 @@ def _stage(graph: Graph, plan: Plan) -> dict[str, tuple[str, bool]]:
 def _no_stage(graph: Graph) -> dict[str, tuple[str, bool]]:
     graph.add("still", Still(), SLOW)
     return {"position": ("still.base", False), "absolute": ("still.base", False)}
-
-
-def played(record: Recording, signals: tuple[Signal, ...]) -> Replay:
-    """Return what plays signals of a recording, a port each."""
-    return Replay(record, {signal.name: signal.channels for signal in signals})

@@ -1,16 +1,17 @@
 """The events of the cell's runs in words, for their report."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from rigkit.event_table import particulars
-from stagectl.machining.plan import SETUPS
+from stagectl.experiments.toroid.plan import SETUPS
 
 
 def event_text(event: dict[str, Any]) -> str:
     """Return what an event of a run, a line of its `events.jsonl`, says, as a sentence or two."""
     match event["event"]:
         case "started":
-            setup = event["setup"]
+            setup = setup_of(event)
             return f"Setup {setup}, {SETUPS.get(setup, 'unknown')}, with {event['software']}."
         case "ended":
             return " ".join(_end(event))
@@ -21,8 +22,8 @@ def event_text(event: dict[str, Any]) -> str:
 
 def _end(event: dict[str, Any]) -> list[str]:
     why = f"held: {event['reason']}" if event["reason"] else "without a fault"
-    said = [f"Setup {event['setup']}, after {event['seconds']:g} s, {why}."]
-    for name, counts in event["tracker"].items():
+    said = [f"Setup {setup_of(event)}, after {event['seconds']:g} s, {why}."]
+    for name, counts in event.get("tracker", {}).items():
         received = counts["received"]
         wrong = ", ".join(f"{count} {what}" for what, count in counts.items() if count and what != "received")
         said.append(f"Of the {name} {received} samples came{': ' + wrong if wrong else ''}.")
@@ -30,3 +31,9 @@ def _end(event: dict[str, Any]) -> list[str]:
         count = event["samples_at_end"]
         said.append(f"The stage was asked beyond its travel in {count} sample{'' if count == 1 else 's'} of 4 ms.")
     return said
+
+
+def setup_of(event: Mapping[str, Any]) -> str:
+    """Return the setup that an event is of; version 0.1.0 called it so, and not a part."""
+    found: str = event["part"] if "part" in event else event["setup"]
+    return found

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from stagectl.machining.plan import cell_of
-from stagectl.machining.toroid_path import ToroidPath
+from stagectl.experiments.toroid.plan import cell_of
+from stagectl.experiments.toroid.toroid_path import ToroidPath
 from stagectl.robot.config import CellConfig
 from stagectl.robot.kinematics import forward
 from stagectl.robot.port import arm_of

@@ -1,5 +1,6 @@
-"""The graph of the cell: the stage at 10 kHz, robot and tracker at 2 kHz, port and mid-ranging at 250 Hz."""
+"""The netlist of the cell: the stage at 10 kHz, robot and tracker at 2 kHz, port and mid-ranging at 250 Hz."""
 
+from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
@@ -8,20 +9,41 @@ import numpy as np
 from ctlblocks import Graph
 from ctlblocks.basic import Gain
 from ctlblocks.recording import Recording
-from ctlblocks.replay import Record, Replay
+from ctlblocks.replay import Replay
+from ctlblocks.taps import Tap
+from rigkit.experiment.part import Track
+from stagectl.devices.signals import LASER, PLATE, QUICK, ROBOT, SLOW, TRACKER, by_axis
+from stagectl.experiments.toroid.makes import Make
+from stagectl.experiments.toroid.plan import RATE, TOUCH_OFF, Plan
+from stagectl.experiments.toroid.relative_position import RelativePosition
+from stagectl.experiments.toroid.stage_reference import StageReference
+from stagectl.experiments.toroid.standstill import Standstill
 from stagectl.link.tell import Tell
-from stagectl.machining.plan import RATE, TOUCH_OFF, Plan
-from stagectl.machining.recorded import EVERY, QUICK, ROBOT, SLOW, TRACKER, Signal
-from stagectl.machining.relative_position import RelativePosition
-from stagectl.machining.stage_reference import StageReference
-from stagectl.machining.standstill import Standstill
-from stagectl.machining.surroundings import Surroundings
 from stagectl.robot.cartesian_correction import CartesianCorrection
 from stagectl.robot.midranging.valve_position import ValvePosition
 from stagectl.robot.port import arm_of
 from stagectl.robot.wired_port import WiredPort
 from stagectl.robot.wired_tracker import WiredTracker
 from stagectl.stage.loop import Stage, stage_controller
+
+MADE = {
+    "cell": {
+        "deviation": "relative.deviation",
+        "fast_reference": "midranging.fast_reference",
+        "slow_reference": "midranging.slow_reference",
+        "correction": "correction.correction",
+        "reference": "port.reference",
+        "holding": "port.holding",
+    },
+    "stage": {
+        "reference": "travel.reference",
+        "extension_reference": "controller.extension_reference",
+        "voltage": "guard.voltage",
+    },
+}
+"""What the controllers make of what the sensors say, by recording."""
+EVERY = {"cell": SLOW, "surface": QUICK, "tracker": QUICK, "stage": 1}
+"""Ticks between two samples, by recording."""
 
 
 class CellGraph:
@@ -32,34 +54,45 @@ class CellGraph:
     plan : Plan
     tell : callable(event, fields)
         Told of faults.
-    surroundings : Surroundings
-    recorded : dict of str to tuple of Signal
-        What is recorded, by the name of the recording.
+    make : callable(Graph, Plan) -> Sources
+        Adds what surrounds the controllers.
     """
 
-    def __init__(
-        self, plan: Plan, tell: Tell, surroundings: Surroundings, recorded: dict[str, tuple[Signal, ...]]
-    ) -> None:
+    def __init__(self, plan: Plan, tell: Tell, make: Make) -> None:
         self.plan = plan
         self.graph = Graph(RATE)
         self._add(tell)
-        self._sources = dict(surroundings(self.graph, plan))
+        self._sources = dict(make(self.graph, plan))
         self._connect_sensors()
         self._connect_controllers()
         if plan.has_stage:
             self._connect_stage()
-        self.records = {name: self._record(name, signals) for name, signals in recorded.items()}
-        self.graph.prepare()
+
+    def tracks(self) -> Iterator[Track]:
+        """Give what is recorded: of the surface, nothing where there is none but in a recording."""
+        said = {"cell": ["nominal", *(signal.name for signal in ROBOT)], "tracker": [signal.name for signal in TRACKER]}
+        if "cut" in self._sources:
+            said["surface"] = ["cut", "wanted", "force"]
+        if self.plan.has_stage:
+            said["tracker"] += [signal.name for signal in LASER]
+            said["stage"] = [signal.name for signal in PLATE]
+        own = {"nominal": "path.nominal", "wanted": "wanted.position"}
+        for name, words in said.items():
+            made = MADE.get(name, {})
+            taps = [Tap(word, *self._sources.get(word, (own.get(word, word), False))) for word in words]
+            taps += [Tap(word, source) for word, source in made.items()]
+            yield Track(f"{self.plan.setup}-{name}", tuple(taps), frozenset(made), EVERY[name], by_axis)
 
     def follow(self) -> None:
         """Let the robot follow its path, with tracker and stage (between ticks); a fault latches."""
         self.port.start()
         self.seen.start()
 
-    def heed_the_stage(self) -> None:
-        """Hold the robot where the stage has gone to rest after a fault of its own (between ticks)."""
+    def fault(self) -> str:
+        """Return why the robot is held, or nothing; where the stage is at fault, hold it (between ticks)."""
         if self.plan.has_stage and self.stage.fault is not None:
             self.port.hold(f"the stage: {self.stage.fault}")
+        return self.port.reason
 
     def figures(self) -> dict[str, Any]:
         """Return what the blocks have counted."""
@@ -88,7 +121,7 @@ class CellGraph:
         graph.add("correction", CartesianCorrection(arm_of(cell), cell.robot.tool), SLOW)
         graph.add("port", self.port, SLOW)
         if plan.has_stage:
-            self.stage = Stage(graph, plan.stage, stage_controller(plan.stage, [each.loop for each in plan.designs]))
+            self.stage = Stage(graph, plan.stage, stage_controller(plan.stage, plan.loops))
             patience = cell.feedback.saturated if plan.has_mid_ranging else np.inf
             self.travel = StageReference(plan.stage.limits.travel, patience, plan.stage.stage.axes, self.port.hold)
             graph.add("travel", self.travel, SLOW)
@@ -127,13 +160,6 @@ class CellGraph:
             self._wire(name, f"sensors.{name}")
         self.graph.connect("midranging.fast_reference", "travel.fast_reference")
         self.graph.connect("travel.reference", "controller.reference")
-
-    def _record(self, name: str, signals: tuple[Signal, ...]) -> Record:
-        made = Record([each.port for each in signals], round(self.plan.path.seconds * RATE / EVERY[name]))
-        self.graph.add(f"record_{name}", made, EVERY[name])
-        for each in signals:
-            self._wire(each.source, f"record_{name}.{each.name}")
-        return made
 
     def _wire(self, source: str, target: str) -> None:
         output, delayed = self._sources.get(source, (source, False))

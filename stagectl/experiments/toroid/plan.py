@@ -10,8 +10,9 @@ import numpy as np
 
 from rigkit import config as rig_file
 from stagectl.config import StageConfig
-from stagectl.machining.nominal_stage import nominal_model
-from stagectl.machining.toroid_path import ToroidPath
+from stagectl.devices.signals import AXES
+from stagectl.experiments.toroid.nominal_stage import nominal_model
+from stagectl.experiments.toroid.toroid_path import ToroidPath
 from stagectl.model_file import read_model
 from stagectl.robot.arm import Arm
 from stagectl.robot.config import CellConfig
@@ -19,7 +20,8 @@ from stagectl.robot.kinematics import forward
 from stagectl.robot.midranging.tuning import Pi, lambda_tuned
 from stagectl.robot.midranging.valve_position import ValvePositionAxis
 from stagectl.robot.port import arm_of
-from stagectl.stage.design import Design, design
+from stagectl.stage.design import design
+from stagectl.stage.state_feedback import StateFeedback
 from stagectl.stage.weights import chosen_weights
 
 SETUPS = {
@@ -29,9 +31,10 @@ SETUPS = {
     "C-fixed": "robot, tracker and stage, without mid-ranging",
 }
 """What each setup is [Sörnmo 2015, sec. 2.6]; the last is not in Table 2.3."""
+ALL = "all"
+"""One after the other."""
 TOUCH_OFF = 0.6, 0.1
 """s from the beginning, and before the end of the lead: in between everything stands still and is averaged."""
-AXES = ("x", "y", "z")
 PUSHED = ("outer.push=0.1",)
 """Of a stage without a file of its own."""
 LOOKS = 100
@@ -50,14 +53,14 @@ class Plan:
     cell : CellConfig
         As `cell_of` gives it.
     stage : StageConfig
-    designs : tuple of Design
+    loops : tuple of StateFeedback
         The stage's outer loops, one an axis; none of setups without stage.
     """
 
     setup: str
     cell: CellConfig
     stage: StageConfig
-    designs: tuple[Design, ...]
+    loops: tuple[StateFeedback, ...]
 
     @property
     def has_stage(self) -> bool:
@@ -134,7 +137,7 @@ class Plan:
         }
 
 
-def plan(setup: str, cell: CellConfig, stage: StageConfig, designs: Sequence[Design] = ()) -> Plan:
+def plan(setup: str, cell: CellConfig, stage: StageConfig, loops: Sequence[StateFeedback] = ()) -> Plan:
     """Put a run together.
 
     Parameters
@@ -142,8 +145,8 @@ def plan(setup: str, cell: CellConfig, stage: StageConfig, designs: Sequence[Des
     setup : str
     cell : CellConfig
     stage : StageConfig
-    designs : sequence of Design
-        `designs_of(stage, ...)`; setups without stage need none.
+    loops : sequence of StateFeedback
+        `loops_of(stage, ...)`; setups without stage need none.
 
     Raises
     ------
@@ -151,7 +154,7 @@ def plan(setup: str, cell: CellConfig, stage: StageConfig, designs: Sequence[Des
     """
     if setup not in SETUPS:
         raise ValueError(f"setup is {setup!r}, must be one of {', '.join(SETUPS)}")
-    made = Plan(setup, cell_of(cell), stage, tuple(designs))
+    made = Plan(setup, cell_of(cell), stage, tuple(loops) if setup.startswith("C") else ())
     made.path.joints(made.arm, np.linspace(0.0, made.path.end, LOOKS))
     return made
 
@@ -164,7 +167,7 @@ def stage_of(file: Path | None) -> StageConfig:
     return rig_file.load(file, StageConfig, () if file is not None else PUSHED)
 
 
-def designs_of(stage: StageConfig, models: Sequence[Path] = ()) -> list[Design]:
+def loops_of(stage: StageConfig, models: Sequence[Path] = ()) -> list[StateFeedback]:
     """Read the models and design the stage's outer loops.
 
     Parameters
@@ -182,7 +185,9 @@ def designs_of(stage: StageConfig, models: Sequence[Path] = ()) -> list[Design]:
         raise ValueError(f"the stage has axes {', '.join(axes)} at {rate:g} samples/s, must be x, y, z at {RATE:g}")
     refuse_count(models)
     known = [read_model(file, rate=rate) for file in models] or [nominal_model(axis, rate) for axis in axes]
-    return [design(each, stage.outer, axis, chosen_weights(stage.weights, axis)) for axis, each in enumerate(known)]
+    return [
+        design(each, stage.outer, axis, chosen_weights(stage.weights, axis)).loop for axis, each in enumerate(known)
+    ]
 
 
 def refuse_count(models: Sequence[Path]) -> None:

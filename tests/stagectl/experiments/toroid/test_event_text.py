@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stagectl.machining.event_text import event_text
+from stagectl.experiments.toroid.event_text import event_text
 
 COUNTS = {"received": 796, "lost": 3, "late": 0, "unseen": 1}
 

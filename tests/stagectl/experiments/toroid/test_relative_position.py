@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stagectl.machining.relative_position import RelativePosition
+from stagectl.experiments.toroid.relative_position import RelativePosition
 
 RATE, LATE = 2_000.0, 8
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ctlblocks.block import Block, Port
 from stagectl.config import Range
-from stagectl.machining import stage_reference_kernel as kernel
+from stagectl.experiments.toroid import stage_reference_kernel as kernel
 
 
 class StageReference(Block):

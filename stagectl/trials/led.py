@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from stagectl.machining.run import Conduct
 from stagectl.robot.live.clock import ReportClock
 from stagectl.robot.live.wires import LiveWires
+from stagectl.trials.conduct import Conduct
 
 
 def led(conduct: Conduct, wires: LiveWires, every: int) -> Conduct:

@@ -4,8 +4,8 @@ import re
 
 from firmware_sim.guided_robot import GuidedRobot
 from firmware_sim.tracker_block import TrackerView
-from stagectl.machining.plan import RATE, SETUPS
-from stagectl.machining.recorded import QUICK, SLOW
+from stagectl.devices.signals import QUICK, SLOW
+from stagectl.experiments.toroid.plan import RATE, SETUPS
 from stagectl.robot.config import CellConfig
 from tests.contract.source_tree import ROOT
 

@@ -9,7 +9,7 @@ from ctlblocks.recording import Recording
 from ctlblocks.replay import Record, Replay
 from firmware_sim.stage_blocks import PiezoStage
 from stagectl.config import StageConfig
-from stagectl.machining.nominal_stage import nominal_model
+from stagectl.experiments.toroid.nominal_stage import nominal_model
 from stagectl.stage.controller import PiezoController
 from stagectl.stage.loop import inner_loops
 from stagectl.still import Still

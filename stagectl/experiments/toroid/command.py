@@ -6,20 +6,16 @@ from typing import Annotated, Any
 
 import typer
 
+from ctlblocks.clock import Offline, Paced
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
-from rigkit.disk_space import require
-from rigkit.progress import progress
-from rigkit.stop import Stopped, stoppable
-from stagectl.machining import session
-from stagectl.machining.plan import RATE, SETUPS, designs_of, plan, stage_of
-from stagectl.machining.report import HEAD, PAGE, cell_report, table_rows
-from stagectl.machining.run import Conduct, offline, paced
-from stagectl.machining.surroundings import refuse_wrong_plants
+from rigkit.experiment.command import CommandLine
+from stagectl.experiments.toroid.experiment import Toroid
+from stagectl.experiments.toroid.plan import ALL, SETUPS, stage_of
+from stagectl.experiments.toroid.read_back import TOROID, Files, plans_of
+from stagectl.experiments.toroid.report import HEAD, table_rows
 from stagectl.robot.config import CellConfig
-
-ALL = "all"
 
 
 def cell(
@@ -43,29 +39,16 @@ def cell(
 
     Example: `stagectl cell --setup all --config cell.toml --out RUN/ --png figures/`
     """
-    files = session.Files(rig_file.load(config, CellConfig, settings or []), stage_of(stage), model or ())
-    for note in session.refuse_foreign_models(files, accept or ()):
+    made, files = rig_file.load(config, CellConfig, settings or []), Files(stage_of(stage), model or ())
+    for note in files.refuse_foreign(accept or ()):
         sys.stderr.write(f"{note}\n")
-    pace = paced if is_paced else offline
-    setups = list(SETUPS) if setup == ALL else [setup]
-    designs = designs_of(files.stage, files.models) if any(each.startswith("C") for each in setups) else []
-    plans = [plan(each, files.cell, files.stage, designs) for each in setups]
-    for made in plans:
-        refuse_wrong_plants(made)
-    require(out, sum(map(session.room, plans)), f"{len(plans)} of the setups")
-    with session.create(out, files, accept or ()) as folder, stoppable() as stop:
-        for made in plans:
-            with progress(
-                f"setup {made.setup}, {made.path.seconds:.0f} s of motion", round(made.path.seconds * RATE)
-            ) as meter:
-                session.run(folder, made, Conduct(folder.event, lambda: stop.made, meter.show, pace))
-            if stop.made:
-                raise Stopped(f"stopped; what is recorded is in {folder.path}")
-        rows = cell_report(folder.path, png)
-    _tell(rows, out, setup == ALL, json)
+    experiment = Toroid(plans_of(setup, made, files))
+    line = CommandLine("the toroid", False, out, png, json, Paced() if is_paced else Offline())
+    reasons, found = line.carry_out(TOROID, made, experiment, take_more=files.take_into, accept=sorted(accept or ()))
+    _tell(found["setups"], out, setup == ALL, json)
+    line.end(reasons)
 
 
 def _tell(rows: list[dict[str, Any]], path: Path, is_table: bool, json: str | None) -> None:
     print_table(f"{path}: the toroid in steel", HEAD, table_rows(rows), words(json))
-    print(f"report: {path / PAGE}", file=words(json))  # noqa: T201
     write_json(json, {"setups": rows} if is_table else rows[0])

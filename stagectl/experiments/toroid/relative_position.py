@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ctlblocks.block import Block, Port
-from stagectl.machining import relative_position_kernel as kernel
+from stagectl.experiments.toroid import relative_position_kernel as kernel
 
 
 class RelativePosition(Block):

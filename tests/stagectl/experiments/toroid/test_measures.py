@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stagectl.machining.measures import STEP, accuracy, contour, profiles
+from stagectl.experiments.toroid.measures import STEP, accuracy, contour, profiles
 
 RADIUS = 0.035
 

@@ -1,18 +1,18 @@
 """The report of the cell's runs: a table like Table 2.3, the contours, the surface, and the stage's travel."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rigkit import atomic
+from ctlblocks.recording import Recording
 from rigkit.event_table import event_table
 from rigkit.figure_style import styled
-from rigkit.json_text import json_text
 from rigkit.report import Fact, Report, Section, Table
-from rigkit.run_folder import SUMMARY, read_events
-from stagectl.machining.event_text import event_text
-from stagectl.machining.figures import Run, deviation_plot, polar_plot, surface_plot, travel_plot
-from stagectl.machining.session import figures, milled_contour, read_back
+from rigkit.run_folder import read_events
+from stagectl.experiments.toroid.event_text import event_text
+from stagectl.experiments.toroid.figures import milled_contour
+from stagectl.experiments.toroid.plan import Plan
+from stagectl.experiments.toroid.plots import Run, deviation_plot, polar_plot, surface_plot, travel_plot
 
 PAGE = "report.html"
 HEAD = (
@@ -21,26 +21,27 @@ HEAD = (
 )  # fmt: skip
 
 
-def cell_report(path: Path, png: Path | None = None) -> list[dict[str, Any]]:
-    """Write `report.html` and `summary.json` into a folder of runs; return the figures of each setup.
+def write_report(
+    path: Path, found: Sequence[tuple[Plan, Mapping[str, Recording]]], rows: list[dict[str, Any]], png: Path | None
+) -> None:
+    """Write `report.html` into a folder, and the figures as PNG files into another one where that is given.
 
     Parameters
     ----------
     path : Path
-    png : Path, optional
-        Folder for the figures as PNG files as well.
+    found : sequence of (Plan, mapping of str to Recording)
+        Setups, and what is recorded of each.
+    rows : list of dict
+        Figures of each.
+    png : Path or None
     """
-    found = read_back(path)
-    rows = [figures(made, records, reason) for made, records, reason in found.values()]
-    runs = [Run(made, records, milled_contour(made, records)) for made, records, _ in found.values()]
+    runs = [Run(plan, records, milled_contour(plan, records)) for plan, records in found]
     with styled():
-        name = f"The toroid in steel, setup {', '.join(found)}"
+        name = f"The toroid in steel, setup {', '.join(plan.setup for plan, _ in found)}"
         report = Report(name, str(path.resolve()), tuple(_facts(rows)), tuple(_sections(path, rows, runs)))
         report.write(path / PAGE)
         if png is not None:
             report.png(png)
-    atomic.write(path / SUMMARY, f"{json_text({'setups': rows}, indent=2)}\n")
-    return rows
 
 
 def table_rows(rows: list[dict[str, Any]]) -> list[tuple[str, ...]]:

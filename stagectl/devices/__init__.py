@@ -1,0 +1,1 @@
+"""What surrounds the controllers: robots, trackers, sensors, and the signals they have."""

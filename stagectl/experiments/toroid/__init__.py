@@ -1,0 +1,1 @@
+"""The toroid in steel: by robot alone, with a tracker, with the stage and mid-ranging."""

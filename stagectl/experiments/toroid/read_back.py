@@ -1,0 +1,120 @@
+"""Runs of the cell in their folder: what they are made from, kept there and read back."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from rigkit import config as rig_file
+from rigkit.experiment.kind import Kind, Records
+from rigkit.kept_files import kept_files
+from rigkit.origin import RUN, read_origin
+from rigkit.run_folder import CONFIG, RunFolder, read_events
+from stagectl.config import StageConfig
+from stagectl.devices.signals import AXES
+from stagectl.experiments.toroid.event_text import setup_of
+from stagectl.experiments.toroid.experiment import Toroid
+from stagectl.experiments.toroid.makes import refuse_wrong_plants
+from stagectl.experiments.toroid.plan import ALL, RATE, SETUPS, Plan, loops_of, plan, refuse_count
+from stagectl.model_file import read_model
+from stagectl.model_origin import refuse_foreign
+from stagectl.robot.config import CellConfig
+from stagectl.session import model_name
+from stagectl.stage.loop_parameters import loops_from
+
+STAGE = "stage.toml"
+
+
+@dataclass(frozen=True)
+class Files:
+    """What a run is made from, beside the cell's own file.
+
+    Parameters
+    ----------
+    stage : StageConfig
+    models : sequence of Path
+        Of the stage, one an axis, or none.
+    """
+
+    stage: StageConfig
+    models: Sequence[Path] = ()
+
+    def refuse_foreign(self, accept: Collection[str]) -> list[str]:
+        """Refuse models of another stage, or of one that was wired otherwise; return what is to be said.
+
+        Parameters
+        ----------
+        accept : collection of str
+            Keys of the stage's rig file that may differ.
+
+        Raises
+        ------
+        ValueError : another number of models, or one of another axis.
+        DisagreementError : the stage was wired otherwise.
+        """
+        refuse_count(self.models)
+        models = [read_model(file, rate=RATE) for file in self.models]
+        return refuse_foreign(self.stage, self.models, models, accept)
+
+    def take_into(self, folder: RunFolder) -> list[str]:
+        """Copy them into the folder of a run; return their names there."""
+        stage = kept_files(self.stage, ["reference.signal"], "stage-files")
+        folder.write(STAGE, rig_file.dump(stage.config))
+        names = [STAGE, *stage.take_into(folder)]
+        for axis, model in zip(AXES, self.models, strict=bool(self.models)):
+            folder.take_in(model, model_name(axis))
+            names.append(model_name(axis))
+        return names
+
+
+def plans_of(setup: str, cell: CellConfig, files: Files) -> list[Plan]:
+    """Return a setup's plan, or those of all.
+
+    Raises
+    ------
+    ValueError : another setup, models or options of plants that do not fit, or a path that the robot does not reach.
+    """
+    setups = list(SETUPS) if setup == ALL else [setup]
+    has_stage = any(each.startswith("C") for each in setups)
+    loops = loops_of(files.stage, files.models) if has_stage else []
+    plans = [plan(each, cell, files.stage, loops) for each in setups]
+    for made in plans:
+        refuse_wrong_plants(made)
+    return plans
+
+
+def read_back(path: Path, records: Records) -> Toroid:  # noqa: ARG001 (a reader's arguments)
+    """Return the setups of a folder that were begun.
+
+    Parameters
+    ----------
+    path : Path
+    records : mapping of str to Recording
+
+    Raises
+    ------
+    ValueError : it is no folder of theirs.
+    """
+    if not (path / STAGE).is_file():
+        raise ValueError(f"{path}/ is not the folder of a run of the cell: it has no {CONFIG} and {STAGE}")
+    cell, stage = rig_file.load(path / CONFIG, CellConfig), rig_file.load(path / STAGE, StageConfig)
+    events = [event for event in read_events(path) if event["event"] in ("started", "ended")]
+    begun = {setup_of(event) for event in events}
+    reasons = {setup_of(event): event["reason"] for event in events if event["event"] == "ended"}
+    setups = [setup for setup in SETUPS if setup in begun]
+    if not setups:
+        raise ValueError(f"{path}: nothing is recorded")
+    origin = read_origin(path / RUN)
+    told = origin.designed.get("loops", {}) if origin else {}
+    if told:
+        loops = loops_from(AXES, {name: np.array(each, float) for name, each in told.items()}, RATE)
+    elif any(setup.startswith("C") for setup in setups):  # version 0.1.0 kept the models alone
+        models = [path / model_name(axis) for axis in AXES]
+        loops = loops_of(stage, models if models[0].exists() else ())
+    else:
+        loops = []
+    return Toroid([plan(setup, cell, stage, loops) for setup in setups], reasons)
+
+
+TOROID = Kind("cell runs", read_back, apart=("learning.model",))

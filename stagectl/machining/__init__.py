@@ -1,1 +1,0 @@
-"""Robot, tracker, stage and mid-ranging in one graph: the toroid."""
