@@ -123,6 +123,8 @@ def _values(part: Any, name: str) -> np.ndarray:
     values = part.to_numpy() if hasattr(part, "to_numpy") else part
     if isinstance(values, np.ma.MaskedArray):
         values = np.ma.filled(values.astype(float), np.nan)
+    if np.iscomplexobj(values):
+        raise ValueError(f"{name} has complex numbers, must be real")
     try:
         return np.asarray(values, dtype=float)
     except (TypeError, ValueError):

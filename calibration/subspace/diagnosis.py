@@ -20,6 +20,10 @@ SPENT = 20
 """Samples for each coefficient of the model, below which there are few."""
 
 
+EXPLAINED = 2.0
+"""Fit of the free run, %, below which an output does not follow from the inputs."""
+
+
 @dataclass(frozen=True)
 class Diagnosis:
     """Of a model and the records that it was identified from.
@@ -43,6 +47,8 @@ class Diagnosis:
         Poles that had to be moved into the unit circle.
     nonlinearity : Nonlinearity
         Whether squares and cubes tell of the outputs.
+    unexplained : tuple of int
+        Outputs of which the free run tells next to nothing, counted from 0.
     """
 
     order: int
@@ -56,6 +62,7 @@ class Diagnosis:
     minds_loops: bool
     moved_poles: int
     nonlinearity: Nonlinearity
+    unexplained: tuple[int, ...] = ()
 
     @property
     def coefficients(self) -> int:
@@ -103,6 +110,11 @@ class Diagnosis:
             )
         else:
             yield "nothing of the inputs is left in the residuals"
+        for output in self.unexplained:
+            yield (
+                f"the free run explains next to nothing of output {output + 1}: it is noise or drift, or belongs to "
+                "other inputs than these"
+            )
         yield from self.of_plant
         if self.moved_poles:
             yield f"{self.moved_poles} poles were moved into the unit circle: look at the records for drift or a step"
@@ -144,4 +156,5 @@ def diagnose(
         *loop,
         moved_poles,
         bent,
+        tuple(int(output) for output in np.flatnonzero(fit.free_run.nrmse < EXPLAINED)) if inputs else (),
     )

@@ -200,7 +200,8 @@ def outlier_notes(found: Sequence[np.ndarray]) -> tuple[str, ...]:
 
 def _jumps(response: np.ndarray) -> np.ndarray:
     """Return where samples are far from the median of the seven around them, and of all."""
-    padded, away = np.pad(response, ((3, 3), (0, 0)), mode="edge"), np.empty_like(response)
+    mode: Literal["reflect", "edge"] = "reflect" if len(response) > 3 else "edge"
+    padded, away = np.pad(response, ((3, 3), (0, 0)), mode=mode), np.empty_like(response)
     for first in range(0, len(response), BLOCK):  # the windows take seven times the memory
         part = slice(first, first + BLOCK)
         around = np.lib.stride_tricks.sliding_window_view(padded[first : first + BLOCK + 6], 7, axis=0)

@@ -250,3 +250,16 @@ def test_lists_and_single_channels_are_records_like_any() -> None:
     wanted = subspace.identify(drive, response, RATE, order=3, horizon=10).model
     for pair in ((drive[:, 0], response[:, 0]), (drive.tolist(), response[:, 0].tolist())):
         np.testing.assert_array_equal(subspace.identify(*pair, RATE, order=3, horizon=10).model.A, wanted.A)
+
+
+@pytest.mark.parametrize(
+    ("output", "order", "words"),
+    [
+        (np.zeros(300) + 1j, None, "output has complex numbers, must be real"),
+        (np.ones(300), -2, "order is -2, must be"),
+    ],
+)
+def test_what_is_no_order_or_no_real_signal_is_refused(output: np.ndarray, order: int | None, words: str) -> None:
+    drive = np.random.default_rng(1).standard_normal(300)
+    with pytest.raises(ValueError, match=words):
+        subspace.identify(drive, output, 100.0, order=order)

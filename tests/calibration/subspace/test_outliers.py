@@ -134,3 +134,12 @@ def test_without_outliers_there_is_no_warning() -> None:
         warnings.simplefilter("error")
         found = subspace.identify(*order_7().record(3000, 1), RATE, order=7, horizon=30)
     assert not found.outliers[0].any()
+
+
+def test_the_first_and_the_last_sample_can_be_outliers_too() -> None:
+    u, y = order_7().record(2000, 3)
+    y = y.copy()
+    y[0] += 50.0 * y.std()
+    y[-1] -= 50.0 * y.std()
+    _, (found,) = without_outliers([u], [y])
+    assert found[[0, -1], 0].all()

@@ -49,3 +49,10 @@ def test_verdicts_name_what_is_wrong() -> None:
         assert said in text
     good = Diagnosis(4, 1, 1, 3000, MOST, 0.5, 0.01, Feedback(np.zeros(1), np.ones(1), 0.1), False, 0, LINEAR)
     assert len(good.sentences) == 3
+
+
+def test_an_output_that_the_inputs_do_not_explain_is_told_of() -> None:
+    u, y = np.random.default_rng(1).standard_normal((2, 2000))
+    assert "the free run explains next to nothing of output 1" in str(subspace.identify(u, y, 100.0).diagnosis)
+    heard = subspace.identify(u, np.convolve(u, [0.0, 1.0, 0.5])[:2000] + 0.1 * y, 100.0)
+    assert "next to nothing" not in str(heard.diagnosis)
