@@ -1,6 +1,6 @@
 """Runs of every kind: how each is reported and replayed."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -29,10 +29,18 @@ def reported(path: Path, png: Path | None) -> dict[str, Any]:
     return run_report(path, png)
 
 
-def replayed(path: Path) -> Iterator[Replayed]:
-    """Make every recording of a run again."""
+def replayed(path: Path, settings: Sequence[str] = ()) -> Iterator[Replayed]:
+    """Make every recording of a run again, with settings laid over its rig file.
+
+    Raises
+    ------
+    ValueError : settings for a kind of run that is replayed with its own only.
+    """
     if (kind := _kind(path)) is not None:
-        return kept.replayed(path, kind)
+        return kept.replayed(path, kind, settings)
+    if settings:
+        known = ", ".join(sorted(KINDS))
+        raise ValueError(f"{path}: --set is {settings[0]!r}, must not be given but for: {known}")
     if is_of_feed(path):
         return replay_folder(path)
     if is_of_trials(path):

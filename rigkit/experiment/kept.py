@@ -138,7 +138,7 @@ def reported(path: Path, kind: Kind, png: Path | None = None) -> dict[str, Any]:
     return _written(path, kind, png)
 
 
-def replayed(path: Path, kind: Kind) -> Iterator[Replayed]:
+def replayed(path: Path, kind: Kind, settings: Sequence[str] = ()) -> Iterator[Replayed]:
     """Make every output of a run's controllers again from its recorded sensors.
 
     Parameters
@@ -146,13 +146,15 @@ def replayed(path: Path, kind: Kind) -> Iterator[Replayed]:
     path : Path
         Of its folder.
     kind : Kind
+    settings : sequence of str
+        Laid over its rig file: what would have been made of the sensors as they were.
 
     Raises
     ------
     ValueError : nothing is recorded, or it cannot be made again.
     """
     records = records_of(path)
-    parts = kind.read(path, records).again(records)
+    parts = kind.read(path, records, settings).again(records)
     if not records:
         raise ValueError(f"{path}: nothing is recorded")
     ends = {event["part"]: event for event in read_events(path) if event["event"] == "ended" and "part" in event}
@@ -182,7 +184,7 @@ def _judging(reasons: Mapping[str, str], where: str) -> Iterator[None]:
 def _written(path: Path, kind: Kind, png: Path | None) -> dict[str, Any]:
     """Write summary and report of what is in a run's folder; return its figures."""
     records = records_of(path)
-    experiment = kind.read(path, records)
+    experiment = kind.read(path, records, ())
     figures = experiment.figures(records)
     atomic.write(path / SUMMARY, f"{json_text(figures, indent=2)}\n")
     experiment.report(path, records, figures, png)

@@ -1,6 +1,6 @@
 """What an experiment is to whoever runs, reports, replays or serves it: one protocol, and a line in a registry."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -70,14 +70,14 @@ class Kind:
     ----------
     name : str
         In the `run.json` of its runs.
-    read : callable(Path, Records) -> Experiment
-        Makes the experiment of a run again, from its folder.
+    read : callable(Path, Records, settings) -> Experiment
+        Makes the experiment of a run again, from its folder, with settings laid over its rig file.
     apart : tuple of str
         Keys of the rig file whose files it does not depend on.
     """
 
     name: str
-    read: Callable[[Path, Records], Experiment]
+    read: Callable[[Path, Records, Sequence[str]], Experiment]
     apart: tuple[str, ...] = ()
 
 

@@ -1,6 +1,6 @@
 """A mid-ranging run read back from its folder."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from stagectl.experiments.midranging.schedule import TRACK
 from stagectl.robot.config import CellConfig
 
 
-def read_back(path: Path, records: Records) -> Midranging:
+def read_back(path: Path, records: Records, settings: Sequence[str] = ()) -> Midranging:
     """Return the experiment of a run, its references as they were recorded.
 
     Parameters
@@ -26,12 +26,14 @@ def read_back(path: Path, records: Records) -> Midranging:
     path : Path
         Of its folder.
     records : mapping of str to Recording
+    settings : sequence of str
+        Laid over its rig file.
 
     Raises
     ------
     ValueError : it is none, or nothing is recorded.
     """
-    cell, origin = rig_file.load(path / CONFIG, CellConfig), read_origin(path / RUN)
+    cell, origin = rig_file.load(path / CONFIG, CellConfig, settings), read_origin(path / RUN)
     if origin is None or not origin.designed:
         return _Older(cell, path, records)
     told = origin.designed

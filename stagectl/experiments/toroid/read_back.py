@@ -84,13 +84,15 @@ def plans_of(setup: str, cell: CellConfig, files: Files) -> list[Plan]:
     return plans
 
 
-def read_back(path: Path, records: Records) -> Toroid:  # noqa: ARG001 (a reader's arguments)
+def read_back(path: Path, records: Records, settings: Sequence[str] = ()) -> Toroid:  # noqa: ARG001 (a reader's)
     """Return the setups of a folder that were begun.
 
     Parameters
     ----------
     path : Path
     records : mapping of str to Recording
+    settings : sequence of str
+        Laid over the cell's rig file.
 
     Raises
     ------
@@ -98,7 +100,7 @@ def read_back(path: Path, records: Records) -> Toroid:  # noqa: ARG001 (a reader
     """
     if not (path / STAGE).is_file():
         raise ValueError(f"{path}/ is not the folder of a run of the cell: it has no {CONFIG} and {STAGE}")
-    cell, stage = rig_file.load(path / CONFIG, CellConfig), rig_file.load(path / STAGE, StageConfig)
+    cell, stage = rig_file.load(path / CONFIG, CellConfig, settings), rig_file.load(path / STAGE, StageConfig)
     events = [event for event in read_events(path) if event["event"] in ("started", "ended")]
     begun = {setup_of(event) for event in events}
     reasons = {setup_of(event): event["reason"] for event in events if event["event"] == "ended"}

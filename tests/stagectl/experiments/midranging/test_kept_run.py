@@ -54,6 +54,17 @@ def test_a_replay_tells_what_was_altered(run: Path, tmp_path: Path) -> None:
     assert ended.value.code == 1
 
 
+def test_a_replay_tells_what_other_settings_would_have_made(
+    run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = tmp_path / "found.json"
+    _run("replay", str(run), "--set", "midranging.learning.gate=6", "--json", str(found))
+    assert json.loads(found.read_text())["differing"] > 0
+    assert "they do not react to what is changed" in capsys.readouterr().err
+    with pytest.raises(ValueError, match="gate is -1, must be >= 0"):
+        _run("replay", str(run), "--set", "midranging.learning.gate=-1")
+
+
 def test_the_report_is_made_again_with_the_same_figures(run: Path, tmp_path: Path) -> None:
     copy = _copied(run, tmp_path)
     before = json.loads((copy / "summary.json").read_text())
