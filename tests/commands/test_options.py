@@ -21,6 +21,7 @@ WITHOUT_JSON = {
 }
 WITHOUT_CONFIG = {
     "vibractl replay": "the run's own file",
+    "stagectl replay": "the run's own file",
     "firmware-sim draw": "the file that it draws",
     "vibrostage study run": "the study's file",
     "vibrostage study replay": "the file of each run",
