@@ -116,6 +116,8 @@ class Part:
         What its blocks have counted, for the event of its end.
     is_apart : bool
         Whether the next part is run though a fault has ended this one.
+    rest : callable()
+        Called once the graph ticks no more, whatever has ended it: what is led is held from then on.
     """
 
     name: str
@@ -126,6 +128,7 @@ class Part:
     retreat: Retreat | None = None
     counts: Callable[[], dict[str, Any]] = dict
     is_apart: bool = False
+    rest: Callable[[], object] = nothing
 
     @property
     def ticks(self) -> int:

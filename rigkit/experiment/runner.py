@@ -1,5 +1,7 @@
 """The parts of an experiment run one after another: ticked, recorded as they go, stopped, held between two of them."""
 
+import errno
+import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field, replace
@@ -8,6 +10,7 @@ from typing import Any
 from ctlblocks import Block, Graph
 from ctlblocks.clock import Clock, Offline, run_offline
 from ctlblocks.recording import Recording
+from ctlblocks.room import DiskFault
 from rigkit.experiment.part import Part, Track
 from rigkit.provenance import now, software
 from rigkit.run_folder import RunFolder
@@ -98,6 +101,13 @@ def play(part: Part, conduct: Conduct, attend: Callable[[], object] = lambda: No
     ------
     Whatever a phase's `begin` or `end`, a block or the clock raises.
     """
+    try:
+        return _played(part, conduct, attend, done)
+    finally:
+        part.rest()
+
+
+def _played(part: Part, conduct: Conduct, attend: Callable[[], object], done: float) -> Ended:
     graph, own, retreat = part.graph, part.clock, part.retreat
     clock = own or conduct.clock
 
@@ -246,6 +256,8 @@ def _recorded(folder: RunFolder, part: Part, about: Mapping[str, str], conduct: 
         def drain() -> None:
             for each in recorders:
                 each.drain_when_due()
+                if each.lost:
+                    raise DiskFault(errno.ENOSPC, each.fault or os.strerror(errno.ENOSPC), str(folder.path))
 
         try:
             ended = play(part, conduct, drain if part.clock is None else lambda: None, done)

@@ -171,7 +171,8 @@ class Midranging:
                 make = pairs.wired(pair, self.config.session.smoothing)
                 clock, begin = Linked(pair.robot), partial(wired.start, pair, self.cell)
                 controls, wanted = self.controller(len(axes)), self._wanted(axes)
-                yield part(self.config, controls, wanted, make, "", self._channels(axes), clock=clock, begin=begin)
+                wires = {"clock": clock, "begin": begin, "rest": pair.rest}
+                yield part(self.config, controls, wanted, make, "", self._channels(axes), **wires)
             finally:
                 self.pair = None
 

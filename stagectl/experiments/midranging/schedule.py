@@ -59,7 +59,7 @@ def part(
     channels : callable(Port) -> tuple of str
         As of `Track`.
     **wires
-        Where the pair is behind wires, their `clock`, and what lets it follow: `begin`.
+        Where the pair is behind wires, their `clock`, what lets it follow, `begin`, and what holds it, `rest`.
     """
     graph, lead = Graph(config.pair.rate), lead_of(config)
     clock: Clock | None = wires.get("clock")
@@ -77,7 +77,7 @@ def part(
 
     first = min(lead + 1, len(wanted))
     phases = Phase("lead", first, wires.get("begin", nothing), ready), Phase("reference", len(wanted) - first)
-    return Part(name, graph, (track,), phases, clock)
+    return Part(name, graph, (track,), phases, clock, rest=wires.get("rest", nothing))
 
 
 def simulate(controls: Block, chosen: Scenario, config: MidrangeConfig) -> Recording:

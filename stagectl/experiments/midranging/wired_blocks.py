@@ -47,6 +47,11 @@ class LivePair:
         self.seen_start[:] = self.start[:3] if self.tracker is None else self.tracker.inbox.pose[:3]
         self.fast_reference[:] = 0.0
 
+    def rest(self) -> None:
+        """Hold the robot where it is, and let the stage go to mid-travel, without waiting for either."""
+        self.robot.stop()
+        self.stage.halt()
+
     def refuse_when_latched(self) -> None:
         """Raise while a fault of either end is latched."""
         if self.stage.reason:

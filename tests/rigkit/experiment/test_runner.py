@@ -1,6 +1,9 @@
 """The runner of experiments: phases in order, recorded as they go, ended by a stop or a fault that is told."""
 
+import errno
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,10 +11,12 @@ import pytest
 
 from ctlblocks import Block, Graph, Port, recording
 from ctlblocks.clock import run_offline
+from ctlblocks.room import DiskFault
 from ctlblocks.taps import Tap
 from rigkit.experiment.kept import records_of
 from rigkit.experiment.part import Part, Phase, Retreat, Track, nothing
 from rigkit.experiment.runner import STOPPED, Conduct, Ended, perform, remembered, repeated
+from rigkit.growing_wav import GrowingWav
 from rigkit.run_folder import RunFolder, read_events
 from rigkit.stop import Stopped
 
@@ -123,6 +128,26 @@ def test_a_phase_that_refuses_ends_the_part(folder: RunFolder) -> None:
     with pytest.raises(ValueError, match="not ready"):
         perform(folder, parts(part(end=refuse)), {}, Conduct())
     assert len(records_of(folder.path)["counts"].data) == 200
+
+
+@pytest.mark.parametrize("worst", [-1, 50])
+def test_what_is_led_is_held_before_anything_else_is_done(folder: RunFolder, worst: int) -> None:
+    made, seen = part(worst=worst, clock=Own()), []
+    led = replace(made, rest=lambda: seen.append((made.graph.ticks, len(read_events(folder.path)))))
+    with nullcontext() if worst < 0 else pytest.raises(ValueError, match="slipped"):
+        perform(folder, parts(led), {}, Conduct())
+    assert seen == [(300 if worst < 0 else 50, 1)]  # "ended" is not told yet
+
+
+def test_a_simulation_ends_where_the_disk_takes_no_more(folder: RunFolder, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "no space left")
+
+    monkeypatch.setattr(GrowingWav, "append", full)
+    with pytest.raises(DiskFault, match="no space left"):
+        perform(folder, parts(part()), {}, Conduct())
+    (ended,) = (event for event in read_events(folder.path) if event["event"] == "ended")
+    assert "no space left" in ended["reason"]
 
 
 def test_it_may_be_held_or_ended_between_parts(folder: RunFolder) -> None:
