@@ -3,6 +3,7 @@
 import csv
 import os
 import shutil
+import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
@@ -40,6 +41,7 @@ class RunFolder:
         """Told of each event once it is in the file."""
         self._lock, self._made = lock, made
         self._given: set[Path] | None = None
+        self._telling = threading.Lock()
 
     @classmethod
     def create(cls, path: str | Path, config: str, way_on: str = REPORT) -> Self:
@@ -214,7 +216,8 @@ class RunFolder:
         if taken := fields.keys() & {"time", "event"}:
             raise ValueError(f"event {event}: a field is called {taken.pop()}, which the line has already")
         time = datetime.now(UTC).isoformat(timespec="milliseconds")
-        line_file.append(self.path / EVENTS, json_text({"time": time, "event": event, **fields}))
+        with self._telling:
+            line_file.append(self.path / EVENTS, json_text({"time": time, "event": event, **fields}))
         self.listener(event, fields)
 
     def quality(self, row: Mapping[str, Any]) -> None:

@@ -137,8 +137,8 @@ class Part:
 
     def attach(self, sink_of: Callable[[Track], Block]) -> None:
         """Add a sink for each track to the graph."""
-        for track in self.tracks:
-            attach(self.graph, f"recorder_{track.name.replace('-', '_')}", sink_of(track), track.taps, track.every)
+        for number, track in enumerate(self.tracks):
+            attach(self.graph, f"recorder_{number}", sink_of(track), track.taps, track.every)
 
     def in_memory(self) -> Callable[[], dict[str, Recording]]:
         """Add sinks that keep all in memory; return what gives their recordings, by track."""
@@ -149,7 +149,11 @@ class Part:
             return kept[track.name][1]
 
         def recordings() -> dict[str, Recording]:
-            return {name: _named(record, track.names(self.graph)) for name, (track, record) in kept.items()}
+            return {
+                name: _named(record, track.names(self.graph))
+                for name, (track, record) in kept.items()
+                if record.position
+            }
 
         self.attach(sink)
         return recordings

@@ -125,7 +125,7 @@ class ExperimentProcedure:
         Whatever ends a part.
         """
         desk, watch = self._desk, self._watch
-        conduct = Conduct(self._ending, watch, watch.look, self._show, self._between, self._after)
+        conduct = Conduct(self._ending, watch, watch.look, self._show, self._between, self._after, False)
         with self._folder as folder:
             desk.recording(True)
             try:
@@ -152,6 +152,8 @@ class ExperimentProcedure:
         if self._desk.held() and not self._ending():
             self._desk.event("held", {"before": part})
             self._desk.wait_while_held()
+        if self._ending():
+            raise Stopped("ended, as asked; what is recorded is kept")
 
     def _after(self, part: str) -> None:
         self._draw()

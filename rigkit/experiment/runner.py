@@ -3,7 +3,7 @@
 import errno
 import os
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -27,10 +27,6 @@ def never() -> bool:
 
 def unseen(graph: Graph) -> None:
     """Look at nothing."""
-
-
-def unshown(seconds: float) -> None:
-    """Show nothing of what is done."""
 
 
 def unheard(event: str, fields: Mapping[str, Any]) -> None:
@@ -58,14 +54,17 @@ class Conduct:
     between, after : callable(str)
         Called with the name of each part before it begins, and returns when it may, or raises `rigkit.stop.Stopped`;
         and once it has ended.
+    goes_on : bool
+        Whether parts that stand apart are run though a fault has ended one before.
     """
 
     stopped: Callable[[], bool] = never
     clock: Clock = field(default_factory=Offline)
     look: Callable[[Graph], object] = unseen
-    show: Callable[[float], object] = unshown
+    show: Callable[[float], object] = lambda _: None
     between: Callable[[str], object] = at_once
     after: Callable[[str], object] = at_once
+    goes_on: bool = True
 
 
 @dataclass(frozen=True)
@@ -102,9 +101,13 @@ def play(part: Part, conduct: Conduct, attend: Callable[[], object] = lambda: No
     Whatever a phase's `begin` or `end`, a block or the clock raises.
     """
     try:
-        return _played(part, conduct, attend, done)
-    finally:
-        part.rest()
+        ended = _played(part, conduct, attend, done)
+    except BaseException:
+        with suppress(Exception):  # what has ended it is what is told
+            part.rest()
+        raise
+    part.rest()
+    return ended
 
 
 def _played(part: Part, conduct: Conduct, attend: Callable[[], object], done: float) -> Ended:
@@ -242,7 +245,7 @@ def _one_by_one(parts: Iterator[Part], conduct: Conduct, run: Callable[[Part, fl
             done += part.graph.ticks * part.graph.frames / part.graph.rate
             if reason:
                 reasons[part.name] = reason
-            if reason == STOPPED or (reason and not part.is_apart):
+            if conduct.stopped() or reason == STOPPED or (reason and not (part.is_apart and conduct.goes_on)):
                 break
     return reasons
 

@@ -95,7 +95,7 @@ class Midranging:
         """Return the controller, at its beginning."""
         return controller(self.name, self.config, axes)
 
-    def parts(self, tell: Tell = nobody) -> Iterator[Part]:
+    def parts(self, tell: Tell = nobody) -> Iterator[Part]:  # noqa: ARG002 (robot and stage cannot wait for a disk)
         """Give the parts, one after another, simulated or with their wires open.
 
         Parameters
@@ -108,7 +108,7 @@ class Midranging:
         LinkError : a wire that cannot be had.
         """
         if self.is_live:
-            yield from self._live(tell)
+            yield from self._live()
             return
         for number, (axis, each) in enumerate(self.chosen.items()):
             pair = pairs.simulated(_of_axis(self.config, number), each.options)
@@ -122,7 +122,8 @@ class Midranging:
             channels = {each: [f"{each}{end}" for end in ends] for each in MEASURED}
             wanted = record.select([f"reference{end}" for end in ends]).data.astype(float)
             pair = pairs.recorded(record, channels)
-            yield part(self.config, self.controller(len(axes)), wanted, pair, name, self._channels(axes))
+            controls, channels_of = self.controller(len(axes)), self._channels(axes)
+            yield part(self.config, controls, wanted, pair, name, channels_of, is_checked=False)
 
     def runs(self, records: Records) -> Runs:
         """Return what was recorded from the first sample of the reference on, an axis each, by track."""
@@ -162,10 +163,10 @@ class Midranging:
     def _channels(self, axes: Sequence[str]) -> Callable[[Port], tuple[str, ...]]:
         return of_axes(axes) if len(axes) > 1 else numbered
 
-    def _live(self, tell: Tell) -> Iterator[Part]:
+    def _live(self) -> Iterator[Part]:
         axes = list(self.chosen)
         wired.compile_kernel(self.controller(len(axes)))
-        with wired.opened(self.cell, self.axes, tell) as pair, undisturbed():
+        with wired.opened(self.cell, self.axes) as pair, undisturbed():
             self.pair = pair
             try:
                 make = pairs.wired(pair, self.config.session.smoothing)

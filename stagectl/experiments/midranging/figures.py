@@ -11,6 +11,9 @@ from stagectl.experiments.midranging.measures import figures, together
 from stagectl.experiments.midranging.scenario import RADIUS, TOROID, Scenario
 from stagectl.robot.midranging.config import MidrangeConfig
 
+BOTH = 2
+"""Axes of the toroid."""
+
 
 def all_figures(
     runs: Mapping[str, Recording], chosen: Mapping[str, Scenario], config: MidrangeConfig
@@ -29,7 +32,7 @@ def all_figures(
     found["iae"] = sum(axis["iae"] for axis in each.values())
     for name in ("control_over_limit", "saturated_share", "fast_rms", "fast_peak"):
         found[name] = max(axis[name] for axis in each.values())
-    if all(scenario.name == TOROID for scenario in chosen.values()):
+    if len(runs) == BOTH and all(scenario.name == TOROID for scenario in chosen.values()):
         off = circle_deviation(runs)
         found["circle"] = {
             "mean_absolute": float(np.abs(off).mean()),

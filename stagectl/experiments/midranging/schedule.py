@@ -59,17 +59,19 @@ def part(
     channels : callable(Port) -> tuple of str
         As of `Track`.
     **wires
-        Where the pair is behind wires, their `clock`, what lets it follow, `begin`, and what holds it, `rest`.
+        Where the pair is behind wires, their `clock`, what lets it follow, `begin`, and what holds it, `rest`;
+        `is_checked` is false where it is made again.
     """
     graph, lead = Graph(config.pair.rate), lead_of(config)
     clock: Clock | None = wires.get("clock")
+    is_checked = wires.get("is_checked", True) and len(wanted) > lead
     there = pair(graph)
     track = netlist(graph, controls, wanted, there.seen, there.sink, f"{TRACK}-{name}" if name else TRACK, channels)
     estimates = any(port.name == "active" for port in controls.outputs)
 
     def ready() -> None:
         """Refuse, by ValueError, a controller that must estimate first and has not done so."""
-        if estimates and not graph.signal("controller.active").all():
+        if is_checked and estimates and not graph.signal("controller.active").all():
             raise ValueError(
                 f"the models are not accurate after session.lead of {config.session.lead:g} s: let the estimation "
                 "phase last longer, excite more, or allow estimating.accuracy to be worse"

@@ -8,7 +8,6 @@ import numpy as np
 from ctlblocks import Block
 from stagectl.experiments.midranging.wired_blocks import LivePair
 from stagectl.link.stage_link import StageLink
-from stagectl.link.tell import Tell, nobody
 from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.port import RobotPort
@@ -42,7 +41,7 @@ def refuse_unfit(config: MidrangeConfig, names: Sequence[str]) -> None:
 
 
 @contextmanager
-def opened(cell: CellConfig, names: Sequence[str], tell: Tell = nobody) -> Iterator[LivePair]:
+def opened(cell: CellConfig, names: Sequence[str]) -> Iterator[LivePair]:
     """Open every wire: the stage's, the robot's, and the tracker's where it is wanted.
 
     Whatever ends the block, the robot is held where it is and the stage goes to mid-travel.
@@ -52,8 +51,6 @@ def opened(cell: CellConfig, names: Sequence[str], tell: Tell = nobody) -> Itera
     cell : CellConfig
     names : sequence of str
         Which axes: x, y or z, of the stage and of the robot's base.
-    tell : callable(event, fields)
-        Told of faults.
 
     Raises
     ------
@@ -62,8 +59,8 @@ def opened(cell: CellConfig, names: Sequence[str], tell: Tell = nobody) -> Itera
     config = cell.midranging
     cell = cell.model_copy(update={"robot": cell.robot.model_copy(update={"mode": "pose"})})
     with ExitStack() as stack:
-        stage = stack.enter_context(StageLink(cell.link, tell))
-        robot = stack.enter_context(RobotPort(cell, tell))
+        stage = stack.enter_context(StageLink(cell.link))
+        robot = stack.enter_context(RobotPort(cell))
         tracked = config.session.seen == "tracker"
         tracker = stack.enter_context(TrackerLine(cell.tracker, robot.hold)) if tracked else None
         gain = config.inner.numerator[0] / config.inner.denominator[0]

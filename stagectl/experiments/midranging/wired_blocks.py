@@ -48,9 +48,10 @@ class LivePair:
         self.fast_reference[:] = 0.0
 
     def rest(self) -> None:
-        """Hold the robot where it is, and let the stage go to mid-travel, without waiting for either."""
+        """Hold the robot where it is, and have the stage go to mid-travel; LinkError where that does not answer."""
         self.robot.stop()
-        self.stage.halt()
+        if not self.stage.reason:
+            self.stage.stop()
 
     def refuse_when_latched(self) -> None:
         """Raise while a fault of either end is latched."""

@@ -103,7 +103,8 @@ def read_back(path: Path, records: Records, settings: Sequence[str] = ()) -> Tor
     cell, stage = rig_file.load(path / CONFIG, CellConfig, settings), rig_file.load(path / STAGE, StageConfig)
     events = [event for event in read_events(path) if event["event"] in ("started", "ended")]
     begun = {setup_of(event) for event in events}
-    reasons = {setup_of(event): event["reason"] for event in events if event["event"] == "ended"}
+    reasons = dict.fromkeys(begun, "killed, or not yet at its end")
+    reasons |= {setup_of(event): event["reason"] for event in events if event["event"] == "ended"}
     setups = [setup for setup in SETUPS if setup in begun]
     if not setups:
         raise ValueError(f"{path}: nothing is recorded")

@@ -166,6 +166,16 @@ def test_it_may_be_held_or_ended_between_parts(folder: RunFolder) -> None:
     assert shown[-1] == 3.0
 
 
+@pytest.mark.parametrize(("goes_on", "begun"), [(True, ["a", "b"]), (False, ["a"])])
+def test_a_part_apart_is_run_after_a_fault_of_another_where_that_is_wanted(
+    folder: RunFolder, goes_on: bool, begun: list[str]
+) -> None:
+    first = replace(braked(110), name="a", is_apart=True)
+    asked: list[str] = []
+    perform(folder, parts(first, part("b")), {}, Conduct(between=asked.append, goes_on=goes_on))
+    assert asked == begun
+
+
 def test_devices_are_closed_whatever_ends_it(folder: RunFolder) -> None:
     closed = []
 

@@ -10,10 +10,12 @@ import pytest
 from ctlblocks.clock import ASKED
 from ctlblocks.recording import Recording, read, write
 from rigkit import config as rig_file
+from rigkit.experiment.kept import replayed
 from rigkit.run_folder import read_events
 from rigkit.stop import Stopped, StopRequest
 from stagectl.application import PROGRAM
 from stagectl.experiments.midranging.measures import iae
+from stagectl.experiments.midranging.read_back import MIDRANGING
 from stagectl.experiments.midranging.scenario import Scenario, scenario, scenarios
 from stagectl.experiments.midranging.schedule import simulate, without_lead
 from stagectl.link.bus import LinkError
@@ -169,6 +171,16 @@ def test_a_run_that_is_stopped_in_its_lead_says_that_there_is_nothing_to_judge(
         _run("--scenario", "thesis-1", "--out", str(tmp_path / "run"))
     assert len(read(tmp_path / "run/recording.wav").data) == pytest.approx(5.0 * 250, abs=100)
     assert read_events(tmp_path / "run")[-1]["reason"] == "stopped by its user"
+    assert all(each.identical for each in replayed(tmp_path / "run", MIDRANGING))
+
+
+def test_a_toroid_that_is_stopped_on_its_first_axis_has_figures_of_that(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _stop_after(monkeypatch, 62.0)
+    with pytest.raises(Stopped, match="these are the figures of what was run until then"):
+        _run("--scenario", "toroid", "--controller", "mvpc", "--out", str(tmp_path / "run"))
+    assert list(json.loads((tmp_path / "run/summary.json").read_text())["axes"]) == ["y"]
 
 
 def _stop_after(monkeypatch: pytest.MonkeyPatch, seconds: float) -> None:
