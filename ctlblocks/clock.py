@@ -26,19 +26,22 @@ class Offline:
         """Tick a prepared graph `ticks` times, or until `over`; return the ticks run."""
         done, chunk = 0, max(1, round(graph.rate / (graph.frames * ASKED)))
         while done < ticks and not over():
-            done += self._some(graph, min(chunk, ticks - done))
+            some = min(chunk, ticks - done)
+            self.advance(graph, some)
+            done += some
         return done
 
-    def _some(self, graph: Graph, ticks: int) -> int:
-        return run_offline(graph, ticks)
+    def advance(self, graph: Graph, ticks: int) -> None:
+        """Tick a prepared graph `ticks` times."""
+        run_offline(graph, ticks)
 
 
 class Paced(Offline):
     """In real time; TimeoutError where the computer falls behind by a second."""
 
-    def _some(self, graph: Graph, ticks: int) -> int:
+    def advance(self, graph: Graph, ticks: int) -> None:
+        """Tick a prepared graph `ticks` times, when each is due."""
         Timer(graph, ()).run(ticks)
-        return ticks
 
 
 def run_offline(graph: Graph, ticks: int, stop: Event | None = None) -> int:

@@ -48,13 +48,20 @@ class Replay(Block):
         return self.position == self._length
 
 
+def numbered(port: Port) -> tuple[str, ...]:
+    """Return how the channels of a port are called: by its name, with numbers from 1 where it has several."""
+    if port.width == 1:
+        return (port.name,)
+    return tuple(f"{port.name}_{number}" for number in range(1, port.width + 1))
+
+
 class Record(Block):
     """Keep what flows by until the memory is full; what comes later is counted in `overrun`, not kept.
 
     Parameters
     ----------
     ports : sequence of Port
-        Inputs.  The channels of port `drive` are named "drive" where it is one wide, else "drive_1", "drive_2", ...
+        Inputs.  Their channels are `numbered`.
     capacity : int, samples, >= 1
     """
 
@@ -80,7 +87,7 @@ class Record(Block):
 
     def recording(self, provenance: Mapping[str, str] | None = None) -> Recording:
         """Return a copy of what is kept so far; RecordingError if that is nothing."""
-        names = [f"{p.name}_{n + 1}" if p.width > 1 else p.name for p in self.inputs for n in range(p.width)]
+        names = [name for port in self.inputs for name in numbered(port)]
         units = [port.unit for port in self.inputs for _ in range(port.width)]
         kept = self._data[: self.position].copy()
         return Recording(tuple(names), tuple(units), self._rate, kept, provenance or {})

@@ -6,6 +6,7 @@ from ctlblocks import Block, Graph, Port
 from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
 from ctlblocks.replay import Record, Replay
+from ctlblocks.taps import Tap, attach
 from rigkit.named_code import named_block
 from stagectl.config import StageConfig
 from stagectl.deflection import DeflectionReference
@@ -145,10 +146,7 @@ def watch(graph: Graph, watching: Mapping[str, Block], outputs: Mapping[str, tup
         The output of each signal, and whether it is read a tick late.
     """
     for name, block in watching.items():
-        graph.add(name, block)
-        for port in block.inputs:
-            source, delayed = outputs[port.name]
-            graph.connect(source, f"{name}.{port.name}", delayed=delayed)
+        attach(graph, name, block, [Tap(port.name, *outputs[port.name]) for port in block.inputs])
 
 
 def simulated(config: StageConfig) -> Seen:

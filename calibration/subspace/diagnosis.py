@@ -18,8 +18,6 @@ _MISLED = "this method takes part of the controller for the plant, take method a
 _RIGHT = "the model is by PBSID, which a loop does not mislead"
 SPENT = 20
 """Samples for each coefficient of the model, below which there are few."""
-
-
 EXPLAINED = 2.0
 """Fit of the free run, %, below which an output does not follow from the inputs."""
 

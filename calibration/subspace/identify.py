@@ -114,7 +114,7 @@ def identify(
     >>> found.model.order, round(float(found.model.poles[0].real), 6)
     (1, 0.9)
     """
-    _check(method, rate, order if horizon is None else 1)
+    _check(method, rate, order, horizon)
     given = _given(u, y, detrend, outliers)
     way: Method = method if method != "auto" else "pbsid" if given.loop.inputs else "moesp"
     terms = Terms(way != "pbsid" if direct == "auto" else direct, detrend != "none", stable, way == "pbsid")
@@ -142,8 +142,8 @@ def identify(
     return _refined(result, terms.direct) if method == "auto" and given.loop.inputs and core.is_stable else result
 
 
-def _check(method: str, rate: float, order: int | None) -> None:
-    if order is not None and not order >= 1:
+def _check(method: str, rate: float, order: int | None, horizon: int | tuple[int, int] | None) -> None:
+    if horizon is None and order is not None and not order >= 1:  # a horizon has bounds of its own for it
         raise ValueError(f"order is {order}, must be >= 1")
     if method not in ("auto", *get_args(Method)):
         raise ValueError(f"method is {method!r}, must be one of auto, {', '.join(get_args(Method))}")

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -167,7 +168,8 @@ def replayed(path: Path, kind: Kind, settings: Sequence[str] = ()) -> Iterator[R
                 continue
             made = again[track.name].select(track.made_names(part.graph))
             rows = whole[track.name] if end else len(made.data)  # of one that was killed, as far as all is recorded
-            yield from compared(track.name, _first(records[track.name], rows), made)
+            record = records[track.name]
+            yield from compared(track.name, replace(record, data=record.data[:rows]), made)
 
 
 @contextmanager
@@ -189,10 +191,6 @@ def _written(path: Path, kind: Kind, png: Path | None) -> dict[str, Any]:
     atomic.write(path / SUMMARY, f"{json_text(figures, indent=2)}\n")
     experiment.report(path, records, figures, png)
     return figures
-
-
-def _first(record: Recording, rows: int) -> Recording:
-    return Recording(record.names, record.units, record.rate, record.data[:rows], record.provenance)
 
 
 def _goes_on(file: Path) -> bool:

@@ -1,21 +1,14 @@
 """A part of an experiment: one graph, what is recorded of it, and what happens in which order."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ctlblocks import Block, Graph, Port
 from ctlblocks.clock import Clock
 from ctlblocks.recording import Recording
-from ctlblocks.replay import Record
+from ctlblocks.replay import Record, numbered
 from ctlblocks.taps import Tap, attach
-
-
-def numbered(port: Port) -> tuple[str, ...]:
-    """Return how the channels of a port are called: by its name, with numbers from 1 where it has several."""
-    if port.width == 1:
-        return (port.name,)
-    return tuple(f"{port.name}_{number}" for number in range(1, port.width + 1))
 
 
 def nothing() -> None:
@@ -135,6 +128,11 @@ class Part:
         """Of all its phases."""
         return sum(phase.ticks for phase in self.phases)
 
+    @property
+    def seconds(self) -> float:
+        """Of what its graph has ticked so far."""
+        return self.graph.ticks * self.graph.frames / self.graph.rate
+
     def attach(self, sink_of: Callable[[Track], Block]) -> None:
         """Add a sink for each track to the graph."""
         for number, track in enumerate(self.tracks):
@@ -150,15 +148,10 @@ class Part:
 
         def recordings() -> dict[str, Recording]:
             return {
-                name: _named(record, track.names(self.graph))
+                name: replace(record.recording(), names=track.names(self.graph))
                 for name, (track, record) in kept.items()
                 if record.position
             }
 
         self.attach(sink)
         return recordings
-
-
-def _named(record: Record, names: tuple[str, ...]) -> Recording:
-    made = record.recording()
-    return Recording(names, made.units, made.rate, made.data, made.provenance)

@@ -125,7 +125,7 @@ class ExperimentProcedure:
         Whatever ends a part.
         """
         desk, watch = self._desk, self._watch
-        conduct = Conduct(self._ending, watch, watch.look, self._show, self._between, self._after, False)
+        conduct = Conduct(self._ending, watch, watch.look, self._show, self._between, self._after, goes_on=False)
         with self._folder as folder:
             desk.recording(True)
             try:

@@ -118,7 +118,7 @@ def _played(part: Part, conduct: Conduct, attend: Callable[[], object], done: fl
         attend()
         if own is not None:
             conduct.look(graph)
-        conduct.show(done + graph.ticks * graph.frames / graph.rate)
+        conduct.show(done + part.seconds)
         return False
 
     def over() -> bool:
@@ -242,7 +242,7 @@ def _one_by_one(parts: Iterator[Part], conduct: Conduct, run: Callable[[Part, fl
             conduct.between(part.name)
             reason = run(part, done)
             conduct.after(part.name)
-            done += part.graph.ticks * part.graph.frames / part.graph.rate
+            done += part.seconds
             if reason:
                 reasons[part.name] = reason
             if conduct.stopped() or reason == STOPPED or (reason and not (part.is_apart and conduct.goes_on)):
@@ -268,9 +268,8 @@ def _recorded(folder: RunFolder, part: Part, about: Mapping[str, str], conduct: 
             ended = Ended(str(fault))
             raise
         finally:
-            seconds = part.graph.ticks * part.graph.frames / part.graph.rate
             lost = sum(each.lost for each in recorders)
-            how = {"part": part.name, "seconds": seconds, "ticks": part.graph.ticks, "held_at": ended.held_at}
+            how = {"part": part.name, "seconds": part.seconds, "ticks": part.graph.ticks, "held_at": ended.held_at}
             folder.event("ended", {**how, "reason": ended.reason, "lost": lost, **part.counts()})
     return ended.reason
 

@@ -1,12 +1,12 @@
 """What an experiment does now: chosen signals of its graph, seen between ticks, and those of the last seconds."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 
 import numpy as np
 
 from ctlblocks import Graph
-from ctlblocks.clock import ASKED, run_offline
+from ctlblocks.clock import Offline, run_offline
 from rigkit.experiment.pace import Pace
 
 LOOKS = 250.0
@@ -17,7 +17,7 @@ PACED = 10
 """Ticks at which one that is ticked elsewhere waits for the clock."""
 
 
-class Watch:
+class Watch(Offline):
     """Ticks the graphs of a procedure, one after another, in real time or as fast as it goes, and sees what they do.
 
     One thread ticks; others may ask at any time.  What is ticked elsewhere is seen by `look` after each tick.
@@ -36,17 +36,8 @@ class Watch:
         self.pace: Pace | None = None
         """None where it goes as fast as it can, or nothing has been ticked."""
 
-    def run(self, graph: Graph, ticks: int, over: Callable[[], bool]) -> int:
-        """Tick a prepared graph so many times, or until `over`, and look on: a `Clock`."""
-        done, chunk = 0, max(1, round(graph.rate / ASKED))
-        while done < ticks and not over():
-            some = min(chunk, ticks - done)
-            self.advance(graph, some)
-            done += some
-        return done
-
     def advance(self, graph: Graph, ticks: int) -> None:
-        """Tick a prepared graph so many times, and look on: `machining.run.Advance`."""
+        """Tick a prepared graph so many times, and look on."""
         self._attend(graph)
         end, every = graph.ticks + ticks, max(1, round(graph.rate / LOOKS))
         while graph.ticks < end:

@@ -1,12 +1,11 @@
 """What robot, tracker, laser and stage say: the names under which it is seen and recorded."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
-from ctlblocks import Graph, Port
+from ctlblocks import Port
 from ctlblocks.recording import Recording
-from ctlblocks.replay import Record, Replay
-from rigkit.experiment.part import numbered
+from ctlblocks.replay import Record, Replay, numbered
 
 AXES = ("x", "y", "z")
 SLOW, QUICK = 40, 5
@@ -14,8 +13,6 @@ SLOW, QUICK = 40, 5
 
 Sources = Mapping[str, tuple[str, bool]]
 """For each word, the output that it stands for, and whether it is read a tick late."""
-Make = Callable[[Graph], Sources]
-"""Adds what surrounds the controllers, which are in the graph already, and wires it to them."""
 
 
 @dataclass(frozen=True)
@@ -82,9 +79,8 @@ def named(record: Record, signals: tuple[Signal, ...], provenance: dict[str, str
     signals : tuple of Signal
     provenance : dict of str to str
     """
-    kept = record.recording(provenance)
     names = tuple(name for signal in signals for name in signal.channels)
-    return Recording(names, kept.units, kept.rate, kept.data, kept.provenance)
+    return replace(record.recording(provenance), names=names)
 
 
 def played(record: Recording, signals: tuple[Signal, ...]) -> Replay:

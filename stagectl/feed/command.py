@@ -7,6 +7,7 @@ from typing import Annotated, Any, TextIO
 
 import typer
 
+from ctlblocks import clock
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, laid_over, print_table, words, write_json
@@ -25,7 +26,7 @@ from stagectl.planning.pocket import PLANNERS, UNTRAINED
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_needless_yes, refuse_unattended
 from stagectl.robot.live.person import Person
-from stagectl.trials.conduct import Conduct, offline, paced
+from stagectl.trials.conduct import Conduct
 
 Task = Annotated[str, typer.Option(metavar="TASK", help=f"{', '.join(POCKETS)}, POCKET.json, or {PROCESS}.")]
 Newtons = Annotated[float | None, typer.Option("--force", metavar="N", help="The force wanted.")]
@@ -145,8 +146,9 @@ def _pockets(
         return _live(cell, job, model, out, way, stream)
     plants_of(plan)  # whatever is wrong is told before there is a folder
     made, cells = job.make(), job.pocket.rows * job.pocket.cols
+    pace = clock.Paced() if way.is_paced else clock.Offline()
     with stoppable() as stop, progress("cells milled", cells * (job.pockets + job.compares)) as meter:
-        conduct = Conduct(nobody, lambda: stop.made, meter.show, paced if way.is_paced else offline)
+        conduct = Conduct(nobody, lambda: stop.made, meter.show, pace.advance)
         pockets = session.mill_pockets(cell, job.pocket, made, known, conduct, job.pockets, job.compares)
         if out is None:
             found = session.summary(list(pockets))

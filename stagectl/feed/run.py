@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ctlblocks.recording import Recording
+from rigkit.experiment.runner import STOPPED
 from stagectl.devices.signals import Signal, named
 from stagectl.feed.constant_feed import ConstantFeed
 from stagectl.feed.feed_graph import FeedGraph
@@ -12,7 +13,7 @@ from stagectl.feed.recorded import SLOW
 from stagectl.feed.surroundings import Surroundings
 from stagectl.planning.milling import Milled, Planner
 from stagectl.robot.milling.feed_force import FeedForce
-from stagectl.trials.conduct import AFTERWARDS, STOPPED, Conduct
+from stagectl.trials.conduct import AFTERWARDS, Conduct
 
 LEAD = 0.2
 """s at rest, beside those in which zero force is taken, before the robot follows, and at the end."""

@@ -5,36 +5,17 @@ from dataclasses import dataclass
 from typing import Any
 
 from ctlblocks import Graph
-from ctlblocks.clock import Timer, run_offline
+from ctlblocks.clock import Offline
 from ctlblocks.recording import Recording
+from rigkit.experiment.part import nothing
+from rigkit.experiment.runner import never
 from stagectl.link.tell import Tell, nobody
 
 AFTERWARDS = 0.5
 """s that are recorded of a hold, beside `limits.stop`."""
 
-STOPPED = "stopped by its user"
-
 Advance = Callable[[Graph, int], object]
-"""Ticks a graph so many times: `offline`, or `paced`."""
-
-
-def offline(graph: Graph, ticks: int) -> None:
-    """Tick as fast as it goes."""
-    run_offline(graph, ticks)
-
-
-def paced(graph: Graph, ticks: int) -> None:
-    """Tick in real time; TimeoutError where the computer falls behind by a second."""
-    Timer(graph, ()).run(ticks)
-
-
-def never() -> bool:
-    """Do not stop."""
-    return False
-
-
-def nothing() -> None:
-    """Do nothing: nobody is led any more."""
+"""Ticks a graph so many times: `Offline().advance`, or `Paced().advance`."""
 
 
 def quietly(done: int) -> None:
@@ -71,7 +52,7 @@ class Conduct:
     show : callable(int)
         Told of the ticks done, now and then.
     advance : callable(Graph, int)
-        `offline` or `paced`.
+        As fast as it goes unless given.
     rest : callable()
         Called once the graph ticks no more: a live robot is held from then on.
     """
@@ -79,5 +60,5 @@ class Conduct:
     tell: Tell = nobody
     stopped: Callable[[], bool] = never
     show: Callable[[int], object] = quietly
-    advance: Advance = offline
+    advance: Advance = Offline().advance
     rest: Callable[[], object] = nothing

@@ -1,7 +1,8 @@
 """A trial from its first sample to its last, or out of the material and into rest: a fault ends in a named reason."""
 
+from rigkit.experiment.runner import STOPPED
 from stagectl.devices.signals import Signal, named
-from stagectl.trials.conduct import AFTERWARDS, STOPPED, Conduct, Milled
+from stagectl.trials.conduct import AFTERWARDS, Conduct, Milled
 from stagectl.trials.recorded import RATE
 from stagectl.trials.surroundings import Surroundings
 from stagectl.trials.trial import Trial

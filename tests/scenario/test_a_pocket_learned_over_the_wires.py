@@ -15,10 +15,11 @@ import pytest
 from calibration.milling.session import calibrate
 from calibration.milling.sweep_session import sweep
 from firmware_sim.robot_bench import cell_cut
+from rigkit.experiment.runner import STOPPED
 from rigkit.stop import StopRequest
 from stagectl.robot.live.person import Person
 from stagectl.trials.campaign import Learner, learn_free_space, learn_pocket
-from stagectl.trials.conduct import STOPPED, Conduct, Milled
+from stagectl.trials.conduct import Conduct, Milled
 from stagectl.trials.done import DoneTrial
 from stagectl.trials.live import LiveTrials
 from stagectl.trials.log_folder import LogFolder, write_logs

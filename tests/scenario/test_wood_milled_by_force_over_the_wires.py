@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from firmware_sim.robot_bench import cell_wood
+from rigkit.experiment.runner import STOPPED
 from stagectl.feed.job import RATES, once
 from stagectl.feed.live import LivePockets
 from stagectl.feed.plan import FeedPlan, feed_plan
@@ -23,7 +24,7 @@ from stagectl.planning.problem import Pocket
 from stagectl.robot.live.person import Person
 from stagectl.robot.milling.feed_force import PHASES
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
-from stagectl.trials.conduct import STOPPED, Conduct
+from stagectl.trials.conduct import Conduct
 from tests.scenario.stepped_cell import SteppedCell
 
 pytestmark = pytest.mark.stall(0.3)

@@ -1,6 +1,7 @@
 """Mid-ranging as an experiment: its parts, simulated, live or as recorded, and what it was given."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -9,16 +10,17 @@ import numpy as np
 
 from ctlblocks import Block, Port
 from ctlblocks.recording import Recording
+from ctlblocks.replay import numbered
 from ctlblocks.room import bytes_of
 from rigkit.experiment.kind import Records
-from rigkit.experiment.part import Part, numbered
+from rigkit.experiment.part import Part
 from rigkit.priority import undisturbed
 from stagectl.experiments.midranging import pairs, wired
 from stagectl.experiments.midranging.figures import all_figures
 from stagectl.experiments.midranging.graph import MEASURED, of_axes
 from stagectl.experiments.midranging.report import write_report
 from stagectl.experiments.midranging.scenario import Scenario
-from stagectl.experiments.midranging.schedule import TRACK, lead_of, part, with_lead, without_lead
+from stagectl.experiments.midranging.schedule import TRACK, lead_of, led, part, unchecked, with_lead, without_lead
 from stagectl.experiments.midranging.wired_blocks import LivePair
 from stagectl.link.clock import Linked
 from stagectl.link.tell import Tell, nobody
@@ -123,7 +125,7 @@ class Midranging:
             wanted = record.select([f"reference{end}" for end in ends]).data.astype(float)
             pair = pairs.recorded(record, channels)
             controls, channels_of = self.controller(len(axes)), self._channels(axes)
-            yield part(self.config, controls, wanted, pair, name, channels_of, is_checked=False)
+            yield unchecked(part(self.config, controls, wanted, pair, name, channels_of))
 
     def runs(self, records: Records) -> Runs:
         """Return what was recorded from the first sample of the reference on, an axis each, by track."""
@@ -132,8 +134,7 @@ class Midranging:
             for axis in self._axes_of(track) if len(record.data) > self.lead else ():
                 end = f"_{axis}" if self._is_shared else ""
                 kept = without_lead(record.select([name for name in record.names if name.endswith(end)]), self.config)
-                names = tuple(name.removesuffix(end) for name in kept.names)
-                found[axis] = Recording(names, kept.units, kept.rate, kept.data, kept.provenance)
+                found[axis] = replace(kept, names=tuple(name.removesuffix(end) for name in kept.names))
         return found
 
     def figures(self, records: Records) -> dict[str, Any]:
@@ -172,8 +173,8 @@ class Midranging:
                 make = pairs.wired(pair, self.config.session.smoothing)
                 clock, begin = Linked(pair.robot), partial(wired.start, pair, self.cell)
                 controls, wanted = self.controller(len(axes)), self._wanted(axes)
-                wires = {"clock": clock, "begin": begin, "rest": pair.rest}
-                yield part(self.config, controls, wanted, make, "", self._channels(axes), **wires)
+                made = part(self.config, controls, wanted, make, "", self._channels(axes))
+                yield led(made, clock, begin, pair.rest)
             finally:
                 self.pair = None
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from ctlblocks import Block, Graph, Port
 from ctlblocks.recording import Recording
-from ctlblocks.replay import Replay
+from ctlblocks.replay import Replay, numbered
 from ctlblocks.taps import Tap
-from rigkit.experiment.part import Track, numbered
+from rigkit.experiment.part import Track
 
 MEASURED = ("relative", "fast", "slow", "control", "position")
 """What the pair gives; `position` is the relative position itself, without noise where it is simulated."""

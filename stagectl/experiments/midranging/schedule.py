@@ -1,14 +1,15 @@
 """The order of events in mid-ranging: a lead, in which models are estimated, and the reference."""
 
 from collections.abc import Callable
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
 from ctlblocks import Block, Graph, Port
 from ctlblocks.clock import Clock
 from ctlblocks.recording import Recording
-from rigkit.experiment.part import Part, Phase, nothing, numbered
+from ctlblocks.replay import numbered
+from rigkit.experiment.part import Part, Phase, nothing
 from rigkit.experiment.runner import Conduct, remembered
 from stagectl.experiments.midranging import pairs
 from stagectl.experiments.midranging.graph import netlist
@@ -30,8 +31,7 @@ def with_lead(reference: np.ndarray, config: MidrangeConfig) -> np.ndarray:
 
 def without_lead(recording: Recording, config: MidrangeConfig) -> Recording:
     """Return a recording from the first sample of the reference on."""
-    data = recording.data[lead_of(config) :].astype(float)
-    return Recording(recording.names, recording.units, recording.rate, data, recording.provenance)
+    return replace(recording, data=recording.data[lead_of(config) :].astype(float))
 
 
 def part(
@@ -41,9 +41,8 @@ def part(
     pair: pairs.Pair,
     name: str = "",
     channels: Callable[[Port], tuple[str, ...]] = numbered,
-    **wires: Any,
 ) -> Part:
-    """Return a part of the experiment.
+    """Return a part of the experiment, its phases the lead and the reference.
 
     Parameters
     ----------
@@ -58,28 +57,44 @@ def part(
         Of the axis.
     channels : callable(Port) -> tuple of str
         As of `Track`.
-    **wires
-        Where the pair is behind wires, their `clock`, what lets it follow, `begin`, and what holds it, `rest`;
-        `is_checked` is false where it is made again.
     """
     graph, lead = Graph(config.pair.rate), lead_of(config)
-    clock: Clock | None = wires.get("clock")
-    is_checked = wires.get("is_checked", True) and len(wanted) > lead
     there = pair(graph)
     track = netlist(graph, controls, wanted, there.seen, there.sink, f"{TRACK}-{name}" if name else TRACK, channels)
     estimates = any(port.name == "active" for port in controls.outputs)
 
     def ready() -> None:
         """Refuse, by ValueError, a controller that must estimate first and has not done so."""
-        if is_checked and estimates and not graph.signal("controller.active").all():
+        if len(wanted) > lead and estimates and not graph.signal("controller.active").all():
             raise ValueError(
                 f"the models are not accurate after session.lead of {config.session.lead:g} s: let the estimation "
                 "phase last longer, excite more, or allow estimating.accuracy to be worse"
             )
 
     first = min(lead + 1, len(wanted))
-    phases = Phase("lead", first, wires.get("begin", nothing), ready), Phase("reference", len(wanted) - first)
-    return Part(name, graph, (track,), phases, clock, rest=wires.get("rest", nothing))
+    phases = Phase("lead", first, end=ready), Phase("reference", len(wanted) - first)
+    return Part(name, graph, (track,), phases)
+
+
+def led(made: Part, clock: Clock, begin: Callable[[], object], rest: Callable[[], object]) -> Part:
+    """Return a part whose pair is behind wires.
+
+    Parameters
+    ----------
+    made : Part
+    clock : Clock
+        Of the wires.
+    begin, rest : callable()
+        Lets the pair follow, and holds it.
+    """
+    lead, reference = made.phases
+    return replace(made, clock=clock, phases=(replace(lead, begin=begin), reference), rest=rest)
+
+
+def unchecked(made: Part) -> Part:
+    """Return a part that is made again: what it was refused for it has been refused for."""
+    lead, reference = made.phases
+    return replace(made, phases=(replace(lead, end=nothing), reference))
 
 
 def simulate(controls: Block, chosen: Scenario, config: MidrangeConfig) -> Recording:

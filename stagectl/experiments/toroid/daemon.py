@@ -14,7 +14,7 @@ from rigkit.service.show import Gauge, Panel, Table
 from stagectl.daemon.cell.gauges import REFERENCE, Motion, sighted, timed
 from stagectl.daemon.cell.options import CellOptions
 from stagectl.devices.signals import AXES
-from stagectl.experiments.toroid.event_text import setup_of
+from stagectl.experiments.toroid.event_text import reasons_of
 from stagectl.experiments.toroid.experiment import Toroid
 from stagectl.experiments.toroid.plan import stage_of
 from stagectl.experiments.toroid.read_back import TOROID, Files, plans_of
@@ -74,7 +74,6 @@ class _View:
 
     def after(self, part: str, path: Path) -> Mapping[str, Panel]:
         """Return the table of the setups so far."""
-        reasons = {setup_of(event): event["reason"] for event in read_events(path) if event["event"] == "ended"}
-        alone = Toroid([plan for plan in self._made.plans if plan.setup == part], reasons)
+        alone = Toroid([plan for plan in self._made.plans if plan.setup == part], reasons_of(read_events(path)))
         self._rows += alone.figures(records_of(path, f"{part}-"))["setups"]
         return {"accuracy": Table("The toroid in steel, lengths in µm", HEAD, tuple(table_rows(self._rows)))}

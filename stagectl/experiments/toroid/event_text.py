@@ -1,6 +1,6 @@
 """The events of the cell's runs in words, for their report."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rigkit.event_table import particulars
@@ -31,6 +31,11 @@ def _end(event: dict[str, Any]) -> list[str]:
         count = event["samples_at_end"]
         said.append(f"The stage was asked beyond its travel in {count} sample{'' if count == 1 else 's'} of 4 ms.")
     return said
+
+
+def reasons_of(events: Iterable[Mapping[str, Any]]) -> dict[str, str]:
+    """Return why setups were held, by setup: of those that have ended, empty for one that came to its end."""
+    return {setup_of(event): event["reason"] for event in events if event["event"] == "ended"}
 
 
 def setup_of(event: Mapping[str, Any]) -> str:

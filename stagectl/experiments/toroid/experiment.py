@@ -16,9 +16,7 @@ from stagectl.experiments.toroid.plan import RATE, Plan
 from stagectl.experiments.toroid.report import write_report
 from stagectl.link.tell import Tell, nobody
 from stagectl.stage.loop_parameters import loop_parameters
-
-AFTERWARDS = 0.5
-"""s that are recorded of a hold, beside `limits.stop`."""
+from stagectl.trials.conduct import AFTERWARDS
 
 
 class Toroid:

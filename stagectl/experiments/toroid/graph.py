@@ -13,7 +13,7 @@ from ctlblocks.replay import Replay
 from ctlblocks.taps import Tap
 from rigkit.experiment.part import Track
 from stagectl.devices.signals import LASER, PLATE, QUICK, ROBOT, SLOW, TRACKER, by_axis
-from stagectl.experiments.toroid.makes import Make
+from stagectl.experiments.toroid.makes import EVERY, Make
 from stagectl.experiments.toroid.plan import RATE, TOUCH_OFF, Plan
 from stagectl.experiments.toroid.relative_position import RelativePosition
 from stagectl.experiments.toroid.stage_reference import StageReference
@@ -42,8 +42,6 @@ MADE = {
     },
 }
 """What the controllers make of what the sensors say, by recording."""
-EVERY = {"cell": SLOW, "surface": QUICK, "tracker": QUICK, "stage": 1}
-"""Ticks between two samples, by recording."""
 
 
 class CellGraph:

@@ -11,8 +11,8 @@ from stagectl.still import Still
 
 Make = Callable[[Graph, Plan], Sources]
 """Adds what surrounds the controllers, which are in the graph already, and wires it to them."""
-EVERY = {"cell": SLOW, "tracker": QUICK, "stage": 1}
-"""Ticks between two samples of what is recorded of sensors."""
+EVERY = {"cell": SLOW, "surface": QUICK, "tracker": QUICK, "stage": 1}
+"""Ticks between two samples, by recording."""
 
 
 def simulated(graph: Graph, plan: Plan) -> Sources:

@@ -13,7 +13,7 @@ from rigkit.origin import RUN, read_origin
 from rigkit.run_folder import CONFIG, RunFolder, read_events
 from stagectl.config import StageConfig
 from stagectl.devices.signals import AXES
-from stagectl.experiments.toroid.event_text import setup_of
+from stagectl.experiments.toroid.event_text import reasons_of, setup_of
 from stagectl.experiments.toroid.experiment import Toroid
 from stagectl.experiments.toroid.makes import refuse_wrong_plants
 from stagectl.experiments.toroid.plan import ALL, RATE, SETUPS, Plan, loops_of, plan, refuse_count
@@ -103,8 +103,7 @@ def read_back(path: Path, records: Records, settings: Sequence[str] = ()) -> Tor
     cell, stage = rig_file.load(path / CONFIG, CellConfig, settings), rig_file.load(path / STAGE, StageConfig)
     events = [event for event in read_events(path) if event["event"] in ("started", "ended")]
     begun = {setup_of(event) for event in events}
-    reasons = dict.fromkeys(begun, "killed, or not yet at its end")
-    reasons |= {setup_of(event): event["reason"] for event in events if event["event"] == "ended"}
+    reasons = dict.fromkeys(begun, "killed, or not yet at its end") | reasons_of(events)
     setups = [setup for setup in SETUPS if setup in begun]
     if not setups:
         raise ValueError(f"{path}: nothing is recorded")

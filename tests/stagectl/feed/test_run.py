@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
+from rigkit.experiment.runner import STOPPED
 from stagectl.feed.measures import figures, retold, safe_feeds, strips
 from stagectl.feed.process_run import channel
 from stagectl.feed.run import Pocketed
 from stagectl.feed.surroundings import recorded
 from stagectl.robot.milling.feed_force import PHASES
-from stagectl.trials.conduct import STOPPED, Conduct
+from stagectl.trials.conduct import Conduct
 from tests.stagectl.feed.small_pocket import LENGTH, milled, small
 
 
