@@ -1,5 +1,6 @@
 """What every request passes before anything looks at it: name, origin, rate, token and size."""
 
+import asyncio
 import time
 from collections.abc import Awaitable, Callable, Mapping, MutableMapping
 from dataclasses import dataclass
@@ -19,7 +20,9 @@ BURST = 2.0
 TOLD = 1.0, 20.0
 """Refusals of one address that are told, a second in the long run, and at once."""
 STOP = "/api/stop"
-"""Is never too frequent, nor one too many."""
+"""Is never too frequent, nor one too many; with a token of the daemon's it is obeyed whatever else it says."""
+PATIENCE = 0.2
+"""s that a STOP waits for its own words."""
 WITH_BODY = ("POST", "PUT", "PATCH", "DELETE")
 """Methods whose body, where there is one, is JSON."""
 AT_A_TIME = 100
@@ -119,13 +122,13 @@ class Gate:
 
     async def _pass(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Let a request through whole; a body that is too long goes no further, nor one that is no sound JSON."""
-        body = await _body(receive)
+        body = await (_words(receive) if _is_stop(scope) else _body(receive))
         if body is None:
             return
         if len(body) > LARGEST_BODY:
             await self._refuse(scope, send, Refusal(413, f"a request of more than {LARGEST_BODY} bytes"))
             return
-        if body and scope["method"] in WITH_BODY and (wrong := _unsound(body)):
+        if body and scope["method"] in WITH_BODY and not _is_stop(scope) and (wrong := _unsound(body)):
             await answer(send, 400, error(400, wrong))
             return
         messages = [{"type": "http.request", "body": body, "more_body": False}]
@@ -139,9 +142,12 @@ class Gate:
         await self._app(scope, whole, sending)
 
     def _look_at(self, scope: Scope) -> None:
-        if scope["path"] != STOP and not self._under_way < AT_A_TIME:
-            raise Refusal(503, f"{self._under_way} requests are under way, {AT_A_TIME} may be")
         headers = {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
+        if _is_stop(scope):
+            scope.setdefault("state", {})["role"] = self._role(scope, headers)
+            return
+        if not self._under_way < AT_A_TIME:
+            raise Refusal(503, f"{self._under_way} requests are under way, {AT_A_TIME} may be")
         host, origin = headers.get("host", ""), headers.get("origin")
         if host.lower() not in self._rules.names:
             raise Refusal(403, f"the host {host[:80]!r} is not one of this daemon's names (daemon.hosts)")
@@ -154,13 +160,13 @@ class Gate:
             return
         role = self._role(scope, headers)
         self._refuse_too_frequent(scope, role)
-        if scope["type"] == "http" and role != "operate" and not _is_for_all(scope):
+        if scope["type"] == "http" and role != "operate" and scope["method"] not in ("GET", "HEAD"):
             raise Refusal(403, "this token may view and STOP; commands need the one that may operate")
         scope.setdefault("state", {})["role"] = role
 
     def _refuse_too_frequent(self, scope: Scope, role: str) -> None:
         """Count a request; whoever has no token takes nothing from those of the same address who have one."""
-        if scope["path"] != STOP and not self._requests.allows(f"{_address(scope)} {role}", time.monotonic()):
+        if not self._requests.allows(f"{_address(scope)} {role}", time.monotonic()):
             raise Refusal(429, "too many requests")
 
     def _role(self, scope: Scope, headers: Mapping[str, str]) -> Role:
@@ -204,6 +210,16 @@ async def _body(receive: Receive) -> bytes | None:
     return bytes(body)
 
 
+async def _words(receive: Receive) -> bytes:
+    """Return what a STOP says of itself, or nothing where that does not come at once, is cut off or without end."""
+    try:
+        async with asyncio.timeout(PATIENCE):
+            body = await _body(receive) or b""
+    except TimeoutError:
+        return b""
+    return body if len(body) <= LARGEST_BODY else b""
+
+
 def _unsound(body: bytes) -> str:
     """Say what is wrong with a body as JSON; nothing where it can be used."""
     try:
@@ -224,9 +240,8 @@ async def answer(send: Send, status: int, told: Mapping[str, Any]) -> None:
     await send({"type": "http.response.body", "body": json_text(told).encode()})
 
 
-def _is_for_all(scope: Scope) -> bool:
-    """Whether any of the tokens will do: to look, and to STOP."""
-    return scope["method"] in ("GET", "HEAD") or (scope["method"], scope["path"]) == ("POST", STOP)
+def _is_stop(scope: Scope) -> bool:
+    return (scope["type"], scope.get("method"), scope["path"]) == ("http", "POST", STOP)
 
 
 def _address(scope: Scope) -> str:

@@ -22,13 +22,6 @@ class Control(Strict):
     over: bool = Field(default=False, description="take it over from whoever has it")
 
 
-class Stop(Strict):
-    """Stop, from anybody."""
-
-    who: Name = Field(default="somebody", description="who stops")
-    why: Reason = Field(default="stopped", description="why")
-
-
 class Why(Strict):
     """A command that needs nothing but a reason."""
 

@@ -14,7 +14,7 @@ from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException
 from starlette.types import Receive, Scope, Send
 
-from rigkit.service import answers, beginning, requests, runs
+from rigkit.service import answers, beginning, requests, runs, stop_request
 from rigkit.service.journal import KEPT
 from rigkit.service.json_answer import Json, answer_errors, answered, asked
 from rigkit.service.link import Asking
@@ -199,12 +199,15 @@ def _add_commands(app: APIRouter, ends: Ends) -> None:
         """Give control back."""
         return await _asked(ends.asking, "give_back", key=key)
 
-    @app.post("/api/stop", response_model=answers.Made)
-    async def stop(request: Request, asked: requests.Stop | None = None) -> JSONResponse:
-        """Bring the output to zero and disarm, now.  Any token may, the one to view as well; no control, no body."""
-        asked = asked or requests.Stop()
+    @app.post("/api/stop", response_model=answers.Made, openapi_extra=stop_request.DESCRIPTION)
+    async def stop(request: Request) -> JSONResponse:
+        """Bring the output to zero and disarm, now.
+
+        Any token may, the one to view as well; it needs no control, no body, and no body is refused.
+        """
+        who, why = stop_request.who_and_why(await request.body())
         asker = f"{request.state.role} at {request.client.host if request.client else 'socket'}"
-        return await _asked(ends.urgent, "stop", who=asked.who, why=asked.why, asker=asker)
+        return await _asked(ends.urgent, "stop", who=who, why=why, asker=asker)
 
     @app.post("/api/begin", response_model=answers.Made, responses={202: _GETTING_READY})
     async def begin(asked: requests.Begin, key: Key = "") -> JSONResponse:

@@ -15,6 +15,9 @@ OPERATE = {**OURS, "authorization": "Bearer " + TOKENS.operate}
 VIEW = {**OURS, "authorization": "Bearer " + TOKENS.view}
 
 
+NEVER, GONE = b"a part that never comes", b"no part, but the end of the connection"
+
+
 class Behind:
     """The application behind the gate: it reads the body, and answers 200."""
 
@@ -47,8 +50,8 @@ class Door:
     def ask(
         self, path: str, headers: Mapping[str, str], method: str = "POST", parts: tuple[bytes, ...] = (b"",)
     ) -> int:
-        """Return the status of the answer."""
-        return int(self._through("http", path, headers, method, parts)[0]["status"])
+        """Return the status of the answer; 0 where there is none."""
+        return int((*self._through("http", path, headers, method, parts), {"status": 0})[0]["status"])
 
     def connect(self, headers: Mapping[str, str]) -> str:
         """Return how a WebSocket is answered."""
@@ -67,7 +70,10 @@ class Door:
         ]
 
         async def receive() -> Message:
-            return waiting.pop(0)
+            message = waiting.pop(0)
+            if message["body"] == NEVER:
+                await asyncio.Event().wait()
+            return {"type": "http.disconnect"} if message["body"] == GONE else message
 
         async def send(message: Message) -> None:
             sent.append(message)
@@ -122,8 +128,11 @@ def test_a_viewer_may_change_nothing(method: str) -> None:
         ("/api/stop", "POST", VIEW, 200),
         ("/api/stop", "POST", OPERATE, 200),
         ("/api/stop", "POST", OURS, 401),
-        ("/api/stop", "POST", {**VIEW, "host": "evil.example"}, 403),
-        ("/api/stop", "POST", {**VIEW, "origin": "http://evil.example"}, 403),
+        ("/api/stop", "POST", {**VIEW, "authorization": "Bearer " + "x" * 43}, 401),
+        ("/api/stop", "POST", {**VIEW, "host": "10.0.0.5:8787"}, 200),
+        ("/api/stop", "POST", {**VIEW, "origin": "http://evil.example"}, 200),
+        ("/api/stop", "POST", {**VIEW, "content-length": "9999999"}, 200),
+        ("/api/stop", "GET", {**VIEW, "host": "evil.example"}, 403),
         ("/api/stop", "PUT", VIEW, 403),
         ("/api/stop", "DELETE", VIEW, 403),
         ("/api/stop/", "POST", VIEW, 403),
@@ -135,6 +144,31 @@ def test_any_token_may_stop_and_by_this_one_request(
     path: str, method: str, headers: dict[str, str], status: int
 ) -> None:
     assert Door().ask(path, headers, method) == status
+
+
+@pytest.mark.parametrize("body", [b"{", b"\xff", b'"\\ud800"', b"[" * 20_000, b'{"who": NaN}', b'{"why": 1, "why": 2}'])
+def test_the_words_of_a_stop_are_for_whoever_obeys_it(body: bytes) -> None:
+    door = Door()
+    assert door.ask("/api/stop", VIEW, parts=(body,)) == 200
+    assert door.behind.body == body
+    assert Door().ask("/api/arm", OPERATE, parts=(body,)) == 400
+
+
+def test_a_stop_whose_words_have_no_end_or_never_come_goes_through_without_them() -> None:
+    door = Door()
+    assert door.ask("/api/stop", VIEW, parts=(b"x" * 50_000,) * 3) == 200
+    assert (door.behind.reached, door.behind.body) == (1, b"")
+    door = Door()
+    assert door.ask("/api/stop", VIEW, parts=(b'{"why', NEVER)) == 200
+    assert (door.behind.reached, door.behind.body) == (1, b"")
+
+
+def test_a_stop_is_obeyed_though_who_asked_has_hung_up() -> None:
+    door = Door()
+    assert door.ask("/api/stop", VIEW, parts=(GONE,)) == 200
+    assert door.behind.reached == 1
+    door.ask("/api/arm", OPERATE, parts=(GONE,))
+    assert door.behind.reached == 1
 
 
 def test_the_page_itself_needs_no_token_but_the_right_host() -> None:

@@ -49,6 +49,30 @@ def test_the_token_to_view_looks_and_stops_and_is_refused_all_else(daemon: Serve
     assert {entry["who"] for entry in daemon.named("control")} == {"Ada"}
 
 
+@pytest.mark.parametrize(
+    ("body", "who", "why"),
+    [
+        (b"no JSON", "somebody", "stopped"),
+        (b"\xff\xfe", "somebody", "stopped"),
+        (b"[" * 200_000, "somebody", "stopped"),
+        (b'{"why": "' + b"x" * 70_000 + b'"}', "somebody", "stopped"),
+        (b'["smoke"]', "somebody", "stopped"),
+        (b'{"who": 7, "why": {"a": "b"}, "where": "there"}', "somebody", "stopped"),
+        (b'{"who": "Eve", "why": "' + b"x" * 300 + b'"}', "Eve", "x" * 200),
+        (b'{"who": "E\\ud800ve", "why": "sm\\u0000oke"}', "E?ve", "sm?oke"),
+        (b'{"who": "  ", "why": ""}', "somebody", "stopped"),
+    ],
+)
+def test_a_stop_is_obeyed_whatever_its_words(daemon: Served, body: bytes, who: str, why: str) -> None:
+    daemon.begin(steps=100_000, seconds=0.02)
+    stops = len(daemon.named("stop"))
+    view = {"Authorization": f"Bearer {daemon.tokens.view}", "Host": "10.0.0.5"}
+    answer = httpx.post(f"{base(daemon)}/api/stop", content=body, headers=view)
+    assert (answer.status_code, answer.json()["before"], answer.json()["state"]) == (200, "RUNNING", "DISARMED")
+    until(lambda: len(daemon.named("stop")) > stops)
+    assert (daemon.newest("stop", "who"), daemon.newest("stop", "why")) == (who, why)
+
+
 def test_the_description_says_that_any_token_may_stop(daemon: Served) -> None:
     paths = httpx.get(f"{base(daemon)}/openapi.json").json()["paths"]
     assert "Any token may, the one to view as well" in paths["/api/stop"]["post"]["description"]
