@@ -102,7 +102,7 @@ def _learn(session: Session, shots: int, json: str | None) -> None:
             meter.show(shot + 1, f"shot {shot}: {session.said_of(marks)}")
 
         if session.done < shots:
-            meter.say(f"learning: {shots - session.done} shots of {session.seconds:.1f} s; the stream is opened")
+            meter.say(f"learning: {shots - session.done} shots of {session.seconds:.1f} s; opening the stream")
         session.run(shots, tell, lambda: stop.made)
     figures = session.summary()
     if stop.made and session.done < shots:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from rigkit import command
+from tests.rigkit import command_line
 from tests.rigkit.command_line import app
 from tests.until import EVER
 
@@ -28,6 +29,8 @@ def call(monkeypatch: pytest.MonkeyPatch):
         (["end", "value"], "error: audio.rate is 3, must be 4"),
         (["end", "key"], "error: no block 'guard'"),
         (["end", "file"], "error: /nowhere/rig.toml: No such file or directory"),
+        (["end", "within a file"], f"error: {command_line.__file__}: is a file, must be a folder"),
+        (["end", "full"], "error: No space left on device"),
         (["end", "device"], "error: no device 'card'; there are shaker"),
         (["show", "--set", "device.rate=3"], "error: --set device.rate=3: device.rate is 3, must be >= 8000 and "
          "<= 192000 samples/s"),
