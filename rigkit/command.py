@@ -1,6 +1,5 @@
 """What every command line shares: settings, figures as JSON, tables, and an end that says what went wrong."""
 
-import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dis import opname
@@ -13,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from rigkit import atomic
+from rigkit import atomic, os_fault
 from rigkit.json_text import json_text
 from rigkit.provenance import software
 from rigkit.stop import Stopped
@@ -82,7 +81,7 @@ def run(app: typer.Typer, *packages: str) -> int:
     except Stopped as end:
         return _end(str(end), STOPPED)
     except OSError as fault:
-        return _end(f"error: {_said(fault)}", USER_ERROR)
+        return _end(f"error: {os_fault.told(fault)}", USER_ERROR)
     except (ValueError, TypeError, LookupError) as fault:
         if not _is_raised_by(fault, {"rigkit", "ctlblocks", *packages}):
             raise
@@ -141,17 +140,6 @@ def _own_options(
 def _end(text: str, status: int) -> int:
     sys.stderr.write(" ".join(text.split()) + "\n")
     return status
-
-
-def _said(fault: OSError) -> str:
-    """Say which file or device fails, and at what; where a folder was looked for in a file, which file that is."""
-    if not fault.filename:
-        return fault.strerror or str(fault)
-    if isinstance(fault, NotADirectoryError):
-        for above in reversed(Path(os.fsdecode(fault.filename)).parents):
-            if above.exists() and not above.is_dir():
-                return f"{above}: is a file, must be a folder"
-    return f"{fault.filename}: {fault.strerror}"
 
 
 def _is_raised_by(fault: BaseException, packages: set[str]) -> bool:

@@ -8,6 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from rigkit import os_fault
 from rigkit.allowed import field_at
 from rigkit.config_fault import LONGEST_VALUE, ConfigError, shown
 from rigkit.nested import nodes
@@ -87,7 +88,7 @@ def file_values(path: str | Path) -> dict[str, Any]:
     try:
         text = read_text(path, LARGEST_FILE)
     except OSError as fault:
-        raise ConfigError(f"{path}: {fault.strerror}") from None
+        raise ConfigError(os_fault.told(fault)) from None
     except TextFault as fault:
         raise ConfigError(str(fault)) from None
     values = _parsed(text, str(path))

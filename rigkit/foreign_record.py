@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ctlblocks.recording import Recording, RecordingError
-from rigkit import foreign_arrays, foreign_sound, foreign_table
+from rigkit import foreign_arrays, foreign_sound, foreign_table, os_fault
 from rigkit.even_time import STEADY, seconds_of
 from rigkit.foreign_stream import Signals
 
@@ -60,7 +60,7 @@ def open_signals(
             known = (*foreign_sound.SUFFIXES, *foreign_table.SUFFIXES, *foreign_arrays.SUFFIXES)
             raise RecordingError(f"{path}: suffix is {path.suffix!r}, must be one of {', '.join(known)}")
     except OSError as fault:
-        raise RecordingError(f"{path}: {fault.strerror or fault}") from None
+        raise RecordingError(os_fault.told(fault)) from None
     found = replace(found, may_miss=may_miss)
     if rate is not None and not abs(found.rate - rate) <= STEADY * rate:
         raise RecordingError(f"{path}: {found.rate:.9g} samples/s, {asked} {rate:.9g}")

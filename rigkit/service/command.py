@@ -9,6 +9,7 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
+from rigkit import os_fault
 from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
 from rigkit.service.client import Client
 from rigkit.service.config import Daemon
@@ -84,7 +85,7 @@ def _client(table: Daemon, token: Path | None) -> Client:
         return client_of(table, token)
     except OSError as fault:
         there = "something answers" if is_answered(table) else "nothing answers"
-        raise ValueError(f"{fault.filename}: {fault.strerror}; {there} at {table.address}") from None
+        raise ValueError(f"{os_fault.told(fault)}; {there} at {table.address}") from None
 
 
 def _watch(client: Client) -> None:

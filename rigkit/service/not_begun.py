@@ -4,6 +4,7 @@ import errno
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from rigkit import os_fault
 from rigkit.service.rig import Desk
 
 _OF_A_NAME = FileNotFoundError, PermissionError, IsADirectoryError, NotADirectoryError
@@ -48,8 +49,8 @@ def _has_failed(cause: BaseException | None) -> bool:
 def reason(fault: Exception) -> str:
     """Say what has gone wrong, in one line; the kind of what is a slip of ours as well."""
     match fault:
-        case OSError(filename=str() | None as place, strerror=str() as text):
-            return f"{place}: {text}" if place else text
+        case OSError(strerror=str()):
+            return os_fault.told(fault)
         case ValueError() | OSError():
             return " ".join(str(fault).split())
     return " ".join(f"{type(fault).__name__}: {fault}".split())

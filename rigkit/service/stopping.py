@@ -6,6 +6,7 @@ import signal
 from collections.abc import Iterator
 from pathlib import Path
 
+from rigkit import os_fault
 from rigkit.lock import holder
 from rigkit.machine_lock import holder_of
 from rigkit.service.access import address_of
@@ -101,6 +102,4 @@ def is_answered(table: Daemon) -> bool:
 
 
 def _said(fault: Exception) -> str:
-    if isinstance(fault, OSError) and fault.filename:
-        return f"{fault.filename}: {fault.strerror}"
-    return str(fault)
+    return os_fault.told(fault) if isinstance(fault, OSError) else str(fault)

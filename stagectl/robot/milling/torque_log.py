@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rigkit import os_fault
 from rigkit.text_file import TextFault, read_text
 from stagectl.robot.arm import Arm
 
@@ -102,7 +103,7 @@ def _rows(path: Path) -> tuple[np.ndarray, list[int], str | None]:
     try:
         text = read_text(path)
     except OSError as fault:
-        raise TorqueLogError(f"{path}: {fault.strerror}") from None
+        raise TorqueLogError(os_fault.told(fault)) from None
     except TextFault as fault:
         raise TorqueLogError(str(fault)) from None
     found: list[list[float]] = []
