@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import eig, matrix_balance, svd
 
+from calibration.state_space.gramian import summed
+
 LEAST_HANKEL = 1e-9
 """Hankel singular values below this, relative to the greatest, count as this in balancing."""
 
@@ -13,9 +15,6 @@ WORST_BALANCE = 1e10
 
 SLOW = 0.5
 """Poles of smaller modulus are not watched: no step takes them out of the unit circle at once."""
-
-DOUBLINGS = 25
-"""Of the terms of a Gramian: enough for the slowest pole that is let in."""
 
 LARGEST_MODULUS = 1 - 1e-6
 """Of a pole: its response falls by a factor e in a million samples."""
@@ -103,7 +102,7 @@ def balanced(element: Element) -> tuple[Element, np.ndarray]:
     _, spread = matrix_balance(element.a, permute=False)
     even = _turned(element, spread)
     with np.errstate(over="ignore", invalid="ignore"):
-        gramians = _gramian(even.a, even.b), _gramian(even.a.T, even.c.T)
+        gramians = summed(even.a, even.b @ even.b.T), summed(even.a.T, even.c.T @ even.c)
     if not np.isfinite(gramians).all():  # far from normal: rounding outgrows the poles
         return even, spread
     left, right = map(_root, gramians)
@@ -173,17 +172,6 @@ def pole_slopes(matrix: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray,
     overlap = np.where(np.abs(overlap) > np.finfo(float).tiny, overlap, np.finfo(float).tiny)
     slopes: np.ndarray = np.einsum("in,kin->nk", left.conj(), directions @ right) / overlap[:, None]
     return poles, slopes
-
-
-def _gramian(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Sum a^k b b' a'^k over twice as many terms each time: no equation to solve that a pole near 1 would spoil."""
-    total: np.ndarray = b @ b.T
-    for _ in range(DOUBLINGS):
-        total = total + a @ total @ a.T
-        a = a @ a
-        if not np.abs(a).max() > np.finfo(float).eps:
-            break
-    return total
 
 
 def _root(gramian: np.ndarray) -> np.ndarray:

@@ -47,3 +47,27 @@ def regress_ahead(
     ]
     found = regress(predictor, solve_triangular(root, outlet, lower=True), records, terms)
     return replace(found, direct=root @ found.direct, constant=root @ found.constant), known
+
+
+def offset(transition: np.ndarray, outlet: np.ndarray, gain: Gain, level: np.ndarray, samples: int) -> np.ndarray:
+    """Return the offset of the outputs, shape (p,), that a predictor which is fed all of them shows as a level.
+
+    Of an integrator any offset gives the level zero.  So the offset is weighed against one of 0 +- 1, the outputs' own
+    spread, by what the records tell of the level.
+
+    Parameters
+    ----------
+    transition : array, shape (n, n), 1
+    outlet : array, shape (p, n), 1
+    gain : Gain
+    level : array, shape (p,), 1
+    samples : int
+        That it was fitted to.
+    """
+    settled = np.linalg.solve(np.eye(len(transition)) - transition + gain.matrix @ outlet, gain.matrix)
+    shown = np.eye(len(outlet)) - outlet @ settled
+    sure = whitening(gain.innovation / samples)
+    rows = np.concatenate([solve_triangular(sure, shown, lower=True), np.eye(len(outlet))])
+    told = np.concatenate([solve_triangular(sure, level, lower=True), np.zeros(len(outlet))])
+    found: np.ndarray = np.linalg.lstsq(rows, told, rcond=None)[0]
+    return found

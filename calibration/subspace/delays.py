@@ -122,7 +122,9 @@ def advanced(
     late : sequence of int, samples
         By which each input comes late, fewer than any record has samples.
     """
-    longest = max(late)
+    longest = max(late, default=0)
+    if not longest:
+        return list(drives), list(responses)
     moved = [
         np.stack([drive[longest - each : len(drive) - each, channel] for channel, each in enumerate(late)], axis=1)
         for drive in drives

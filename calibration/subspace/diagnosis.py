@@ -18,6 +18,8 @@ _MISLED = "this method takes part of the controller for the plant, take method a
 _RIGHT = "the model is by PBSID, which a loop does not mislead"
 SPENT = 20
 """Samples for each coefficient of the model, below which there are few."""
+REMEMBERED = 10.0
+"""By how much the prediction's fit, %, may fall where it begins from rest."""
 EXPLAINED = 2.0
 """Fit of the free run, %, below which an output does not follow from the inputs."""
 
@@ -47,6 +49,8 @@ class Diagnosis:
         Whether squares and cubes tell of the outputs.
     unexplained : tuple of int
         Outputs of which the free run tells next to nothing, counted from 0.
+    remembering : tuple of int
+        Outputs that are foretold far worse from rest than from a state that was fitted.
     """
 
     order: int
@@ -61,6 +65,7 @@ class Diagnosis:
     moved_poles: int
     nonlinearity: Nonlinearity
     unexplained: tuple[int, ...] = ()
+    remembering: tuple[int, ...] = ()
 
     @property
     def coefficients(self) -> int:
@@ -98,6 +103,11 @@ class Diagnosis:
             yield f"residuals one step ahead are white (probability {self.whiteness:.2g})"
         else:
             yield "residuals one step ahead are not white: noise or response have more to them than the model"
+        for output in self.remembering:
+            yield (
+                f"from rest output {output + 1} is foretold far worse over such a record than from a state that was "
+                "fitted: begin with initial_predictor_state of a first stretch, or let the predictor run in"
+            )
         if not self.inputs:
             return
         if self.left_out > CROSSED:
@@ -154,5 +164,10 @@ def diagnose(
         *loop,
         moved_poles,
         bent,
-        tuple(int(output) for output in np.flatnonzero(fit.free_run.nrmse < EXPLAINED)) if inputs else (),
+        _outputs(fit.free_run.nrmse < EXPLAINED) if inputs else (),
+        _outputs(fit.from_rest.nrmse < fit.one_step.nrmse - REMEMBERED),
     )
+
+
+def _outputs(which: np.ndarray) -> tuple[int, ...]:
+    return tuple(int(output) for output in np.flatnonzero(which))

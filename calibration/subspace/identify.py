@@ -16,9 +16,11 @@ from calibration.subspace.delays import advanced, checked, delayed, delays
 from calibration.subspace.estimate import Estimate, compress
 from calibration.subspace.excitation import repeated
 from calibration.subspace.feedback import Feedback, feedback
+from calibration.subspace.from_rest import from_rest
 from calibration.subspace.gain_refinement import refine_gain
 from calibration.subspace.identified import Identified
 from calibration.subspace.kalman_gain import Gain, is_stable
+from calibration.subspace.operating_point import rest_near
 from calibration.subspace.outliers import Outliers, outlier_notes, treated
 from calibration.subspace.predicted import estimated
 from calibration.subspace.realization import Method
@@ -121,6 +123,7 @@ def identify(
     late, data, chosen = _chosen(given.drives, given.responses, delay, (horizon, order, way, terms))
     windows, found, gain, values = _fitted(data, chosen, way, terms)
     core = _named(in_units(found, gain, data, rate), *given.sides)
+    driven, held = rest_near((found.transition, found.inlet, found.outlet, found.direct), found.constant)
     result = Identified(
         model=delayed(core, late),
         core=core,
@@ -128,8 +131,8 @@ def identify(
         singular_values=values,
         candidates=chosen.candidates,
         horizon=(windows.layout.past, windows.layout.future),
-        input_offset=data.input_offset,
-        output_offset=data.output_offset + data.output_scale * found.constant,
+        input_offset=data.input_offset + data.input_scale * driven,
+        output_offset=data.output_offset + data.output_scale * held,
         moved_poles=found.moved,
         by_riccati=found.gain.by_riccati,
         method=way,
@@ -139,7 +142,9 @@ def identify(
         responses=given.responses,
         outliers=given.outliers,
     )
-    return _refined(result, terms.direct) if method == "auto" and given.loop.inputs and core.is_stable else result
+    if method == "auto" and given.loop.inputs and core.is_stable:
+        result = _refined(result, terms.direct)
+    return _begun(result)
 
 
 def _check(method: str, rate: float, order: int | None, horizon: int | tuple[int, int] | None) -> None:
@@ -182,12 +187,22 @@ def _refined(found: Identified, has_direct: bool) -> Identified:
     """Refine the model of a plant in a loop by prediction error, unless its free run is worse then."""
     from calibration.subspace.polish import refined_by_prediction  # slow to import
 
-    drives, responses = advanced(found.drives, found.responses, found.delays)
-    low, high = [each - found.input_offset for each in drives], [each - found.output_offset for each in responses]
-    refined = refined_by_prediction(found.core, low, high, has_direct)
+    refined = refined_by_prediction(found.core, *_about(found), has_direct)
     if refined is None:
         return found
     return replace(found, model=delayed(refined.model, found.delays), core=refined.model, refined=refined)
+
+
+def _begun(found: Identified) -> Identified:
+    """Let the predictor begin at zero."""
+    core = from_rest(found.core, *_about(found))
+    return found if core is found.core else replace(found, model=delayed(core, found.delays), core=core)
+
+
+def _about(found: Identified) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return records without delays, about the operating point."""
+    drives, responses = advanced(found.drives, found.responses, found.delays)
+    return [each - found.input_offset for each in drives], [each - found.output_offset for each in responses]
 
 
 def _chosen(

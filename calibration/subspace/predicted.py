@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import LinAlgError
 
-from calibration.subspace.ahead import regress_ahead
+from calibration.subspace.ahead import offset, regress_ahead
 from calibration.subspace.estimate import Compressed, Estimate, estimate
 from calibration.subspace.kalman_gain import Gain, innovation_gain, is_stable, residual_covariances, riccati_gain
 from calibration.subspace.modal import modal
@@ -88,27 +88,9 @@ def predicted(
         found.inlet + gain.matrix @ found.direct,
         outlet,
         found.direct,
-        offset(matrix, outlet, gain.matrix, found.constant),
+        offset(matrix, outlet, gain, found.constant, sum(len(each) for each in errors)),
         Gain(gain.matrix, power / sum(len(each) for each in errors), gain.by_riccati),
         found.states,
         int(np.sum(np.abs(np.linalg.eigvals(raw)) >= 1)) if terms.stable else 0,
         float(np.trace(power)),
     )
-
-
-def offset(transition: np.ndarray, outlet: np.ndarray, gain: np.ndarray, level: np.ndarray) -> np.ndarray:
-    """Return the offset of the outputs, shape (p,), that a predictor which is fed all of them shows as a level.
-
-    Of an integrator any offset gives the level zero: then the shortest.
-
-    Parameters
-    ----------
-    transition : array, shape (n, n), 1
-    outlet : array, shape (p, n), any unit
-    gain : array, shape (n, p), 1 per the outputs' units
-    level : array, shape (p,), the outputs' units
-    """
-    settled = np.linalg.solve(np.eye(len(transition)) - transition + gain @ outlet, gain)
-    shown = np.eye(len(outlet)) - outlet @ settled
-    found: np.ndarray = np.linalg.lstsq(shown, level, rcond=1e-6)[0]
-    return found

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from calibration.subspace.ahead import regress_ahead
+from calibration.subspace.ahead import offset, regress_ahead
 from calibration.subspace.estimate import Estimate
 from calibration.subspace.kalman_gain import Gain
 from calibration.subspace.modal import modal
@@ -65,7 +65,7 @@ def weighted(
         estimate,
         inlet=found.inlet + gain.matrix @ found.direct,
         direct=found.direct,
-        constant=found.constant,
+        constant=offset(estimate.transition, estimate.outlet, gain, found.constant, sum(map(len, drives))),
         states=found.states,
     )
     left = sum(float(np.sum(each**2)) for each in left_by_free_run(again, drives, measured))
