@@ -10,7 +10,9 @@ from calibration.state_space.model import InnovationModel
 from calibration.subspace.lagged import OWN, SAMPLES, lagged
 
 LONGEST = 100
-"""Lags of the inputs, at most, that each output is explained by."""
+"""Lags of the inputs, at most, that each output is explained by at once."""
+FARTHEST, PART = 2000, 2
+"""Lags at which an input is looked for, at most, and of which part of the shortest record."""
 ROWS = 20
 """Samples that are wanted for each coefficient."""
 HEARD = 5.0
@@ -29,10 +31,13 @@ class Delays:
         -1 where it never does within the lags that were looked at.
     certainty : array, shape (p, m), 1
         The coefficient there over its standard error; the largest one where none is beyond `HEARD`.
+    reach : int, samples
+        The longest lag that was looked at.
     """
 
     samples: np.ndarray
     certainty: np.ndarray
+    reach: int
 
     @property
     def of_inputs(self) -> tuple[int, ...]:
@@ -48,7 +53,8 @@ def delays(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]) -> Del
     """Find the first lag of each input that tells something of each output, beside all other lags.
 
     Each output by itself is explained by its past and that of the others, which takes the colour of the noise away, and
-    by the inputs' lags from 0 on.  None where records are too short, or inputs too poor, to tell lags apart.
+    by the inputs' lags from 0 on.  Of an input that no output hears of so soon, later lags are looked at in its place.
+    None where records are too short, or inputs too poor, to tell lags apart.
 
     Parameters
     ----------
@@ -65,8 +71,24 @@ def delays(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]) -> Del
         return None
     total = min(SAMPLES, sum(len(drive) for drive in drives))
     lags = min(LONGEST, (total // ROWS - OWN * outputs) // inputs - 1)
-    if lags < 2 * LEAST:
+    if lags < 2 * LEAST or (told := _told(drives, responses, lags)) is None:
         return None
+    found = _first(told, 0)
+    farthest = min(FARTHEST, min(len(drive) for drive in drives) // PART - lags)
+    reach = lags
+    for late in range(lags + 1, farthest + 1, lags + 1):
+        unheard = ~np.any(found.samples >= 0, axis=0)
+        if not unheard.any() or (told := _told(*advanced(drives, responses, late * unheard), lags)) is None:
+            break
+        further, reach = _first(told, late), late + lags
+        samples = np.where(unheard, further.samples, found.samples)
+        found = Delays(samples, np.where(unheard, further.certainty, found.certainty), lags)
+    return replace(found, reach=reach)
+
+
+def _told(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], lags: int) -> np.ndarray | None:
+    """Return each lag's coefficient over its standard error, (p, m, lags + 1); none where lags cannot be told apart."""
+    inputs, outputs = drives[0].shape[1], responses[0].shape[1]
     regressors, wanted, _ = lagged(drives, responses, lags)
     products = regressors.T @ regressors
     scale = np.sqrt(np.diag(products))
@@ -81,11 +103,15 @@ def delays(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]) -> Del
     left = wanted - (regressors / scale) @ found
     size = np.sqrt(np.mean(left**2, axis=0) * len(left) / (len(left) - len(products)))
     sure = np.abs(found) / (np.sqrt(np.maximum(inverse, 0.0))[:, None] * size)
-    told = sure[OWN * outputs :].reshape(lags + 1, inputs, outputs).transpose(2, 1, 0)
+    return np.asarray(sure[OWN * outputs :].reshape(lags + 1, inputs, outputs).transpose(2, 1, 0))
+
+
+def _first(told: np.ndarray, late: int) -> Delays:
+    """Return the first lags that are no chance, of inputs that come so late."""
     first = np.argmax(told > HEARD, axis=2)
     is_heard = (told > HEARD).any(axis=2)
     certainty = np.where(is_heard, np.take_along_axis(told, first[..., None], axis=2)[..., 0], told.max(axis=2))
-    return Delays(np.where(is_heard, first, -1), certainty)
+    return Delays(np.where(is_heard, late + first, -1), certainty, told.shape[2] - 1)
 
 
 def checked(delay: int | Sequence[int], inputs: int, shortest: int) -> tuple[int, ...]:

@@ -83,7 +83,10 @@ class Examination:
             if at:
                 yield f"input {number + 1} is heard after so many samples: {', '.join(at)}"
             else:
-                yield f"no output hears of input {number + 1}: what is identified of it is noise"
+                yield (
+                    f"no output hears of input {number + 1} within {found.reach} samples: what is identified of it is "
+                    "noise, or it comes later than that"
+                )
 
 
 @on_one_thread

@@ -44,6 +44,25 @@ def test_an_input_that_nobody_hears_is_not_late() -> None:
     assert found.of_inputs == (0, 0)
 
 
+@pytest.mark.parametrize(("late", "samples"), [(101, 3000), (150, 4000), (640, 4000), (1500, 8000)])
+def test_dead_time_of_hundreds_of_samples_is_found_beside_an_input_without(late: int, samples: int) -> None:
+    drive, response = late_record(order_18(), (late, 0, 4), samples, seed=1)
+    found = delays([drive], [response])
+    assert found is not None
+    assert abs(found.of_inputs[0] - late) <= 2
+    assert found.reach >= late
+
+
+def test_how_far_was_looked_is_told() -> None:
+    noise = [np.random.default_rng(seed).standard_normal((3000, 1)) for seed in (1, 2)]
+    found = delays(noise[:1], noise[1:])
+    assert found is not None
+    assert (found.samples[0, 0], found.reach > 1000) == (-1, True)
+    heard = delays(*([each] for each in order_7().record(3000, seed=1)))
+    assert heard is not None
+    assert heard.reach == 100
+
+
 def test_of_short_records_and_of_poor_inputs_nothing_is_said() -> None:
     drive, response = order_7().record(300, seed=1)
     assert delays([drive], [response]) is None
