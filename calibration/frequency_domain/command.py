@@ -71,6 +71,8 @@ def response_command(
     stream = words(json)
     print_table(f"{source}: {found.told}", FIT_HEAD, fit_rows(found, measured), stream)
     print_table("modes, +- one standard error", MODE_HEAD, mode_rows(found), stream)
+    if out is not None:
+        stream.write(f"report: {out.with_suffix('.html')}\n")
     write_json(json, fit_figures(found, measured))
 
 
@@ -108,7 +110,8 @@ def _read(
     found = frequency_response(
         spectra(recording.data[:, :count], recording.data[:, count:], recording.rate, resolution)
     )
-    known = (found.frequency > 0) & np.isfinite(found.variance).all(axis=(1, 2))
+    known = (found.frequency > 0) & (found.frequency < recording.rate / 2)
+    known &= np.isfinite(found.variance).all(axis=(1, 2))
     return found.frequency[known], found.response[known], found.variance[known]
 
 

@@ -88,23 +88,22 @@ class ResponseModel:
         Returns
         -------
         structured array, shape (modes,)
-            Fields `frequency` and `frequency_error` (Hz), `damping` and `damping_error` (1), by rising frequency.
+            Fields `frequency` and `frequency_error` (Hz), `damping` and `damping_error` (1), by rising frequency.  At
+            a rate they are those of s = rate ln z, with z a pole of A.
         """
         form, pairs = self.form, len(self.form.turn)
-        turn = np.zeros(len(form.decay))
-        turn[:pairs] = form.turn
-        size = np.hypot(form.decay, turn)
-        damping = form.decay / size
-        count = len(form.decay)
-        by_size, by_damping = np.zeros((count, len(self.covariance))), np.zeros((count, len(self.covariance)))
+        poles, slope = _continuous(self.scale * form.poles, self.rate)
+        count = len(poles)
+        moved = np.zeros((count, len(self.covariance)), complex)  # by each of the form's numbers
         at, own = np.arange(count), np.arange(pairs)
-        by_size[at, at] = form.decay**2 / size  # by log decay
-        by_size[own, count + own] = turn[:pairs] / size[:pairs]
-        by_damping[at, at] = damping * (1 - damping**2)
-        by_damping[own, count + own] = -damping[:pairs] * turn[:pairs] / size[:pairs] ** 2
+        moved[at, at] = -slope * self.scale * form.decay
+        moved[own, count + own] = 1j * slope[:pairs] * self.scale * np.sign(form.turn)
+        size = np.abs(poles)
+        damping = -poles.real / size
+        by_size = (poles.conj()[:, np.newaxis] * moved).real / size[:, np.newaxis]
+        by_damping = -(moved.real + damping[:, np.newaxis] * by_size) / size[:, np.newaxis]
         spread = [np.sqrt(np.einsum("ic,cd,id->i", by, self.covariance, by)) for by in (by_size, by_damping)]
-        natural, slope = _hertz(self.scale * size, self.rate)
-        columns = (natural, slope * self.scale * spread[0], damping, spread[1])
+        columns = (size / (2 * np.pi), spread[0] / (2 * np.pi), damping, spread[1])
         names = ("frequency", "frequency_error", "damping", "damping_error")
         found = np.array(list(zip(*columns, strict=True)), dtype=[(name, float) for name in names])
         return np.sort(found, order="frequency")
@@ -186,8 +185,12 @@ def covariance_of(normal: np.ndarray, spread: float) -> np.ndarray:
     return covariance
 
 
-def _hertz(size: np.ndarray, rate: float | None) -> tuple[np.ndarray, np.ndarray]:
-    """Return frequencies, Hz, of |s| in rad/s, and their slope by it."""
+def _continuous(poles: np.ndarray, rate: float | None) -> tuple[np.ndarray, np.ndarray]:
+    """Return the poles in continuous time, rad/s, of which a form's are the bilinear image at a rate, and the slope.
+
+    Those at a rate are s = rate ln z with z = (1 + w / 2 rate) / (1 - w / 2 rate).
+    """
     if rate is None:
-        return size / (2 * np.pi), np.full(len(size), 1 / (2 * np.pi))
-    return rate / np.pi * np.arctan(size / (2 * rate)), 1 / (2 * np.pi * (1 + (size / (2 * rate)) ** 2))
+        return poles, np.ones(len(poles))
+    turned = poles / (2 * rate)
+    return rate * np.log((1 + turned) / (1 - turned)), 1 / (1 - turned**2)

@@ -49,7 +49,7 @@ def test_a_recording_is_fitted_by_its_response(tmp_path: Path, monkeypatch: pyte
     drive, response = system.record(40_000, seed=1)
     record = Recording(("u", "y"), ("1", "1"), RATE, np.hstack([drive, response]), {})
     recording.write(tmp_path / "noise.csv", record)
-    channels = ("--inputs", "u", "--outputs", "y", "--rate", RATE, "--resolution", RATE / 800, "--band", 1, 450)
+    channels = ("--inputs", "u", "--outputs", "y", "--rate", RATE, "--resolution", RATE / 800)
     assert call(monkeypatch, tmp_path / "noise.csv", *channels, "--order", 7, "--json", told) == 0
     modes = json.loads(told.read_text())["modes"]
     true = system.model.modes

@@ -1,5 +1,6 @@
 """Models of frequency responses against the systems that the responses are of."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import ArrayLike
 from calibration.frequency_domain import ResponseModel, identify_response, merged
 from calibration.frequency_domain.modal_form import ModalForm
 from calibration.frequency_domain.response_model import read_response_model
+from calibration.state_space.modes import modes as state_space_modes
 
 MODES = np.array([12.0, 31.0, 33.5, 80.0, 140.0])
 DAMPING = np.array([0.02, 0.01, 0.03, 0.015, 0.05])
@@ -114,6 +116,25 @@ def _true(form: ModalForm, lines: np.ndarray, rate: float | None) -> tuple[np.nd
     model = ResponseModel(form, scale, rate, none, 1.0, (lines[0], lines[-1]))
     modes = model.poles()
     return modes[modes["damping"] < 0.5], model.response(lines)
+
+
+@pytest.mark.parametrize("rate", [450.0, 2000.0])
+def test_at_a_rate_modes_are_those_of_the_matrices(rate: float) -> None:
+    found = identify_response(*noisy(truth(1, 2), FREQUENCY, 0.01), order=11, rate=rate)
+    expected = state_space_modes(np.linalg.eigvals(found.matrices[0]), rate)
+    for name in ("frequency", "damping"):
+        np.testing.assert_allclose(found.poles()[name], getattr(expected, name), rtol=1e-9)
+
+
+@pytest.mark.parametrize("rate", [None, 450.0])
+def test_errors_of_modes_follow_those_of_the_numbers(rate: float | None) -> None:
+    found = identify_response(*noisy(truth(1, 1), FREQUENCY, 0.01), order=11, rate=rate)
+    step, start = 1e-6, found.form.numbers
+    for name in ("frequency", "damping"):
+        forms = [found.form.with_numbers(start + step * unit) for unit in np.eye(len(start))]
+        moved = [(replace(found, form=form).poles()[name] - found.poles()[name]) / step for form in forms]
+        expected = np.sqrt(np.einsum("cm,cd,dm->m", moved, found.covariance, moved))
+        np.testing.assert_allclose(found.poles()[f"{name}_error"], expected, rtol=1e-3, atol=1e-12)
 
 
 def test_bands_and_records_are_merged_by_their_variances() -> None:
