@@ -154,7 +154,7 @@ def fit(
     responses : sequence of arrays, each of shape (N, p), the outputs' units
         As `drives`.
     lags : int, samples
-        Of the residuals' correlations.
+        Of the residuals' correlations, at most: half of the longest record, and of records that are longer than that.
     fitted : int
         Coefficients of the noise model that were fitted to these very records; 0 on fresh data.
     """
@@ -165,12 +165,14 @@ def fit(
         rested.append(model.predict(drive, response))
     measured = np.concatenate(responses)
     residuals = [response - predicted for response, predicted in zip(responses, ahead, strict=True)]
+    lags = max(1, min(lags, max(map(len, residuals)) // 2))
+    long, pushed = ([each for each in side if len(each) > lags] for side in (residuals, drives))
     return Fit(
         measures(measured, np.concatenate(free)),
         measures(measured, np.concatenate(ahead)),
         measures(measured, np.concatenate(rested)),
-        whiteness(residuals, lags, fitted),
-        cross_correlation(residuals, drives, lags),
+        whiteness(long, lags, fitted),
+        cross_correlation(long, pushed, lags),
     )
 
 

@@ -1,11 +1,11 @@
 """Records cut where samples are missing, so that what is whole can be used."""
 
-import warnings
 from collections.abc import Sequence
 
 import numpy as np
 
 from calibration.stretches import stretches
+from calibration.warned import warn
 
 ENOUGH = 160
 """Samples beyond which a longer stretch is worth no more than its samples: four horizons of the usual length."""
@@ -74,8 +74,8 @@ def without_gaps(
     if not found:
         raise ValueError(f"{missing} samples are missing, and between them there is no stretch of {least} samples")
     kept, samples = sum(len(drive) for drive, _ in found), sum(len(present) for present in whole)
-    missed = f"{missing} of {samples} samples are missing{_and_held(repeated)}"
-    warnings.warn(f"{missed}: {kept} in {len(found)} stretch{'es' * (len(found) > 1)} are used", stacklevel=3)
+    missed = f"{missing} of {samples} samples {'are' if missing > 1 else 'is'} missing{_and_held(repeated)}"
+    warn(f"{missed}: {kept} in {len(found)} stretch{'es' * (len(found) > 1)} are used")
     return [drive for drive, _ in found], [response for _, response in found]
 
 

@@ -1,13 +1,16 @@
 """Records of inputs and outputs as people hand them over: one or several, checked before anything is computed."""
 
-import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from calibration.warned import warn
 from rigkit.column_titles import names_and_units
 
+LARGEST, SMALLEST = 1e100, 1e-100
+"""Of the largest value of a record, any unit: squares of others are no numbers."""
 WIDE = 4
 """Times as many channels as samples that are taken for a record that lies on its side."""
 
@@ -100,7 +103,14 @@ def side_of(signal: Any, name: str) -> Side:
             raise ValueError(
                 f"{name} of record {number + 1} has shape {array.shape}, must be (N, width), all of one width"
             )
+    if (size := _size(records)) and not SMALLEST <= size <= LARGEST:
+        raise ValueError(f"{name} is as large as {size:g}, must be {SMALLEST:g} to {LARGEST:g}: take another unit")
     return Side(records, *_words(parts[0], records[0].shape[1]))
+
+
+def _size(records: list[np.ndarray]) -> float:
+    """Return the largest value that is there, 0 where there is none."""
+    return max((float(np.max(np.abs(each), initial=0.0, where=np.isfinite(each))) for each in records), default=0.0)
 
 
 def _are_several(signal: Any) -> bool:
@@ -120,6 +130,11 @@ def _depth(item: Any) -> int:
 
 def _values(part: Any, name: str) -> np.ndarray:
     """Return the numbers of a record, of any shape; missing ones are not finite."""
+    if isinstance(part, Mapping):
+        names = [str(key) for key in part if not str(key).startswith("__")]
+        raise ValueError(f"{name} is a mapping of {', '.join(names[:9]) or 'nothing'}: give one of what it holds")
+    if part is None:
+        raise ValueError(f"{name} is None, must be an array (N, width) or (N,)")
     values = part.to_numpy() if hasattr(part, "to_numpy") else part
     if isinstance(values, np.ma.MaskedArray):
         values = np.ma.filled(values.astype(float), np.nan)
@@ -137,10 +152,9 @@ def _upright(array: np.ndarray, name: str) -> np.ndarray:
         return array[:, None]
     if array.ndim == 2 and array.shape[1] > WIDE * array.shape[0]:
         channels, samples = array.shape
-        warnings.warn(
+        warn(
             f"{name} has shape {array.shape}: taken for {channels} channel{'s' * (channels > 1)} of {samples} samples, "
-            f"not for {samples} channels of {channels} sample{'s' * (channels > 1)}",
-            stacklevel=2,
+            f"not for {samples} channels of {channels} sample{'s' * (channels > 1)}"
         )
         return np.ascontiguousarray(array.T)
     return array

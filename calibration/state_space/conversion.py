@@ -14,15 +14,16 @@ from calibration.state_space.model import InnovationModel
 def to_control(model: InnovationModel) -> Any:
     """Return a `control.StateSpace` from inputs to outputs, with the signals' names.
 
+    Of a model without inputs it is from innovations to outputs, (A, K, C, I).
+
     Raises
     ------
     ImportError : python-control is not installed.
     """
     import control
 
-    return control.StateSpace(
-        model.A, model.B, model.C, model.D, 1 / model.rate, inputs=model.input_names, outputs=model.output_names
-    )
+    names = model.input_names or tuple(f"e[{name}]" for name in model.output_names)
+    return control.StateSpace(*_matrices(model), 1 / model.rate, inputs=names, outputs=model.output_names)
 
 
 def from_control(system: Any, gain: np.ndarray | None = None, innovation: np.ndarray | None = None) -> InnovationModel:
@@ -46,10 +47,13 @@ def from_control(system: Any, gain: np.ndarray | None = None, innovation: np.nda
 
 
 def to_scipy(model: InnovationModel) -> Any:
-    """Return a discrete `scipy.signal.StateSpace` from inputs to outputs."""
+    """Return a discrete `scipy.signal.StateSpace` from inputs to outputs.
+
+    Of a model without inputs it is from innovations to outputs, (A, K, C, I).
+    """
     from scipy.signal import StateSpace
 
-    return StateSpace(model.A, model.B, model.C, model.D, dt=1 / model.rate)
+    return StateSpace(*_matrices(model), dt=1 / model.rate)
 
 
 def from_scipy(system: Any, gain: np.ndarray | None = None, innovation: np.ndarray | None = None) -> InnovationModel:
@@ -69,6 +73,12 @@ def from_scipy(system: Any, gain: np.ndarray | None = None, innovation: np.ndarr
     """
     rate = _rate(system.dt)
     return _model(system.to_ss(), rate, gain, innovation, ((), ()))
+
+
+def _matrices(model: InnovationModel) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    if not model.inputs:
+        return model.A, model.K, model.C, np.eye(model.outputs)
+    return model.A, model.B, model.C, model.D
 
 
 def _model(

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from calibration.state_space import model_kernel
 from calibration.state_space.model_checks import MATRICES, check_matrices, check_words
@@ -110,12 +111,12 @@ class InnovationModel:
         """Whether every free response decays."""
         return bool(np.all(np.abs(self.poles) < 1))
 
-    def simulate(self, drive: np.ndarray, state: np.ndarray | None = None) -> np.ndarray:
+    def simulate(self, drive: ArrayLike, state: np.ndarray | None = None) -> np.ndarray:
         """Return the free run: the response to a drive alone, without innovations.
 
         Parameters
         ----------
-        drive : array, shape (N, m), the inputs' units
+        drive : array, shape (N, m), (N,) of one, the inputs' units
         state : array, shape (n,), 1, optional
             At the first sample; zero where not given.
 
@@ -129,12 +130,12 @@ class InnovationModel:
         model_kernel.free_run(a, b, c, d, drive, self._state(state), response)
         return response
 
-    def predict(self, drive: np.ndarray, response: np.ndarray, state: np.ndarray | None = None) -> np.ndarray:
+    def predict(self, drive: ArrayLike | None, response: ArrayLike, state: np.ndarray | None = None) -> np.ndarray:
         """Return each sample as predicted from those before it, and from the drive up to it: one step ahead.
 
         Parameters
         ----------
-        drive : array, shape (N, m), the inputs' units
+        drive : array, shape (N, m), (N,) of one, the inputs' units; None where there are none
         response : array, shape (N, p), the outputs' units
             As measured.
         state : array, shape (n,), 1, optional
@@ -144,35 +145,36 @@ class InnovationModel:
         -------
         array, shape (N, p), the outputs' units
         """
-        drive, response = self._signal("drive", drive, self.inputs), self._signal("response", response, self.outputs)
-        _same_length(drive, response)
+        drive, response = self._signals(drive, response)
         predicted = np.empty_like(response)
         a, b, c, d, k = (matrix.T.copy() for matrix in (self.A, self.B, self.C, self.D, self.K))
         model_kernel.one_step_ahead(a, b, c, d, k, drive, response, self._state(state), predicted)
         return predicted
 
-    def initial_state(self, drive: np.ndarray, response: np.ndarray) -> np.ndarray:
+    def initial_state(self, drive: ArrayLike | None, response: ArrayLike) -> np.ndarray:
         """Return the state, shape (n,), from which the free run fits a measured response best, by least squares.
 
         Each output counts in units of its innovation's standard deviation.
 
         Parameters
         ----------
-        drive : array, shape (N, m), the inputs' units
+        drive : array, shape (N, m), (N,) of one, the inputs' units; None where there are none
         response : array, shape (N, p), the outputs' units
         """
+        drive, response = self._signals(drive, response)
         return self._fitted_state(self.A, response - self.simulate(drive))
 
-    def initial_predictor_state(self, drive: np.ndarray, response: np.ndarray) -> np.ndarray:
+    def initial_predictor_state(self, drive: ArrayLike | None, response: ArrayLike) -> np.ndarray:
         """Return the state, shape (n,), from which the prediction one step ahead fits best, by least squares.
 
         Each output counts in units of its innovation's standard deviation.
 
         Parameters
         ----------
-        drive : array, shape (N, m), the inputs' units
+        drive : array, shape (N, m), (N,) of one, the inputs' units; None where there are none
         response : array, shape (N, p), the outputs' units
         """
+        drive, response = self._signals(drive, response)
         return self._fitted_state(self.A - self.K @ self.C, response - self.predict(drive, response))
 
     def frequency_response(self, frequency: np.ndarray) -> np.ndarray:
@@ -226,13 +228,19 @@ class InnovationModel:
             raise ValueError(f"state has shape {np.shape(state)}, must be ({self.order},)")
         return np.array(state, dtype=float)
 
-    def _signal(self, name: str, signal: np.ndarray, width: int) -> np.ndarray:
-        signal = np.asarray(signal)
-        if signal.ndim != 2 or signal.shape[1] != width:
-            raise ValueError(f"{name} has shape {signal.shape}, must be (N, {width})")
-        return np.array(signal, dtype=float, order="C")
+    def _signal(self, name: str, signal: ArrayLike, width: int) -> np.ndarray:
+        array = np.array(signal, dtype=float, order="C")
+        if array.ndim == 1 and width == 1:
+            return array[:, None]
+        if array.ndim != 2 or array.shape[1] != width:
+            raise ValueError(f"{name} has shape {array.shape}, must be (N, {width}){' or (N,)' * (width == 1)}")
+        return array
 
-
-def _same_length(drive: np.ndarray, response: np.ndarray) -> None:
-    if len(drive) != len(response):
-        raise ValueError(f"drive has {len(drive)} samples and response {len(response)}, must be as many")
+    def _signals(self, drive: ArrayLike | None, response: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        heard = self._signal("response", response, self.outputs)
+        if drive is None and self.inputs:
+            raise ValueError(f"drive is None, must be (N, {self.inputs}): the model has inputs")
+        pushed = self._signal("drive", np.zeros((len(heard), 0)) if drive is None else drive, self.inputs)
+        if len(pushed) != len(heard):
+            raise ValueError(f"drive has {len(pushed)} samples and response {len(heard)}, must be as many")
+        return pushed, heard

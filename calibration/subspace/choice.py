@@ -1,7 +1,6 @@
 """Horizon and order together, by what models of each leave of blocks of the records that were held out in turn."""
 
 import math
-import warnings
 from dataclasses import dataclass
 
 from calibration.subspace.horizons import affordable, given, longer, usual
@@ -11,6 +10,7 @@ from calibration.subspace.regression import Terms
 from calibration.subspace.signals import Signals
 from calibration.subspace.trials import ALIKE, Trials
 from calibration.subspace.windows import Layout
+from calibration.warned import warn
 
 HORIZONS = (5, 10, 15, 20, 30, 40, 60)
 """Samples, past and future, as far as records allow."""
@@ -79,7 +79,7 @@ def choose(
             break
         best = again
     if order is None and 2 * best.order >= trials.most:
-        warnings.warn(f"{data.samples} samples are few: orders beyond {trials.most} were not tried", stacklevel=5)
+        warn(f"{data.samples} samples are few: orders beyond {trials.most} were not tried")
     told = [each.candidate for each in done if math.isfinite(each.score)]
     return Choice(best.layout, best.order, tuple(sorted(told, key=lambda each: (each.order, each.horizon))), best.score)
 

@@ -114,28 +114,6 @@ def _first(told: np.ndarray, late: int) -> Delays:
     return Delays(np.where(is_heard, late + first, -1), certainty, told.shape[2] - 1)
 
 
-def checked(delay: int | Sequence[int], inputs: int, shortest: int) -> tuple[int, ...]:
-    """Return the delay of each input.
-
-    Parameters
-    ----------
-    delay : int or sequence of int, samples
-    inputs : int
-    shortest : int, samples
-        Of the records.
-
-    Raises
-    ------
-    ValueError : not one delay or one for each input, a negative one, or one as long as a record.
-    """
-    late = (delay,) * inputs if isinstance(delay, int) else tuple(int(each) for each in delay)
-    if len(late) != inputs:
-        raise ValueError(f"delay has {len(late)} entries, must be one number or one for each of {inputs} inputs")
-    if not all(0 <= each < shortest // 2 for each in late):
-        raise ValueError(f"delay is {delay}, must be 0 to {shortest // 2 - 1} samples, half of the shortest record")
-    return late
-
-
 def advanced(
     drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], late: Sequence[int]
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:

@@ -95,6 +95,11 @@ class Diagnosis:
                 f"inputs excite persistently of order {self.persistence} only, {2 * self.order} is wanted: "
                 "much of the model is guessed"
             )
+        elif self.persistence < MOST:
+            yield (
+                f"inputs excite persistently of order {self.persistence}: enough for a model of this order, but "
+                f"of more than {self.persistence // 2} states much would be guessed"
+            )
         else:
             yield "inputs excite enough for a model of this order"
         if self.samples * self.outputs < SPENT * self.coefficients:
@@ -125,7 +130,11 @@ class Diagnosis:
             )
         yield from self.of_plant
         if self.moved_poles:
-            yield f"{self.moved_poles} poles were moved into the unit circle: look at the records for drift or a step"
+            which = f"{self.moved_poles} poles were" if self.moved_poles > 1 else "1 pole was"
+            yield (
+                f"{which} moved into the unit circle: look at the records for drift or a step; where the plant itself "
+                "is unstable or integrates, take stable=False"
+            )
 
 
 def diagnose(

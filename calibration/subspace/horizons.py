@@ -35,8 +35,6 @@ def given(data: Signals, horizon: int | tuple[int, int], order: int | None) -> L
     ValueError : horizons that the records are too short for, or an order that the horizons cannot tell.
     """
     past, future = (horizon, horizon) if isinstance(horizon, int) else horizon
-    if not (past >= 1 and future >= 2):
-        raise ValueError(f"horizon is {past} past and {future} future samples, must be at least 1 and 2")
     layout = Layout(past, future, len(data.input_scale), len(data.output_scale))
     windows = sum(len(drive) - layout.length + 1 for drive in data.drives)
     if _shortest(data) < layout.length or windows < len(layout.order):

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from calibration.fit_measures import Fit
-from calibration.records import as_records
+from calibration.gaps import without_gaps
+from calibration.records import as_records, sides_of
 from calibration.state_space.conversion import to_control, to_scipy
 from calibration.state_space.model import InnovationModel
 from calibration.state_space.response_errors import ResponseErrors
@@ -152,12 +153,13 @@ class Identified:
 
         Raises
         ------
-        ValueError : other numbers of channels, lengths that differ, a value that is not finite.
+        ValueError : other numbers of channels, or lengths that differ.
         """
-        drives, responses = as_records(u, y)
-        for name, records, wanted in (("input", drives, self.model.inputs), ("output", responses, self.model.outputs)):
-            if records[0].shape[1] != wanted:
-                raise ValueError(f"records have {records[0].shape[1]} {name}s, the model has {wanted}")
+        inputs, outputs = sides_of(u, y)
+        for name, side, wanted in (("input", inputs, self.model.inputs), ("output", outputs, self.model.outputs)):
+            if side.records[0].shape[1] != wanted:
+                raise ValueError(f"records have {side.records[0].shape[1]} {name}s, the model has {wanted}")
+        drives, responses = without_gaps(inputs.records, outputs.records)
         return self._beside(drives, responses, 0)
 
     def residuals(self) -> tuple[np.ndarray, ...]:

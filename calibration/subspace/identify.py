@@ -1,9 +1,8 @@
 """Subspace identification: records in, a model in innovation form (2.1) out."""
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 import numpy as np
 
@@ -11,8 +10,9 @@ from calibration.gaps import without_gaps
 from calibration.one_thread import on_one_thread
 from calibration.records import Side, sides_of
 from calibration.state_space.model import InnovationModel
+from calibration.subspace import asked
 from calibration.subspace.choice import Choice, choose
-from calibration.subspace.delays import advanced, checked, delayed, delays
+from calibration.subspace.delays import advanced, delayed, delays
 from calibration.subspace.estimate import Estimate, compress
 from calibration.subspace.excitation import repeated
 from calibration.subspace.feedback import Feedback, feedback
@@ -30,6 +30,7 @@ from calibration.subspace.signals import Detrend, Signals, levelled, signals
 from calibration.subspace.trials import ALIKE
 from calibration.subspace.weighting import left_by_free_run, weighted
 from calibration.subspace.windows import Windows
+from calibration.warned import warn
 
 FEW = 10
 """Samples of delay that a model can as well have as states: then both are chosen freely before they are compared."""
@@ -116,7 +117,8 @@ def identify(
     >>> found.model.order, round(float(found.model.poles[0].real), 6)
     (1, 0.9)
     """
-    _check(method, rate, order, horizon)
+    asked.check(rate, method, stable, direct)
+    order, horizon = asked.order_of(order), asked.horizon_of(horizon)
     given = _given(u, y, detrend, outliers)
     way: Method = method if method != "auto" else "pbsid" if given.loop.inputs else "moesp"
     terms = Terms(way != "pbsid" if direct == "auto" else direct, detrend != "none", stable, way == "pbsid")
@@ -147,15 +149,6 @@ def identify(
     return _begun(result)
 
 
-def _check(method: str, rate: float, order: int | None, horizon: int | tuple[int, int] | None) -> None:
-    if horizon is None and order is not None and not order >= 1:  # a horizon has bounds of its own for it
-        raise ValueError(f"order is {order}, must be >= 1")
-    if method not in ("auto", *get_args(Method)):
-        raise ValueError(f"method is {method!r}, must be one of auto, {', '.join(get_args(Method))}")
-    if not (np.isfinite(rate) and rate > 0):
-        raise ValueError(f"rate is {rate}, must be > 0 samples/s")
-
-
 @dataclass(frozen=True)
 class _Given:
     """Records without gaps, outliers, and what each is to lose of its own."""
@@ -173,10 +166,10 @@ def _given(u: Any, y: Any, detrend: Detrend, outliers: Outliers) -> _Given:
     drives, responses = without_gaps(inputs.records, outputs.records)
     if pair := repeated(drives):
         first, second = (each + 1 for each in pair)
-        warnings.warn(f"inputs {first} and {second} are the same signal: they share a response", stacklevel=4)
+        warn(f"inputs {first} and {second} are the same signal: they share a response")
     responses, found = treated(drives, responses, outliers)
     for sentence in outlier_notes(found):
-        warnings.warn(sentence, stacklevel=4)
+        warn(sentence)
     drives, responses = levelled(drives, detrend), levelled(responses, detrend)
     data = signals(drives, responses, has_mean=True)
     loop = feedback(data.drives, data.responses)
@@ -214,17 +207,18 @@ def _chosen(
     """Return what is taken for the delays of the inputs, the records without them, and horizon and order."""
     has_mean, inputs = wanted[3].constant, drives[0].shape[1]
     data = signals(drives, responses, has_mean)
-    if delay == "auto":
+    given = asked.delay_of(delay, inputs, min(len(drive) for drive in drives))
+    if given == "auto":
         seen = delays(data.drives, data.responses)
         late = (0,) * inputs if seen is None else seen.of_inputs
     else:
-        late = checked(delay, inputs, min(len(drive) for drive in drives))
+        late = given
     if not any(late):
         return late, data, choose(data, *wanted)
     moved = signals(*advanced(drives, responses, late), has_mean)
     horizon, order, method, terms = wanted
-    found = choose(moved, horizon, order, method, terms, is_compared=delay == "auto")
-    if delay == "auto":
+    found = choose(moved, horizon, order, method, terms, is_compared=given == "auto")
+    if given == "auto":
         alone = (horizon, order) if max(late) <= FEW else ((found.layout.past, found.layout.future), found.order)
         without = choose(data, *alone, method, terms, is_compared=True)
         if without.score > found.score + ALIKE:

@@ -33,7 +33,7 @@ def test_what_is_whole_between_gaps_of_either_side_is_used(value: float) -> None
 def test_what_is_too_short_is_left_out() -> None:
     response = RESPONSE.copy()
     response[5] = np.nan
-    with pytest.warns(UserWarning, match="1 of 40 samples are missing: 34 in 2 stretches are used"):
+    with pytest.warns(UserWarning, match="1 of 40 samples is missing: 34 in 2 stretches are used"):
         drives, _ = without_gaps([DRIVE, DRIVE], [response, RESPONSE], 6)
     assert [len(drive) for drive in drives] == [14, 20]
 
@@ -59,7 +59,7 @@ def test_without_a_length_that_is_asked_for_most_is_kept_of_what_is_long(
 ) -> None:
     response = np.zeros((900, 1))
     response[list(gaps)] = np.nan
-    with pytest.warns(UserWarning, match="samples are missing"):
+    with pytest.warns(UserWarning, match=r"samples (are|is) missing"):
         drives, _ = without_gaps([np.zeros((900, 1))], [response])
     assert [len(drive) for drive in drives] == kept
 

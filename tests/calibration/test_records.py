@@ -104,7 +104,7 @@ def test_samples_that_are_masked_are_missing() -> None:
         ([SIGNAL, SIGNAL[:, :1]], SIGNAL, r"input of record 2 has shape \(12, 1\), must be \(N, width\)"),
         (SIGNAL, SIGNAL[:7], r"inputs have \[12\] samples and outputs \[7\], must be as many in each record"),
         (SIGNAL[:, :0], SIGNAL, r"input of record 1 has shape \(12, 0\)"),
-        ({"u": SIGNAL}, SIGNAL, "input is dict of what are no numbers"),
+        ({"u": SIGNAL}, SIGNAL, "input is a mapping of u: give one of what it holds"),
     ],
 )
 def test_what_is_no_record_is_refused_by_name(drive: Any, response: Any, reason: str) -> None:

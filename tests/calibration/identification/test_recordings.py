@@ -95,7 +95,7 @@ def test_stretches_too_short_to_be_decimated_or_held_back_are_left_out(
     text[2001] = ",".join([*text[2001].split(",")[:-1], ""])
     (folder / "tail.csv").write_text("\n".join(text))
     assert identify(monkeypatch, folder / "tail.csv", *CHANNELS, "--order", "8", "--decimate", "4") == 0
-    assert "1 of 2200 samples are missing: 2000 in 1 stretch are used" in capsys.readouterr().out.replace("\n", " ")
+    assert "1 of 2200 samples is missing: 2000 in 1 stretch are used" in capsys.readouterr().out.replace("\n", " ")
     text[1::50] = [",".join([*line.split(",")[:-1], "nan"]) for line in text[1::50]]
     (folder / "many.csv").write_text("\n".join(text))
     assert identify(monkeypatch, folder / "many.csv", *CHANNELS) == 2

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from calibration import subspace
-from calibration.subspace.delays import LEAST, advanced, checked, delayed, delays
+from calibration.subspace.asked import delay_of
+from calibration.subspace.delays import LEAST, advanced, delayed, delays
 from tests.calibration.resonant_systems import RATE, ResonantSystem, order_7, order_18
 
 LATE = (45, 0, 7)
@@ -102,4 +103,4 @@ def test_a_delay_that_is_given_is_taken_and_one_that_is_forbidden_is_not() -> No
     record = late_record(order_7(), (LEAST + 2,), 2000, seed=8)
     assert subspace.identify(*record, RATE, order=7, horizon=20, delay=LEAST + 2).delays == (LEAST + 2,)
     assert subspace.identify(*record, RATE, order=7, horizon=20, delay=0).delays == (0,)
-    assert checked(4, 3, 100) == (4, 4, 4)
+    assert delay_of(4, 3, 100) == (4, 4, 4)

@@ -50,7 +50,7 @@ def test_a_loop_gaps_and_outliers_are_told_of() -> None:
     u, y = (each.copy() for each in record(8000, 1, 0.5, 1.0))
     y[5000] = np.nan
     y[3000] += 20 * y[:3000].std()
-    with pytest.warns(UserWarning, match="1 of 8000 samples are missing"):
+    with pytest.warns(UserWarning, match="1 of 8000 samples is missing"):
         found = subspace.examine(u, y)
     assert found.records == 2
     assert "input 1 follows from the outputs, which tell" in str(found)

@@ -210,11 +210,26 @@ def test_past_and_future_can_be_chosen_apart() -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"order": 0}, r"order is 0, must be 1 to 19 with horizons of 20 and 20"),
+        ({"order": 0}, r"order is 0, must be a whole number >= 1, or None"),
         ({"order": 20}, r"order is 20, must be 1 to 19"),
         ({"horizon": 300}, r"records have \[500\] samples, too few for horizons of 300 and 300: each must have 600"),
         ({"horizon": (10, 1)}, "horizon is 10 past and 1 future samples, must be at least 1 and 2"),
-        ({"rate": 0.0}, "rate is 0.0, must be > 0"),
+        ({"order": "auto"}, "order is 'auto', must be a whole number"),
+        ({"order": 2.5}, "order is 2.5, must be a whole number"),
+        ({"order": True}, "order is True, must be a whole number"),
+        ({"order": None, "horizon": None, "y": None}, "output is None, must be an array"),
+        ({"horizon": 2.5}, "horizon is 2.5, must be a number of samples, or two"),
+        ({"horizon": (3, 4, 5)}, r"horizon is \(3, 4, 5\), must be a number of samples, or two"),
+        ({"horizon": "auto"}, "horizon is 'auto', must be a number of samples, or two"),
+        ({"delay": "long"}, "delay is 'long', must be 'auto', whole samples or as many"),
+        ({"delay": 2.5}, "delay is 2.5, must be 'auto', whole samples or as many"),
+        ({"delay": None}, "delay is None, must be 'auto', whole samples or as many"),
+        ({"rate": "100"}, "rate is '100', must be a number > 0"),
+        ({"rate": None}, "rate is None, must be a number > 0"),
+        ({"stable": "no"}, "stable is 'no', must be True or False"),
+        ({"direct": "no"}, "direct is 'no', must be True, False or 'auto'"),
+        ({"u": np.full(500, 1e300)}, r"input is as large as 1e\+300, must be 1e-100 to 1e\+100"),
+        ({"rate": 0.0}, "rate is 0.0, must be a number > 0"),
         ({"u": np.zeros((500, 1))}, "input 1 never changes"),
         ({"u": np.ones(500)}, "input 1 never changes"),
         ({"u": np.full((500, 1), np.nan)}, "500 samples are missing, and between them there is no stretch"),
@@ -237,7 +252,7 @@ def test_names_and_units_are_those_of_a_table_and_what_is_missing_ends_a_record(
     drive, response = order_7().record(4_000, seed=20)
     columns = SimpleNamespace(columns=["force [N]"], to_numpy=lambda: drive)
     response[1_500] = np.nan
-    with pytest.warns(UserWarning, match="1 of 4000 samples are missing: 3999 in 2 stretches are used"):
+    with pytest.warns(UserWarning, match="1 of 4000 samples is missing: 3999 in 2 stretches are used"):
         found = subspace.identify(columns, response, RATE, order=7, horizon=20)
     assert (found.model.input_names, found.model.input_units) == (("force",), ("N",))
     assert (found.model.output_names, found.model.output_units) == (("y1",), ("1",))

@@ -48,7 +48,10 @@ def test_what_is_shown_is_of_the_prediction(found: subspace.Identified, tmp_path
     assert "free run" not in found.summary()
     assert "there are no inputs" in found.summary()
     assert "free run" not in found._repr_html_()
-    assert found.to_scipy().B.shape[1] == 0
+    np.testing.assert_array_equal(found.to_scipy().B, found.model.K)
+    pytest.importorskip("control")
+    of_innovations = found.to_control()
+    assert (of_innovations.ninputs, list(of_innovations.input_labels)) == (3, ["e[y1]", "e[y2]", "e[y3]"])
     density, beside = found.bode(), found.compare(None, series(500, 3)).draw()
     assert isinstance(density, Figure)
     assert [each.get_title(loc="left") for each in density.axes] == [f"amplitude density of y{n}" for n in (1, 2, 3)]
