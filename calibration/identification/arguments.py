@@ -1,4 +1,6 @@
-"""What the commands that identify models take as text: channels, and an order."""
+"""What the commands that identify models take as text: channels, an order, dead times."""
+
+from typing import Literal
 
 
 def channels_of(option: str, text: str | None) -> list[str]:
@@ -14,6 +16,22 @@ def channels_of(option: str, text: str | None) -> list[str]:
     if not all(names):
         raise ValueError(f"{option} is {text!r}, must be names or numbers with commas between")
     return names
+
+
+def delay_of(text: str) -> Literal["auto"] | int | tuple[int, ...]:
+    """Return the dead times that `--delay` gives, samples.
+
+    Raises
+    ------
+    ValueError : one is no number.
+    """
+    if text == "auto":
+        return "auto"
+    parts = [part.strip() for part in text.split(",")]
+    if not all(part.isdecimal() for part in parts):
+        raise ValueError(f"--delay is {text!r}, must be auto, samples of all inputs, or of each with commas between")
+    late = tuple(int(part) for part in parts)
+    return late[0] if len(late) == 1 else late
 
 
 def order_of(text: str) -> int | None:

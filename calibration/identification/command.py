@@ -4,12 +4,12 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, cast
+from typing import Annotated, Literal, cast, get_args
 
 import typer
 
 from calibration.from_command import CorrectClockOption
-from calibration.identification.arguments import channels_of, order_of
+from calibration.identification.arguments import channels_of, delay_of, order_of
 from calibration.identification.beginnings import begun_together
 from calibration.identification.excitation import excitation_notes
 from calibration.identification.recordings import Measured, from_file, from_pairs, without_outliers
@@ -31,12 +31,14 @@ from calibration.identification.workflow import (
     STEPS,
     Identification,
     Method,
+    Plant,
     identify_recordings,
     shortest_recording,
 )
 from calibration.names import raw_folder, refuse_inputs, refuse_taken
 from calibration.output import AgainOption
 from calibration.subspace.outliers import Outliers
+from calibration.subspace.signals import Detrend
 from rigkit.command import JsonOption, print_table, words, write_json
 from rigkit.progress import progress
 from rigkit.written import made_folder, written_file
@@ -68,6 +70,12 @@ MapOption = Annotated[
 OutliersOption = Annotated[
     str, typer.Option(metavar="replace|keep", help="Single samples of outputs that are far off.")
 ]
+DelayOption = Annotated[str, typer.Option(metavar="auto|N[,N]", help="Samples of dead time: of all inputs, or each.")]
+DetrendOption = Annotated[
+    str, typer.Option(metavar="|".join(get_args(Detrend)), help="What is taken away: the mean of all, or of each ...")
+]
+UnstableOption = Annotated[bool, typer.Option("--unstable", help="The plant may be unstable or integrate.")]
+NoDirectOption = Annotated[bool, typer.Option("--no-direct", help="D is 0.")]
 SecondsOption = Annotated[float, typer.Option(metavar="S", help="In which pem ends, arrived or not.")]
 
 
@@ -85,6 +93,10 @@ def identify_command(
     horizon: Annotated[int | None, typer.Option(help="Samples that the singular values look back and ahead.")] = None,
     hold_back: Annotated[float, typer.Option("--hold-back", help="Share kept, at the end, to judge by.")] = 0.3,
     outliers: OutliersOption = "replace",
+    delay: DelayOption = "auto",
+    detrend: DetrendOption = "mean",
+    unstable: UnstableOption = False,
+    no_direct: NoDirectOption = False,
     seconds: SecondsOption = REFINED,
     out: Annotated[Path | None, written_file("FILE", "Model file; the report goes beside it.")] = None,
     png: Annotated[Path | None, made_folder("DIR", "Write the figures as PNG files.")] = None,
@@ -99,6 +111,9 @@ def identify_command(
     """
     states = order_of(order)
     made = _made(out, [*(data or []), *(drives or [])])
+    if not again:
+        refuse_taken(made, again)
+    known = _plant(delay, detrend, unstable, no_direct)
     at_least = shortest_stretch(max(decimate, 1), shortest_recording(hold_back))
     given = _read(data or [], drives or [], (inputs, outputs, channels), rate, at_least)
     measured = _made_ready(given, decimate, correct_clock, cast(Outliers, outliers))
@@ -111,12 +126,21 @@ def identify_command(
             horizon=horizon,
             hold_back=hold_back,
             outliers=cast(Outliers, outliers),
+            plant=known,
             seconds=seconds,
             show=show,
         )
     refuse_taken(made, again)
     _write(found, measured, out, png)
     _print(found, measured, out, json)
+
+
+def _plant(delay: str, detrend: str, unstable: bool, no_direct: bool) -> Plant:
+    """Return what is known of the plant; refuse words that say nothing."""
+    if detrend not in get_args(Detrend):
+        raise ValueError(f"--detrend is {detrend!r}, must be one of {', '.join(get_args(Detrend))}")
+    direct: Literal["auto"] | bool = False if no_direct else "auto"
+    return Plant(not unstable, delay_of(delay), cast(Detrend, detrend), direct)
 
 
 def _made(out: Path | None, given: Sequence[Path]) -> list[Path]:

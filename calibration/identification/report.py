@@ -10,6 +10,7 @@ from calibration.fit_measures import Fit
 from calibration.identification.figures import free_run_figure, residual_figure, singular_value_figure
 from calibration.identification.workflow import Identification
 from calibration.subspace.order import Candidate
+from calibration.subspace.telling import known
 from rigkit.figure_style import styled
 from rigkit.report import Fact, Plot, Report, Section, Table
 
@@ -52,9 +53,9 @@ def _fit_rows(found: Identification) -> list[tuple[str, ...]]:
     return [
         (
             name,
-            f"{free.nrmse[row]:.2f}",
-            f"{free.vaf[row]:.3f}",
-            f"{free.mae[row]:.4g} {unit}",
+            known(free.nrmse[row], ".2f"),
+            known(free.vaf[row], ".3f"),
+            known(free.mae[row], ".4g", f" {unit}"),
             f"{step.nrmse[row]:.2f}",
             f"{step.vaf[row]:.3f}",
             f"{step.mae[row]:.4g} {unit}",
@@ -74,7 +75,7 @@ def mode_rows(found: Identification) -> list[tuple[str, ...]]:
             f"{modes.frequency[row]:.5g}",
             f"{errors.frequency[row]:.2g}",
             f"{modes.damping[row]:.5f}",
-            f"{errors.damping[row]:.2g}",
+            f"{errors.damping[row]:.2g}" if pole.imag else "-",
         )
         for row, pole in enumerate(modes.pole)
     ]
@@ -124,7 +125,7 @@ def verdicts(found: Identification) -> list[str]:
 def pair_notes(found: Identification) -> list[str]:
     """Return a sentence where drives and responses seem not to belong together; none where they do, or in a loop."""
     explained = float(found.fresh.free_run.nrmse.max())
-    if not found.model.inputs or explained >= EXPLAINED or found.started.feedback.inputs:
+    if not found.model.inputs or not explained < EXPLAINED or found.started.feedback.inputs:
         return []
     return [
         f"warning: the free run explains {explained:.0f} % of the output that it explains best: drives and responses "
@@ -208,7 +209,7 @@ def identification_report(found: Identification, source: str, notes: Sequence[st
 def _facts(found: Identification) -> tuple[Fact, ...]:
     """Return what stands above the sections."""
     model, fresh = found.model, found.fresh
-    run = Fact("free run on held back data", f"{fresh.free_run.nrmse.mean():.2f} %")
+    run = Fact("free run on held back data", known(float(fresh.free_run.nrmse.mean()), ".2f", " %"))
     return (
         Fact("order", f"{found.order}"),
         *([run] if model.inputs else []),

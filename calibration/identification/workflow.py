@@ -16,6 +16,7 @@ from calibration.prediction_error import ModeErrors, refine
 from calibration.residual_tests import LAGS
 from calibration.state_space.model import InnovationModel
 from calibration.subspace.outliers import Outliers, outlier_notes, treated
+from calibration.subspace.signals import Detrend
 from ctlblocks.recording import Recording
 from rigkit.provenance import now, software
 
@@ -76,6 +77,27 @@ class Identification:
         return self.started.core.order
 
 
+@dataclass(frozen=True)
+class Plant:
+    """What is known of a plant, as of `subspace.identify`, which describes each.
+
+    Parameters
+    ----------
+    stable : bool
+    delay : "auto", int or tuple of int, samples
+    detrend : "mean", "record", "linear", "slow" or "none"
+    direct : "auto" or bool
+    """
+
+    stable: bool = True
+    delay: Literal["auto"] | int | tuple[int, ...] = "auto"
+    detrend: Detrend = "mean"
+    direct: Literal["auto"] | bool = "auto"
+
+
+PLANT = Plant()
+
+
 def unseen(done: int, name: str) -> None:
     """Show nothing of it."""
 
@@ -90,6 +112,7 @@ def identify_recordings(
     horizon: int | None = None,
     hold_back: float = 0.3,
     outliers: Outliers = "replace",
+    plant: Plant = PLANT,
     seconds: float = REFINED,
     show: Callable[[int, str], object] = unseen,
 ) -> Identification:
@@ -112,6 +135,8 @@ def identify_recordings(
     hold_back : float, share of the samples, at the end of each recording
     outliers : "replace" or "keep"
         What becomes of single samples of outputs that are far off, those held back among them.
+    plant : Plant, optional
+        What is known of it.
     seconds : float, s
         In which "pem" ends, arrived or not.
     show : callable(int, str)
@@ -131,8 +156,8 @@ def identify_recordings(
     cuts = [_cut(len(each), number, hold_back) for number, each in enumerate(records, 1)]
     early, late, off = _parts(records, cuts, inputs, outliers)
     show(0, "orders and the model")
-    found, told = _started(early, first.rate, order, horizon, method)
-    notes = (*told, *off, *found.diagnosis.of_plant)
+    found, told = _started(early, first.rate, order, horizon, method, plant)
+    notes = (*told, *off, *found.diagnosis.of_records)
     early, late = _about(early, found), _about(late, found)
     show(1, "errors of its modes" if method != "pem" else "the model refined")
     model, errors, ended = _refined(found, early, seconds, show) if method == "pem" else _plain(found)
@@ -186,15 +211,24 @@ def _parts(
 
 
 def _started(
-    records: Pair, rate: float, order: int | None, horizon: int | None, method: Method
+    records: Pair, rate: float, order: int | None, horizon: int | None, method: Method, plant: Plant
 ) -> tuple[subspace.Identified, list[str]]:
     """Return the subspace estimate, and what it warned of."""
     start: Literal["auto"] | subspace.Method = "auto" if method == "pem" else method
-    delay: Literal["auto"] | int = 0 if method == "pem" else "auto"
+    delay = 0 if method == "pem" and plant.delay == "auto" else plant.delay
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         found = subspace.identify(
-            *_given(records), rate, order=order, horizon=horizon, method=start, delay=delay, outliers="keep"
+            *_given(records),
+            rate,
+            order=order,
+            horizon=horizon,
+            method=start,
+            direct=plant.direct,
+            detrend=plant.detrend,
+            stable=plant.stable,
+            delay=delay,
+            outliers="keep",
         )
     return found, [str(each.message) for each in told]
 

@@ -40,6 +40,16 @@ class Delays:
     reach: int
 
     @property
+    def unheard(self) -> tuple[str, ...]:
+        """Say of which inputs no output hears."""
+        silent = np.flatnonzero(np.all(self.samples < 0, axis=0))
+        return tuple(
+            f"no output hears of input {number + 1} within {self.reach} samples: what is identified of it is noise, or "
+            "it comes later than that"
+            for number in silent
+        )
+
+    @property
     def of_inputs(self) -> tuple[int, ...]:
         """Samples by which each input comes late at all outputs; 0 where that is too little, or nobody hears it."""
         heard = np.where(self.samples < 0, np.iinfo(int).max, self.samples).min(axis=0)

@@ -16,6 +16,8 @@ CROSSED = 0.05
 """Share of correlations beyond the bound of one in a hundred, up to which there are none."""
 _MISLED = "this method takes part of the controller for the plant, take method auto or pbsid"
 _RIGHT = "the model is by PBSID, which a loop does not mislead"
+_SERIES = "there are no inputs: it is a model of what the outputs do by themselves, to be predicted with"
+_EXCITED = "inputs excite enough for a model of this order"
 SPENT = 20
 """Samples for each coefficient of the model, below which there are few."""
 REMEMBERED = 10.0
@@ -51,6 +53,8 @@ class Diagnosis:
         Outputs of which the free run tells next to nothing, counted from 0.
     remembering : tuple of int
         Outputs that are foretold far worse from rest than from a state that was fitted.
+    unheard : tuple of str
+        Sentences on inputs that no output hears of.
     """
 
     order: int
@@ -66,6 +70,7 @@ class Diagnosis:
     nonlinearity: Nonlinearity
     unexplained: tuple[int, ...] = ()
     remembering: tuple[int, ...] = ()
+    unheard: tuple[str, ...] = ()
 
     @property
     def coefficients(self) -> int:
@@ -75,7 +80,13 @@ class Diagnosis:
     @property
     def sentences(self) -> tuple[str, ...]:
         """Verdicts, what is well as well as what is not."""
-        return tuple(self._verdicts())
+        begin = _SERIES if not self.inputs else _EXCITED if self.persistence >= MOST else ""
+        return (*([begin] if begin else []), *self.of_records, *self._of_residuals())
+
+    @property
+    def of_records(self) -> tuple[str, ...]:
+        """Verdicts on what is not well with the records, and with the model because of them."""
+        return (*self._of_inputs(), *self.unheard, *self._of_outputs(), *self.of_plant, *self._of_poles())
 
     @property
     def of_plant(self) -> tuple[str, ...]:
@@ -87,32 +98,37 @@ class Diagnosis:
         """Return them a line each."""
         return "\n".join(self.sentences)
 
-    def _verdicts(self) -> Iterator[str]:
-        if not self.inputs:
-            yield "there are no inputs: it is a model of what the outputs do by themselves, to be predicted with"
-        elif self.persistence < min(2 * self.order, MOST):
+    def _of_inputs(self) -> Iterator[str]:
+        if self.inputs and self.persistence < min(2 * self.order, MOST):
             yield (
                 f"inputs excite persistently of order {self.persistence} only, {2 * self.order} is wanted: "
                 "much of the model is guessed"
             )
-        elif self.persistence < MOST:
+        elif self.inputs and self.persistence < MOST:
             yield (
                 f"inputs excite persistently of order {self.persistence}: enough for a model of this order, but "
                 f"of more than {self.persistence // 2} states much would be guessed"
             )
-        else:
-            yield "inputs excite enough for a model of this order"
         if self.samples * self.outputs < SPENT * self.coefficients:
             yield f"{self.samples} samples are few for {self.coefficients} coefficients"
-        if self.whiteness >= WHITE:
-            yield f"residuals one step ahead are white (probability {self.whiteness:.2g})"
-        else:
-            yield "residuals one step ahead are not white: noise or response have more to them than the model"
+
+    def _of_outputs(self) -> Iterator[str]:
+        for output in self.unexplained:
+            yield (
+                f"the free run explains next to nothing of output {output + 1}: it is noise or drift, or belongs to "
+                "other inputs than these"
+            )
         for output in self.remembering:
             yield (
                 f"from rest output {output + 1} is foretold far worse over such a record than from a state that was "
                 "fitted: begin with initial_predictor_state of a first stretch, or let the predictor run in"
             )
+
+    def _of_residuals(self) -> Iterator[str]:
+        if self.whiteness >= WHITE:
+            yield f"residuals one step ahead are white (probability {self.whiteness:.2g})"
+        else:
+            yield "residuals one step ahead are not white: noise or response have more to them than the model"
         if not self.inputs:
             return
         if self.left_out > CROSSED:
@@ -123,17 +139,13 @@ class Diagnosis:
             )
         else:
             yield "nothing of the inputs is left in the residuals"
-        for output in self.unexplained:
-            yield (
-                f"the free run explains next to nothing of output {output + 1}: it is noise or drift, or belongs to "
-                "other inputs than these"
-            )
-        yield from self.of_plant
+
+    def _of_poles(self) -> Iterator[str]:
         if self.moved_poles:
             which = f"{self.moved_poles} poles were" if self.moved_poles > 1 else "1 pole was"
             yield (
                 f"{which} moved into the unit circle: look at the records for drift or a step; where the plant itself "
-                "is unstable or integrates, take stable=False"
+                "is unstable or integrates, take stable=False (--unstable)"
             )
 
 
@@ -144,7 +156,7 @@ def diagnose(
     persistence: int,
     moved_poles: int,
     loop: tuple[Feedback, bool],
-    bent: Nonlinearity,
+    told: tuple[Nonlinearity, tuple[str, ...]],
 ) -> Diagnosis:
     """Diagnose from a fit to the records themselves.
 
@@ -157,11 +169,13 @@ def diagnose(
     moved_poles : int
     loop : (Feedback, bool)
         And whether the method minds it.
-    bent : Nonlinearity
+    told : (Nonlinearity, tuple of str)
+        And sentences on inputs that no output hears of.
     """
     cross = fit.cross_correlation
     beyond = np.abs(cross.correlation) > cross.bound
     outputs, inputs = cross.correlation.shape[1:]
+    bent, unheard = told
     return Diagnosis(
         order,
         inputs,
@@ -175,6 +189,7 @@ def diagnose(
         bent,
         _outputs(fit.free_run.nrmse < EXPLAINED) if inputs else (),
         _outputs(fit.from_rest.nrmse < fit.one_step.nrmse - REMEMBERED),
+        unheard,
     )
 
 

@@ -82,11 +82,7 @@ class Examination:
             at = [f"{late} at output {output + 1}" for output, late in enumerate(each) if late >= 0]
             if at:
                 yield f"input {number + 1} is heard after so many samples: {', '.join(at)}"
-            else:
-                yield (
-                    f"no output hears of input {number + 1} within {found.reach} samples: what is identified of it is "
-                    "noise, or it comes later than that"
-                )
+        yield from found.unheard
 
 
 @on_one_thread

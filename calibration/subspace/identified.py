@@ -16,7 +16,7 @@ from calibration.state_space.model import InnovationModel
 from calibration.state_space.response_errors import ResponseErrors
 from calibration.subspace import telling
 from calibration.subspace.comparison import Comparison
-from calibration.subspace.delays import held_back
+from calibration.subspace.delays import Delays, held_back
 from calibration.subspace.diagnosis import Diagnosis, diagnose
 from calibration.subspace.excitation import persistence
 from calibration.subspace.feedback import Feedback
@@ -46,6 +46,8 @@ class Identified:
         The same without delays: of the order that was chosen.
     delays : tuple of int, samples
         Of each input.
+    heard : Delays or None
+        What the delays rest on; None where they were given, or nothing could be told.
     singular_values : array, shape (count,), 1, falling
         Those of the method; the order is where they end.
     candidates : tuple of Candidate
@@ -73,6 +75,7 @@ class Identified:
     model: InnovationModel
     core: InnovationModel
     delays: tuple[int, ...]
+    heard: Delays | None
     singular_values: np.ndarray
     candidates: tuple[Candidate, ...]
     horizon: tuple[int, int]
@@ -106,7 +109,8 @@ class Identified:
         loop = self.feedback, self.method != "pbsid"
         data = self.resampling.data
         bent = nonlinearity(data.drives, data.responses)
-        return diagnose(self.fit, self.core.order, samples, excites, self.moved_poles, loop, bent)
+        unheard = () if self.heard is None or self.feedback.inputs else self.heard.unheard
+        return diagnose(self.fit, self.core.order, samples, excites, self.moved_poles, loop, (bent, unheard))
 
     @cached_property
     def pole_errors(self) -> PoleErrors:

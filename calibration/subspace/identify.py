@@ -12,7 +12,7 @@ from calibration.records import Side, sides_of
 from calibration.state_space.model import InnovationModel
 from calibration.subspace import asked
 from calibration.subspace.choice import Choice, choose
-from calibration.subspace.delays import advanced, delayed, delays
+from calibration.subspace.delays import Delays, advanced, delayed, delays
 from calibration.subspace.estimate import Estimate, compress
 from calibration.subspace.excitation import repeated
 from calibration.subspace.feedback import Feedback, feedback
@@ -122,7 +122,7 @@ def identify(
     given = _given(u, y, detrend, outliers)
     way: Method = method if method != "auto" else "pbsid" if given.loop.inputs else "moesp"
     terms = Terms(way != "pbsid" if direct == "auto" else direct, detrend != "none", stable, way == "pbsid")
-    late, data, chosen = _chosen(given.drives, given.responses, delay, (horizon, order, way, terms))
+    late, heard, data, chosen = _chosen(given.drives, given.responses, delay, (horizon, order, way, terms))
     windows, found, gain, values = _fitted(data, chosen, way, terms)
     core = _named(in_units(found, gain, data, rate), *given.sides)
     driven, held = rest_near((found.transition, found.inlet, found.outlet, found.direct), found.constant)
@@ -130,6 +130,7 @@ def identify(
         model=delayed(core, late),
         core=core,
         delays=late,
+        heard=heard,
         singular_values=values,
         candidates=chosen.candidates,
         horizon=(windows.layout.past, windows.layout.future),
@@ -203,18 +204,15 @@ def _chosen(
     responses: Sequence[np.ndarray],
     delay: Literal["auto"] | int | Sequence[int],
     wanted: tuple[int | tuple[int, int] | None, int | None, Method, Terms],
-) -> tuple[tuple[int, ...], Signals, Choice]:
-    """Return what is taken for the delays of the inputs, the records without them, and horizon and order."""
+) -> tuple[tuple[int, ...], Delays | None, Signals, Choice]:
+    """Return what is taken for the delays of the inputs, and why, records without them, and horizon and order."""
     has_mean, inputs = wanted[3].constant, drives[0].shape[1]
     data = signals(drives, responses, has_mean)
     given = asked.delay_of(delay, inputs, min(len(drive) for drive in drives))
-    if given == "auto":
-        seen = delays(data.drives, data.responses)
-        late = (0,) * inputs if seen is None else seen.of_inputs
-    else:
-        late = given
+    seen = delays(data.drives, data.responses) if given == "auto" else None
+    late = given if given != "auto" else (0,) * inputs if seen is None else seen.of_inputs
     if not any(late):
-        return late, data, choose(data, *wanted)
+        return late, seen, data, choose(data, *wanted)
     moved = signals(*advanced(drives, responses, late), has_mean)
     horizon, order, method, terms = wanted
     found = choose(moved, horizon, order, method, terms, is_compared=given == "auto")
@@ -222,8 +220,8 @@ def _chosen(
         alone = (horizon, order) if max(late) <= FEW else ((found.layout.past, found.layout.future), found.order)
         without = choose(data, *alone, method, terms, is_compared=True)
         if without.score > found.score + ALIKE:
-            return (0,) * inputs, data, without if max(late) <= FEW else choose(data, *wanted)
-    return late, moved, found
+            return (0,) * inputs, seen, data, without if max(late) <= FEW else choose(data, *wanted)
+    return late, seen, moved, found
 
 
 def _fitted(data: Signals, chosen: Choice, method: Method, terms: Terms) -> tuple[Windows, Estimate, Gain, np.ndarray]:

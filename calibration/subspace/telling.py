@@ -22,10 +22,11 @@ def title(found: "Identified") -> str:
     """Return a line: size, rate and fit."""
     model, own = found.model, found.fit
     inputs = f"{model.inputs or 'no'} input{'s' * (model.inputs != 1)}"
-    free = f"free run {own.free_run.nrmse.mean():.1f} %, " if model.inputs else ""
+    free = f"free run {own.free_run.nrmse.mean():.1f} %, " if model.inputs and model.is_stable else ""
+    kind = "" if model.is_stable else "unstable, "
     return (
         f"order {found.core.order}, {inputs}, {model.outputs} output{'s' * (model.outputs > 1)}, "
-        f"{model.rate:g} samples/s: {free}one step {own.one_step.nrmse.mean():.1f} %"
+        f"{model.rate:g} samples/s: {kind}{free}one step {own.one_step.nrmse.mean():.1f} %"
     )
 
 
@@ -71,7 +72,12 @@ def _fit_table(model: InnovationModel, fit: Fit) -> tuple[tuple[str, ...], list[
     ahead = (fit.one_step.nrmse, fit.from_rest.nrmse)
     head, columns = (_FIT_HEAD, (fit.free_run.nrmse, *ahead)) if model.inputs else (_PREDICTION_HEAD, ahead)
     rows = zip(model.output_names, *columns, strict=True)
-    return head, [(name, *(f"{value:.2f}" for value in values)) for name, *values in rows]
+    return head, [(name, *(known(value, ".2f") for value in values)) for name, *values in rows]
+
+
+def known(value: float, form: str, unit: str = "") -> str:
+    """Return a figure with its unit; a dash where there is none, as of an unstable model's free run."""
+    return f"{value:{form}}{unit}" if np.isfinite(value) else "-"
 
 
 def _mode_rows(found: "Identified") -> list[tuple[str, ...]]:
@@ -81,7 +87,7 @@ def _mode_rows(found: "Identified") -> list[tuple[str, ...]]:
             f"{pole['frequency']:.5g}",
             f"{pole['frequency_error']:.2g}",
             f"{pole['damping']:.4f}",
-            f"{pole['damping_error']:.2g}",
+            f"{pole['damping_error']:.2g}" if pole["pole"].imag else "-",
         )
         for pole in poles
     ]

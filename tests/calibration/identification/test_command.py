@@ -103,6 +103,9 @@ def test_columns_go_by_number_and_figures_to_the_standard_output(
         (("--out", "model.txt"), "must be '.h5'"),
         (("--method", "arx"), "method is 'arx'"),
         (("--horizon", "9000"), "too few"),
+        (("--delay", "1,x"), "--delay is '1,x', must be auto, samples of all inputs, or of each"),
+        (("--delay", "1,2"), "delay has 2 entries, must be one number or one for each of 1 inputs"),
+        (("--detrend", "line"), "--detrend is 'line', must be one of mean, record, linear, slow, none"),
         (("--hold-back", "2"), "held back are 2.0"),
     ],
 )
@@ -118,6 +121,37 @@ def test_a_fault_is_one_line_and_status_2(
     said = capsys.readouterr().err
     assert complaint in said
     assert said.count("\n") == 1
+
+
+def test_what_is_there_is_refused_before_anything_is_identified(
+    table: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "model.html").write_text("mine")
+    out = ("--rate", "1000", "--out", tmp_path / "model.h5")
+    assert call(monkeypatch, table, "--inputs", "u", "--outputs", "y", *out) == 2
+    said = capsys.readouterr().err
+    assert "model.html: is there already" in said
+    assert "identifying" not in said
+
+
+def test_an_unstable_plant_is_named_and_identified_as_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    random, path = np.random.default_rng(2), tmp_path / "falls.csv"
+    u, y = random.standard_normal(400), np.zeros(400)
+    for k in range(1, 400):
+        y[k] = 1.01 * y[k - 1] + 0.3 * u[k - 1] + 0.01 * random.standard_normal()
+    np.savetxt(path, np.column_stack([u, y]), delimiter=",", header="u,y", comments="")
+    given = (path, "--inputs", "u", "--outputs", "y", "--rate", "100")
+    assert call(monkeypatch, *given) == 0
+    assert "take stable=False (--unstable)" in capsys.readouterr().out
+    assert call(monkeypatch, *given, "--unstable", "--no-direct", "--out", tmp_path / "m.h5") == 0
+    said, model = capsys.readouterr().out, read_model(tmp_path / "m.h5", 100.0)
+    assert "the model is not stable" in said
+    assert "nan" not in said
+    assert "nan %" not in (tmp_path / "m.html").read_text()
+    assert model.poles[0] == pytest.approx(1.01, abs=0.002)
+    assert not model.D.any()
 
 
 def test_a_bad_file_is_one_line_and_status_2(

@@ -77,7 +77,7 @@ def test_a_delay_is_told_and_does_not_count_as_order() -> None:
 
 def test_what_identification_warns_of_is_kept() -> None:
     found = identify_recordings([recorded(200)], 1, horizon=5)
-    assert found.notes == ("140 samples are few: orders beyond 2 were not tried",)
+    assert found.notes[0] == "140 samples are few: orders beyond 2 were not tried"
     assert found.notes[0] in record_notes(found)
 
 
