@@ -172,7 +172,6 @@ def identification_figures(found: Identification) -> dict[str, Any]:
 
 def identification_report(found: Identification, source: str, notes: Sequence[str] = ()) -> Report:
     """Put the report of an identification together, with what is to be said of its recordings."""
-    tried = candidate_table(found)
     heading, about = _FREE_RUN if found.model.inputs else _PREDICTION
     with styled():
         sections = (
@@ -181,8 +180,8 @@ def identification_report(found: Identification, source: str, notes: Sequence[st
                 "Singular values",
                 "Those that stand out of the noise are states of the model.",
                 (Plot(singular_value_figure(found), "Singular values, and the order taken."),),
-                (tried,) if tried.rows else (),
             ),
+            *_tried(found),
             Section(
                 heading,
                 about,
@@ -204,6 +203,15 @@ def identification_report(found: Identification, source: str, notes: Sequence[st
         )
     subtitle = f"{source}, {len(found.response)} samples held back, {found.model.rate:g} samples/s, by {found.method}"
     return Report("Identified model", subtitle, _facts(found), sections)
+
+
+def _tried(found: Identification) -> tuple[Section, ...]:
+    """Return a section on the orders that were tried, where some were."""
+    if not found.started.candidates:
+        return ()
+    about = "What each order left of blocks that it was not identified from; bold: at the horizon that was taken."
+    drawn = Plot(found.started.draw_candidates(), "Errors of free run and prediction.")
+    return (Section("Orders", about, (drawn,), (candidate_table(found),)),)
 
 
 def _facts(found: Identification) -> tuple[Fact, ...]:

@@ -1,16 +1,24 @@
 """Figures of a model and of what it makes of records; matplotlib is imported here alone."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from calibration.state_space.model import InnovationModel
 from calibration.state_space.response_errors import ResponseErrors
 from calibration.subspace.comparison import Comparison
-from rigkit.figure_style import COLOURS, styled
+from calibration.subspace.order import Candidate
+from rigkit.figure_style import COLOURS, LIMIT, styled
 
 SHOWN = 2000
 """Samples of a record that are drawn at most."""
+LEAST = 1e-3
+"""%, below which errors are not told apart in a figure."""
+UNKNOWN = 180.0
+"""Degrees either way: of such a phase nothing is known."""
 SURE = 1.96
 """Standard errors either way that hold the truth nineteen times of twenty."""
 
@@ -55,8 +63,8 @@ def _bode(model: InnovationModel, grid: np.ndarray, errors: ResponseErrors | Non
             phase.semilogx(grid, angle, color=COLOURS[0])
             if errors is not None:
                 limits = gain.get_ylim()
-                _shade(gain, grid, size, errors.magnitude[:, output, drive])
-                _shade(phase, grid, angle, np.degrees(errors.phase[:, output, drive]))
+                _shade(gain, grid, size, SURE * errors.magnitude[:, output, drive])
+                _shade(phase, grid, angle, np.minimum(SURE * np.degrees(errors.phase[:, output, drive]), UNKNOWN))
                 gain.set_ylim(limits)
             gain.set_title(f"{source} to {name}")
             gain.set_ylabel(f"{unit}/{per}" if (unit, per) != ("1", "1") else "gain")
@@ -69,11 +77,51 @@ def _bode(model: InnovationModel, grid: np.ndarray, errors: ResponseErrors | Non
     return figure
 
 
-def _shade(axes: Axes, grid: np.ndarray, values: np.ndarray, errors: np.ndarray) -> None:
-    low = values - SURE * errors
+def _shade(axes: Axes, grid: np.ndarray, values: np.ndarray, either_way: np.ndarray) -> None:
+    low = values - either_way
     if axes.get_yscale() == "log":
         low = np.maximum(low, np.finfo(float).tiny)
-    axes.fill_between(grid, low, values + SURE * errors, color=COLOURS[0], alpha=0.25, linewidth=0)
+    axes.fill_between(grid, low, values + either_way, color=COLOURS[0], alpha=0.25, linewidth=0)
+
+
+def candidates_figure(candidates: Sequence[Candidate], order: int, horizon: int, has_inputs: bool) -> Figure:
+    """Draw what each order and horizon that was tried left of blocks that were held out.
+
+    Parameters
+    ----------
+    candidates : sequence of Candidate
+    order, horizon : int
+        Those that were taken.
+    has_inputs : bool
+        Whether there is a free run.
+    """
+    with styled():
+        figure = Figure(figsize=(6.5, 3.4), layout="constrained")
+        axes = figure.subplots(1, 1, squeeze=False)[0, 0]
+        kinds = ("free_run", "one_step") if has_inputs else ("one_step",)
+        for kind, colour in zip(kinds, COLOURS, strict=False):
+            for reach in sorted({each.horizon for each in candidates}):
+                at = sorted((each for each in candidates if each.horizon == reach), key=lambda each: each.order)
+                left = [100 - getattr(each, kind) for each in at]
+                name = kind.replace("_", " ") if reach == horizon else None
+                axes.semilogy(
+                    [each.order for each in at],
+                    np.maximum(left, LEAST),
+                    "o-",
+                    color=colour,
+                    label=name,
+                    markersize=3,
+                    linewidth=1.5 if reach == horizon else 0.5,
+                    alpha=1.0 if reach == horizon else 0.35,
+                )
+        axes.axvline(order, label=f"order {order}, horizon {horizon}", **LIMIT)
+        axes.set(xlabel="order", ylabel="left of what was held out, %")
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        axes.grid(visible=True, which="both", linewidth=0.3)
+        axes.legend()
+        return figure
 
 
 def comparison_figure(comparison: Comparison) -> Figure:

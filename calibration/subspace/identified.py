@@ -191,12 +191,28 @@ class Identified:
     def bode(self, frequency: np.ndarray | None = None) -> "Figure":
         """Return a figure of gain and phase, at frequencies in Hz, shape (bins,), where some are given.
 
-        Shaded is where the plant's response lies nineteen times of twenty, see `response_errors`.
+        Without, from one period over the longest record on.  Shaded is where the plant's response lies nineteen times
+        of twenty, see `response_errors`.
         """
         from calibration.subspace.drawing import bode_figure
 
-        grid = telling.frequencies(self.model) if frequency is None else np.asarray(frequency, float)
+        longest = max(len(each) for each in self.drives)
+        grid = telling.frequencies(self.model, longest) if frequency is None else np.asarray(frequency, float)
         figure: Figure = bode_figure(self.model, grid, self.response_errors(grid) if self.model.inputs else None)
+        return figure
+
+    def draw_candidates(self) -> "Figure":
+        """Return a figure of what each order and horizon that was tried left of the blocks that were held out.
+
+        Raises
+        ------
+        ValueError : order and horizon were given.
+        """
+        from calibration.subspace.drawing import candidates_figure
+
+        if not self.candidates:
+            raise ValueError("order and horizon were given, there are no candidates to be drawn")
+        figure: Figure = candidates_figure(self.candidates, self.core.order, self.horizon[1], self.model.inputs > 0)
         return figure
 
     def to_control(self) -> Any:

@@ -106,10 +106,18 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return f"<table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table>"
 
 
-def frequencies(model: InnovationModel, count: int = 400) -> np.ndarray:
-    """Return frequencies, Hz, that show all modes of a model and end at half its rate: shape (count + modes,)."""
+def frequencies(model: InnovationModel, samples: int, count: int = 400) -> np.ndarray:
+    """Return frequencies, Hz, that show the modes of a model and end at half its rate: shape (count + modes,).
+
+    Parameters
+    ----------
+    model : InnovationModel
+    samples : int
+        Of the longest record, of which one period is the slowest that it tells of.
+    count : int, optional
+    """
     half, found = model.rate / 2, model.modes.frequency
-    low = min([half / 1000, *found[(found > 0) & np.isfinite(found)] / 10])
+    low = max(model.rate / samples, min([half / 1000, *found[(found > 0) & np.isfinite(found)] / 10]))
     grid: np.ndarray = np.unique(
         np.concatenate([np.geomspace(low, half, count), found[(found > low) & (found < half)]])
     )

@@ -43,7 +43,7 @@ def test_it_writes_model_report_figures_and_json(
     assert figures["held_back"]["outputs"]["y"]["free_run_nrmse"] > 85
     assert "Singular values" in out.with_suffix(".html").read_text()
     names = {path.name for path in (tmp_path / "png").iterdir()}
-    assert names == {"singular-values.png", "free-run-on-held-back-data.png", "residuals.png"}
+    assert names == {"singular-values.png", "orders.png", "free-run-on-held-back-data.png", "residuals.png"}
     printed, told = capsys.readouterr()
     assert "natural frequency" in printed
     assert "residuals one step ahead are" in printed
