@@ -110,27 +110,29 @@ def cross_correlation(
     ----------
     residuals : sequence of arrays, each of shape (N, p), any unit
     drives : sequence of arrays, each of shape (N, m), any unit
+        One that never changes goes with nothing.
     lags : int, samples
         On either side of zero.
 
     Raises
     ------
-    ValueError : a record no longer than the lags, or a signal that never changes.
+    ValueError : a record no longer than the lags, or an output without residual.
     """
-    late, early = _centred(residuals, lags, "residual"), _centred(drives, lags, "drive")
+    late, early = _centred(residuals, lags, "residual"), _centred(drives, lags, "drive", may_rest=True)
     count = sum(len(record) for record in late)
     after = _mean([_covariances(one, other, lags) for one, other in zip(late, early, strict=True)], count)
     before = _mean([_covariances(other, one, lags) for one, other in zip(late, early, strict=True)], count)
     own = [_mean([_own(record, lags) for record in records], count) for records in (late, early)]
     scale = np.sqrt(np.outer(own[0][0], own[1][0]))
+    scale[scale == 0] = np.inf  # a drive at rest goes with nothing
     both = np.concatenate([before[:0:-1].transpose(0, 2, 1), after]) / scale
-    shapes = [power / power[0] for power in own]
+    shapes = [power / np.where(power[0] > 0, power[0], 1.0) for power in own]
     spread = 1 + 2 * np.einsum("ki,kj->ij", shapes[0][1:], shapes[1][1:])
     bound = _DEVIATIONS * np.sqrt(np.maximum(spread, 0.1) / count)
     return CrossCorrelation(np.arange(-lags, lags + 1), both, bound)
 
 
-def _centred(records: Sequence[np.ndarray], lags: int, name: str) -> list[np.ndarray]:
+def _centred(records: Sequence[np.ndarray], lags: int, name: str, may_rest: bool = False) -> list[np.ndarray]:
     """Take away the mean over all records, and refuse what has no correlations."""
     shortest = min(len(record) for record in records)
     if not shortest > lags:
@@ -138,7 +140,7 @@ def _centred(records: Sequence[np.ndarray], lags: int, name: str) -> list[np.nda
     mean = np.mean(np.concatenate(records), axis=0)
     centred = [record - mean for record in records]
     still = ~(np.sum([np.sum(record**2, axis=0) for record in centred], axis=0) > 0)
-    if still.any():
+    if still.any() and not may_rest:
         raise ValueError(f"{name} {int(np.argmax(still)) + 1} never changes: it has no correlations")
     return centred
 

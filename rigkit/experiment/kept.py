@@ -15,12 +15,27 @@ from rigkit import config as rig_file
 from rigkit.disk_space import require
 from rigkit.experiment.kind import Experiment, Kind
 from rigkit.experiment.replayed import Replayed, compared
-from rigkit.experiment.runner import STOPPED, Conduct, perform, repeated, run_in_memory, unheard
+from rigkit.experiment.runner import KILLED, STOPPED, Conduct, perform, repeated, run_in_memory, unheard
 from rigkit.json_text import json_text
 from rigkit.kept_files import kept_files
+from rigkit.report import Fact
 from rigkit.run_folder import SUMMARY, RunFolder, make_whole, read_events
 from rigkit.run_origin import keep_origin
 from rigkit.stop import Stopped
+
+EARLY, GAPS = "ended_early", "recordings_with_gaps"
+"""Among the figures of a run, where there is something to be said: reasons by part; recordings judged to a gap."""
+
+
+def early_facts(figures: Mapping[str, Any]) -> list[Fact]:
+    """Return facts for a report: why a run ended early, and that recordings have gaps."""
+    facts = [
+        Fact(f"Ended early{f', {part}' if part else ''}", reason, passed=False)
+        for part, reason in figures.get(EARLY, {}).items()
+    ]
+    if broken := figures.get(GAPS):
+        facts.append(Fact("Judged up to the first gap", ", ".join(broken), passed=False))
+    return facts
 
 
 def nothing_more(folder: RunFolder) -> list[str]:  # noqa: ARG001 (a taker's argument)
@@ -158,11 +173,12 @@ def replayed(path: Path, kind: Kind, settings: Sequence[str] = ()) -> Iterator[R
     parts = kind.read(path, records, settings).again(records)
     if not records:
         raise ValueError(f"{path}: nothing is recorded")
-    ends = {event["part"]: event for event in read_events(path) if event["event"] == "ended" and "part" in event}
+    ends, holds = _told(path, "ended"), _told(path, "held")
     for part in parts:
         end, whole = ends.get(part.name), {track.name: len(records[track.name].data) for track in part.tracks}
         ticks = end["ticks"] if end else min(whole[track.name] * track.every for track in part.tracks)
-        again = repeated(part, ticks, end["held_at"] if end else None)
+        held = holds.get(part.name) or end  # folders of before have it at the end alone
+        again = repeated(part, ticks, held["held_at"] if held else None)
         for track in part.tracks:
             if not track.made:
                 continue
@@ -170,6 +186,11 @@ def replayed(path: Path, kind: Kind, settings: Sequence[str] = ()) -> Iterator[R
             rows = whole[track.name] if end else len(made.data)  # of one that was killed, as far as all is recorded
             record = records[track.name]
             yield from compared(track.name, replace(record, data=record.data[:rows]), made)
+
+
+def _told(path: Path, kind: str) -> dict[str, dict[str, Any]]:
+    """Return the events of a kind in a run's folder, by the name of the part that they are of."""
+    return {event["part"]: event for event in read_events(path) if event["event"] == kind and "part" in event}
 
 
 @contextmanager
@@ -187,10 +208,24 @@ def _written(path: Path, kind: Kind, png: Path | None) -> dict[str, Any]:
     """Write summary and report of what is in a run's folder; return its figures."""
     records = records_of(path)
     experiment = kind.read(path, records, ())
-    figures = experiment.figures(records)
+    figures = {**experiment.figures(records), **_early(path), **_gaps(path)}
     atomic.write(path / SUMMARY, f"{json_text(figures, indent=2)}\n")
     experiment.report(path, records, figures, png)
     return figures
+
+
+def _early(path: Path) -> dict[str, Any]:
+    """Return why parts have ended before their end, by name, where some have."""
+    ends = _told(path, "ended")
+    reasons = {part: ends[part]["reason"] if part in ends else KILLED for part in _told(path, "started")}
+    early = {part: reason for part, reason in reasons.items() if reason}
+    return {EARLY: early} if early else {}
+
+
+def _gaps(path: Path) -> dict[str, Any]:
+    """Return which recordings have gaps: what comes after the first one is judged by nothing."""
+    broken = sorted({file.stem.rpartition("-")[0] for file in recordings(path) if _goes_on(file)})
+    return {GAPS: broken} if broken else {}
 
 
 def _goes_on(file: Path) -> bool:

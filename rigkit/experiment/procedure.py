@@ -18,7 +18,7 @@ from rigkit.service.rig import Desk
 from rigkit.service.show import Axis, Gauge, Panel
 from rigkit.stop import Stopped
 
-_OWN = ("started", "ended")
+_OWN = ("started", "held", "ended")
 """Events of the run's folder that the desk hears of in other words."""
 
 

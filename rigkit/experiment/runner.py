@@ -18,6 +18,7 @@ from rigkit.stream_recorder import StreamRecorder
 from rigkit.stream_writer import Stream
 
 STOPPED = "stopped by its user"
+KILLED = "killed"
 
 
 def never() -> bool:
@@ -83,7 +84,26 @@ class Ended:
     held_at: int | None = None
 
 
-def play(part: Part, conduct: Conduct, attend: Callable[[], object] = lambda: None, done: float = 0.0) -> Ended:
+@dataclass(frozen=True)
+class Attendance:
+    """Who is beside a part while it runs.
+
+    Parameters
+    ----------
+    attend : callable()
+        Called as often as it is asked whether to stop.
+    held : callable(int)
+        Told of the tick at which its retreat begins, before it does.
+    """
+
+    attend: Callable[[], object] = lambda: None
+    held: Callable[[int], object] = lambda _: None
+
+
+ALONE = Attendance()
+
+
+def play(part: Part, conduct: Conduct, beside: Attendance = ALONE, done: float = 0.0) -> Ended:
     """Run a prepared part through its phases, or into its retreat.
 
     Parameters
@@ -91,8 +111,7 @@ def play(part: Part, conduct: Conduct, attend: Callable[[], object] = lambda: No
     part : Part
         Its graph prepared.
     conduct : Conduct
-    attend : callable()
-        Called as often as it is asked whether to stop.
+    beside : Attendance
     done : float, s
         Of the parts before.
 
@@ -101,7 +120,7 @@ def play(part: Part, conduct: Conduct, attend: Callable[[], object] = lambda: No
     Whatever a phase's `begin` or `end`, a block or the clock raises.
     """
     try:
-        ended = _played(part, conduct, attend, done)
+        ended = _played(part, conduct, beside, done)
     except BaseException:
         with suppress(Exception):  # what has ended it is what is told
             part.rest()
@@ -110,12 +129,12 @@ def play(part: Part, conduct: Conduct, attend: Callable[[], object] = lambda: No
     return ended
 
 
-def _played(part: Part, conduct: Conduct, attend: Callable[[], object], done: float) -> Ended:
+def _played(part: Part, conduct: Conduct, beside: Attendance, done: float) -> Ended:
     graph, own, retreat = part.graph, part.clock, part.retreat
     clock = own or conduct.clock
 
     def see() -> bool:
-        attend()
+        beside.attend()
         if own is not None:
             conduct.look(graph)
         conduct.show(done + part.seconds)
@@ -138,6 +157,7 @@ def _played(part: Part, conduct: Conduct, attend: Callable[[], object], done: fl
     if retreat is None:
         return Ended(STOPPED)
     held_at = graph.ticks
+    beside.held(held_at)
     retreat.begin(STOPPED)
     clock.run(graph, min(retreat.ticks, part.ticks - held_at), see)
     see()
@@ -252,24 +272,31 @@ def _one_by_one(parts: Iterator[Part], conduct: Conduct, run: Callable[[Part, fl
 
 def _recorded(folder: RunFolder, part: Part, about: Mapping[str, str], conduct: Conduct, done: float) -> str:
     """Run a part, recorded; return the reason of an early end, which is in the events as well."""
-    ended = Ended("killed")
-    with _recorders(folder, part, {**about, "date": now(), "software": software()}) as recorders:
-        folder.event("started", {"part": part.name, "software": software()})
+    recorders: list[StreamRecorder] = []
 
-        def drain() -> None:
-            for each in recorders:
-                each.drain_when_due()
-                if each.lost:
-                    raise DiskFault(errno.ENOSPC, each.fault or os.strerror(errno.ENOSPC), str(folder.path))
+    def drain() -> None:
+        for each in recorders:
+            each.drain_when_due()
+            if each.lost:
+                raise DiskFault(errno.ENOSPC, each.fault or os.strerror(errno.ENOSPC), str(folder.path))
 
-        try:
-            ended = play(part, conduct, drain if part.clock is None else lambda: None, done)
-        except Exception as fault:
-            ended = Ended(str(fault))
-            raise
-        finally:
-            lost = sum(each.lost for each in recorders)
+    def held(tick: int) -> None:
+        folder.event("held", {"part": part.name, "seconds": part.seconds, "held_at": tick})
+
+    beside = Attendance(drain if part.clock is None else ALONE.attend, held)
+    ended = Ended(KILLED)
+    try:
+        with _recorders(folder, part, {**about, "date": now(), "software": software()}) as made:
+            recorders += made
+            folder.event("started", {"part": part.name, "software": software()})
+            ended = play(part, conduct, beside, done)
+    except Exception as fault:
+        ended = Ended(str(fault))
+        raise
+    finally:  # all is written, or known to be lost
+        if recorders:
             how = {"part": part.name, "seconds": part.seconds, "ticks": part.graph.ticks, "held_at": ended.held_at}
+            lost = sum(each.lost for each in recorders)
             folder.event("ended", {**how, "reason": ended.reason, "lost": lost, **part.counts()})
     return ended.reason
 

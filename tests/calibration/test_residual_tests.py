@@ -73,5 +73,13 @@ def test_several_records_are_not_correlated_across_their_joints() -> None:
 def test_a_record_too_short_or_a_signal_that_never_changes_is_refused() -> None:
     with pytest.raises(ValueError, match="a residual has 25 samples, must have more than the 25 lags"):
         whiteness([np.zeros((25, 1))])
-    with pytest.raises(ValueError, match="drive 2 never changes"):
-        cross_correlation([noise(6)], [noise(7) * [1.0, 0.0]])
+    with pytest.raises(ValueError, match="residual 2 never changes"):
+        cross_correlation([noise(6) * [1.0, 0.0]], [noise(7)])
+
+
+def test_a_drive_at_rest_goes_with_nothing() -> None:
+    both = cross_correlation([noise(6)], [noise(7)])
+    found = cross_correlation([noise(6)], [noise(7) * [1.0, 0.0]])
+    np.testing.assert_array_equal(found.correlation[..., 0], both.correlation[..., 0])
+    np.testing.assert_array_equal(found.correlation[..., 1], 0.0)
+    assert np.isfinite(found.bound).all()

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ctlblocks.recording import Recording
+from rigkit.experiment.kept import early_facts
 from rigkit.figure_style import styled
 from rigkit.report import Fact, Report, Section, Table
 from stagectl.experiments.midranging.plots import circle_plot, control_plot, error_plot, model_plot, position_plot
@@ -60,6 +61,7 @@ def _report(
     ]
     if "circle" in found:
         facts.append(Fact("Off the circle, mean absolute", f"{1e6 * found['circle']['mean_absolute']:.3g} µm"))
+    facts += early_facts(found)
     name = next(iter(chosen.values())).name
     by = next(iter(runs.values())).provenance.get("controller", "")
     title = f"Mid-ranging{' live' if config.session.live else ''}, {by}, {name}"

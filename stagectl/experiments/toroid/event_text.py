@@ -13,6 +13,8 @@ def event_text(event: dict[str, Any]) -> str:
         case "started":
             setup = setup_of(event)
             return f"Setup {setup}, {SETUPS.get(setup, 'unknown')}, with {event['software']}."
+        case "held" if "part" in event:
+            return f"Setup {setup_of(event)} is held, after {event['seconds']:g} s."
         case "ended":
             return " ".join(_end(event))
         case _ if set(event) == {"time", "event", "reason"}:

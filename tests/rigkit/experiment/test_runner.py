@@ -139,6 +139,29 @@ def test_what_is_led_is_held_before_anything_else_is_done(folder: RunFolder, wor
     assert seen == [(300 if worst < 0 else 50, 1)]  # "ended" is not told yet
 
 
+def test_what_is_recorded_is_in_its_file_when_its_end_is_told(folder: RunFolder) -> None:
+    rows: list[int] = []
+
+    def listen(event: str, _: object) -> None:
+        if event == "ended":
+            rows.append(len(recording.read(folder.path / "counts.wav").data))
+
+    folder.listener = listen
+    perform(folder, parts(part()), {}, Conduct())
+    assert rows == [300]
+
+
+def test_where_a_retreat_began_is_told_though_it_does_not_end(folder: RunFolder) -> None:
+    made = part(worst=140, clock=Own())
+    retreat = Retreat(lambda: "", lambda _: None, 100)
+    with pytest.raises(ValueError, match="the belt has slipped"):
+        perform(folder, parts(replace(made, retreat=retreat)), {}, Conduct(lambda: made.graph.ticks == 120))
+    events = read_events(folder.path)
+    assert [event["event"] for event in events] == ["started", "held", "ended"]
+    assert (events[1]["held_at"], events[1]["seconds"]) == (120, 1.2)
+    assert (events[2]["held_at"], events[2]["ticks"]) == (None, 140)
+
+
 def test_a_simulation_ends_where_the_disk_takes_no_more(folder: RunFolder, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: object) -> None:
         raise OSError(errno.ENOSPC, "no space left")

@@ -112,6 +112,8 @@ def test_what_was_recorded_before_a_kill_is_reported_and_replayed(tmp_path: Path
         process.communicate()
     found = reported(path, MIDRANGING)
     assert 0.5 * share * 30 - 6 < found["seconds"] < 24
+    assert found["ended_early"] == {"": "killed"}
+    assert "Ended early" in (path / "report.html").read_text()
     again = list(replayed(path, MIDRANGING))
     assert again
     assert all(each.identical for each in again)
