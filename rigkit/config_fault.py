@@ -3,13 +3,15 @@
 import json
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from rigkit.allowed import field_at, limits, model_at, wanted
 from rigkit.toml_text import key_text, value_text
+
+Model = TypeVar("Model", bound=BaseModel)
 
 LONGEST_VALUE = 60
 """Characters of a value that an error shows."""
@@ -35,6 +37,19 @@ def explained(
     faults = fault.errors(include_url=False)
     path, text = _explained(faults[0], model, data, whole)
     return path, text if len(faults) == 1 else f"{text} (and {len(faults) - 1} more)"
+
+
+def checked(model: type[Model], given: Mapping[str, Any], whole: str) -> Model:
+    """Make a section from what was given by its keys; `whole` is what they are of.
+
+    Raises
+    ------
+    ConfigError : the first thing that is wrong with it.
+    """
+    try:
+        return model(**given)
+    except ValidationError as fault:
+        raise ConfigError(explained(fault, model, given, whole)[1]) from None
 
 
 def shown(value: Any) -> str:

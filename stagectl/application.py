@@ -10,6 +10,7 @@ PROGRAM = Program(
         "example-pocket": "stagectl.example_commands:example_pocket",
         "run": "stagectl.run_command:run_command",
         "midrange": "stagectl.experiments.midranging.command:midrange",
+        "step": "stagectl.experiments.step.command:step",
         "cell": "stagectl.experiments.toroid.command:cell",
         "ilc": "stagectl.trials.command:ilc",
         "force": "stagectl.feed.command:force",

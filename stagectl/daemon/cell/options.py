@@ -7,6 +7,7 @@ from pydantic import model_validator
 from rigkit.config import Section, setting
 from stagectl.daemon.options import Renewed
 from stagectl.experiments.midranging.scenario import SCENARIOS
+from stagectl.experiments.step.response import Wanted
 from stagectl.planning.pocket import UNTRAINED
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$"
@@ -83,6 +84,10 @@ class MidrangeOptions(Run):
 
     scenario: str = setting("thesis-2", "", f"{', '.join(SCENARIOS)}, or a CSV or WAV file in the data folder")
     controller: Literal["aimc", "mvpc", "mvpc-aw", "vpc"] = setting("aimc", "", "who controls")
+
+
+class StepOptions(Run, Wanted):
+    """A step or a multisine on robot, stage, or one after the other."""
 
 
 class MillingOptions(Paced, Renewed):

@@ -13,6 +13,7 @@ from stagectl.daemon.cell.options import (
     JointsOptions,
     MidrangeOptions,
     MillingOptions,
+    StepOptions,
 )
 
 
@@ -87,6 +88,16 @@ PROCEDURES = (
         "It ends at once; what is recorded is kept. Live, the robot is held and the stage goes to mid-travel.",
         MidrangeOptions,
         "stagectl.experiments.midranging.daemon:procedure",
+    ),
+    Entry(
+        "step",
+        "Step responses of robot and stage",
+        "run",
+        "s",
+        "",
+        "It ends at once; what is recorded is kept. Live, the robot is held and the stage goes to mid-travel.",
+        StepOptions,
+        "stagectl.experiments.step.daemon:procedure",
     ),
     Entry(
         "calibrate-milling",

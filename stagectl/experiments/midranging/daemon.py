@@ -1,25 +1,21 @@
-"""Mid-ranging under the daemon: what is measured and drawn while a position is shared."""
+"""Mid-ranging under the daemon: a run of one controller."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
-
-import numpy as np
-
-from rigkit.experiment.procedure import ExperimentProcedure, Strip
-from rigkit.experiment.watch import LOOKS, Watch
+from rigkit.experiment.procedure import ExperimentProcedure
 from rigkit.service.paths import data_file, run_path
 from rigkit.service.rig import Desk
-from rigkit.service.show import Gauge, Panel
-from stagectl.daemon.cell.gauges import timed
 from stagectl.daemon.cell.options import MidrangeOptions
-from stagectl.daemon.gauges import linked
 from stagectl.experiments.midranging.experiment import Midranging
+from stagectl.experiments.midranging.pair_view import PairView
 from stagectl.experiments.midranging.read_back import MIDRANGING
 from stagectl.experiments.midranging.scenario import SCENARIOS, scenarios
-from stagectl.experiments.midranging.wired_blocks import LivePair
 from stagectl.robot.config import CellConfig
 
-MEASURED = ("position", "fast", "slow", "control")
+REFERENCE, ASKED = {"reference": "wanted.reference"}, {"asked": "controller.slow_reference"}
+STRIPS = (
+    ("position", ("reference", "position"), "m"),
+    ("manipulators", ("slow", "fast"), "m"),
+    ("control", ("control",), "m/s"),
+)
 
 
 def procedure(config: CellConfig, options: MidrangeOptions, desk: Desk) -> ExperimentProcedure:
@@ -42,63 +38,5 @@ def procedure(config: CellConfig, options: MidrangeOptions, desk: Desk) -> Exper
     made = Midranging(config, options.controller, scenarios(file, config.midranging.pair.rate))
     title = f"{options.controller}, {name}"
     path = run_path(data, options.run)
-    return ExperimentProcedure(MIDRANGING, title, config, made, _View(made), desk, path, is_paced=options.paced)
-
-
-class _View:
-    """What is seen of a run: of the pair simulated, or of the robot and the stage themselves."""
-
-    def __init__(self, made: Midranging) -> None:
-        self._made = made
-        block = "seen" if made.is_live else "pair"
-        self.sources = {"reference": "wanted.reference"} | {name: f"{block}.{name}" for name in MEASURED}
-        if made.is_live:
-            self.sources |= {"asked": "controller.slow_reference"}
-        axes = made.axes if made.is_live else [""]
-        self.strips = [
-            Strip(name, unit, parts, [f"{part} {axis}".strip() for part in parts for axis in axes])
-            for name, parts, unit in (
-                ("position", ("reference", "position"), "m"),
-                ("manipulators", ("slow", "fast"), "m"),
-                ("control", ("control",), "m/s"),
-            )
-        ]
-
-    def gauges(self, watch: Watch) -> Iterator[Gauge]:
-        """Give the control signal and the micro manipulator's position; live, what is asked of robot and stage."""
-        if not self._made.is_live:
-            yield from self._of_a_simulation(watch)
-        elif (pair := self._made.pair) is not None:
-            yield from self._of_a_live_pair(watch, pair)
-
-    def after(self, part: str, path: Path) -> Mapping[str, Panel]:
-        """Return nothing."""
-        return {}
-
-    def _of_a_simulation(self, watch: Watch) -> Iterator[Gauge]:
-        """Give the control signal, which is the output, and the micro manipulator's position; 0 while at rest."""
-        control = watch.newest("control")
-        most = self._made.config.inner.limit
-        signal = 0.0 if control is None else float(control[0])
-        yield Gauge("control", "Control signal of the micro manipulator", signal, "m/s", -most, most, is_output=True)
-        yield from self._micro(watch, ("",))
-        yield from timed(watch)
-
-    def _of_a_live_pair(self, watch: Watch, pair: LivePair) -> Iterator[Gauge]:
-        """Give the speed that the robot is asked for and whether the stage is led, which are the output, and more."""
-        axes = self._made.axes
-        now, before = watch.newest("asked"), watch.newest("asked", back=1)
-        speed = 0.0 if now is None or before is None else float(np.linalg.norm(now - before)) * LOOKS
-        most = self._made.cell.limits.tool_speed
-        yield Gauge("tool_speed", "Tool speed that is asked of the robot", speed, "m/s", high=most, is_output=True)
-        control, limit = watch.newest("control"), self._made.config.inner.limit
-        for axis, signal in zip(axes, () if control is None else control.tolist(), strict=False):
-            yield Gauge(f"control_{axis}", f"Control signal of the stage, {axis}", signal, "m/s", -limit, limit)
-        yield from self._micro(watch, axes)
-        yield from linked(pair.stage)
-
-    def _micro(self, watch: Watch, axes: Sequence[str]) -> Iterator[Gauge]:
-        fast, pair = watch.newest("fast"), self._made.config.pair
-        for axis, at in zip(axes, () if fast is None else fast.tolist(), strict=False):
-            name, title = (f"micro_{axis}", f"Micro manipulator, {axis}") if axis else ("micro", "Micro manipulator")
-            yield Gauge(name, f"{title}, from its middle", at - pair.middle, "m", -pair.travel, pair.travel)
+    view = PairView(made, REFERENCE | (ASKED if made.is_live else {}), STRIPS)
+    return ExperimentProcedure(MIDRANGING, title, config, made, view, desk, path, is_paced=options.paced)

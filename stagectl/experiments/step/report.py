@@ -1,0 +1,96 @@
+"""The report of steps and multisines: what each manipulator answered, and the model that is nearest to it."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ctlblocks.recording import Recording
+from rigkit.experiment.kept import early_facts
+from rigkit.figure_style import COLOURS, styled
+from rigkit.report import Fact, Plot, Report, Section, Table
+from stagectl.experiments.step.response import MANIPULATORS, Response, Wanted, response
+
+PAGE = "report.html"
+HEAD = ("manipulator", "gain", "+-", "dead time, ms", "+-", "time constant, ms", "+-", "bandwidth, Hz", "noise, µm",
+        "unexplained, %")  # fmt: skip
+SURE = 1.96
+SHADED = "Shaded: where it is nineteen times of twenty."
+
+
+def rows(figures: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    """Return a row for each manipulator under `HEAD`."""
+    return [tuple(_row(name, told)) for name, told in figures.items() if isinstance(told, Mapping) and "gain" in told]
+
+
+def _row(name: str, told: Mapping[str, Any]) -> Iterator[str]:
+    yield name
+    for key, scale in (("gain", 1.0), ("delay", 1e3), ("time_constant", 1e3)):
+        yield f"{scale * told[key]:.4g}"
+        yield f"{scale * told[f'{key}_error']:.2g}"
+    yield f"{told['bandwidth']:.4g}"
+    yield f"{1e6 * told['noise']:.3g}"
+    yield f"{100 * told['unexplained']:.2g}"
+
+
+def write_report(
+    path: Path, record: Recording, wanted: Wanted, figures: Mapping[str, Any], png: Path | None = None
+) -> None:
+    """Write `report.html` into a folder, and the figures as PNG files into another one where that is given."""
+    found = {name: response(record, name, wanted) for name in wanted.manipulators}
+    with styled():
+        plots = tuple(_plot(name, each) for name, each in found.items() if each is not None)
+        facts = [Fact(f"Dead time, {row[0]}", f"{row[3]} ms") for row in rows(figures)]
+        about = (
+            "The model is of first order with dead time, fitted to all repetitions; +- is one standard error, by "
+            "leaving out each repetition in turn, and says nothing of what such a model cannot be."
+        )
+        section = Section("Responses", about, plots, (Table(HEAD, tuple(rows(figures))), _terms(figures)))
+        title = f"{wanted.kind.capitalize()} responses of {' and '.join(wanted.manipulators)}"
+        report = Report(title, str(path.resolve()), (*facts, *early_facts(figures)), (section,))
+        report.write(path / PAGE)
+        if png is not None:
+            report.png(png)
+
+
+def _terms(figures: Mapping[str, Any]) -> Table:
+    """Return what `[midranging.pair]` is to have."""
+    terms = {name: told["terms"] for name, told in figures.items() if isinstance(told, Mapping) and "terms" in told}
+    lines = []
+    for name, each in terms.items():
+        (pole,), (gain,) = each["outputs"], each["inputs"]
+        lines.append((MANIPULATORS[name], f"[{pole:.6g}]", f"[{gain:.6g}]", f"{each['delay_samples']:.2f}"))
+    return Table(("[midranging.pair]", "..._outputs", "..._inputs", "dead time beside them, samples"), tuple(lines))
+
+
+def _plot(name: str, found: Response) -> Plot:
+    if np.iscomplexobj(found.measured):
+        return Plot(_bode(name, found), f"{name}: frequency response, measured and modelled. {SHADED}")
+    figure = Figure(figsize=(7.0, 3.0), layout="constrained")
+    axes = figure.subplots(1, 1, squeeze=False)[0, 0]
+    band = SURE * found.spread
+    axes.fill_between(found.at, found.measured - band, found.measured + band, color=COLOURS[0], alpha=0.3, linewidth=0)
+    axes.plot(found.at, found.measured, color=COLOURS[0], label="measured, mean of all periods")
+    axes.plot(found.at, found.modelled, color=COLOURS[1], linewidth=1.0, linestyle="--", label="model")
+    axes.set(xlabel="s from the step up", ylabel=f"{name}, of the step")
+    axes.legend()
+    return Plot(figure, f"{name}: response to a step, measured and modelled. {SHADED}")
+
+
+def _bode(name: str, found: Response) -> Figure:
+    figure = Figure(figsize=(7.0, 4.6), layout="constrained")
+    gain, phase = figure.subplots(2, 1, sharex=True, squeeze=False)[:, 0]
+    size, band = np.abs(found.measured), SURE * found.spread
+    low = np.maximum(size - band, 1e-2 * size)
+    gain.fill_between(found.at, low, size + band, color=COLOURS[0], alpha=0.3, linewidth=0)
+    gain.loglog(found.at, size, ".", color=COLOURS[0], markersize=3, label="measured")
+    gain.loglog(found.at, np.abs(found.modelled), color=COLOURS[1], linewidth=1.0, label="model")
+    measured, modelled = (np.degrees(np.unwrap(np.angle(each))) for each in (found.measured, found.modelled))
+    phase.semilogx(found.at, measured, ".", color=COLOURS[0], markersize=3)
+    phase.semilogx(found.at, modelled, color=COLOURS[1], linewidth=1.0)
+    gain.set(ylabel=f"gain, {name}")
+    phase.set(xlabel="Hz", ylabel="degrees")
+    gain.legend()
+    return figure
