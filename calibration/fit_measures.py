@@ -8,6 +8,9 @@ import numpy as np
 from calibration.residual_tests import LAGS, CrossCorrelation, Whiteness, cross_correlation, whiteness
 from calibration.state_space.model import InnovationModel
 
+_ROUNDING = 1e-12
+"""Of what is missed: an output that moves less does not move."""
+
 
 @dataclass(frozen=True)
 class Measures:
@@ -178,5 +181,5 @@ def fit(
 
 def _share(missed: np.ndarray, moved: np.ndarray) -> np.ndarray:
     """Divide; an output that never moves is missed wholly unless nothing is missed."""
-    still = moved == 0
+    still = moved <= _ROUNDING * missed
     return np.where(still, np.where(missed == 0, 0.0, np.inf), missed / np.where(still, 1.0, moved))

@@ -48,6 +48,7 @@ def without_gaps(
 
     Examples
     --------
+    >>> import warnings
     >>> with warnings.catch_warnings():
     ...     warnings.simplefilter("ignore")
     ...     found, _ = without_gaps([np.arange(9.0)[:, None]], [np.array([[0, 0, 0, 0, np.nan, 0, 0, 0, 0.0]]).T], 3)

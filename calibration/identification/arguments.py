@@ -29,7 +29,7 @@ def delay_of(text: str) -> Literal["auto"] | int | tuple[int, ...]:
         return "auto"
     parts = [part.strip() for part in text.split(",")]
     if not all(part.isdecimal() for part in parts):
-        raise ValueError(f"--delay is {text!r}, must be auto, samples of all inputs, or of each with commas between")
+        raise ValueError(f"--delay is {text!r}, must be auto, samples >= 0 of all inputs, or of each, with commas")
     late = tuple(int(part) for part in parts)
     return late[0] if len(late) == 1 else late
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Literal, cast, get_args
+from typing import Annotated, Any, Literal, cast, get_args
 
 import typer
 
@@ -30,7 +30,6 @@ from calibration.identification.workflow import (
     REFINED,
     STEPS,
     Identification,
-    Method,
     Plant,
     identify_recordings,
     shortest_recording,
@@ -109,30 +108,22 @@ def identify_command(
     in two files, or several recordings:
     `calibrate identify --from drive.wav heard.wav --decimate 20 --out model.h5`
     """
-    states = order_of(order)
-    made = _made(out, [*(data or []), *(drives or [])])
-    if not again:
-        refuse_taken(made, again)
-    known = _plant(delay, detrend, unstable, no_direct)
+    wanted: dict[str, Any] = {"order": order_of(order), "plant": _plant(delay, detrend, unstable, no_direct)}
+    made = _made(out, [*(data or []), *(drives or [])], again)
     at_least = shortest_stretch(max(decimate, 1), shortest_recording(hold_back))
     given = _read(data or [], drives or [], (inputs, outputs, channels), rate, at_least)
     measured = _made_ready(given, decimate, correct_clock, cast(Outliers, outliers))
-    with _watched(measured) as show:
-        found = identify_recordings(
-            measured.recordings,
-            measured.inputs,
-            order=states,
-            method=cast(Method, method),
-            horizon=horizon,
-            hold_back=hold_back,
-            outliers=cast(Outliers, outliers),
-            plant=known,
-            seconds=seconds,
-            show=show,
-        )
+    wanted |= {"method": method, "horizon": horizon, "hold_back": hold_back, "outliers": outliers, "seconds": seconds}
+    found = _identified(measured, wanted)
     refuse_taken(made, again)
     _write(found, measured, out, png)
     _print(found, measured, out, json)
+
+
+def _identified(measured: Measured, wanted: dict[str, Any]) -> Identification:
+    """Identify, with how far it is; `wanted` are arguments of `identify_recordings`."""
+    with _watched(measured) as show:
+        return identify_recordings(measured.recordings, measured.inputs, show=show, **wanted)
 
 
 def _plant(delay: str, detrend: str, unstable: bool, no_direct: bool) -> Plant:
@@ -143,13 +134,15 @@ def _plant(delay: str, detrend: str, unstable: bool, no_direct: bool) -> Plant:
     return Plant(not unstable, delay_of(delay), cast(Detrend, detrend), direct)
 
 
-def _made(out: Path | None, given: Sequence[Path]) -> list[Path]:
-    """Return what will be written; refuse what is no name of a model, or given."""
+def _made(out: Path | None, given: Sequence[Path], again: bool) -> list[Path]:
+    """Return what will be written; refuse what is no name of a model, or given, or there unless `again`."""
     if out is None:
         return []
     raw_folder(out)
     made = [out, out.with_suffix(".html")]
     refuse_inputs(made, given)
+    if not again:
+        refuse_taken(made, again)
     return made
 
 

@@ -35,7 +35,7 @@ def singular_value_figure(found: Identification) -> Figure:
 def free_run_figure(found: Identification) -> Figure:
     """Draw what was measured on fresh data, what the free run (the prediction without inputs) gives, and the rest."""
     shown, fresh = (slice(SHOWN), slice(MOST_ROWS)), found.fresh
-    fit, kind = (fresh.free_run, "free run") if found.model.inputs else (fresh.one_step, "one step ahead")
+    fit, kind = (fresh.free_run, "free run") if found.runs_free else (fresh.one_step, "one step ahead")
     return drawing.free_run_figure(found.model, found.response[shown], found.free_run[shown], fit.nrmse, kind)
 
 

@@ -37,7 +37,8 @@ def fit_table(found: Identification) -> Table:
 def candidate_table(found: Identification) -> Table:
     """Return a row for each order tried, at the horizon where it did best; none where both were given."""
     table = Table(CANDIDATE_HEAD, tuple(_candidate_rows(found)))
-    return table if found.model.inputs else _without(table, range(2, 3))
+    runs_free = any(each.free_run != each.one_step for each in found.started.candidates)
+    return table if runs_free else _without(table, range(2, 3))
 
 
 def _without(table: Table, columns: range) -> Table:
@@ -172,7 +173,7 @@ def identification_figures(found: Identification) -> dict[str, Any]:
 
 def identification_report(found: Identification, source: str, notes: Sequence[str] = ()) -> Report:
     """Put the report of an identification together, with what is to be said of its recordings."""
-    heading, about = _FREE_RUN if found.model.inputs else _PREDICTION
+    heading, about = _FREE_RUN if found.runs_free else _PREDICTION
     with styled():
         sections = (
             *_of_recordings(found, notes),
@@ -222,7 +223,7 @@ def _facts(found: Identification) -> tuple[Fact, ...]:
         Fact("order", f"{found.order}"),
         *([run] if model.inputs else []),
         Fact("one step ahead on held back data", f"{fresh.one_step.nrmse.mean():.2f} %"),
-        Fact("every pole is stable", "yes" if model.is_stable else "no", model.is_stable),
+        Fact("every pole is stable", "yes" if model.is_stable else "no, as was allowed", model.is_stable or None),
         Fact("residuals are white", f"probability {fresh.whiteness.probability:.2g}"),
     )
 

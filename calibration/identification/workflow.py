@@ -52,7 +52,7 @@ class Identification:
         The part held back, recording after recording, as deviations from the operating point.
     free_run : array, shape (N, p), the outputs' units
         What the model gives for that drive alone, in each recording from the initial state that suits it best; without
-        inputs what it predicts one step ahead.
+        inputs, or where it is not stable, what it predicts one step ahead.
     nearly : tuple of Nearly
         Bands in which inputs nearly go together.
     notes : tuple of str
@@ -70,6 +70,11 @@ class Identification:
     free_run: np.ndarray
     nearly: tuple[Nearly, ...] = ()
     notes: tuple[str, ...] = ()
+
+    @property
+    def runs_free(self) -> bool:
+        """Whether the model can run without measured outputs."""
+        return self.model.inputs > 0 and self.model.is_stable
 
     @property
     def order(self) -> int:
@@ -165,7 +170,7 @@ def identify_recordings(
     model = _labelled(model, first, inputs, method, sum(cuts))
     show(2, "fits")
     own, fresh = fit(model, *early, fitted=found.core.order * model.outputs), fit(model, *late)
-    shown = free_run if inputs else one_step
+    shown = free_run if inputs and model.is_stable else one_step
     runs = [shown(model, drive, heard) for drive, heard in zip(*late, strict=True)]
     drive, response, modelled = (np.concatenate(each) for each in (*late, runs))
     return Identification(model, found, method, errors, own, fresh, drive, response, modelled, nearly, (*notes, *ended))

@@ -11,6 +11,9 @@ from calibration.subspace.modal import Modal
 from calibration.subspace.modal_regression import regress, responses, sums
 from calibration.subspace.regression import Regression, Terms
 
+ROUNDING = 1e-13
+"""Of a level of which no offset is told."""
+
 
 def regress_ahead(
     predictor: Modal,
@@ -49,11 +52,10 @@ def regress_ahead(
     return replace(found, direct=root @ found.direct, constant=root @ found.constant), known
 
 
-def offset(transition: np.ndarray, outlet: np.ndarray, gain: Gain, level: np.ndarray, samples: int) -> np.ndarray:
+def offset(transition: np.ndarray, outlet: np.ndarray, gain: Gain, level: np.ndarray) -> np.ndarray:
     """Return the offset of the outputs, shape (p,), that a predictor which is fed all of them shows as a level.
 
-    Of an integrator any offset gives the level zero.  So the offset is weighed against one of 0 +- 1, the outputs' own
-    spread, by what the records tell of the level.
+    What integrates, or nearly, needs a very large one, for other inputs than their mean: see `rest_near`.
 
     Parameters
     ----------
@@ -61,13 +63,7 @@ def offset(transition: np.ndarray, outlet: np.ndarray, gain: Gain, level: np.nda
     outlet : array, shape (p, n), 1
     gain : Gain
     level : array, shape (p,), 1
-    samples : int
-        That it was fitted to.
     """
     settled = np.linalg.solve(np.eye(len(transition)) - transition + gain.matrix @ outlet, gain.matrix)
-    shown = np.eye(len(outlet)) - outlet @ settled
-    sure = whitening(gain.innovation / samples)
-    rows = np.concatenate([solve_triangular(sure, shown, lower=True), np.eye(len(outlet))])
-    told = np.concatenate([solve_triangular(sure, level, lower=True), np.zeros(len(outlet))])
-    found: np.ndarray = np.linalg.lstsq(rows, told, rcond=None)[0]
+    found: np.ndarray = np.linalg.lstsq(np.eye(len(outlet)) - outlet @ settled, level, rcond=ROUNDING)[0]
     return found

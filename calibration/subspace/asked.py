@@ -1,7 +1,6 @@
 """What may be asked of an identification: numbers that are none are refused by name."""
 
 import operator
-from collections.abc import Sequence
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -17,7 +16,7 @@ def check(rate: Any, method: Any, stable: Any, direct: Any) -> None:
     ValueError : which, what it is and what it must be.
     """
     try:
-        known = not isinstance(rate, bool | str) and bool(np.isfinite(rate) and rate > 0)
+        known = not isinstance(rate, bool | str) and np.ndim(rate) == 0 and bool(np.isfinite(rate) and rate > 0)
     except (TypeError, ValueError):
         known = False
     if not known:
@@ -54,7 +53,7 @@ def horizon_of(horizon: Any) -> tuple[int, int] | None:
     if horizon is None:
         return None
     both = [horizon, horizon] if _whole(horizon) is not None else horizon
-    parts = [_whole(each) for each in both] if isinstance(both, Sequence) and not isinstance(both, str) else []
+    parts = [_whole(each) for each in both] if hasattr(both, "__iter__") and not isinstance(both, str) else []
     if len(parts) != 2 or None in parts:
         raise ValueError(f"horizon is {horizon!r}, must be a number of samples, or two: past and future")
     past, future = (int(each or 0) for each in parts)
@@ -63,15 +62,15 @@ def horizon_of(horizon: Any) -> tuple[int, int] | None:
     return past, future
 
 
-def delay_of(delay: Any, inputs: int, shortest: int) -> tuple[int, ...] | Literal["auto"]:
+def delay_of(delay: Any, inputs: int, longest: int) -> tuple[int, ...] | Literal["auto"]:
     """Return the delay of each input, or that they are to be found.
 
     Parameters
     ----------
     delay : int or sequence of int, samples, or "auto"
     inputs : int
-    shortest : int, samples
-        Of the records.
+    longest : int, samples
+        Of the longest record.
 
     Raises
     ------
@@ -86,8 +85,8 @@ def delay_of(delay: Any, inputs: int, shortest: int) -> tuple[int, ...] | Litera
         raise ValueError(f"delay is {delay!r}, must be 'auto', whole samples or as many for each input")
     if len(late) != inputs:
         raise ValueError(f"delay has {len(late)} entries, must be one number or one for each of {inputs} inputs")
-    if not all(each is not None and 0 <= each < shortest // 2 for each in late):
-        raise ValueError(f"delay is {delay}, must be 0 to {shortest // 2 - 1} samples, half of the shortest record")
+    if not all(each is not None and 0 <= each < longest // 2 for each in late):
+        raise ValueError(f"delay is {delay}, must be 0 to {longest // 2 - 1} samples, half of the longest record")
     return tuple(int(each or 0) for each in late)
 
 

@@ -12,9 +12,11 @@ from calibration.subspace.lagged import OWN, SAMPLES, lagged
 LONGEST = 100
 """Lags of the inputs, at most, that each output is explained by at once."""
 FARTHEST, PART = 2000, 2
-"""Lags at which an input is looked for, at most, and of which part of the shortest record."""
+"""Lags at which an input is looked for, at most, and of which part of the longest record."""
 ROWS = 20
 """Samples that are wanted for each coefficient."""
+EDGE = 0.9
+"""Part of the lags that are looked at beyond which the first one may stand for later ones."""
 HEARD = 5.0
 """Standard errors beyond which a coefficient is no chance: one in a million."""
 LEAST = 3
@@ -33,16 +35,19 @@ class Delays:
         The coefficient there over its standard error; the largest one where none is beyond `HEARD`.
     reach : int, samples
         The longest lag that was looked at.
+    is_heard : array of bool, shape (m,)
+        Whether some output hears of an input at all, by all lags together.
     """
 
     samples: np.ndarray
     certainty: np.ndarray
     reach: int
+    is_heard: np.ndarray
 
     @property
     def unheard(self) -> tuple[str, ...]:
         """Say of which inputs no output hears."""
-        silent = np.flatnonzero(np.all(self.samples < 0, axis=0))
+        silent = np.flatnonzero(np.all(self.samples < 0, axis=0) & ~self.is_heard)
         return tuple(
             f"no output hears of input {number + 1} within {self.reach} samples: what is identified of it is noise, or "
             "it comes later than that"
@@ -64,7 +69,8 @@ def delays(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]) -> Del
 
     Each output by itself is explained by its past and that of the others, which takes the colour of the noise away, and
     by the inputs' lags from 0 on.  Of an input that no output hears of so soon, later lags are looked at in its place.
-    None where records are too short, or inputs too poor, to tell lags apart.
+    What is heard first at the end of what was looked at may come later, of inputs that change slowly: then lags about
+    it are looked at.  None where records are too short, or inputs too poor, to tell lags apart.
 
     Parameters
     ----------
@@ -81,25 +87,38 @@ def delays(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray]) -> Del
         return None
     total = min(SAMPLES, sum(len(drive) for drive in drives))
     lags = min(LONGEST, (total // ROWS - OWN * outputs) // inputs - 1)
-    if lags < 2 * LEAST or (told := _told(drives, responses, lags)) is None:
+    late = np.zeros(inputs, int)
+    if lags < 2 * LEAST or (told := _heard(drives, responses, lags, late)) is None:
         return None
-    found = _first(told, 0)
-    farthest = min(FARTHEST, min(len(drive) for drive in drives) // PART - lags)
-    reach = lags
-    for late in range(lags + 1, farthest + 1, lags + 1):
-        unheard = ~np.any(found.samples >= 0, axis=0)
-        if not unheard.any() or (told := _told(*advanced(drives, responses, late * unheard), lags)) is None:
-            break
-        further, reach = _first(told, late), late + lags
-        samples = np.where(unheard, further.samples, found.samples)
-        found = Delays(samples, np.where(unheard, further.certainty, found.certainty), lags)
-    return replace(found, reach=reach)
+    found, reach, settled = told, lags, np.zeros(inputs, bool)
+    farthest = min(FARTHEST, max(len(drive) for drive in drives) // PART) - lags
+    while True:
+        first = np.where(found.samples < 0, np.iinfo(int).max, found.samples).min(axis=0)
+        silent = np.all(found.samples < 0, axis=0)
+        at_end = ~silent & ~settled & (first > late + EDGE * lags)
+        further = late + np.where(silent, lags + 1, np.where(at_end, lags // 2, 0))
+        further = np.where(further <= farthest, further, late)
+        if np.array_equal(further, late) or (told := _heard(drives, responses, lags, further)) is None:
+            return replace(found, reach=reach)
+        settled |= at_end & np.all(told.samples < 0, axis=0)  # it was heard there after all
+        moved = (further > late) & ~settled
+        found = Delays(
+            np.where(moved, told.samples, found.samples),
+            np.where(moved, told.certainty, found.certainty),
+            lags,
+            found.is_heard | told.is_heard,
+        )
+        late, reach = np.where(moved, further, late), max(reach, int(further.max()) + lags)
 
 
-def _told(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], lags: int) -> np.ndarray | None:
-    """Return each lag's coefficient over its standard error, (p, m, lags + 1); none where lags cannot be told apart."""
+def _heard(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], lags: int, late: np.ndarray) -> Delays | None:
+    """Look at so many lags of each input, from one of each on; none where they cannot be told apart."""
     inputs, outputs = drives[0].shape[1], responses[0].shape[1]
-    regressors, wanted, _ = lagged(drives, responses, lags)
+    long = [number for number, drive in enumerate(drives) if len(drive) > late.max() + lags]
+    if not long:
+        return None
+    moved = advanced([drives[number] for number in long], [responses[number] for number in long], late.tolist())
+    regressors, wanted, _ = lagged(*moved, lags)
     products = regressors.T @ regressors
     scale = np.sqrt(np.diag(products))
     if len(regressors) < 2 * len(products) or not np.all(scale > 0):
@@ -109,19 +128,27 @@ def _told(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], lags: i
     except LinAlgError:
         return None
     found = cho_solve(factor, regressors.T @ wanted / scale[:, None])
-    inverse = np.diag(cho_solve(factor, np.eye(len(products))))
+    inverse = cho_solve(factor, np.eye(len(products)))
     left = wanted - (regressors / scale) @ found
     size = np.sqrt(np.mean(left**2, axis=0) * len(left) / (len(left) - len(products)))
-    sure = np.abs(found) / (np.sqrt(np.maximum(inverse, 0.0))[:, None] * size)
-    return np.asarray(sure[OWN * outputs :].reshape(lags + 1, inputs, outputs).transpose(2, 1, 0))
-
-
-def _first(told: np.ndarray, late: int) -> Delays:
-    """Return the first lags that are no chance, of inputs that come so late."""
+    sure = np.abs(found) / (np.sqrt(np.maximum(np.diag(inverse), 0.0))[:, None] * size)
+    told = sure[OWN * outputs :].reshape(lags + 1, inputs, outputs).transpose(2, 1, 0)
     first = np.argmax(told > HEARD, axis=2)
     is_heard = (told > HEARD).any(axis=2)
     certainty = np.where(is_heard, np.take_along_axis(told, first[..., None], axis=2)[..., 0], told.max(axis=2))
-    return Delays(np.where(is_heard, late + first, -1), certainty, told.shape[2] - 1)
+    samples = np.where(is_heard, late + first, -1)
+    return Delays(samples, certainty, lags, _at_all(found, inverse, size, lags, inputs))
+
+
+def _at_all(found: np.ndarray, inverse: np.ndarray, size: np.ndarray, lags: int, inputs: int) -> np.ndarray:
+    """Say of which inputs some output hears at lags of which no one by itself is sure: by all together, (inputs,)."""
+    own, count = len(found) - (lags + 1) * inputs, lags + 1
+    heard = np.zeros(inputs, bool)
+    for channel in range(inputs):
+        at = own + np.arange(count) * inputs + channel
+        power = np.sum(found[at] * np.linalg.lstsq(inverse[np.ix_(at, at)], found[at], rcond=1e-12)[0], axis=0)
+        heard[channel] = np.any(power / np.maximum(size, 1e-300) ** 2 > count + HEARD * np.sqrt(2 * count) + HEARD**2)
+    return heard
 
 
 def advanced(

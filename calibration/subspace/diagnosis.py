@@ -92,7 +92,8 @@ class Diagnosis:
     def of_plant(self) -> tuple[str, ...]:
         """Verdicts on outputs that are not linear, and on inputs that follow from outputs, one each."""
         after = _MISLED if self.minds_loops else _RIGHT
-        return (*self.nonlinearity.sentences, *(f"{said}; {after}" for said in self.feedback.sentences))
+        bent = () if self.feedback.inputs else self.nonlinearity.sentences  # in a loop inputs tell of outputs anyway
+        return (*bent, *(f"{said}; {after}" for said in self.feedback.sentences))
 
     def __str__(self) -> str:
         """Return them a line each."""

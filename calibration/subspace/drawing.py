@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from calibration.state_space.model import InnovationModel
 from calibration.state_space.response_errors import ResponseErrors
@@ -84,7 +84,7 @@ def _shade(axes: Axes, grid: np.ndarray, values: np.ndarray, either_way: np.ndar
     axes.fill_between(grid, low, values + either_way, color=COLOURS[0], alpha=0.25, linewidth=0)
 
 
-def candidates_figure(candidates: Sequence[Candidate], order: int, horizon: int, has_inputs: bool) -> Figure:
+def candidates_figure(candidates: Sequence[Candidate], order: int, horizon: int, runs_free: bool) -> Figure:
     """Draw what each order and horizon that was tried left of blocks that were held out.
 
     Parameters
@@ -92,13 +92,13 @@ def candidates_figure(candidates: Sequence[Candidate], order: int, horizon: int,
     candidates : sequence of Candidate
     order, horizon : int
         Those that were taken.
-    has_inputs : bool
-        Whether there is a free run.
+    runs_free : bool
+        Whether there is a free run, and not the prediction alone.
     """
     with styled():
         figure = Figure(figsize=(6.5, 3.4), layout="constrained")
         axes = figure.subplots(1, 1, squeeze=False)[0, 0]
-        kinds = ("free_run", "one_step") if has_inputs else ("one_step",)
+        kinds = ("free_run", "one_step") if runs_free else ("one_step",)
         for kind, colour in zip(kinds, COLOURS, strict=False):
             for reach in sorted({each.horizon for each in candidates}):
                 at = sorted((each for each in candidates if each.horizon == reach), key=lambda each: each.order)
@@ -116,6 +116,7 @@ def candidates_figure(candidates: Sequence[Candidate], order: int, horizon: int,
                 )
         axes.axvline(order, label=f"order {order}, horizon {horizon}", **LIMIT)
         axes.set(xlabel="order", ylabel="left of what was held out, %")
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.yaxis.set_major_formatter("{x:g}")
         axes.yaxis.set_minor_formatter(NullFormatter())
@@ -127,7 +128,7 @@ def candidates_figure(candidates: Sequence[Candidate], order: int, horizon: int,
 def comparison_figure(comparison: Comparison) -> Figure:
     """Draw the first record: what was measured, the free run (the prediction without inputs), and the difference."""
     model, measured, own = comparison.model, comparison.responses[0], comparison.fit
-    if model.inputs:
+    if model.inputs and model.is_stable:
         modelled, fit, kind = comparison.free_run[0], own.free_run, "free run"
     else:
         modelled, fit, kind = measured - comparison.residuals[0], own.one_step, "one step ahead"

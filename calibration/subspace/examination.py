@@ -74,7 +74,8 @@ class Examination:
         elif len(self.feedback.share):
             yield "what is heard of the inputs cannot be told: records are too short, or inputs too poor"
         yield from self.feedback.sentences
-        yield from self.nonlinearity.sentences
+        if not self.feedback.inputs:
+            yield from self.nonlinearity.sentences
         yield from outlier_notes(self.outliers)
 
     def _heard(self, found: Delays) -> Iterator[str]:

@@ -46,7 +46,7 @@ def persistence(drives: Sequence[np.ndarray]) -> int:
         part = products[: order * width, : order * width]
         if np.linalg.eigvalsh(part)[0] < _RANK * np.trace(part) / len(part):
             return order - 1
-    return MOST
+    return int(lags)
 
 
 def repeated(drives: Sequence[np.ndarray]) -> tuple[int, int] | None:

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
     from calibration.prediction_error.refinement import Refined
 
+STRETCH = 8
+"""Samples for each state that a record, or a stretch between gaps, must have: its first state is fitted to it."""
 _FIELDS = ("frequency", "frequency_error", "damping", "damping_error")
 
 
@@ -157,13 +159,16 @@ class Identified:
 
         Raises
         ------
-        ValueError : other numbers of channels, or lengths that differ.
+        ValueError : other numbers of channels, lengths that differ, or records so short that any first state fits them.
         """
         inputs, outputs = sides_of(u, y)
         for name, side, wanted in (("input", inputs, self.model.inputs), ("output", outputs, self.model.outputs)):
             if side.records[0].shape[1] != wanted:
                 raise ValueError(f"records have {side.records[0].shape[1]} {name}s, the model has {wanted}")
-        drives, responses = without_gaps(inputs.records, outputs.records)
+        told = STRETCH * max(1, self.core.order // self.model.outputs)
+        drives, responses = without_gaps(inputs.records, outputs.records, at_least=told)
+        if (shortest := min(map(len, drives))) < told:
+            raise ValueError(f"a record has {shortest} samples, must have {told}: any first state would fit fewer")
         return self._beside(drives, responses, 0)
 
     def residuals(self) -> tuple[np.ndarray, ...]:
@@ -197,7 +202,9 @@ class Identified:
         from calibration.subspace.drawing import bode_figure
 
         longest = max(len(each) for each in self.drives)
-        grid = telling.frequencies(self.model, longest) if frequency is None else np.asarray(frequency, float)
+        grid = telling.frequencies(self.model, longest) if frequency is None else np.atleast_1d(frequency).astype(float)
+        if not (grid.size and grid.min() >= 0 and grid.max() <= self.model.rate / 2):
+            raise ValueError(f"frequency must be 0 to {self.model.rate / 2:g} Hz, half the rate")
         figure: Figure = bode_figure(self.model, grid, self.response_errors(grid) if self.model.inputs else None)
         return figure
 
@@ -212,7 +219,8 @@ class Identified:
 
         if not self.candidates:
             raise ValueError("order and horizon were given, there are no candidates to be drawn")
-        figure: Figure = candidates_figure(self.candidates, self.core.order, self.horizon[1], self.model.inputs > 0)
+        runs_free = any(each.free_run != each.one_step for each in self.candidates)
+        figure: Figure = candidates_figure(self.candidates, self.core.order, self.horizon[1], runs_free)
         return figure
 
     def to_control(self) -> Any:

@@ -122,30 +122,11 @@ def identify(
     given = _given(u, y, detrend, outliers)
     way: Method = method if method != "auto" else "pbsid" if given.loop.inputs else "moesp"
     terms = Terms(way != "pbsid" if direct == "auto" else direct, detrend != "none", stable, way == "pbsid")
-    late, heard, data, chosen = _chosen(given.drives, given.responses, delay, (horizon, order, way, terms))
-    windows, found, gain, values = _fitted(data, chosen, way, terms)
-    core = _named(in_units(found, gain, data, rate), *given.sides)
-    driven, held = rest_near((found.transition, found.inlet, found.outlet, found.direct), found.constant)
-    result = Identified(
-        model=delayed(core, late),
-        core=core,
-        delays=late,
-        heard=heard,
-        singular_values=values,
-        candidates=chosen.candidates,
-        horizon=(windows.layout.past, windows.layout.future),
-        input_offset=data.input_offset + data.input_scale * driven,
-        output_offset=data.output_offset + data.output_scale * held,
-        moved_poles=found.moved,
-        by_riccati=found.gain.by_riccati,
-        method=way,
-        feedback=given.loop,
-        resampling=Resampling(windows, data, way, terms, chosen.order),
-        drives=given.drives,
-        responses=given.responses,
-        outliers=given.outliers,
-    )
-    if method == "auto" and given.loop.inputs and core.is_stable:
+    late, heard = _late(given, delay, terms)
+    given = given.longer_than(2 * max(late, default=0))
+    late, data, chosen = _chosen(given, late, (horizon, order, way, terms), is_compared=heard is not None)
+    result = _identified(given, (late, heard), data, chosen, (way, terms, rate))
+    if method == "auto" and given.loop.inputs and result.core.is_stable:
         result = _refined(result, terms.direct)
     return _begun(result)
 
@@ -159,6 +140,17 @@ class _Given:
     responses: tuple[np.ndarray, ...]
     outliers: tuple[np.ndarray, ...]
     loop: Feedback
+
+    def longer_than(self, samples: int) -> "_Given":
+        """Return it without shorter records, which are named in a warning."""
+        kept = [number for number, drive in enumerate(self.drives) if len(drive) > samples]
+        if len(kept) == len(self.drives):
+            return self
+        lost = len(self.drives) - len(kept)
+        warn(f"{lost} record{'s' * (lost > 1)} of at most {samples} samples, twice the dead time, left out")
+        sides = ([side[number] for number in kept] for side in (self.drives, self.responses, self.outliers))
+        drives, responses, outliers = map(tuple, sides)
+        return replace(self, drives=drives, responses=responses, outliers=outliers)
 
 
 def _given(u: Any, y: Any, detrend: Detrend, outliers: Outliers) -> _Given:
@@ -199,29 +191,85 @@ def _about(found: Identified) -> tuple[list[np.ndarray], list[np.ndarray]]:
     return [each - found.input_offset for each in drives], [each - found.output_offset for each in responses]
 
 
+def _identified(
+    given: _Given,
+    heard: tuple[tuple[int, ...], Delays | None],
+    data: Signals,
+    chosen: Choice,
+    how: tuple[Method, Terms, float],
+) -> Identified:
+    """Return the subspace's estimate at the horizon and order that were chosen."""
+    (late, told), (way, terms, rate) = heard, how
+    windows, found, gain, values = _fitted(data, chosen, way, terms)
+    core = _named(in_units(found, gain, data, rate), *given.sides)
+    driven, held = rest_near((found.transition, found.inlet, found.outlet, found.direct), found.constant)
+    return Identified(
+        model=delayed(core, late),
+        core=core,
+        delays=late,
+        heard=told,
+        singular_values=values,
+        candidates=chosen.candidates,
+        horizon=(windows.layout.past, windows.layout.future),
+        input_offset=data.input_offset + data.input_scale * driven,
+        output_offset=data.output_offset + data.output_scale * held,
+        moved_poles=found.moved,
+        by_riccati=found.gain.by_riccati,
+        method=way,
+        feedback=given.loop,
+        resampling=Resampling(windows, data, way, terms, chosen.order),
+        drives=given.drives,
+        responses=given.responses,
+        outliers=given.outliers,
+    )
+
+
+def _late(
+    given: _Given, delay: Literal["auto"] | int | Sequence[int], terms: Terms
+) -> tuple[tuple[int, ...], Delays | None]:
+    """Return what is taken for the delays of the inputs, and what that rests on where it was not given.
+
+    Without D the first lag at which an input is heard is the first one of the model, and no delay.
+    """
+    longest, inputs = max(len(drive) for drive in given.drives), given.drives[0].shape[1]
+    asked_for = asked.delay_of(delay, inputs, longest)
+    if asked_for != "auto":
+        return asked_for, None
+    data = signals(given.drives, given.responses, terms.constant)
+    seen = delays(data.drives, data.responses)
+    if seen is None:
+        return (0,) * inputs, None
+    return tuple(max(0, each - (not terms.direct)) for each in seen.of_inputs), seen
+
+
 def _chosen(
-    drives: Sequence[np.ndarray],
-    responses: Sequence[np.ndarray],
-    delay: Literal["auto"] | int | Sequence[int],
+    given: _Given,
+    late: tuple[int, ...],
     wanted: tuple[int | tuple[int, int] | None, int | None, Method, Terms],
-) -> tuple[tuple[int, ...], Delays | None, Signals, Choice]:
-    """Return what is taken for the delays of the inputs, and why, records without them, and horizon and order."""
-    has_mean, inputs = wanted[3].constant, drives[0].shape[1]
-    data = signals(drives, responses, has_mean)
-    given = asked.delay_of(delay, inputs, min(len(drive) for drive in drives))
-    seen = delays(data.drives, data.responses) if given == "auto" else None
-    late = given if given != "auto" else (0,) * inputs if seen is None else seen.of_inputs
+    is_compared: bool,
+) -> tuple[tuple[int, ...], Signals, Choice]:
+    """Return the delays of the inputs, records without them, and horizon and order.
+
+    Parameters
+    ----------
+    given : _Given
+    late : tuple of int, samples
+    wanted : (horizon, order, method, terms)
+    is_compared : bool
+        Whether a model without delays is taken where it is better.
+    """
+    (horizon, order, method, terms), has_mean = wanted, wanted[3].constant
+    data = signals(given.drives, given.responses, has_mean)
     if not any(late):
-        return late, seen, data, choose(data, *wanted)
-    moved = signals(*advanced(drives, responses, late), has_mean)
-    horizon, order, method, terms = wanted
-    found = choose(moved, horizon, order, method, terms, is_compared=given == "auto")
-    if given == "auto":
+        return late, data, choose(data, *wanted)
+    moved = signals(*advanced(given.drives, given.responses, late), has_mean)
+    found = choose(moved, horizon, order, method, terms, is_compared=is_compared)
+    if is_compared:
         alone = (horizon, order) if max(late) <= FEW else ((found.layout.past, found.layout.future), found.order)
         without = choose(data, *alone, method, terms, is_compared=True)
         if without.score > found.score + ALIKE:
-            return (0,) * inputs, seen, data, without if max(late) <= FEW else choose(data, *wanted)
-    return late, seen, moved, found
+            return (0,) * len(late), data, without if max(late) <= FEW else choose(data, *wanted)
+    return late, moved, found
 
 
 def _fitted(data: Signals, chosen: Choice, method: Method, terms: Terms) -> tuple[Windows, Estimate, Gain, np.ndarray]:

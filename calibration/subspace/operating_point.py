@@ -5,6 +5,8 @@ import numpy as np
 WITHIN = 1.0
 """How far from the outputs' mean, re their spread, a point of rest is believed where the inputs' mean leads to it."""
 
+_LEAK = 1e-12
+
 
 def rest_near(
     system: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], level: np.ndarray
@@ -29,9 +31,7 @@ def rest_near(
     still = np.zeros(inlet.shape[1])
     if not np.any(np.abs(level) > WITHIN) or not len(still):
         return still, level
-    try:
-        settled = outlet @ np.linalg.solve(np.eye(len(transition)) - transition, inlet) + direct
-    except np.linalg.LinAlgError:  # it integrates: any outputs are a point of rest
-        return still, np.zeros_like(level)
+    leaky = (1.0 - _LEAK) * transition  # what integrates has no gain at rest, but a very large one will do
+    settled = outlet @ np.linalg.solve(np.eye(len(transition)) - leaky, inlet) + direct
     moved = -np.linalg.solve(settled.T @ settled + np.eye(len(still)), settled.T @ level)
     return moved, level + settled @ moved

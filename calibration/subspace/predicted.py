@@ -88,7 +88,7 @@ def predicted(
         found.inlet + gain.matrix @ found.direct,
         outlet,
         found.direct,
-        offset(matrix, outlet, gain, found.constant, sum(len(each) for each in errors)),
+        offset(matrix, outlet, gain, found.constant),
         Gain(gain.matrix, power / sum(len(each) for each in errors), gain.by_riccati),
         found.states,
         int(np.sum(np.abs(np.linalg.eigvals(raw)) >= 1)) if terms.stable else 0,

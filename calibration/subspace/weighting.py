@@ -65,7 +65,7 @@ def weighted(
         estimate,
         inlet=found.inlet + gain.matrix @ found.direct,
         direct=found.direct,
-        constant=offset(estimate.transition, estimate.outlet, gain, found.constant, sum(map(len, drives))),
+        constant=offset(estimate.transition, estimate.outlet, gain, found.constant),
         states=found.states,
     )
     left = sum(float(np.sum(each**2)) for each in left_by_free_run(again, drives, measured))

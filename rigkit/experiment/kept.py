@@ -15,7 +15,8 @@ from rigkit import config as rig_file
 from rigkit.disk_space import require
 from rigkit.experiment.kind import Experiment, Kind
 from rigkit.experiment.replayed import Replayed, compared
-from rigkit.experiment.runner import KILLED, STOPPED, Conduct, perform, repeated, run_in_memory, unheard
+from rigkit.experiment.runner import KILLED, STOPPED, Conduct, repeated, unheard
+from rigkit.experiment.succession import perform, run_in_memory
 from rigkit.json_text import json_text
 from rigkit.kept_files import kept_files
 from rigkit.report import Fact

@@ -91,6 +91,7 @@ def application(ends: Ends, audience: Audience, metrics: Metrics, name: str) -> 
     _add_metrics(api, metrics)
     _add_files(api, ends)
     _add_commands(api, ends)
+    _add_rare_commands(api, ends)
     _add_commands_with_a_reason(api, ends)
     app.include_router(api)
     app.state.routes = api.routes
@@ -201,10 +202,7 @@ def _add_commands(app: APIRouter, ends: Ends) -> None:
 
     @app.post("/api/stop", response_model=answers.Made, openapi_extra=stop_request.DESCRIPTION)
     async def stop(request: Request) -> JSONResponse:
-        """Bring the output to zero and disarm, now.
-
-        Any token may, the one to view as well; it needs no control, no body, and no body is refused.
-        """
+        """Bring the output to zero and disarm, now.  Any token may, the one to view as well; no body is refused."""
         who, why = stop_request.who_and_why(await request.body())
         asker = f"{request.state.role} at {request.client.host if request.client else 'socket'}"
         return await _asked(ends.urgent, "stop", who=who, why=why, asker=asker)
@@ -216,6 +214,8 @@ def _add_commands(app: APIRouter, ends: Ends) -> None:
         status, told = await beginning.begin(ends.asking, key=key, **wanted)
         return Json(told, status)
 
+
+def _add_rare_commands(app: APIRouter, ends: Ends) -> None:
     @app.post("/api/fault", response_model=answers.Injected)
     async def fault(asked: requests.Fault, key: Key = "") -> JSONResponse:
         """Put a fault into a sensor on purpose, where daemon.faults allows it."""

@@ -4,7 +4,8 @@ from typing import Any
 
 import pytest
 
-from rigkit.experiment.runner import Conduct, run_in_memory
+from rigkit.experiment.runner import Conduct
+from rigkit.experiment.succession import run_in_memory
 from stagectl.experiments.toroid.experiment import Toroid
 from stagectl.experiments.toroid.plan import SETUPS, loops_of, plan, stage_of
 from stagectl.robot.config import CellConfig

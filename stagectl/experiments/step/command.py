@@ -10,7 +10,7 @@ from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, laid_
 from rigkit.config_fault import checked
 from rigkit.experiment.command import CommandLine
 from stagectl.experiments.step.experiment import STEPS, Steps
-from stagectl.experiments.step.report import HEAD, rows
+from stagectl.experiments.step.report import HEAD, rows, unlike
 from stagectl.experiments.step.response import Wanted
 from stagectl.robot.config import CellConfig
 
@@ -43,5 +43,7 @@ def step(
     line = CommandLine("steps", made.is_live, out, png, json)
     reasons, found = line.carry_out(STEPS, cell, made)
     print_table(f"{made.wanted.kind} responses", HEAD, rows(found), words(json))
+    for sentence in unlike(found):
+        words(json).write(f"{sentence}\n")
     write_json(json, found)
     line.end(reasons)

@@ -16,13 +16,15 @@ from stagectl.experiments.step.response import MANIPULATORS, Response, Wanted, r
 PAGE = "report.html"
 HEAD = ("manipulator", "gain", "+-", "dead time, ms", "+-", "time constant, ms", "+-", "bandwidth, Hz", "noise, µm",
         "unexplained, %")  # fmt: skip
+LINEAR = 0.05
+"""Part of a response up to which the model is taken to describe it."""
 SURE = 1.96
 SHADED = "Shaded: where it is nineteen times of twenty."
 
 
 def rows(figures: Mapping[str, Any]) -> list[tuple[str, ...]]:
     """Return a row for each manipulator under `HEAD`."""
-    return [tuple(_row(name, told)) for name, told in figures.items() if isinstance(told, Mapping) and "gain" in told]
+    return [tuple(_row(name, figures[name])) for name in MANIPULATORS if name in figures]
 
 
 def _row(name: str, told: Mapping[str, Any]) -> Iterator[str]:
@@ -43,6 +45,7 @@ def write_report(
     with styled():
         plots = tuple(_plot(name, each) for name, each in found.items() if each is not None)
         facts = [Fact(f"Dead time, {row[0]}", f"{row[3]} ms") for row in rows(figures)]
+        facts += [Fact(f"Unexplained, {name}", f"{100 * part:.2g} %", part <= LINEAR) for name, part in _left(figures)]
         about = (
             "The model is of first order with dead time, fitted to all repetitions; +- is one standard error, by "
             "leaving out each repetition in turn, and says nothing of what such a model cannot be."
@@ -55,9 +58,25 @@ def write_report(
             report.png(png)
 
 
+def unlike(figures: Mapping[str, Any]) -> list[str]:
+    """Return a sentence for each manipulator that the model does not describe."""
+    return [
+        f"{name}: {100 * part:.2g} % of the response is not of first order with dead time (friction, backlash, a "
+        "resonance, a limit): look at it, and try steps of another size"
+        for name, part in _left(figures)
+        if part > LINEAR
+    ]
+
+
+def _left(figures: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
+    for name in MANIPULATORS:
+        if name in figures:
+            yield name, figures[name]["unexplained"]
+
+
 def _terms(figures: Mapping[str, Any]) -> Table:
     """Return what `[midranging.pair]` is to have."""
-    terms = {name: told["terms"] for name, told in figures.items() if isinstance(told, Mapping) and "terms" in told}
+    terms = {name: figures[name]["terms"] for name in MANIPULATORS if name in figures}
     lines = []
     for name, each in terms.items():
         (pole,), (gain,) = each["outputs"], each["inputs"]

@@ -14,6 +14,8 @@ MANIPULATORS = {"robot": "slow", "stage": "fast"}
 """What the pair of mid-ranging calls each."""
 REST = 1.0
 """s before the first step, and between robot and stage."""
+LATEST = 0.25
+"""Longest dead time, of a period: by half of one a step up is a step down."""
 NUMBERS = ("gain", "time_constant", "delay")
 
 
@@ -49,7 +51,7 @@ class Wanted(Section):
         return np.concatenate([rest, np.tile(self.size * wave / np.abs(wave).max(), self.repeats + 1), rest])
 
     def lines(self, rate: float) -> np.ndarray:
-        """Return the lines of the multisine, periods each period."""
+        """Return the lines of the multisine, shape (lines,), how many periods each has in one of the multisine's."""
         count = round(self.period * rate)
         most = min(int(self.highest * self.period + 1e-9), (count - 1) // 2)
         if most < 3:
@@ -167,8 +169,9 @@ def _fitted(
     if count < 2:
         return None
     raw = wanted.size * each if periods is None else periods
-    numbers = _fit(each, model, np.ones(count, bool), starts)
-    without = np.array([_fit(each, model, np.arange(count) != out, iter([numbers])) for out in range(count)])
+    latest = LATEST * wanted.period
+    numbers = _fit(each, model, np.ones(count, bool), starts, latest)
+    without = np.array([_fit(each, model, np.arange(count) != out, iter([numbers]), latest) for out in range(count)])
     if not np.iscomplexobj(each):  # where rest is, all of it tells, and not the beginning alone
         each = each - (each - model(numbers)).mean()
     mean, modelled = each.mean(axis=0), np.broadcast_to(model(numbers), each.shape).mean(axis=0)
@@ -184,13 +187,14 @@ def _fitted(
     )
 
 
-def _fit(each: np.ndarray, model: Model, kept: np.ndarray, starts: Iterator[np.ndarray]) -> np.ndarray:
+def _fit(each: np.ndarray, model: Model, kept: np.ndarray, starts: Iterator[np.ndarray], latest: float) -> np.ndarray:
     def left(numbers: np.ndarray) -> np.ndarray:
         away = (model(numbers) - each)[kept].ravel()
         return np.concatenate([away.real, away.imag]) if np.iscomplexobj(away) else away - away.mean()
 
-    bounds = ([-np.inf, 1e-6, 0.0], [np.inf, np.inf, np.inf])
-    ends = (least_squares(left, start, bounds=bounds, x_scale=np.maximum(np.abs(start), 1e-3)) for start in starts)
+    bounds = ([-np.inf, 1e-6, 0.0], [np.inf, np.inf, latest])
+    begun = (np.minimum(start, (np.inf, np.inf, 0.9 * latest)) for start in starts)
+    ends = (least_squares(left, start, bounds=bounds, x_scale=np.maximum(np.abs(start), 1e-3)) for start in begun)
     found: np.ndarray = min(ends, key=lambda end: float(end.cost)).x
     return found
 

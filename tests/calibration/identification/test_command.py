@@ -103,7 +103,7 @@ def test_columns_go_by_number_and_figures_to_the_standard_output(
         (("--out", "model.txt"), "must be '.h5'"),
         (("--method", "arx"), "method is 'arx'"),
         (("--horizon", "9000"), "too few"),
-        (("--delay", "1,x"), "--delay is '1,x', must be auto, samples of all inputs, or of each"),
+        (("--delay", "1,x"), "--delay is '1,x', must be auto, samples >= 0 of all inputs"),
         (("--delay", "1,2"), "delay has 2 entries, must be one number or one for each of 1 inputs"),
         (("--detrend", "line"), "--detrend is 'line', must be one of mean, record, linear, slow, none"),
         (("--hold-back", "2"), "held back are 2.0"),

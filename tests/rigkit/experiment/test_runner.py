@@ -15,7 +15,8 @@ from ctlblocks.room import DiskFault
 from ctlblocks.taps import Tap
 from rigkit.experiment.kept import records_of
 from rigkit.experiment.part import Part, Phase, Retreat, Track, nothing
-from rigkit.experiment.runner import STOPPED, Conduct, Ended, perform, remembered, repeated
+from rigkit.experiment.runner import STOPPED, Conduct, Ended, remembered, repeated
+from rigkit.experiment.succession import perform
 from rigkit.growing_wav import GrowingWav
 from rigkit.run_folder import RunFolder, read_events
 from rigkit.stop import Stopped

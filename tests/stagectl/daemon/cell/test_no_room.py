@@ -17,6 +17,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "force": {"run": "one", "task": "slot"},
     "cell": {"run": "one", "setup": "B"},
     "midrange": {"run": "one", "scenario": "toroid"},
+    "step": {"run": "one", "period": 600.0, "repeats": 100},
     "calibrate-milling": {"model": "found.h5"},
     "calibrate-joints": {"model": "found.h5", "joints": "1"},
 }

@@ -32,11 +32,18 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "force": {"run": "one", "task": "small.json", "pockets": 2},
     "cell": {"run": "one", "setup": "A"},
     "midrange": {"run": "one", "scenario": "wave.csv", "controller": "mvpc"},
+    "step": {"run": "one", "of": "stage", "size": 1e-4, "repeats": 100},
     "calibrate-milling": {"task": "pocket28", "model": "found.h5"},
     "calibrate-joints": {"joints": "3"},
 }
-LIVE = {"midrange": {"midranging": MIDRANGING}, "calibrate-joints": {"clamping": QUICK_JOINTS}}
+LIVE = {
+    "midrange": {"midranging": MIDRANGING},
+    "step": {"midranging": MIDRANGING},
+    "calibrate-joints": {"clamping": QUICK_JOINTS},
+}
 """Procedures that lead a robot over its wires, where the cell's file says so."""
+PANELS = {"midrange": {"position", "manipulators", "control"}, "step": {"robot", "stage", "control"}}
+"""Of those that lead the stage as well."""
 
 
 LONG_ENOUGH = "pocket.feed=5e-3"
@@ -89,11 +96,11 @@ def test_the_output_of_a_live_robot_is_measured_while_it_is_led(tmp_path: Path, 
         lab.control.arm(lab.key, "a test")
         lab.control.begin(lab.key, procedure, OPTIONS[procedure], "")
         assert is_measured_while_it_runs(lab.control)
-        if procedure == "midrange":
+        if procedure in PANELS:
             until(lambda: lab.gauge("led").value == 1.0)
             assert {gauge.name for gauge in lab.rig.gauges() if gauge.is_output} == {"tool_speed", "led"}
             until(lambda: {"control_x", "micro_x", "link_lost"} <= {gauge.name for gauge in lab.rig.gauges()})
-            until(lambda: {"position", "manipulators", "control"} <= lab.control.board.revisions().keys())
+            until(lambda: PANELS[procedure] <= lab.control.board.revisions().keys())
         lab.control.stop("Ada", "seen")
         lab.ended()
         lab.close()

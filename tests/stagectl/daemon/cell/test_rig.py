@@ -89,9 +89,20 @@ def test_a_position_is_shared_as_a_file_says(lab: Lab) -> None:
     assert lab.events("finished")[0]["iae"] > 0.0
 
 
+def test_steps_are_made_and_read_off(lab: Lab) -> None:
+    lab.begin("step", period=1.0, repeats=2)
+    lab.ended()
+    assert lab.state is State.ARMED, lab.why
+    assert (lab.run_folder() / "report.html").is_file()
+    assert set(lab.control.board.revisions()) == {"robot", "stage", "control"}
+    found = json.loads((lab.run_folder() / "summary.json").read_text())
+    assert found["stage"]["time_constant"] == pytest.approx(0.098, abs=1e-3)
+
+
 @pytest.mark.parametrize(
     ("procedure", "options", "words"),
     [
+        ("step", {"kind": "impulse"}, 'kind is "impulse", must be "step" or "multisine"'),
         ("ilc", {"speed": 3}, "speed is 3, but ilc has no speed; "),
         ("ilc", {"run": "../x"}, 'run is "../x", must be text, matching '),
         ("ilc", {"method": "4"}, 'method is "4", must be text, matching '),
@@ -125,6 +136,7 @@ def test_options_that_cannot_be_are_refused_and_the_rig_stays_armed(
         ("force", {"task": "process"}, "task is 'process', must be slot, pocket, or a file in the data folder, "),
         ("force", {"model": "../x.h5"}, "model is '../x.h5', must be a file in the data folder, "),
         ("cell", {"stage": "none.toml"}, "stage is 'none.toml', must be a file in the data folder, "),
+        ("step", {"of": "stage", "size": 0.05}, "size is 0.05 m, must be <= midranging.pair.travel, 0.025 m"),
         ("midrange", {"scenario": "nix"}, "scenario is 'nix', must be thesis-1, thesis-2, toroid, or a file in the "),
         ("calibrate-joints", {"joints": "3,7"}, "joints are '3,7': '7' must be a number or a range from 1 to 6"),
     ],
@@ -162,7 +174,12 @@ def test_a_pocket_that_is_no_sound_json_is_refused_in_one_line_and_the_rig_stays
 
 
 @pytest.mark.parametrize(
-    ("procedure", "key"), [("midrange", "midranging.session.live"), ("calibrate-joints", "clamping.live")]
+    ("procedure", "key"),
+    [
+        ("midrange", "midranging.session.live"),
+        ("step", "midranging.session.live"),
+        ("calibrate-joints", "clamping.live"),
+    ],
 )
 def test_what_is_live_is_not_paced(tmp_path: Path, procedure: str, key: str) -> None:
     lab = cell_in(tmp_path, f"{key}=true")
