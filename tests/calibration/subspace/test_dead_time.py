@@ -54,11 +54,9 @@ def test_a_gap_near_the_beginning_hides_no_dead_time() -> None:
     with pytest.warns(UserWarning, match="missing|left out"):
         given = subspace.identify(u, y, 1.0, delay=200)
     np.testing.assert_allclose(given.model.poles[:1], found.model.poles[:1])
-    with (
-        pytest.raises(ValueError, match="must be 0 to 1874 samples, half of the longest record"),
-        pytest.warns(UserWarning),
-    ):
-        subspace.identify(u, y, 1.0, delay=1875)
+    y[250] = 0.0
+    with pytest.raises(ValueError, match="must be 0 to 1999 samples, half of the longest record"):
+        subspace.identify(u, y, 1.0, delay=2000)
 
 
 @pytest.mark.parametrize("late", [300, pytest.param(800, marks=pytest.mark.slow)])
@@ -103,5 +101,5 @@ def test_stretches_that_any_first_state_fits_are_no_witness() -> None:
     noise[::3] = np.nan
     with pytest.raises(ValueError, match="between them there is no stretch of 16 samples"):
         found.compare(u, noise)
-    with pytest.raises(ValueError, match="no stretch"):
-        found.compare(u[:0], noise[:0])
+    with pytest.raises(ValueError, match="a record has 3 samples, must have 16"):
+        found.compare(u[:3], u[:3])
