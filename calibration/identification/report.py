@@ -37,8 +37,7 @@ def fit_table(found: Identification) -> Table:
 def candidate_table(found: Identification) -> Table:
     """Return a row for each order tried, at the horizon where it did best; none where both were given."""
     table = Table(CANDIDATE_HEAD, tuple(_candidate_rows(found)))
-    runs_free = any(each.free_run != each.one_step for each in found.started.candidates)
-    return table if runs_free else _without(table, range(2, 3))
+    return table if found.started.candidates_ran_free else _without(table, range(2, 3))
 
 
 def _without(table: Table, columns: range) -> Table:

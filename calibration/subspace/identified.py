@@ -93,6 +93,11 @@ class Identified:
     outliers: tuple[np.ndarray, ...]
     refined: "Refined | None" = None
 
+    @property
+    def candidates_ran_free(self) -> bool:
+        """Whether the free run counted in the choice, and not the prediction alone."""
+        return any(each.free_run != each.one_step for each in self.candidates)
+
     @cached_property
     def own(self) -> Comparison:
         """It and the records it was identified from."""
@@ -219,8 +224,8 @@ class Identified:
 
         if not self.candidates:
             raise ValueError("order and horizon were given, there are no candidates to be drawn")
-        runs_free = any(each.free_run != each.one_step for each in self.candidates)
-        figure: Figure = candidates_figure(self.candidates, self.core.order, self.horizon[1], runs_free)
+        taken = self.core.order, self.horizon[1]
+        figure: Figure = candidates_figure(self.candidates, *taken, self.candidates_ran_free)
         return figure
 
     def to_control(self) -> Any:

@@ -5,8 +5,9 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
+import typer
 from pydantic import BaseModel
 
 from ctlblocks.clock import Clock, Offline
@@ -18,6 +19,15 @@ from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
 
 PAGE = "report.html"
+RunOption = Annotated[
+    Path | None, typer.Option("--out", metavar="RUN/", help="Folder to make for recording and report.")
+]
+
+
+def refuse_png_alone(png: Path | None, out: Path | None) -> None:
+    """Refuse pictures without a run's folder that they are of, by ValueError."""
+    if png is not None and out is None:
+        raise ValueError("--png goes with --out RUN/, which is not given")
 
 
 @dataclass(frozen=True)

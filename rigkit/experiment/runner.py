@@ -1,4 +1,4 @@
-"""The parts of an experiment run one after another: ticked, recorded as they go, stopped, held between two of them."""
+"""One part of an experiment run: ticked through its phases, stopped, held, made again."""
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress

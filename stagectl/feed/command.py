@@ -11,6 +11,7 @@ from ctlblocks import clock
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, laid_over, print_table, words, write_json
+from rigkit.experiment.command import refuse_png_alone
 from rigkit.named_code import named_block
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
@@ -75,8 +76,7 @@ def force(
     `stagectl force --config cell.toml --live --task slot --out RUN/`
     """
     cell = rig_file.load(config, CellConfig, laid_over(settings, {"force.force": newtons}))
-    if png is not None and out is None:
-        raise ValueError("--png goes with --out RUN/, which is not given")
+    refuse_png_alone(png, out)
     job = Job(task, pocket_of(task, cell.segments), planner_name, is_untrained, pockets, seed, compares)
     if dry:
         _say_steps(cell, job, model)

@@ -1,7 +1,6 @@
 """The command `stagectl midrange`: the macro and the micro manipulator under one of the controllers."""
 
 import sys
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -19,7 +18,7 @@ from rigkit.command import (
     words,
     write_json,
 )
-from rigkit.experiment.command import CommandLine
+from rigkit.experiment.command import CommandLine, RunOption, refuse_png_alone
 from stagectl.experiments.midranging.experiment import Midranging
 from stagectl.experiments.midranging.read_back import MIDRANGING
 from stagectl.experiments.midranging.scenario import scenarios
@@ -28,6 +27,7 @@ from stagectl.robot.config import CellConfig
 from stagectl.robot.midranging.controllers import CONTROLLERS
 
 TABLE = "table-3.1"
+LiveOption = Annotated[bool, typer.Option("--live", help="The robot of [robot] and the stage of [link].")]
 
 ScenarioOption = Annotated[
     str,
@@ -44,8 +44,8 @@ def midrange(
         typer.Option("--controller", metavar="NAME", help=f"{', '.join(CONTROLLERS)}; table-3.1 runs all it needs."),
     ] = "aimc",
     config: ConfigOption = None,
-    live: Annotated[bool, typer.Option("--live", help="The robot of [robot] and the stage of [link].")] = False,
-    out: Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make for recording and report.")] = None,
+    live: LiveOption = False,
+    out: RunOption = None,
     png: PngOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
@@ -56,8 +56,7 @@ def midrange(
     `stagectl midrange --config cell.toml --live --scenario toroid --out RUN/`
     """
     cell = rig_file.load(config, CellConfig, laid_over(settings, {"midranging.session.live": live}))
-    if png is not None and out is None:
-        raise ValueError("--png goes with --out RUN/, which is not given")
+    refuse_png_alone(png, out)
     is_live = cell.midranging.session.live
     if scenario_name == TABLE:
         if out is not None or is_live:

@@ -1,6 +1,5 @@
 """The command `stagectl step`."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -8,7 +7,8 @@ import typer
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, laid_over, print_table, words, write_json
 from rigkit.config_fault import checked
-from rigkit.experiment.command import CommandLine
+from rigkit.experiment.command import CommandLine, RunOption, refuse_png_alone
+from stagectl.experiments.midranging.command import LiveOption
 from stagectl.experiments.step.experiment import STEPS, Steps
 from stagectl.experiments.step.report import HEAD, rows, unlike
 from stagectl.experiments.step.response import Wanted
@@ -25,8 +25,8 @@ def step(
     repeats: Annotated[int, typer.Option(metavar="N", help="Periods of each manipulator.")] = DEFAULT.repeats,
     highest: Annotated[float, typer.Option(metavar="HZ", help="Line of the multisine.")] = DEFAULT.highest,
     config: ConfigOption = None,
-    live: Annotated[bool, typer.Option("--live", help="The robot of [robot] and the stage of [link].")] = False,
-    out: Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make for recording and report.")] = None,
+    live: LiveOption = False,
+    out: RunOption = None,
     png: PngOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
@@ -36,8 +36,7 @@ def step(
     Example: `stagectl step --config cell.toml --of both --kind multisine --out STEPS/`
     """
     cell = rig_file.load(config, CellConfig, laid_over(settings, {"midranging.session.live": live}))
-    if png is not None and out is None:
-        raise ValueError("--png goes with --out RUN/, which is not given")
+    refuse_png_alone(png, out)
     given = {"of": of, "kind": kind, "size": size, "period": period, "repeats": repeats, "highest": highest}
     made = Steps(cell, checked(Wanted, given, "what is asked"))
     line = CommandLine("steps", made.is_live, out, png, json)
