@@ -13,7 +13,7 @@ from rigkit.experiment.kept import create, replayed, run
 from rigkit.experiment.runner import Conduct
 from stagectl.experiments.step.experiment import STEPS, Steps
 from stagectl.experiments.step.response import Wanted
-from tests.scenario.stepped_cell import SteppedCell
+from tests.scenario.stepped_cell import StageBeside, SteppedCell
 from tests.scenario.test_mid_ranging_over_both_wires import MIDRANGING, cell_of
 from tests.stagectl.link.stand_in import PATIENT, running
 
@@ -23,10 +23,11 @@ pytestmark = pytest.mark.stall(0.3)
 def test_robot_and_stage_are_told_apart_by_what_they_answer(tmp_path: Path) -> None:
     wanted = Wanted(size=140e-6, period=2.0, repeats=2)
     with (
-        running(tmp_path / "can", Settings(silence=PATIENT, pace="host")) as (_, stage),
+        running(tmp_path / "can", Settings(silence=PATIENT, pace="host")) as (node, stage),
         SteppedCell(midranging=MIDRANGING) as stepped,
     ):
         made = Steps(cell_of(stepped, tmp_path / "can"), wanted)
+        stepped.beside = StageBeside(node, stage, lambda: made.pair)
         with create(tmp_path / "run", STEPS, made.cell, made) as folder:
             reasons, found = run(folder, STEPS, made, Conduct())
     assert reasons == {}
