@@ -13,6 +13,7 @@ from stagectl.deflection import DeflectionReference
 from stagectl.held_reference import HeldReference, Hold, unheld
 from stagectl.setup import Setup
 from stagectl.stage.loop import Stage
+from stagectl.stage.prefiltered_reference import PrefilteredReference
 
 SEEN = ("position", "extension", "absolute")
 """What sensors give, m."""
@@ -41,7 +42,7 @@ class Cell:
     seen : Seen
         `simulated(config)` or `recorded(recording, config)`.
     compensate : bool
-        Whether the robot's deflection is taken off the reference.
+        Whether the robot's deflection is taken off the reference, and what is left goes through the prefilters.
     watching : mapping of str to Block
         Sinks by name, such as a recorder; their ports are of `RECORDED`.
     """
@@ -52,7 +53,7 @@ class Cell:
         config, axes = made.config, len(made.config.stage.axes)
         self._made = made
         self.graph = graph = Graph(config.stage.rate)
-        self.stage = Stage(graph, config, made.controller(), made.compensation())
+        self.stage = Stage(graph, config, made.controller(compensate), made.compensation())
         times = made.timeline
         self.reference = HeldReference(wanted, config.limits.ramp, slice(times.begin, times.end - CHUNK))
         graph.add("wanted", self.reference)
@@ -65,7 +66,12 @@ class Cell:
             for name in ("wanted", "absolute", "position"):
                 graph.connect(outputs[name][0], f"deflection.{name}", delayed=outputs[name][1])
             outputs["reference"] = ("deflection.reference", False)
-        graph.connect(outputs["reference"][0], "controller.reference")
+        followed = outputs["reference"][0]
+        if compensate and any(made.prefilters):
+            graph.add("prefilter", PrefilteredReference(made.prefilters))
+            graph.connect(followed, "prefilter.reference")
+            followed = "prefilter.filtered"
+        graph.connect(followed, "controller.reference")
         outputs["extension_reference"] = ("controller.extension_reference", False)
         outputs["voltage"] = ("guard.voltage", False)
         kept = {name.removeprefix("kept "): output for name, output in outputs.items() if name.startswith("kept ")}

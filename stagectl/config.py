@@ -176,6 +176,9 @@ class ChosenWeights(Section):
     beyond: PerAxis = setting(
         (), "1", "gain above outer.reach that is allowed with these weights; none, or 0: as for all of them"
     )
+    forward_share: PerAxis = setting(
+        (), "1", "part that these take of the gains from the reference that are allowed above outer.reach"
+    )
 
 
 class Reference(Section):
@@ -193,6 +196,10 @@ class Deflection(Section):
     on: bool = setting(False, "", "compensate")
     delay: int = setting(2, "samples", "by which the laser comes later than the position sensors", ge=0, le=1_000)
     corner: float = setting(2000.0, "Hz", "of a first-order low-pass for the laser's noise", gt=0, le=50_000)
+    learn: bool = setting(
+        True, "", "make a prefilter for the deflection that a run without compensation shows: session.compare"
+    )
+    prefilter: str = setting("", "", "prefilter.json of an earlier run, in place of a new one", files=(".json",))
 
 
 class Session(Section):
@@ -258,7 +265,7 @@ class StageConfig(Section):
         if len(self.inner.hysteresis) not in (0, axes):
             raise ValueError(f"inner.hysteresis has {len(self.inner.hysteresis)} files, must have none or {axes}")
         for key, values in self.weights:
-            if key in ("notch", "beyond") and not values:
+            if key in ("notch", "beyond", "forward_share") and not values:
                 continue  # rig files from before have none
             if len(values) != (axes if self.weights.bandwidth else 0) or not all(value >= 0 for value in values):
                 raise ValueError(f"weights.{key} is {values}, must be {axes} numbers >= 0, or none in all of [weights]")

@@ -81,6 +81,12 @@ def _end(figures: dict[str, Any], path: Path, json: str | None) -> None:
     print_table(f"{path}: {figures['seconds']:g} s", head, rows, words(json))
     for axis, factor in figures.get("improvement", {}).items():
         print(f"{axis}: {factor:.1f} times better than uncompensated", file=words(json))
+    for axis, each in figures.get("prefilter", {}).items():
+        print(
+            f"{axis}: foreseen to be left of the deflection: {100 * each['left']:.0f} % with its prefilter, "
+            f"{100 * each['without']:.0f} % without",
+            file=words(json),
+        )
     if figures.get("lost"):
         print(f"{figures['lost']} samples are not recorded: the disk was too slow, or full", file=words(json))
     if (path / "report.html").exists():

@@ -19,8 +19,9 @@ from rigkit.run_origin import keep_origin
 from stagectl.cell import RECORDED, Cell, kept_in, memory, simulated
 from stagectl.config import StageConfig
 from stagectl.model_origin import refuse_foreign
+from stagectl.prefilter_file import PREFILTER, learned, write_prefilters
 from stagectl.reference import wanted_position
-from stagectl.setup import Setup, setup
+from stagectl.setup import Setup, setup, with_prefilters
 from stagectl.tracking import tracking
 
 RECORDING, UNCOMPENSATED = "recording", "uncompensated"
@@ -102,6 +103,8 @@ def setup_of(path: Path) -> Setup:
         config = config.model_copy(update={"inner": config.inner.model_copy(update={"hysteresis": kept})})
     files = [path / model_name(axis) for axis in config.stage.axes]
     made = setup(config, [] if config.session.live and not files[0].exists() else files)
+    if (path / PREFILTER).is_file():
+        made = with_prefilters(made, path / PREFILTER)
     held = [event["samples"] for event in read_events(path) if event["event"] == RESUMED]
     return replace(made, held=held[-1] if held else 0)
 
@@ -135,9 +138,29 @@ def run(folder: RunFolder, made: Setup, tell: Tell, stopped: Callable[[], bool])
         tell_recorded(folder, name, cell, len(kept.data))
         if fault is not None or stopped():
             break
+        if name == UNCOMPENSATED and config.deflection.on and config.deflection.learn and not made.prefilters:
+            made = _prefiltered(folder, made, kept)
     figures = summary(folder.path, made)
     folder.summarise(figures)
     return figures
+
+
+def _prefiltered(folder: RunFolder, made: Setup, record: Recording) -> Setup:
+    """Return a setup with prefilters for the deflection that was recorded without compensation; kept in the folder."""
+    try:
+        made = replace(made, prefilters=learned(record, made))
+    except ValueError as why:
+        folder.event("note", {"text": f"no prefilter: {why}"})
+        return made
+    write_prefilters(folder.path / PREFILTER, made.config.stage.axes, made.config.stage.rate, made.prefilters)
+    folder.event("prefiltered", {"left": left_by(made)})
+    return made
+
+
+def left_by(made: Setup) -> dict[str, dict[str, float]]:
+    """Return what each axis' loop leaves of the deflection that its prefilter is made for, `left` and `without` it."""
+    pairs = zip(made.config.stage.axes, made.prefilters, strict=bool(made.prefilters))
+    return {axis: {"left": each.left, "without": each.without} for axis, each in pairs if each is not None}
 
 
 def summary(path: Path, made: Setup) -> dict[str, Any]:
@@ -154,7 +177,8 @@ def summary(path: Path, made: Setup) -> dict[str, Any]:
     dict
         `seconds` of the run proper that are recorded; `position_error` (reference less position) and `tool_error`
         (wanted less laser), each for each axis: mae, std, peak (m) and within (1); where it was also run
-        uncompensated, `uncompensated_tool_error` and `improvement`, the ratio of the mean absolute errors, by axis.
+        uncompensated, `uncompensated_tool_error` and `improvement`, the ratio of the mean absolute errors, by axis;
+        `prefilter`, as of `left_by`, where there is one.
     """
     record = read_recording(path, RECORDING)
     figures: dict[str, Any] = {"seconds": 0.0}
@@ -169,6 +193,8 @@ def summary(path: Path, made: Setup) -> dict[str, Any]:
         if "tool_error" in figures:
             pairs = figures["uncompensated_tool_error"], figures["tool_error"]
             figures["improvement"] = {axis: pairs[0][axis]["mae"] / pairs[1][axis]["mae"] for axis in pairs[1]}
+    if made.prefilters:
+        figures["prefilter"] = left_by(made)
     return figures
 
 

@@ -8,11 +8,13 @@ from calibration.state_space.model import InnovationModel
 from ctlblocks import Block
 from stagectl.config import StageConfig
 from stagectl.model_file import read_model
+from stagectl.prefilter_file import read_prefilters
 from stagectl.stage.controller import StageController
 from stagectl.stage.design import Design, design
 from stagectl.stage.hysteresis_compensation import HysteresisCompensation
 from stagectl.stage.hysteresis_file import read_hysteresis
 from stagectl.stage.loop import stage_controller
+from stagectl.stage.prefilter import Prefilter, refuse_unfit
 from stagectl.stage.weights import chosen_weights
 from stagectl.timeline import Timeline, timeline
 
@@ -27,6 +29,8 @@ class Setup:
     models : tuple of InnovationModel
     designs : tuple of Design
         One of each an axis; none of a live run on the loops that the stage has already.
+    prefilters : tuple of Prefilter or None
+        One of each an axis, for a deflection that is compensated; none where there are none.
     held : int, samples
         By which the run was longer, since its reference was held.
     said : tuple of str
@@ -36,6 +40,7 @@ class Setup:
     config: StageConfig
     models: tuple[InnovationModel, ...]
     designs: tuple[Design, ...]
+    prefilters: tuple[Prefilter | None, ...] = ()
     held: int = 0
     said: tuple[str, ...] = ()
 
@@ -49,9 +54,13 @@ class Setup:
         end = begin + whole.end - whole.begin + held
         return Timeline(whole.rate, 0, begin, end, end)
 
-    def controller(self) -> StageController:
-        """Return the controllers, at their beginning."""
-        return stage_controller(self.config, [each.loop for each in self.designs])
+    def controller(self, prefiltered: bool = False) -> StageController:
+        """Return the controllers, at their beginning; with `prefiltered`, those that the prefilters are made for."""
+        loops = [each.loop for each in self.designs]
+        for axis, each in enumerate(self.prefilters if prefiltered else ()):
+            if each is not None:
+                loops[axis] = replace(loops[axis], forward=each.forward)
+        return stage_controller(self.config, loops)
 
     def compensation(self) -> Block | None:
         """Return what undoes the hysteresis, or None."""
@@ -71,7 +80,7 @@ def setup(config: StageConfig, files: Sequence[Path]) -> Setup:
     Raises
     ------
     ValueError : there are not as many as axes, a file is no model of one input and one output at the stage's rate, or
-        no design keeps its bounds.
+        no design keeps its bounds; or a prefilter does not fit them.
     """
     axes = config.stage.axes
     if len(files) != len(axes) and (files or not config.session.live):
@@ -83,4 +92,15 @@ def setup(config: StageConfig, files: Sequence[Path]) -> Setup:
     designs = (
         design(model, config.outer, axis, chosen_weights(config.weights, axis)) for axis, model in enumerate(models)
     )
-    return Setup(config, models, tuple(designs))
+    made = Setup(config, models, tuple(designs))
+    return with_prefilters(made, Path(config.deflection.prefilter)) if config.deflection.prefilter else made
+
+
+def with_prefilters(made: Setup, file: Path) -> Setup:
+    """Return a setup with the prefilters of a file; ValueError where they do not fit its loops."""
+    found = read_prefilters(file, made.config.stage.axes, made.config.stage.rate)
+    for axis, each in enumerate(found):
+        if each is not None and made.designs:
+            name = f"{file}: the prefilter of {made.config.stage.axes[axis]}"
+            refuse_unfit(each, made.designs[axis], made.config.outer, name)
+    return replace(made, prefilters=found)

@@ -10,6 +10,7 @@ from calibration.frequency_domain.realization import Subspace, realized, subspac
 from calibration.frequency_domain.refinement import Refined, cost_of, refine
 from calibration.frequency_domain.response_model import ResponseModel, covariance_of, points_of
 from calibration.one_thread import on_one_thread
+from calibration.subspace import asked
 
 MOST, GRID = 120, 24
 """States that are tried at most, and how many orders up to there."""
@@ -76,13 +77,17 @@ def identify_response(
 
     Raises
     ------
-    ValueError : shapes that disagree, values that are not finite, lines beyond half the rate, too few lines.
+    ValueError : shapes that disagree, values that are not finite, lines beyond half the rate, too few lines, a rate or
+        an order that is none.
 
     Source
     ------
     McKelvey, Akçay and Ljung 1996, IEEE Trans. Automatic Control 41, 960-979; Pintelon and Schoukens 2012, System
     Identification, 2nd ed., section 9 (weighted least squares); Schwarz 1978, Ann. Stat. 6, 461-464.
     """
+    if rate is not None:
+        asked.check_rate(rate)
+    order, most = asked.order_of(order), asked.order_of(most, "most") or MOST
     data = _prepared(frequency, response, variance, rate)
     most = min(most, data.largest_order)
     if order is not None and not 1 <= order <= data.largest_order:

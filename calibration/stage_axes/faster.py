@@ -93,10 +93,10 @@ def stack_at_rate(
 ) -> InnovationModel:
     """Convert a model of a stack's extension: what follows its voltage at once, with resonances beside it.
 
-    As `at_rate`, but poles that hardly ring are left out, since they are creep and loops and not mechanics: the gain at
-    rest is then the one that a loop meets.  So are those that ring above all that was excited, which are noise.  Two
-    states more take the part that follows within a sample of the thinned record: a delay of one sample at `rate`, and a
-    lag.
+    As `at_rate`, but poles that hardly ring, or ring more slowly than any resonance, are left out, since they are creep
+    and loops and not mechanics: the gain at rest is then the one that a loop meets.  So are those that ring above all
+    that was excited, which are noise.  Two states more take the part that follows within a sample of the thinned
+    record: a delay of one sample at `rate`, and a lag.
 
     Parameters
     ----------
@@ -107,8 +107,10 @@ def stack_at_rate(
     responses : sequence of arrays, each of shape (N, 1), m
     rate : float, samples/s
     """
-    top = BEYOND * model.rate
-    slow, outlet = _modal(model, rate / model.rate, lambda frequency, damping: damping <= RINGING and frequency <= top)
+    low, top = SLOWEST_MODE * model.rate, BEYOND * model.rate
+    slow, outlet = _modal(
+        model, rate / model.rate, lambda frequency, damping: damping <= RINGING and low <= frequency <= top
+    )
     transition = block_diag(slow, [[0.0]], [[np.exp(-2 * np.pi * LAG * model.rate / rate)]])
     size = np.std(np.concatenate(responses))
     return _driven(model, (transition, np.hstack([outlet, [[size, size]]])), drives, responses, rate)

@@ -59,5 +59,6 @@ def _weights(config: StageConfig, found: Sequence[AxisCalibration]) -> ChosenWei
 
 
 def _chosen(design: Design) -> Weights:
-    """Return a loop's weights with the gain that it reaches where it is bounded frequency by frequency."""
-    return replace(design.weights, beyond=float(f"{1.005 * design.beyond:.3g}"))
+    """Return a loop's weights with the gains that it reaches where it is bounded frequency by frequency."""
+    made = {"beyond": 1.005 * design.beyond, "forward_share": 1.005 * design.forward_share}
+    return replace(design.weights, **{name: float(f"{value:.3g}") for name, value in made.items()})

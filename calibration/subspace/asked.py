@@ -15,12 +15,7 @@ def check(rate: Any, method: Any, stable: Any, direct: Any) -> None:
     ------
     ValueError : which, what it is and what it must be.
     """
-    try:
-        known = not isinstance(rate, bool | str) and np.ndim(rate) == 0 and bool(np.isfinite(rate) and rate > 0)
-    except (TypeError, ValueError):
-        known = False
-    if not known:
-        raise ValueError(f"rate is {rate!r}, must be a number > 0, samples/s")
+    check_rate(rate)
     if method not in ("auto", *get_args(Method)):
         raise ValueError(f"method is {method!r}, must be one of auto, {', '.join(get_args(Method))}")
     if not isinstance(stable, bool | np.bool_):
@@ -29,7 +24,22 @@ def check(rate: Any, method: Any, stable: Any, direct: Any) -> None:
         raise ValueError(f"direct is {direct!r}, must be True, False or 'auto'")
 
 
-def order_of(order: Any) -> int | None:
+def check_rate(rate: Any) -> None:
+    """Refuse what is no rate.
+
+    Raises
+    ------
+    ValueError : what it is and what it must be.
+    """
+    try:
+        known = not isinstance(rate, bool | str) and np.ndim(rate) == 0 and bool(np.isfinite(rate) and rate > 0)
+    except (TypeError, ValueError):
+        known = False
+    if not known:
+        raise ValueError(f"rate is {rate!r}, must be a number > 0, samples/s")
+
+
+def order_of(order: Any, name: str = "order") -> int | None:
     """Return an order, or none where it is to be found.
 
     Raises
@@ -39,7 +49,7 @@ def order_of(order: Any) -> int | None:
     if order is None:
         return None
     if (found := _whole(order)) is None or not found >= 1:
-        raise ValueError(f"order is {order!r}, must be a whole number >= 1, or None: it is found then")
+        raise ValueError(f"{name} is {order!r}, must be a whole number >= 1, or None: it is found then")
     return found
 
 

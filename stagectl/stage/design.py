@@ -53,6 +53,8 @@ class Design:
         re the plant at rest.
     beyond : float, 1
         Largest gain of the controller above `Outer.reach`, from the error, re the plant at rest.
+    forward_share : float, 1
+        Of the gains from the reference that are allowed at each frequency there, the largest.
     """
 
     loop: StateFeedback
@@ -61,6 +63,7 @@ class Design:
     worst_sensitivity: float
     left: float
     beyond: float
+    forward_share: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +107,8 @@ def design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | N
     NoLoop : no combination keeps the bounds, or the one that was chosen does not.
     """
     allowed = configured(outer, axis, model.rate, weights.beyond if weights is not None else 0.0)
-    return chosen(Search(model, outer, axis, allowed), weights)
+    found = chosen(Search(model, outer, axis, allowed), weights)
+    return found if weights is None else replace(found, forward_share=weights.forward_share)
 
 
 def chosen(search: "Search", weights: Weights | None = None) -> Design:
@@ -176,7 +180,8 @@ class Search:
         """Return the design that a candidate makes."""
         figures = self._figures(each)
         worst = max(figure.max_sensitivity for figure in figures)
-        return Design(each.loop, each.weights, figures[0], worst, each.left, each.beyond.beyond)
+        beyond = each.beyond
+        return Design(each.loop, each.weights, figures[0], worst, each.left, beyond.beyond, beyond.forward_share)
 
     def _figures(self, each: Candidate) -> list[Robustness]:
         controller, outer = each.loop.system(), self.outer

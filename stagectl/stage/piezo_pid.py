@@ -106,7 +106,8 @@ def robust_pid(model: InnovationModel, inner: Inner, axis: int, max_sensitivity:
             return designed, figures
     raise ValueError(
         f"no PID of {wanted * _STEP ** (_TRIES - 1):.3g} to {wanted:g} Hz with inner.proportional "
-        f"{inner.proportional:g} and inner.lead {inner.lead:g} s keeps Ms <= {max_sensitivity:g} on this model"
+        f"{inner.proportional:g} and inner.lead {inner.lead:g} s keeps Ms <= {max_sensitivity:g} on the model from "
+        f"voltage to extension, whose gain at rest is {gain:.3g} m/V"
     )
 
 

@@ -37,6 +37,8 @@ class Weights:
         Damping ratio of the poles of `notches`; 0 for none.
     beyond : float, 1
         Gain above `Outer.reach`, re the plant at rest, that was found to be allowed with these; 0 for none found.
+    forward_share : float, 1
+        Of the gains from the reference that were found to be allowed there, what these take; 0 where it is to be found.
     """
 
     bandwidth: float
@@ -47,6 +49,7 @@ class Weights:
     feedforward: float
     notch: float
     beyond: float = 0.0
+    forward_share: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,8 @@ def chosen_weights(chosen: ChosenWeights, axis: int) -> Weights | None:
     if not chosen.bandwidth or not chosen.bandwidth[axis] > 0:
         return None
     given = {name: getattr(chosen, name) for name in ChosenWeights.model_fields}
-    return Weights(**{name: values[axis] if values else 0.0 for name, values in given.items()})
+    values = {name: values[axis] if values else 0.0 for name, values in given.items()}
+    return Weights(**values | {"forward_share": values["forward_share"] or 1.0})
 
 
 def loops(model: InnovationModel, outer: Outer, ranges: Ranges) -> Iterator[tuple[Weights, StateFeedback]]:

@@ -63,6 +63,8 @@ from stagectl.stage.hysteresis import HysteresisModel
 from stagectl.stage.hysteresis_compensation import HysteresisCompensation
 from stagectl.stage.kalman import kalman_gain
 from stagectl.stage.loop import inner_loops
+from stagectl.stage.prefilter import Prefilter
+from stagectl.stage.prefiltered_reference import PrefilteredReference
 from stagectl.stage.sensors import SensorCheck
 from stagectl.stage.servo import servo
 from stagectl.stage.state_feedback import StateFeedback, linear_quadratic
@@ -135,6 +137,7 @@ STAGE_MODEL = InnovationModel(
 SENSORS = stage.Sensors(
     position=(-0.09, 0.09), position_speed=1e3, extension=(-1.0, 1.0), extension_speed=1e3, tolerated=10
 )
+PREFILTER = Prefilter(np.array([0.5, 0.25, 0.25]), 4, 1.0, 0.0, 1.0)
 STAGE = stage.StageConfig(limits=stage.Limits(extension=(-1.0, 1.0), extension_slew=100.0, travel=(-1.0, 1.0)))
 
 
@@ -227,6 +230,7 @@ EXAMPLES: dict[type[Block], Example] = {
     Learner: Example(_learner),
     FrameInput: Example(lambda: FrameInput(2), start=lambda block: block.frame.fill(0.1)),
     Still: Example(Still),
+    PrefilteredReference: Example(lambda: PrefilteredReference([None, PREFILTER]), rate=10_000.0),
     DeflectionReference: Example(lambda: DeflectionReference(stage.Deflection(), 3), rate=10_000.0),
     StageController: Example(_stage_controller, _start_stage, 10_000.0),
     PiezoController: Example(lambda: PiezoController(inner_loops(STAGE), STAGE.limits), _start_stage, 10_000.0),

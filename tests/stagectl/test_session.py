@@ -153,6 +153,32 @@ def test_a_milling_run_compares_with_the_uncompensated_one(tmp_path: Path) -> No
     assert all(each.identical for each in replay(path, session.setup_of(path)))
 
 
+def test_a_milling_run_is_prefiltered_by_what_the_uncompensated_one_has_shown(tmp_path: Path) -> None:
+    cut = scenario_settings("milling-z", rig_file.load(None, StageConfig, ["session.seconds=5"]).session)
+    settings = (*cut, "session.seconds=4.2", "simulator.surroundings_options.seconds=5.0")
+    learned, plain = tmp_path / "learned", tmp_path / "plain"
+    for folder in (learned, plain):
+        folder.mkdir()
+    path = finished(learned, *settings)
+    found = json.loads((path / "summary.json").read_text())
+    assert (path / "prefilter.json").is_file()
+    assert found["prefilter"]["z"]["left"] < found["prefilter"]["z"]["without"]
+    assert all(each.identical for each in replay(path, session.setup_of(path)))
+    again = finished(plain, *settings, "session.compare=false", f"deflection.prefilter={path / 'prefilter.json'}")
+    assert not (again / "prefilter.json").exists()
+    kept = [folder / "recording.wav" for folder in (path, again)]
+    np.testing.assert_array_equal(*(recording.read(file).data for file in kept))
+    assert all(each.identical for each in replay(again, session.setup_of(again)))
+
+
+def test_a_run_too_short_to_learn_from_says_so_and_goes_on(tmp_path: Path) -> None:
+    cut = scenario_settings("milling-z", rig_file.load(None, StageConfig, ["session.seconds=5"]).session)
+    path = finished(tmp_path, *cut, "session.seconds=0.5")
+    notes = [event["text"] for event in read_events(path) if event["event"] == "note"]
+    assert notes == ["no prefilter: the disturbance has 0.72 s, must have 4 s or more"]
+    assert "prefilter" not in json.loads((path / "summary.json").read_text())
+
+
 def test_a_scenario_that_is_unknown_or_too_short_is_refused() -> None:
     short = rig_file.load(None, StageConfig, ["session.seconds=2"]).session
     with pytest.raises(ValueError, match="must be one of milling-x, milling-y, milling-z"):

@@ -122,6 +122,8 @@ def test_a_slow_pair_that_rings_is_no_resonance() -> None:
     fast = control_at_rate(thinned(true), *excited(true), RATE)
     assert fast.order == resonance.order
     assert fast.modes.frequency.min() > 60.0
+    stack = stack_at_rate(thinned(true), *excited(true), RATE)  # whose gain at rest an inner loop is made for
+    assert stack.modes.frequency.min() > 60.0
 
 
 def test_a_model_for_a_loop_keeps_a_lag_that_is_no_slower_than_its_mechanics() -> None:

@@ -1,0 +1,169 @@
+"""A filter before the outer loop, made for how a deflection moves, within the bounds that the loop itself keeps."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stagectl.config import Outer
+from stagectl.stage.bounded_fit import bounded_fit
+from stagectl.stage.design import Design
+from stagectl.stage.design_bounds import mistuned
+from stagectl.stage.disturbance import Disturbance
+from stagectl.stage.state_feedback import StateFeedback, ramp_feedforward
+from stagectl.stage.state_space import plant_of
+
+LENGTH, SPACING = 100, 1e-3
+"""Coefficients, and s from one to the next."""
+LARGEST = 4.0
+"""Gain at any frequency, so that a sensor's noise stays noise."""
+HIGHEST = 240.0
+"""Hz up to which a deflection is compensated."""
+LOWEST, LINES, NEAR = 0.3, 700, np.linspace(0.92, 1.08, 49)
+"""Hz, lines from there to half the rate, and those around each resonance, re its frequency."""
+OFFS = np.linspace(-1.0, 1.0, 9)
+"""Of `Outer.mistuning`: how far off natural frequencies are where the answer is bounded."""
+ROUNDED = 1.02
+"""Re its bound: what a filter from a file may reach."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prefilter:
+    """What the reference goes through before the outer loop follows it, and the l_r of the loop that it is made for.
+
+    Every sample is the mean of the last `spacing` references, and of those before at distances of `spacing`, by `taps`.
+
+    Parameters
+    ----------
+    taps : array, shape (n,), 1
+        Their sum is one: a reference at rest is kept.
+    spacing : int, samples
+    forward : float, m/m
+        l_r, in place of the design's.
+    left, without : float, 1
+        What of the deflection that it was made for is left by loop and filter, and by the loop as designed; root mean
+        squares, re that of the deflection.
+    """
+
+    taps: np.ndarray
+    spacing: int
+    forward: float
+    left: float
+    without: float
+
+    def response(self, frequency: np.ndarray, rate: float) -> np.ndarray:
+        """Return its frequency response, complex, shape (bins,), 1.
+
+        Parameters
+        ----------
+        frequency : array, shape (bins,), Hz
+        rate : float, samples/s
+        """
+        answer: np.ndarray = _each(frequency, len(self.taps), self.spacing, rate) @ self.taps
+        return answer
+
+
+def prefilter(design: Design, outer: Outer, seen: Disturbance, late: float) -> Prefilter | None:
+    """Make the filter that leaves least of a deflection, within the bounds of a design.
+
+    The loop's answer to a reference stays within `Outer.max_sensitivity`, and where natural frequencies are off by up
+    to `Outer.mistuning` within `Outer.mistuned_sensitivity`; above `Outer.reach` the gain from the reference stays
+    within what was allowed to the design.  l_r is the design's, or the one that leaves no error on a ramp.
+
+    Parameters
+    ----------
+    design : Design
+    outer : Outer
+    seen : Disturbance
+    late : float, s
+        By which the reference comes late: what is seen of a deflection is that old.
+
+    Returns
+    -------
+    Prefilter or None
+        None where nothing is better than the loop alone.
+    """
+    plain = _Answers(design, outer, design.loop.forward, late)
+    power = seen.power(plain.frequency, outer.disturbance) * (plain.frequency <= HIGHEST)
+    without = _left(power, plain.answer)
+    made = [_fitted(plain, power, without)]
+    ramp = outer.feedforward * ramp_feedforward(design.loop)
+    if np.isfinite(ramp):
+        made.append(_fitted(_Answers(design, outer, ramp, late), power, without))
+    best = min((each for each in made if each is not None), key=lambda each: each.left, default=None)
+    return None if best is None or best.left >= without else best
+
+
+def refuse_unfit(filters: Prefilter, design: Design, outer: Outer, name: str) -> None:
+    """Refuse, by ValueError, a filter with which the loop would answer a reference more strongly than its bounds allow.
+
+    Parameters
+    ----------
+    filters : Prefilter
+    design : Design
+    outer : Outer
+    name : str
+        Of its file and axis.
+    """
+    answers = _Answers(design, outer, filters.forward, 0.0)
+    over = float(np.max(answers.share * np.abs(filters.response(answers.frequency, design.loop.model.rate))))
+    if not over <= ROUNDED:
+        raise ValueError(
+            f"{name} belongs to another loop: with it the answer to a reference, or the gain from it, is {over:.3g} of "
+            "what [outer] allows, must be <= 1; make it anew: run with session.compare"
+        )
+
+
+class _Answers:
+    """A loop's answer to the reference over frequency, and the gains that a filter before it may have."""
+
+    def __init__(self, design: Design, outer: Outer, forward: float, late: float) -> None:
+        loop, rate = design.loop, design.loop.model.rate
+        plant, modes = plant_of(loop.model), loop.model.modes
+        rings = modes.frequency[(modes.damping < 1.0) & (modes.frequency < rate / 4)]
+        lines = np.geomspace(LOWEST, 0.99 * rate / 2, LINES)
+        self.frequency = np.unique(np.concatenate([lines, np.outer(rings, NEAR).ravel()]))
+        self.rate, self.forward, self.spacing = rate, forward, max(1, round(SPACING * rate))
+        feedback = loop.system().response(self.frequency, rate)
+        reference = self._reference(replace(loop, forward=forward))
+        answers = []
+        for off in OFFS:
+            there = mistuned(plant, 1.0 + off * outer.mistuning).response(self.frequency, rate)
+            answers.append(reference * there / (1.0 + feedback * there))
+        tuned = answers[len(OFFS) // 2]
+        self.answer = tuned * np.exp(-2j * np.pi * self.frequency * late)
+        gains = [np.abs(tuned) / outer.max_sensitivity, np.max(np.abs(answers), axis=0) / outer.mistuned_sensitivity]
+        allowed = np.abs(self._reference(loop)) / max(design.forward_share, np.finfo(float).tiny)
+        gains.append(np.where(self.frequency >= outer.reach, np.abs(reference) / np.maximum(allowed, 1e-12), 0.0))
+        self.share = np.max(gains, axis=0)
+        """Of what is allowed, without a filter, shape (bins,), 1."""
+
+    def _reference(self, loop: StateFeedback) -> np.ndarray:
+        return loop.reference_system().response(self.frequency, self.rate)
+
+    @property
+    def each(self) -> np.ndarray:
+        """The answer of each coefficient by itself: shape (bins, n), 1."""
+        return _each(self.frequency, LENGTH, self.spacing, self.rate)
+
+
+def _each(frequency: np.ndarray, count: int, spacing: int, rate: float) -> np.ndarray:
+    """Return the frequency response of each coefficient, a mean of `spacing` samples, shape (bins, count), 1."""
+    turn = 2j * np.pi * frequency[:, np.newaxis] / rate
+    mean = np.exp(-turn * np.arange(spacing)).mean(axis=1, keepdims=True)
+    response: np.ndarray = mean * np.exp(-turn * spacing * np.arange(count))
+    return response
+
+
+def _left(power: np.ndarray, answer: np.ndarray) -> float:
+    return float(np.sqrt(np.sum(power * np.abs(1.0 - answer) ** 2) / np.sum(power)))
+
+
+def _fitted(answers: _Answers, power: np.ndarray, without: float) -> Prefilter | None:
+    each, counts = answers.each, power > 0
+    weight = np.sqrt(power[counts] / power.sum())
+    rows = (weight * answers.answer[counts])[:, np.newaxis] * each[counts]
+    bounds = np.maximum(answers.share, 1.0 / LARGEST)[:, np.newaxis] * each
+    taps = bounded_fit(rows, weight.astype(complex), bounds)
+    if taps is None:
+        return None
+    return Prefilter(taps, answers.spacing, answers.forward, _left(power, answers.answer * (each @ taps)), without)

@@ -1,0 +1,45 @@
+"""The prefilters of all axes as one block."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ctlblocks.block import Block, Port
+from stagectl.stage import prefilter_kernel as kernel
+from stagectl.stage.prefilter import Prefilter
+
+
+class PrefilteredReference(Block):
+    """References as `Prefilter` makes them, from where they are at first; an axis without one gets its own.
+
+    A reference that is no number comes out as none, and is not remembered.
+
+    Ports, one wide an axis: `reference` (m) in; `filtered` (m) out.
+
+    Parameters
+    ----------
+    filters : sequence of Prefilter or None
+        One of each an axis.
+    """
+
+    def __init__(self, filters: Sequence[Prefilter | None]) -> None:
+        axes = len(filters)
+        self.inputs, self.outputs = (Port("reference", "m", axes),), (Port("filtered", "m", axes),)
+        lengths = [1 if each is None else len(each.taps) for each in filters]
+        self._taps = np.zeros((axes, max(lengths, default=1)))
+        self._spacing = np.array([1 if each is None else each.spacing for each in filters])
+        self._count = np.array(lengths)
+        for axis, each in enumerate(filters):
+            self._taps[axis, : lengths[axis]] = 1.0 if each is None else each.taps
+        self._longest = int((self._spacing * (self._count + 1)).max(initial=1))
+
+    def prepare(self, rate: float, frames: int) -> None:
+        """Remember nothing."""
+        axes = len(self._taps)
+        self._raw, self._means = np.zeros((2, self._longest, axes))
+        self._at, self._has_begun = np.zeros(1, np.int64), np.zeros(axes, np.bool_)
+
+    def process(self, reference: np.ndarray, filtered: np.ndarray) -> None:
+        """Filter one frame."""
+        filters, lines = (self._taps, self._count, self._spacing), (self._raw, self._means)
+        kernel.run(reference, filtered, filters, lines, self._at, self._has_begun)
