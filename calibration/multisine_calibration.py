@@ -133,7 +133,17 @@ def _unclipped(config: RigConfig, raw: RawFolder, emit: Emit) -> _Played:
             return _played(name, flat_design(asked[name]), asked[name], raw, emit)
         except Clipped as fault:
             sys.stderr.write(f"{name}: {fault}; again, {-20 * np.log10(QUIETER):.0f} dB weaker\n")
-    return _played(weakest, flat_design(asked[weakest]), asked[weakest], raw, emit)
+    try:
+        return _played(weakest, flat_design(asked[weakest]), asked[weakest], raw, emit)
+    except Clipped as fault:
+        if len(asked) < 2:
+            raise
+        weaker = -20 * np.log10(QUIETER) * (len(asked) - 1)
+        raise type(fault)(
+            f"{fault}; {weaker:.0f} dB weaker is too loud still: is audio.input_full_scale "
+            f"{config.audio.input_full_scale} m/s^2 and the card's gain what the sensors have? Else lower "
+            f"characterisation.operating, {config.characterisation.operating:g}, and probe"
+        ) from None
 
 
 def _quieter(config: RigConfig) -> Iterator[tuple[str, RigConfig]]:
@@ -232,7 +242,7 @@ def _loudest(config: RigConfig, design: Design, spectra: Spectra) -> float | Non
 def _periods(plan: Plan, design: Design, raw: RawFolder, emit: Emit) -> Iterator[np.ndarray]:
     """Record a plan; yield the end of its silence, then the period of each record, all (period, channels)."""
     done = 0.0
-    title = f"{plan.name}, {plan.seconds:.0f} s of signal"
+    title = f"{plan.name}, {plan.seconds:.0f} s to record"
     with progress(title, plan.seconds, start=raw.recorded(plan)) as meter:
         for batch, record in raw.record(plan, emit):
             yield record.data[batch.window if isinstance(batch, Record) else slice(-design.period, None)].astype(float)

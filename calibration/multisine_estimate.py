@@ -50,7 +50,7 @@ class Levels:
     response : array, shape (bins, outputs), m/s^2
         To the multisine.
     preload : array, shape (bins, outputs), m/s^2
-        The same in every record: the preload's response and its own overtones.
+        The same in every record: the preload's response and its own overtones; 0 where there is no preload.
     noise : array, shape (bins, outputs), m/s^2
         Heard in silence.
     even, odd : arrays, shape (bins, outputs), m/s^2
@@ -174,7 +174,7 @@ def levels(design: Design, spectra: Spectra, detection: np.ndarray) -> Levels:
         np.sqrt(_averaged(power, chosen, reach))
         for power, chosen in (
             (varying, np.isin(bins, design.bins)),
-            (np.abs(mean) ** 2, np.ones(len(bins), bool)),
+            (np.abs(mean) ** 2 * design.preload.any(), np.ones(len(bins), bool)),
             (np.abs(spectra.silence) ** 2, np.ones(len(bins), bool)),
             (varying, bins % 2 == 0),
             (varying, np.isin(bins, detection)),

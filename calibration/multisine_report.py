@@ -23,7 +23,7 @@ def levels_section(levels: Levels, tones: np.ndarray) -> Section:
     """Put the section of a multisine's report together: `tones` (tones,), Hz, were measured again."""
     text = (
         "The multisine carries odd lines alone, and one in five of those is left out. On even lines stands what even "
-        "orders of distortion make of preload and multisine, on the odd ones left out what odd orders make of them. "
+        f"orders of distortion make of {_emitted(levels)}, on the odd ones left out what odd orders make of it. "
         "The part that falls on excited lines is as strong; it is averaged over records and lines and is in the "
         "variance."
     )
@@ -32,6 +32,11 @@ def levels_section(levels: Levels, tones: np.ndarray) -> Section:
         text += f"\n\nLeast certain, and measured again by a stepped sine: {named} Hz."
     caption = "Rms amplitude of a line, averaged over 4 Hz, in m/s² per line."
     return Section("Noise and distortion", text, (Plot(_drawn(levels), caption),), (level_table(levels),))
+
+
+def _emitted(levels: Levels) -> str:
+    """Say what was played: quiet measurements have no preload."""
+    return "preload and multisine" if levels.preload.any() else "the multisine"
 
 
 def level_table(levels: Levels) -> Table:
@@ -66,7 +71,7 @@ def _drawn(levels: Levels) -> Figure:
     figure = Figure(figsize=(8.0, 3.0 * outputs + 0.8))
     axes = figure.subplots(outputs, 1, sharex=True, squeeze=False)[:, 0]
     for output, each in enumerate(axes):
-        for name, label, colour in DRAWN:
+        for name, label, colour in DRAWN if levels.preload.any() else DRAWN[1:]:
             size = np.maximum(getattr(levels, name)[:, output], 1e-12)
             each.plot(levels.frequency, 20 * np.log10(size), color=colour, linewidth=0.9, label=label)
         each.set(title=f"response {output + 1}", ylabel="dB re 1 m/s²")

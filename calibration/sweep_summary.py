@@ -12,8 +12,8 @@ from vibractl.transfer_matrix import TransferMatrix, norm
 
 BANDS = (0.0, 100.0, 200.0, 400.0, math.inf)
 """Hz, between which lines are counted together."""
-WORST = 5
-"""Lines named one by one."""
+WORST, APART = 5, 0.05
+"""Lines named one by one, and how far from each other they are at least, by the logarithm of frequency."""
 
 
 def relative_deviation(matrix: TransferMatrix) -> np.ndarray:
@@ -48,9 +48,14 @@ BAND_HEAD = ("band", "lines", "median deviation, %", "worst, %", "at, Hz", "leas
 
 
 def worst_rows(matrix: TransferMatrix) -> list[tuple[str, ...]]:
-    """Return a row of text for each of the least certain lines."""
-    relative = relative_deviation(matrix)
-    worst = np.argsort(relative)[::-1][:WORST]
+    """Return a row of text for each of the least certain lines, each from another place."""
+    relative, frequency = relative_deviation(matrix), matrix.frequency
+    worst: list[int] = []
+    for line in map(int, np.argsort(relative)[::-1]):
+        if all(abs(np.log(frequency[line] / frequency[each])) > APART for each in worst):
+            worst.append(line)
+        if len(worst) == WORST:
+            break
     size = norm(matrix.response)
     return [(f"{matrix.frequency[n]:g}", f"{100 * relative[n]:.3g}", f"{size[n]:.3g}") for n in worst]
 

@@ -161,6 +161,12 @@ def _refuse_wrong_ports(plant: Block, wiring: Wiring) -> None:
     plugged = [*outputs[:1], *(port for port in outputs[1:] if hydrophones or port[0] != "Pa")]
     if (inputs, plugged) != (drives, heard):
         raise ValueError(
-            f"the plant {type(plant).__name__} has inputs {inputs} and outputs {outputs}, but the card is wired "
-            f"for inputs {drives} and outputs {heard}"
+            f"the plant {type(plant).__name__} has inputs {_told(inputs)} and outputs {_told(outputs)}, must have "
+            f"{_told(drives)} and {_told(heard)}, as audio.drive_channels, audio.response_channels and "
+            "audio.far_field_channels are wired"
         )
+
+
+def _told(ports: list[tuple[str, int]]) -> str:
+    """Say how many channels there are of each unit."""
+    return ", ".join(f"{width} x {unit}" for unit, width in ports) or "none"

@@ -63,7 +63,8 @@ def named_block(name: str, options: Mapping[str, object]) -> Block:
         inspect.signature(build).bind(**options)
     except TypeError as fault:
         known = ", ".join(inspect.signature(build).parameters) or "none"
-        raise ConfigError(f"{name} does not take these options: {fault}; there are {known}") from None
+        wrong = str(fault).replace("missing a required argument:", "it needs")
+        raise ConfigError(f"{name} does not take these options: {wrong}; there are {known}") from None
     made: Block = build(**options)
     return made
 

@@ -11,6 +11,7 @@ from pydantic import BaseModel
 from rigkit.agreement import GOING_ON, Difference, Use, accepted, agreed, changed_parts, differences
 from rigkit.lock import holder
 from rigkit.origin import RUN, Origin, checksum, read_origin
+from rigkit.provenance import now
 from rigkit.run_folder import LOCK, RunFolder
 
 WAY_OUT = "put back what it began with, or begin a new run"
@@ -44,6 +45,12 @@ def keep_origin(
     origin = Origin.of(kind, config, {name: folder.path / name for name in parts})
     origin = replace(origin, designed=designed or {})
     folder.write(RUN, origin.accepting(accept).text)
+
+
+def finish(path: Path) -> None:
+    """Write into a run's folder that all that was to come of it is there, and since when."""
+    if (origin := read_origin(path / RUN)) is not None:
+        replace(origin, finished=now()).write(path / RUN)
 
 
 def changed(path: Path, config: BaseModel, use: Use = GOING_ON) -> list[Difference] | None:

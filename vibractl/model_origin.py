@@ -28,5 +28,7 @@ def model_for(path: Path, config: RigConfig, accept: Collection[str] = ()) -> tu
     """
     matrix = read_model(path, (len(config.audio.response_channels), len(config.audio.drive_channels)))
     found = measured_otherwise("vibrator", {"rig": "", **matrix.provenance}, config, str(path))
-    notes = agreed(found, accept, f"{path} was measured on a rig that was wired otherwise", WAY_OUT)
+    is_simulated = all(each.key.startswith("simulator.") for each in found)
+    where = "another simulated machine" if found and is_simulated else "a rig that was wired otherwise"
+    notes = agreed(found, accept, f"{path} was measured on {where}", WAY_OUT)
     return matrix, notes

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from vibractl.judging import Judging
+from vibractl.learning.repeatability import Floor
 from vibractl.place import PREFIXES, Place
 from vibractl.quality import HIDDEN, PASS, Marks, holds_from
 from vibractl.setup import Setup
@@ -15,8 +16,11 @@ from vibractl.shot_file import EVIDENCE
 UNDRIVEN = 200.0
 """dB of head-room, from which a coil is silent."""
 _FIGURES = "iae error_db worst_line_db worst_line_hz heard_line_db hidden proven worst_band_db worst_band_hz thd_db"
-FLOOR = ("floor_db", "floor_hz")
-"""dB re the limit of a line, Hz: by how much the machine moves from shot to shot, where that is most."""
+SETTLED = 10.0
+"""dB over what changes by itself, from where on a run has not come as far as that lets it."""
+FLOOR = ("floor_db", "floor_hz", "floor_explained_db")
+"""dB re the limit of a line, Hz, and dB: what is not explained of the change from shot to shot where that is most, and
+what is."""
 CHECK, RISE = "check", "rise"
 """Verdicts on shots at reduced level: to check a drive of the library, or on the way to the full level."""
 
@@ -41,8 +45,9 @@ def summary(rows: list[dict[str, str]], made: Setup | Judging | None = None) -> 
         `full_level_shot`, the first of the whole reference, or None; `loudest_line_db` and `loudest_band_db`, the
         worst line and the worst band of 50 Hz of any shot, dB over the limit, and `shots_proven_over`, those in which a
         line is over it by more than the ambience may explain, all three of shots at reduced level as well;
-        `floor_db` and `floor_hz`, by how much the machine moves by itself from shot to shot where it moves most, dB re
-        the limit of a line, None where too few shots or noise hide it; `reidentifications`, of bands;
+        `floor_db` and `floor_hz`, what the model does not explain of the change from shot to shot where that is most,
+        dB re the limit of a line, and `floor_explained_db`, what it explains there, None where too few shots or noise
+        hide it; `reidentifications`, of bands;
         `identification_seconds`, s of signal emitted for the model and for them, None where the model does not say.
     """
     judged, prefix = rows[0].get("judged", "") if rows else "", prefix_of(rows)
@@ -115,17 +120,29 @@ def is_reduced(row: Mapping[str, str]) -> bool:
     return row["verdict"] in (CHECK, RISE)
 
 
-def floor_cells(floor: tuple[float, float] | None) -> dict[str, str]:
-    """Return the cells of by how much the machine moves from shot to shot, and where; see `Repeatability.floor`."""
-    told = ("", "") if floor is None else (f"{floor[0]:.2f}", f"{floor[1]:.6g}")
+def floor_cells(floor: Floor | None) -> dict[str, str]:
+    """Return the cells of what is not explained of the change from shot to shot, see `Repeatability.floor`."""
+    told = [""] * len(FLOOR)
+    if floor is not None:
+        told = [f"{floor.change:.2f}", f"{floor.frequency:.6g}", f"{floor.explained:.2f}"]
     return dict(zip(FLOOR, told, strict=True))
 
 
-def floor_text(figures: Mapping[str, Any]) -> str:
-    """Say by how much the machine moves by itself, from figures of `summary`; nothing where that is hidden."""
-    if figures.get("floor_db") is None:
-        return ""
-    return f"{figures['floor_db']:.1f} dB re the limit from shot to shot, most at {figures['floor_hz']:.1f} Hz"
+def floor_said(figures: Mapping[str, Any]) -> tuple[str, str]:
+    """Say what changes from shot to shot without being explained, and how much, from figures of `summary`.
+
+    Nothing where that is hidden.  The machine itself is named only where the run has come as far as that lets it, and
+    where the drive's own change is smaller: before, a model that is wrong or a channel that is not the model's leaves
+    as much.
+    """
+    change, explained = figures.get("floor_db"), figures.get("floor_explained_db")
+    if change is None or 2 * figures.get("shots_hidden", 0) > figures["shots"]:
+        return "", ""
+    size = f"{change:.1f} dB re the limit from shot to shot, most at {figures['floor_hz']:.1f} Hz"
+    is_settled = figures["worst_line_db"] <= max(change + SETTLED, 0.0)
+    if is_settled and explained is not None and explained <= change:
+        return "the machine moves by itself by", size
+    return "what the model does not explain changes by", size
 
 
 def reduced(purpose: str, marks: Marks) -> dict[str, str]:

@@ -15,7 +15,7 @@ from vibractl.figures.result import Result, read_result
 from vibractl.figures.spectrogram import spectrogram_plot
 from vibractl.figures.spectrum import error_plot, response_plot
 from vibractl.figures.tracking import error_time_plot, tracking_plot
-from vibractl.quality_table import RISE, floor_text, summary
+from vibractl.quality_table import RISE, floor_said, summary
 from vibractl.reference import is_file
 from vibractl.setup import Setup
 from vibractl.transfer_matrix import TransferMatrix
@@ -84,8 +84,9 @@ def _facts(result: Result, figures: Mapping[str, Any], events: list[dict[str, An
     )
     yield Fact("Worst line of the last shot", _beside_limit(worst), worst <= 0)
     yield from _rise(result.rows, figures)
-    if floor_text(figures):
-        yield Fact("What the machine moves by itself", floor_text(figures), figures["floor_db"] <= 0)
+    what, size = floor_said(figures)
+    if what:
+        yield Fact(what.removesuffix(" by").capitalize(), size, figures["floor_db"] <= 0)
     for number, side in enumerate(result.sides):
         yield Fact(f"IAE of {result.sensor} {side}, first over last", f"{figures['iae_ratio'][number]:.3g}")
     for number, side in enumerate(result.sides):
@@ -122,7 +123,8 @@ def _sections(result: Result, events: list[dict[str, Any]]) -> Iterator[Section]
         figures = spectrogram_plot(other), response_plot(other), error_plot(other), learning_plot(other)
         yield Section(_PLACES[other.judge.place.name], _ELSEWHERE, plots=figures)
     yield Section("Tracking", plots=(tracking_plot(result), error_time_plot(result)))
-    yield Section("Overtones and phase", plots=(overtone_plot(result), phase_plot(result)))
+    if not is_file(made.reference.text):  # of a recording, nothing says which phase its overtones would have
+        yield Section("Overtones and phase", plots=(overtone_plot(result), phase_plot(result)))
     yield Section("Drives", plots=(drive_plot(result), drive_spectrum_plot(result)), tables=(headroom_table(result),))
     if isinstance(made, Setup) and result.model is not None:
         plots = magnitude_plot(result.model), trust_plot(result.model, made)

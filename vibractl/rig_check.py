@@ -1,5 +1,6 @@
 """Before a run learns: a weak burst, and whether its response is what the model says, channel by channel."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +20,7 @@ LEAD, BURST, TAIL = 0.2, 2.0, 1.0
 """s of silence, of the burst, and of silence while it rings down."""
 SECONDS = LEAD + BURST + TAIL
 SUDDEN = 2.0
-"""Times the mismatch of the shot before: what a machine comes to by and by is no change of its channels."""
+"""Times the mismatch of the shots before: what a machine comes to by and by is no change of its channels."""
 EDGE = 0.25
 """Part of the burst that rises, and that falls."""
 
@@ -27,12 +28,12 @@ EDGE = 0.25
 class ChangedRigError(DisagreementError):
     """The rig is not the one that was calibrated; the text names the channels."""
 
-    def __init__(self, where: str, change: Change) -> None:
+    def __init__(self, folder: str, where: str, change: Change) -> None:
         self.change = change.text
         super().__init__(
-            f"{where}: this is not the rig that was calibrated: {change.text} (the model is off by "
-            f"{change.off:.2g} of the response, with that by {change.left:.2g}); set it right, measure a new model, "
-            f"or go on all the same with --accept {CHANNELS}"
+            f"{folder}{where}: this is not the rig that was calibrated: {change.text} (the model is off by "
+            f"{change.off:.2g} of the response, with that by {change.left:.2g}); set it right and go on with "
+            f"--resume {folder}, measure a new model, or go on all the same with --accept {CHANNELS}"
         )
 
 
@@ -89,8 +90,8 @@ class RigCheck:
         drive = (signal @ law.spread.T).astype(np.float32)
         return cls(drive, lines, frequency[inside], inside, response, law.outputs, step)
 
-    def judge(self, response: np.ndarray) -> tuple[float, Change | None]:
-        """Return by how much the model is off, 1, re the response, and what has been changed about the rig.
+    def judge(self, response: np.ndarray) -> tuple[float, float, Change | None]:
+        """Return by how much the model is off, re the response and as of `mismatch`, 1, and what has been changed.
 
         Parameters
         ----------
@@ -98,19 +99,30 @@ class RigCheck:
         """
         heard = np.fft.rfft(Decimator(self.step).apply(response[:, list(self.outputs)]), axis=0)[self.inside]
         off = unexplained(self.response, self.lines, heard)
-        return off, change_of(self.response, self.lines, heard, self.frequency)
+        worst = mismatch(self.response, self.lines, heard)
+        return off, worst, change_of(self.response, self.lines, heard, self.frequency)
 
 
-def changed_channels(algorithm: Algorithm, shot: Shot) -> Change | None:
-    """Return what has changed about the rig since the shot before, as strong lines show it to what is believed of G."""
+def changed_channels(algorithm: Algorithm, shot: Shot, usual: Iterable[float] = ()) -> tuple[float, Change | None]:
+    """Return by how much a shot is off what is believed of G on strong lines, 1, and what has changed about the rig.
+
+    Parameters
+    ----------
+    algorithm : Algorithm
+    shot : Shot
+    usual : iterable of float, 1
+        What the burst and the last shots were off, when they came: a channel that changes within a shot spoils that
+        one, and the next is no better.
+    """
     law, before = algorithm.law, algorithm.belief.before
     strong = strong_lines(law.reference) & (law.active > 0)
     response, drive, heard = algorithm.belief.response[strong], shot.drive[strong], shot.response[strong]
+    off, known = mismatch(response, drive, heard), list(usual)
     if before is not None:
-        usual = mismatch(response, before.drive[strong], before.response[strong])
-        if mismatch(response, drive, heard) < SUDDEN * usual:
-            return None
-    return change_of(response, drive, heard, law.matrix.frequency[strong])
+        known.append(mismatch(response, before.drive[strong], before.response[strong]))
+    if known and off < SUDDEN * min(known):
+        return off, None
+    return off, change_of(response, drive, heard, law.matrix.frequency[strong])
 
 
 def _burst(samples: int, rate: float, band: tuple[float, float], inputs: int) -> np.ndarray:

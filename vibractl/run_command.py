@@ -18,7 +18,7 @@ from vibractl.config import RigConfig
 from vibractl.library.command import LibraryOption, TagOption, chosen_entry
 from vibractl.loudness import FitOption
 from vibractl.quality import Marks
-from vibractl.quality_table import floor_text, prefix_of
+from vibractl.quality_table import floor_said, prefix_of
 from vibractl.report import run_report
 from vibractl.run_setup import create, resumed_setup
 from vibractl.session import Session
@@ -31,7 +31,7 @@ def run_command(
     reference: Annotated[
         str | None, typer.Option(help="chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file.")
     ] = None,
-    shots: Annotated[int | None, typer.Option(min=1, help="Shots in all.")] = None,
+    shots: Annotated[int | None, typer.Option(help="Shots in all.")] = None,
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
     watch: Annotated[bool, typer.Option("--watch", help="Reidentify bands that diverge, while it goes on.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Begin faint, and rise as the objective allows.")] = False,
@@ -87,6 +87,8 @@ def _begin(session: Session, json: str | None) -> None:
 
 
 def _go_on(path: Path, shots: int | None, accept: list[str], json: str | None) -> None:
+    if shots is not None and shots < 1:
+        raise ValueError(f"--shots is {shots}, must be >= 1")
     with RunFolder.open(path) as folder:
         made = resumed_setup(folder, accept)
         session = Session(folder, made, accept=accept)
@@ -112,8 +114,11 @@ def _learn(session: Session, shots: int, json: str | None) -> None:
     met = figures["objective_met_shot"]
     verdict = f"objective met from shot {met} on" if met is not None else "objective not met"
     verdict = f"{verdict}; {session.remark}" if session.remark else verdict
-    if met is None and floor_text(figures):
-        verdict = f"{verdict}; this machine moves by itself by {floor_text(figures)}"
+    if hidden := figures["shots_hidden"]:
+        verdict = f"{verdict}; the ambience hides it in {hidden} of {figures['shots']} shots"
+    what, size = floor_said(figures)
+    if met is None and what:
+        verdict = f"{verdict}; {what} {size}"
     if figures["full_level_shot"] is None:
         verdict = f"{verdict}; the full level is not reached: the last shot is {read_quality(path)[-1]['reason']}"
     print(f"{verdict}; report: {path / 'report.html'}", file=words(json))

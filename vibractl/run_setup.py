@@ -105,7 +105,7 @@ def _within_limits(made: Setup, again: Callable[[RigConfig], Setup], fit_amplitu
     if broken := too_loud(drive, config.limits, rate):
         raise ValueError(
             f"the first drive is not played: {broken} ({told_level(config)}); --fit-amplitude takes {level:.3g} of it, "
-            "with room to learn"
+            "with room to learn as far as the model is right"
         )
     return made
 

@@ -1,5 +1,6 @@
 """A run: shot after shot is emitted, recorded, judged and learned from, in a folder from which it can go on."""
 
+from collections import deque
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,7 +13,7 @@ from ctlblocks.recording import Recording
 from rigkit.agreement import CHANNELS, DRIVE, Difference, agreed
 from rigkit.provenance import software
 from rigkit.run_folder import RunFolder, read_quality
-from rigkit.run_origin import WAY_OUT
+from rigkit.run_origin import WAY_OUT, finish
 from vibractl.audio import Line
 from vibractl.capture import Discarded
 from vibractl.clipped_drive import ClippedDrive
@@ -33,6 +34,11 @@ from vibractl.run_setup import require_room, shot_files
 from vibractl.setup import Setup, judged_lines
 from vibractl.shot_file import DISCARDED, far_field_of, keep_discarded, recording_of, set_aside, split
 from vibractl.supervision import ALONE, Supervision
+
+POOR = 0.5
+"""Of the burst's response, from which on it is said by how much the model is off."""
+USUAL = 3
+"""Burst or shots of which the one that the model explained best is what the next is held against."""
 
 
 class Session:
@@ -68,6 +74,8 @@ class Session:
         judged = judged_lines(made.law, made.reference, made.config)
         self._repeats = Repeatability(self.learner.algorithm, judged, limit)
         self._stagnation, self._clipped = Stagnation(), ClippedDrive(made)
+        self._usual: deque[float] = deque(maxlen=USUAL)
+        self._burst = ""
         self._resume()
 
     @property
@@ -119,6 +127,8 @@ class Session:
                 self.folder.event("failed", {"shot": self.done, "fault": type(fault).__name__, "text": str(fault)})
                 raise
         self.folder.event("stopped" if self.done < shots else "finished", {"shots": self.done})
+        if self.done >= shots:
+            finish(self.folder.path)
 
     @contextmanager
     def _opened(self) -> Iterator[Line]:
@@ -149,7 +159,9 @@ class Session:
         if stopped():
             return
         capture = line.emit(check.drive)
-        off, change = check.judge(capture.response)
+        off, worst, change = check.judge(capture.response)
+        self._usual.append(worst)
+        self._burst = f"the model is {100 * off:.0f} % off the burst's response" if off > POOR else ""
         self.folder.event("checked", {"shot": self.done, "off": tidy(off), "change": change.text if change else ""})
         try:
             self._check(change)
@@ -160,7 +172,7 @@ class Session:
     def _check(self, change: Change | None, where: str = "") -> None:
         """Go no further where channels have been changed, unless that is accepted."""
         if change is not None and CHANNELS not in self._accept:
-            raise ChangedRigError(f"{self.folder.path}/{where}", change)
+            raise ChangedRigError(f"{self.folder.path}/", where, change)
 
     def _shoot(self, line: Line) -> Marks:
         capture = line.emit(self.learner.drive)
@@ -188,7 +200,9 @@ class Session:
             self.learner.far_field[:] = heard[1]
         shot = self.learner.analysed()
         if write and purpose == "learn" and self._looks_at_rig:
-            self._check(changed_channels(algorithm, shot), f", shot {number}")
+            off, change = changed_channels(algorithm, shot, self._usual)
+            self._usual.append(off)
+            self._check(change, f", shot {number}")
         repeatability = self._repeats.take(shot, purpose == "learn")  # by what is believed before it
         self.learner.follow(shot)
         pairs = zip(self._judges, heard, strict=False)
@@ -207,8 +221,9 @@ class Session:
 
     @property
     def remark(self) -> str:
-        """Why learning stands still, and which drives are cut off or held back; nothing while all is well."""
-        return "; ".join(text for text in (self._stagnation.text, self._clipped.text, self.learner.held) if text)
+        """Why learning stands still or errors grow, and which drives are held back; nothing while all is well."""
+        said = self._burst, self._stagnation.text, self._clipped.text, self.learner.held
+        return "; ".join(text for text in said if text)
 
     def said_of(self, marks: Marks) -> str:
         """Return what a person should know of the last shot, in one line."""

@@ -23,7 +23,7 @@ ONCE_MORE = 0.95
 """Share of the band that the other chirps begin or end at, so that none repeats another."""
 USED = 0.98
 """Of the drive's limits, what a chirp may use."""
-WEAKER = 1.0, 0.6, 0.36
+WEAKER = 1.0, 0.6, 0.36, 0.2, 0.1
 FAINTER = 1.0, 0.3, 0.1
 """Of the amplitude that was foreseen, what is played in turn where plate or stack go too far: of the loud chirps; of
 scout and approach."""

@@ -136,5 +136,5 @@ def test_what_comes_by_and_by_is_no_change_of_the_channels(earlier: float, said:
     matrix = SimpleNamespace(frequency=np.linspace(40.0, 90.0, 80))
     law = SimpleNamespace(reference=np.ones((80, 2)), active=np.ones(80), matrix=matrix)
     algorithm: Any = SimpleNamespace(law=law, belief=SimpleNamespace(response=believed, before=before))
-    found = changed_channels(algorithm, now)
+    _, found = changed_channels(algorithm, now)
     assert (found and found.text.split(", or: ")[0]) == said

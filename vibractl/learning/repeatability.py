@@ -1,6 +1,7 @@
 """How much a response changes from shot to shot by itself: what the drive's change does not explain."""
 
 from collections import deque
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,6 +16,25 @@ REACH = 2
 """Lines to each side over which their power is averaged: a mode that moves is no narrower."""
 DISTINCT = 2.0
 """Times the noise's power, from which on a change is none of the noise's own: chance alone reaches 1.7 somewhere."""
+
+
+@dataclass(frozen=True)
+class Floor:
+    """What a model does not explain of the change from shot to shot, on the line where that is most.
+
+    Parameters
+    ----------
+    change : float, dB re the limit of a line
+        Root of the median power, less noise.
+    frequency : float, Hz
+    explained : float, dB re the limit of a line
+        What the drive's change makes there, as the model has it: where that is more, a model that is wrong leaves as
+        much.
+    """
+
+    change: float
+    frequency: float
+    explained: float
 
 
 class Repeatability:
@@ -35,7 +55,7 @@ class Repeatability:
         self._algorithm, self._judged, self._limit = algorithm, judged, limit
         self._active = algorithm.law.active > 0
         self._before: Shot | None = None
-        self._changes: deque[tuple[np.ndarray, np.ndarray]] = deque(maxlen=KEPT)
+        self._changes: deque[tuple[np.ndarray, ...]] = deque(maxlen=KEPT)
 
     def take(self, shot: Shot, counts: bool = True) -> float:
         """Take a shot; return what is not explained of the change since the one before, dB re the response.
@@ -48,25 +68,25 @@ class Repeatability:
         explained = self._algorithm.belief.explained(shot.drive - before.drive)
         left = shot.response - before.response - explained
         if counts:
-            powers = np.abs(left) ** 2, shot.noise + before.noise
-            changed, noise = (smoothed(power, REACH)[self._judged] for power in powers)
-            self._changes.append((changed, noise))
+            powers = np.abs(left) ** 2, shot.noise + before.noise, np.abs(explained) ** 2
+            self._changes.append(tuple(smoothed(power, REACH)[self._judged] for power in powers))
         active = left[self._active]
         size = max(float(np.linalg.norm(shot.response[self._active])), FAINT)
         return float(decibels(float(np.linalg.norm(active)) / size))
 
     @property
-    def floor(self) -> tuple[float, float] | None:
-        """By how much the machine moves from shot to shot where it moves most: dB re the limit of a line, and Hz.
+    def floor(self) -> Floor | None:
+        """What is not explained of the change from shot to shot, where that is most.
 
         None while too few shots are known, or where noise hides it on every line.
         """
         if 2 * len(self._changes) < KEPT or not self._judged.any():
             return None
-        changed, noise = np.median(np.array(self._changes), axis=0)
+        changed, noise, explained = np.median(np.array(self._changes), axis=0)
         power = np.where(changed > DISTINCT * noise, changed - noise, 0.0).max(axis=1)
         line = int(np.argmax(power))
         if not power[line] > 0:
             return None
         frequency = self._algorithm.law.matrix.frequency[self._judged]
-        return float(decibels(np.sqrt(power[line]) / self._limit)), float(frequency[line])
+        change, drive = (float(decibels(np.sqrt(each) / self._limit)) for each in (power[line], explained[line].max()))
+        return Floor(change, float(frequency[line]), drive)

@@ -1,4 +1,4 @@
-"""Whether shots still get better, and if they do not, what stands in the way."""
+"""Whether shots still get better, and if they do not, what stands in the way; whether they get worse."""
 
 import numpy as np
 
@@ -11,6 +11,8 @@ WAIT = 6
 """Shots in a row without gain after which learning stands still."""
 GAIN = 1.0
 """dB by which a shot must be better than the best before."""
+GROWN, GROWING = 10.0, 2
+"""dB above the first shot at full level, and shots in a row of so much, from which on errors grow."""
 LARGE = 0.5
 """Of the error's power: by so much distortion may change until the reference's own lines are right."""
 
@@ -21,17 +23,19 @@ class Stagnation:
     Attributes
     ----------
     text : str
-        Why learning stands still; nothing while it does not.
+        Why learning stands still, or by how much errors grow; nothing while neither is so.
     """
 
     def __init__(self) -> None:
         self.text = ""
         self._best, self._since = np.inf, 0
+        self._first: float | None = None
+        self._grown = 0
 
     def take(
         self, over_db: float, hz: float, shot: Shot, algorithm: Algorithm, is_hidden: bool = False
     ) -> Decision | None:
-        """Take a shot that was learned from; return the decision by which it is told that learning stands still.
+        """Take a shot that was learned from; return the decision by which it is told that no shot gets better.
 
         Parameters
         ----------
@@ -45,6 +49,18 @@ class Stagnation:
         is_hidden : bool
             Whether the ambience may explain all that is over the limit.
         """
+        if self._first is None and algorithm.level == 1.0:
+            self._first = over_db
+        grows = self._first is not None and over_db > max(self._first, 0.0) + GROWN and not is_hidden
+        self._grown = self._grown + 1 if grows else 0
+        if self._first is not None and self._grown >= GROWING:
+            said, self._since = self._grown > GROWING, self._since + 1
+            self.text = (
+                f"errors grow, from {self._first:.0f} to {over_db:.0f} dB over the limit: this machine is not as the "
+                "model says; calibrate it again"
+            )
+            fields = {"over_db": tidy(over_db), "first_db": tidy(self._first), "at_hz": tidy(hz)}
+            return None if said else Decision("errors_grow", fields)
         if over_db <= 0 or over_db < self._best - GAIN:
             self._best, self._since, self.text = over_db, 0, ""
             return None
@@ -78,4 +94,4 @@ def _reason(hz: float, shot: Shot, algorithm: Algorithm, is_hidden: bool) -> str
         return f"{where} what is taken away comes back: the machine moves, or is not as the model says ({bound})"
     strong = algorithm.belief.strong
     off = np.linalg.norm(error[strong]) / np.linalg.norm(law.reference[strong])
-    return f"distortion {where} follows the reference's own lines, which are still {100 * off:.2g} % off"
+    return f"distortion {where} follows the reference's own lines, which are still {100 * off:.0f} % off"

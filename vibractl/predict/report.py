@@ -19,6 +19,7 @@ MOST_BANDS = 30
 """Rows of uncertified lines, the largest bounds first."""
 TALLEST = 3.0
 """Largest bound that is drawn in full."""
+_MARKS = ".x+^v*"
 
 
 def shots_text(found: Prediction) -> str:
@@ -94,10 +95,10 @@ def _certificate_plot(found: Prediction) -> Plot:
     shown = np.minimum(lines.bound, TALLEST)
     axes.plot(lines.frequency[lines.certified], shown[lines.certified], ".", markersize=2, label="certified")
     for number, reason in enumerate(REASONS):
-        at = lines.reason == reason
+        at = (lines.reason == reason) & lines.learned
         if at.any():
-            colour = COLOURS[(number + 1) % len(COLOURS)]
-            axes.plot(lines.frequency[at], shown[at], ".", markersize=3, color=colour, label=reason)
+            colour, mark = COLOURS[(number + 1) % len(COLOURS)], _MARKS[number % len(_MARKS)]
+            axes.plot(lines.frequency[at], shown[at], mark, markersize=3, color=colour, label=reason)
     axes.axhline(1.0, **BOUND)
     axes.set(xlabel="frequency, Hz", ylabel="bound on contraction", ylim=(0.0, 1.05 * max(1.05, float(shown.max()))))
     axes.set_xlim(*lines.frequency[lines.learned][[0, -1]])
