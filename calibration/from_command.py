@@ -76,7 +76,7 @@ def model_from_files(
     """
     if len(drives) != len(responses):
         raise ValueError(
-            f"--from has {len(drives)} x drive and {len(responses)} x response, must be a pair each time: "
+            f"--from has {len(drives)} drives and {len(responses)} responses, must be a pair each time: "
             "--from D.wav R.wav"
         )
     raw_folder(out)  # refuses what is no name of a model

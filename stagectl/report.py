@@ -9,6 +9,7 @@ from rigkit.figure_style import styled
 from rigkit.report import Fact, Report, Section, Table
 from rigkit.run_folder import read_events
 from stagectl.figures.drive import drive_plot, headroom_table
+from stagectl.figures.prefilter import prefilter_plot, prefilter_table
 from stagectl.figures.result import Result, read_result
 from stagectl.figures.spectrum import sensitivity_plot, spectrum_plot
 from stagectl.figures.tracking import error_plot, histogram_plot, tracking_plot
@@ -71,6 +72,8 @@ def _sections(result: Result, figures: dict[str, Any], events: list[dict[str, An
     yield Section("Drives", plots=(drive_plot(result),), tables=(headroom_table(result),))
     if result.made.designs:
         yield Section("Loops", plots=(sensitivity_plot(result),), tables=(_loop_table(result),))
+    if result.made.prefilters:
+        yield Section("Prefilters", plots=(prefilter_plot(result),), tables=(prefilter_table(result),))
     yield Section("Events", tables=(event_table(events),))
 
 

@@ -16,8 +16,8 @@ from vibractl.shot_file import EVIDENCE
 UNDRIVEN = 200.0
 """dB of head-room, from which a coil is silent."""
 _FIGURES = "iae error_db worst_line_db worst_line_hz heard_line_db hidden proven worst_band_db worst_band_hz thd_db"
-SETTLED = 10.0
-"""dB over what changes by itself, from where on a run has not come as far as that lets it."""
+BELOW, SETTLED = -6.0, 10.0
+"""dB over what changes by itself, within which the worst line is where that keeps it."""
 FLOOR = ("floor_db", "floor_hz", "floor_explained_db")
 """dB re the limit of a line, Hz, and dB: what is not explained of the change from shot to shot where that is most, and
 what is."""
@@ -139,7 +139,8 @@ def floor_said(figures: Mapping[str, Any]) -> tuple[str, str]:
     if change is None or 2 * figures.get("shots_hidden", 0) > figures["shots"]:
         return "", ""
     size = f"{change:.1f} dB re the limit from shot to shot, most at {figures['floor_hz']:.1f} Hz"
-    is_settled = figures["worst_line_db"] <= max(change + SETTLED, 0.0)
+    worst = figures["worst_line_db"]
+    is_settled = worst <= 0.0 or BELOW <= worst - change <= SETTLED
     if is_settled and explained is not None and explained <= change:
         return "the machine moves by itself by", size
     return "what the model does not explain changes by", size

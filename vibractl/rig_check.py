@@ -1,6 +1,5 @@
 """Before a run learns: a weak burst, and whether its response is what the model says, channel by channel."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -103,26 +102,33 @@ class RigCheck:
         return off, worst, change_of(self.response, self.lines, heard, self.frequency)
 
 
-def changed_channels(algorithm: Algorithm, shot: Shot, usual: Iterable[float] = ()) -> tuple[float, Change | None]:
-    """Return by how much a shot is off what is believed of G on strong lines, 1, and what has changed about the rig.
+def changed_channels(
+    algorithm: Algorithm, shot: Shot, usual: float | None = None
+) -> tuple[float | None, Change | None]:
+    """Return what has changed about the rig since the shot before, as strong lines show it to what is believed of G.
+
+    And what the next shot is to be held against: a channel that changes within a shot spoils that one in a way that
+    nothing explains, and the next one is no further off than that.
 
     Parameters
     ----------
     algorithm : Algorithm
     shot : Shot
-    usual : iterable of float, 1
-        What the burst and the last shots were off, when they came: a channel that changes within a shot spoils that
-        one, and the next is no better.
+    usual : float, 1, optional
+        By how much the burst, or the last shot before one that nothing explained, was off.
     """
     law, before = algorithm.law, algorithm.belief.before
     strong = strong_lines(law.reference) & (law.active > 0)
     response, drive, heard = algorithm.belief.response[strong], shot.drive[strong], shot.response[strong]
-    off, known = mismatch(response, drive, heard), list(usual)
+    off, known = mismatch(response, drive, heard), usual
     if before is not None:
-        known.append(mismatch(response, before.drive[strong], before.response[strong]))
-    if known and off < SUDDEN * min(known):
-        return off, None
-    return off, change_of(response, drive, heard, law.matrix.frequency[strong])
+        last = mismatch(response, before.drive[strong], before.response[strong])
+        known = last if usual is None else min(last, usual)
+        if off < SUDDEN * known:
+            return None, None
+    change = change_of(response, drive, heard, law.matrix.frequency[strong])
+    is_sudden = known is not None and off >= SUDDEN * known
+    return known if is_sudden and change is None else None, change
 
 
 def _burst(samples: int, rate: float, band: tuple[float, float], inputs: int) -> np.ndarray:

@@ -1,6 +1,5 @@
 """A run: shot after shot is emitted, recorded, judged and learned from, in a folder from which it can go on."""
 
-from collections import deque
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -37,8 +36,6 @@ from vibractl.supervision import ALONE, Supervision
 
 POOR = 0.5
 """Of the burst's response, from which on it is said by how much the model is off."""
-USUAL = 3
-"""Burst or shots of which the one that the model explained best is what the next is held against."""
 
 
 class Session:
@@ -74,7 +71,7 @@ class Session:
         judged = judged_lines(made.law, made.reference, made.config)
         self._repeats = Repeatability(self.learner.algorithm, judged, limit)
         self._stagnation, self._clipped = Stagnation(), ClippedDrive(made)
-        self._usual: deque[float] = deque(maxlen=USUAL)
+        self._usual: float | None = None
         self._burst = ""
         self._resume()
 
@@ -160,7 +157,7 @@ class Session:
             return
         capture = line.emit(check.drive)
         off, worst, change = check.judge(capture.response)
-        self._usual.append(worst)
+        self._usual = worst
         self._burst = f"the model is {100 * off:.0f} % off the burst's response" if off > POOR else ""
         self.folder.event("checked", {"shot": self.done, "off": tidy(off), "change": change.text if change else ""})
         try:
@@ -200,8 +197,7 @@ class Session:
             self.learner.far_field[:] = heard[1]
         shot = self.learner.analysed()
         if write and purpose == "learn" and self._looks_at_rig:
-            off, change = changed_channels(algorithm, shot, self._usual)
-            self._usual.append(off)
+            self._usual, change = changed_channels(algorithm, shot, self._usual)
             self._check(change, f", shot {number}")
         repeatability = self._repeats.take(shot, purpose == "learn")  # by what is believed before it
         self.learner.follow(shot)

@@ -115,7 +115,7 @@ def from_pairs(
     """
     if len(drives) != len(responses):
         raise ValueError(
-            f"--from has {len(drives)} x drive and {len(responses)} x response, must be a pair each time: "
+            f"--from has {len(drives)} drives and {len(responses)} responses, must be a pair each time: "
             "--from D.wav R.wav"
         )
     if monitors := [name for name in given if name.startswith("monitor")]:

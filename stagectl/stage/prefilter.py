@@ -93,6 +93,26 @@ def prefilter(design: Design, outer: Outer, seen: Disturbance, late: float) -> P
     return None if best is None or best.left >= without else best
 
 
+def missed(loop: StateFeedback, filters: Prefilter | None, late: float, frequency: np.ndarray) -> np.ndarray:
+    """Return what a loop, behind a prefilter with the l_r of that, leaves of a deflection: shape (bins,), 1.
+
+    Parameters
+    ----------
+    loop : StateFeedback
+    filters : Prefilter or None
+    late : float, s
+        By which the reference comes late.
+    frequency : array, shape (bins,), Hz
+    """
+    rate, plant = loop.model.rate, plant_of(loop.model).response(frequency, loop.model.rate)
+    led = loop if filters is None else replace(loop, forward=filters.forward)
+    before = 1.0 if filters is None else filters.response(frequency, rate)
+    answer = before * led.reference_system().response(frequency, rate) * plant
+    answer = answer / (1.0 + loop.system().response(frequency, rate) * plant)
+    left: np.ndarray = np.abs(1.0 - answer * np.exp(-2j * np.pi * frequency * late))
+    return left
+
+
 def refuse_unfit(filters: Prefilter, design: Design, outer: Outer, name: str) -> None:
     """Refuse, by ValueError, a filter with which the loop would answer a reference more strongly than its bounds allow.
 

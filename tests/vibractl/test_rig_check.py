@@ -91,7 +91,7 @@ def test_sensors_that_were_exchanged_are_found(tmp_path: Path) -> None:
         whole = np.zeros((len(check.drive) // check.step // 2 + 1, 2), complex)
         whole[check.inside] = both[:, ::-1]
         heard = np.repeat(np.fft.irfft(whole, len(check.drive) // check.step, axis=0), check.step, axis=0)
-    off, change = check.judge(heard)
+    off, _, change = check.judge(heard)
     assert off > 0.5
     assert change is not None
     assert "response 1 is where response 2 was; response 2 is where response 1 was" in change.text
@@ -126,15 +126,37 @@ def test_nothing_is_played_or_refused_where_nobody_wants_to_know(tmp_path: Path)
     assert "checked" not in [event["event"] for event in read_events(tmp_path / "run")]
 
 
+RNG = np.random.default_rng(1)
+BELIEVED, DRIVE = (RNG.standard_normal((80, 2, each)) + 1j * RNG.standard_normal((80, 2, each)) for each in (2, 1))
+LAW = SimpleNamespace(
+    reference=np.ones((80, 2)), active=np.ones(80), matrix=SimpleNamespace(frequency=np.linspace(40.0, 90.0, 80))
+)
+
+
+def heard_as(factor: float | np.ndarray) -> Shot:
+    """Return a shot whose response is what is believed of G, times a factor."""
+    return Shot(DRIVE[..., 0], factor * (BELIEVED @ DRIVE)[..., 0], np.ones((80, 2)))
+
+
+def test_a_sensor_that_turns_round_within_a_shot_is_named_at_the_next() -> None:
+    """The shot itself has both, which nothing explains; the next is no further off than that."""
+    torn = np.where(np.arange(80)[:, None] % 2, [1.0, 1.0], [1.0, -1.0]) * np.exp(0.7j * RNG.standard_normal((80, 2)))
+    algorithm: Any = SimpleNamespace(law=LAW, belief=SimpleNamespace(response=BELIEVED, before=None))
+    usual, change = changed_channels(algorithm, heard_as(torn), 0.1)
+    assert (usual, change) == (0.1, None)
+    algorithm.belief.before = heard_as(torn)
+    turned = heard_as(np.array([1.0, -1.0]))
+    assert changed_channels(algorithm, turned) == (None, None)
+    usual, change = changed_channels(algorithm, turned, usual)
+    assert usual is None
+    assert change is not None
+    assert change.text.startswith("response 2 is turned round")
+
+
 @pytest.mark.parametrize(("earlier", "said"), [(1.0, "every drive is 1.6 times as large"), (1.4, None)])
 def test_what_comes_by_and_by_is_no_change_of_the_channels(earlier: float, said: str | None) -> None:
     """A machine that drifts, or distorts more and more, ends where a gain that was changed does, and is to go on."""
-    rng = np.random.default_rng(1)
-    believed, drive = (rng.standard_normal((80, 2, each)) + 1j * rng.standard_normal((80, 2, each)) for each in (2, 1))
-    usual = (believed @ drive)[..., 0]
-    before, now = (Shot(drive[..., 0], factor * usual, np.ones((80, 2))) for factor in (earlier, 1.6))
-    matrix = SimpleNamespace(frequency=np.linspace(40.0, 90.0, 80))
-    law = SimpleNamespace(reference=np.ones((80, 2)), active=np.ones(80), matrix=matrix)
-    algorithm: Any = SimpleNamespace(law=law, belief=SimpleNamespace(response=believed, before=before))
+    before, now = (heard_as(earlier), heard_as(1.6))
+    algorithm: Any = SimpleNamespace(law=LAW, belief=SimpleNamespace(response=BELIEVED, before=before))
     _, found = changed_channels(algorithm, now)
     assert (found and found.text.split(", or: ")[0]) == said

@@ -164,7 +164,7 @@ def test_a_model_of_another_simulated_machine_is_used_and_it_is_said(tmp_path: P
     model = described_model(tmp_path / "model.h5", "simulator.options.seed=1")
     _, notes = model_for(model, linear_config("simulator.options.seed=2"))
     assert notes == [
-        f"{model} was measured on a rig that was wired otherwise: simulator.options.seed was 1, is 2",
+        f"{model} was measured on another simulated machine: simulator.options.seed was 1, is 2",
     ]
 
 

@@ -57,10 +57,20 @@ class Served:
         raise AssertionError("there is no web process")
 
     def begin(self, **options: Any) -> None:
-        """Arm and begin a demonstration, as Ada."""
+        """Arm and begin a demonstration, as Ada, once one that was stopped before has come to its end."""
         with self.client() as client, client.control("Ada", over=True):
-            client.command("arm", "a test")
+            until(lambda: _is_armed(client))
             client.begin("demonstrate", **options)
+
+
+def _is_armed(client: Client) -> bool:
+    try:
+        client.command("arm", "a test")
+    except DaemonError as fault:
+        if "has not come to its end" not in str(fault):
+            raise
+        return False
+    return True
 
 
 Started = TypeVar("Started", bound=Served)

@@ -38,19 +38,21 @@ def followed(shots: int, moves_db: float = -200.0, drift_hz: float = 210.0, step
 def test_it_says_by_how_much_a_machine_moves_and_where(moves_db: float) -> None:
     floor = followed(KEPT + 1, moves_db).floor
     assert floor is not None
-    assert floor[0] == pytest.approx(moves_db, abs=4.0)
-    assert floor[1] == pytest.approx(210.0, abs=12.0)
+    assert floor.change == pytest.approx(moves_db, abs=4.0)
+    assert floor.frequency == pytest.approx(210.0, abs=12.0)
+    assert floor.explained < -100
 
 
 def test_a_drive_that_changes_is_no_machine_that_moves() -> None:
     floor = followed(KEPT + 1, 0.0, step=0.3).floor
     assert floor is not None
-    assert floor[0] == pytest.approx(0.0, abs=4.0)
+    assert floor.change == pytest.approx(0.0, abs=4.0)
+    assert floor.explained == pytest.approx(-33.6, abs=3.0)  # which a wrong model would leave as much of
 
 
 def test_where_there_is_no_limit_it_does_not_count() -> None:
     floor = followed(KEPT + 1, 20.0, drift_hz=60.0).floor
-    assert floor is None or floor[0] < -20
+    assert floor is None or floor.change < -20
 
 
 def test_noise_is_no_machine_that_moves() -> None:

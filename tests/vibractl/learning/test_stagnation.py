@@ -42,6 +42,18 @@ def test_it_is_told_once_and_is_over_when_a_shot_is_better() -> None:
     assert stagnation.text == ""
 
 
+def test_errors_that_grow_are_told_once_and_as_long_as_they_do() -> None:
+    algorithm, plant = learned()
+    decisions, stagnation = told(algorithm, plant, [26.0, 35.0, 55.0, 63.0, 64.0], 200.0)
+    assert [decision.event for decision in decisions] == ["errors_grow"]
+    assert decisions[0].fields == {"over_db": 63.0, "first_db": 26.0, "at_hz": 200.0}
+    assert stagnation.text.startswith("errors grow, from 26 to 64 dB over the limit: this machine is not as the model")
+    decisions, stagnation = told(algorithm, plant, [26.0, 40.0, 25.0, 40.0, 20.0], 200.0)
+    assert (decisions, stagnation.text) == ([], "")
+    decisions, stagnation = told(algorithm, plant, [-20.0, 5.0, 5.0, 5.0], 200.0)
+    assert decisions == []
+
+
 @pytest.mark.parametrize(
     ("noise", "wrong", "hz", "because"),
     [
