@@ -15,6 +15,7 @@ from calibration.one_thread import on_one_thread
 from calibration.prediction_error import ModeErrors, refine
 from calibration.residual_tests import LAGS
 from calibration.state_space.model import InnovationModel
+from calibration.subspace.naming import by_name
 from calibration.subspace.outliers import Outliers, outlier_notes, treated
 from calibration.subspace.signals import Detrend
 from ctlblocks.recording import Recording
@@ -162,7 +163,7 @@ def identify_recordings(
     early, late, off = _parts(records, cuts, inputs, outliers)
     show(0, "orders and the model")
     found, told = _started(early, first.rate, order, horizon, method, plant)
-    notes = (*told, *off, *found.diagnosis.of_records)
+    notes = by_name((*told, *off, *found.diagnosis.of_records), first.names[:inputs], first.names[inputs:])
     early, late = _about(early, found), _about(late, found)
     show(1, "errors of its modes" if method != "pem" else "the model refined")
     model, errors, ended = _refined(found, early, seconds, show) if method == "pem" else _plain(found)

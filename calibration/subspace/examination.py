@@ -12,6 +12,7 @@ from calibration.records import sides_of
 from calibration.subspace.delays import Delays, delays
 from calibration.subspace.excitation import MOST, persistence, repeated
 from calibration.subspace.feedback import Feedback, feedback
+from calibration.subspace.naming import by_name
 from calibration.subspace.nonlinearity import Nonlinearity, nonlinearity
 from calibration.subspace.outliers import outlier_notes, treated
 from calibration.subspace.signals import signals
@@ -37,6 +38,8 @@ class Examination:
         Whether squares and cubes tell of the outputs.
     outliers : tuple of arrays of bool, shape (N, p)
         Samples of outputs that are far off.
+    names : (tuple of str, tuple of str)
+        Of inputs and outputs; empty where nobody gave any.
     """
 
     samples: int
@@ -47,11 +50,12 @@ class Examination:
     feedback: Feedback
     nonlinearity: Nonlinearity
     outliers: tuple[np.ndarray, ...]
+    names: tuple[tuple[str, ...], tuple[str, ...]] = ((), ())
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """Verdicts, what is well as well as what is not."""
-        return tuple(self._verdicts())
+        return by_name(self._verdicts(), *self.names)
 
     def __str__(self) -> str:
         """Return them a line each."""
@@ -123,4 +127,5 @@ def examine(u: Any, y: Any) -> Examination:
         feedback(data.drives, data.responses),
         nonlinearity(data.drives, data.responses),
         tuple(off),
+        (inputs.names, outputs.names),
     )

@@ -20,6 +20,7 @@ from calibration.subspace.from_rest import from_rest
 from calibration.subspace.gain_refinement import refine_gain
 from calibration.subspace.identified import Identified
 from calibration.subspace.kalman_gain import Gain, is_stable
+from calibration.subspace.naming import by_name
 from calibration.subspace.operating_point import rest_near
 from calibration.subspace.outliers import Outliers, outlier_notes, treated
 from calibration.subspace.predicted import estimated
@@ -161,7 +162,7 @@ def _given(u: Any, y: Any, detrend: Detrend, outliers: Outliers) -> _Given:
         first, second = (each + 1 for each in pair)
         warn(f"inputs {first} and {second} are the same signal: they share a response")
     responses, found = treated(drives, responses, outliers)
-    for sentence in outlier_notes(found):
+    for sentence in by_name(outlier_notes(found), (), outputs.names):
         warn(sentence)
     drives, responses = levelled(drives, detrend), levelled(responses, detrend)
     data = signals(drives, responses, has_mean=True)

@@ -8,6 +8,7 @@ import numpy as np
 
 from calibration.fit_measures import Fit
 from calibration.state_space.model import InnovationModel
+from calibration.subspace.naming import by_name
 from calibration.subspace.outliers import outlier_notes
 
 if TYPE_CHECKING:
@@ -47,7 +48,8 @@ def summary(found: "Identified") -> str:
 
 
 def _sentences(found: "Identified") -> tuple[str, ...]:
-    return (*outlier_notes(found.outliers), *found.diagnosis.sentences)
+    told = (*outlier_notes(found.outliers), *found.diagnosis.sentences)
+    return by_name(told, found.model.input_names, found.model.output_names)
 
 
 def _delay_lines(found: "Identified") -> list[str]:

@@ -58,7 +58,7 @@ def test_in_a_closed_loop_the_plant_is_found_and_its_controller_is_not_taken_for
     assert found.method == "pbsid"
     assert found.refined is not None
     assert off(found.model) < 0.15
-    assert "input 1 follows from the outputs" in found.summary()
+    assert "u1 follows from the outputs" in found.summary()
     by_hand = subspace.identify(drive, response, 1.0, order=3, horizon=30, method="moesp")
     assert off(by_hand.model) > 0.8
     assert "this method takes part of the controller for the plant" in by_hand.summary()

@@ -39,7 +39,7 @@ def test_spikes_cost_a_model_nothing() -> None:
     np.testing.assert_array_equal(found.outliers[0], hit)
     assert missed(found.model, system.model) < 1.1 * missed(clean.model, system.model)
     assert missed(kept.model, system.model) > 2 * missed(clean.model, system.model)
-    assert f"{hit.sum()} of 5000 samples of output 1 are far off" in found.summary()
+    assert f"{hit.sum()} of 5000 samples of y1 are far off" in found.summary()
     assert found.fit.one_step.nrmse[0] > 90
 
 
