@@ -86,7 +86,7 @@ def test_a_closed_loop_is_identified_as_one_and_told_of() -> None:
     measured = Recording(("u", "y"), ("V", "m"), 1.0, np.column_stack([drive, response]))
     found = identify_recordings([measured], 1, order=3, horizon=30)
     assert found.method == "pbsid"
-    assert any("u1 follows from the outputs" in note for note in found.notes)
+    assert any(note.startswith("u follows from the outputs") for note in found.notes)
     refined = identify_recordings([measured], 1, order=3, horizon=30, method="pem")
     assert refined.method == "pem"
     assert not refined.model.D.any()
