@@ -68,7 +68,6 @@ class RunFolder:
             folder = cls(path, lock, made)
             try:
                 _refuse_used(path)  # since another process may have been quicker
-                (path / SHOTS).mkdir(exist_ok=True)
                 folder._sweep()
                 folder.write(CONFIG, config)
             except FolderInUseError:
@@ -133,8 +132,7 @@ class RunFolder:
         if path.exists():
             _refuse_used(path)
             shutil.rmtree(path)
-        for each in (self.path / SHOTS, self.path):
-            atomic.to_disk(each)
+        atomic.to_disk(self.path)
         self.path.rename(path)
         self.path, self._made = path, [path]
         atomic.to_disk(path.absolute().parent)
@@ -193,8 +191,12 @@ class RunFolder:
         return (each for each in self.path.rglob("*") if each.is_file() and not _counts_as_empty(each))
 
     def shot(self, number: int) -> Path:
-        """Return where the recording of a shot belongs, counted from 0."""
-        return self.path / SHOTS / f"{number:04d}.wav"
+        """Return where the recording of a shot belongs, counted from 0; its folder is made with the first."""
+        shots = self.path / SHOTS
+        if not shots.is_dir():
+            shots.mkdir()
+            atomic.to_disk(self.path)
+        return shots / f"{number:04d}.wav"
 
     def write(self, name: str, content: str | bytes) -> None:
         """Write a whole file in one step."""

@@ -29,7 +29,10 @@ def work(path: Path, reached: Callable[[], None]) -> None:
     folder = RunFolder.open(path) if (path / CONFIG).exists() else RunFolder.create(path, "[rig]\n")
     with folder:
         for number in range(len(read_quality(path)), SHOTS):
-            with folder.replacing(f"shots/{number:04d}.wav") as temporary, temporary.open("wb", buffering=0) as file:
+            with (
+                folder.replacing(f"shots/{folder.shot(number).name}") as temporary,
+                temporary.open("wb", buffering=0) as file,
+            ):
                 file.write(sound(number)[:10_000])
                 reached()
                 file.write(sound(number)[10_000:])

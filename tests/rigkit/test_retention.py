@@ -46,7 +46,7 @@ def root(tmp_path: Path) -> Path:
     for number in range(5):
         path = tmp_path / f"run-{number}"
         with RunFolder.create(path, "[rig]\n") as folder:
-            folder.write("shots/0000.wav", b"x" * 1_000)
+            folder.write(f"shots/{folder.shot(0).name}", b"x" * 1_000)
         for file in path.rglob("*"):
             os.utime(file, (0, NEWEST - number * DAY))
     (tmp_path / "notes").mkdir()

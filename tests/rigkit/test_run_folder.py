@@ -22,11 +22,12 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "runs" / "first"
 
 
-def test_a_new_folder_holds_its_configuration_and_a_place_for_shots(path: Path) -> None:
+def test_a_new_folder_holds_its_configuration_and_a_place_for_shots_once_there_are_some(path: Path) -> None:
     with RunFolder.create(path, "[rig]\n") as folder:
         assert (path / "config.toml").read_text() == "[rig]\n"
-        assert (path / "shots").is_dir()
+        assert not (path / "shots").exists()
         assert folder.shot(7) == path / "shots" / "0007.wav"
+        assert (path / "shots").is_dir()
 
 
 def test_a_folder_with_content_is_refused_and_left_as_it_was(path: Path) -> None:
@@ -80,6 +81,7 @@ def test_a_folder_without_a_configuration_cannot_be_taken_up(path: Path) -> None
 
 def test_what_a_kill_left_is_swept_up_when_the_folder_is_opened(path: Path) -> None:
     RunFolder.create(path, "").close()
+    (path / "shots").mkdir()
     (path / "shots" / ".0003.0a1b2c3d.tmp.wav").write_bytes(b"half")
     (path / "events.jsonl").write_bytes(b'{"time": "now", "event": "shot"}\n{"eve')
     (path / "qc.csv").write_bytes(b"shot,iae\n0,1.5\n1,0.")
