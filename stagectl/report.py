@@ -60,7 +60,7 @@ def _facts(figures: dict[str, Any], events: list[dict[str, Any]]) -> Iterator[Fa
     for axis, each in figures[shown].items():
         yield Fact(f"Within ±5 µm, {axis}", f"{100 * each['within']:.1f} %", each["within"] == 1.0)
     for axis, factor in figures.get("improvement", {}).items():
-        yield Fact(f"Better than uncompensated, {axis}", f"{factor:.1f} times")
+        yield Fact(f"Better than uncompensated, {axis}", f"{factor:.1f} times", factor >= 1.0)
     faults = [event["text"] for event in events if event["event"] == "fault"]
     yield Fact("Faults", "; ".join(faults) or "none", not faults)
 

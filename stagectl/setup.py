@@ -7,6 +7,7 @@ from pathlib import Path
 from calibration.state_space.model import InnovationModel
 from ctlblocks import Block
 from stagectl.config import StageConfig
+from stagectl.deflection import lateness
 from stagectl.model_file import read_model
 from stagectl.prefilter_file import read_prefilters
 from stagectl.stage.controller import StageController
@@ -102,5 +103,6 @@ def with_prefilters(made: Setup, file: Path) -> Setup:
     for axis, each in enumerate(found):
         if each is not None and made.designs:
             name = f"{file}: the prefilter of {made.config.stage.axes[axis]}"
-            refuse_unfit(each, made.designs[axis], made.config.outer, name)
+            late = lateness(made.config.deflection, made.config.stage.rate)
+            refuse_unfit(each, made.designs[axis], made.config.outer, late, name)
     return replace(made, prefilters=found)

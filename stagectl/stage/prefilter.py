@@ -14,6 +14,8 @@ from stagectl.stage.state_space import plant_of
 
 LENGTH, SPACING = 100, 1e-3
 """Coefficients, and s from one to the next."""
+SMALL = 0.5
+"""Gain of the loop that a deflection's compensation is where its sensors do not see the plate at the same time."""
 LARGEST = 4.0
 """Gain at any frequency, so that a sensor's noise stays noise."""
 HIGHEST = 240.0
@@ -65,9 +67,11 @@ class Prefilter:
 def prefilter(design: Design, outer: Outer, seen: Disturbance, late: float) -> Prefilter | None:
     """Make the filter that leaves least of a deflection, within the bounds of a design.
 
-    The loop's answer to a reference stays within `Outer.max_sensitivity`, and where natural frequencies are off by up
-    to `Outer.mistuning` within `Outer.mistuned_sensitivity`; above `Outer.reach` the gain from the reference stays
-    within what was allowed to the design.  l_r is the design's, or the one that leaves no error on a ramp.
+    What compensates a deflection is a loop as well, as far as laser and plate's sensor do not see the plate alike: its
+    gain stays below `SMALL` were their timing off by all of `late`.  The loop's answer to a reference stays within
+    `Outer.max_sensitivity`, and where natural frequencies are off by up to `Outer.mistuning` within
+    `Outer.mistuned_sensitivity`; above `Outer.reach` the gain from the reference stays within what was allowed to the
+    design.  l_r is the design's, or the one that leaves no error on a ramp.
 
     Parameters
     ----------
@@ -113,7 +117,7 @@ def missed(loop: StateFeedback, filters: Prefilter | None, late: float, frequenc
     return left
 
 
-def refuse_unfit(filters: Prefilter, design: Design, outer: Outer, name: str) -> None:
+def refuse_unfit(filters: Prefilter, design: Design, outer: Outer, late: float, name: str) -> None:
     """Refuse, by ValueError, a filter with which the loop would answer a reference more strongly than its bounds allow.
 
     Parameters
@@ -121,10 +125,12 @@ def refuse_unfit(filters: Prefilter, design: Design, outer: Outer, name: str) ->
     filters : Prefilter
     design : Design
     outer : Outer
+    late : float, s
+        As of `prefilter`.
     name : str
         Of its file and axis.
     """
-    answers = _Answers(design, outer, filters.forward, 0.0)
+    answers = _Answers(design, outer, filters.forward, late)
     over = float(np.max(answers.share * np.abs(filters.response(answers.frequency, design.loop.model.rate))))
     if not over <= ROUNDED:
         raise ValueError(
@@ -151,7 +157,9 @@ class _Answers:
             answers.append(reference * there / (1.0 + feedback * there))
         tuned = answers[len(OFFS) // 2]
         self.answer = tuned * np.exp(-2j * np.pi * self.frequency * late)
-        gains = [np.abs(tuned) / outer.max_sensitivity, np.max(np.abs(answers), axis=0) / outer.mistuned_sensitivity]
+        turned = np.minimum(2 * np.pi * self.frequency * late, 2.0)  # were the deflection's timing off by as much again
+        gains = [np.abs(tuned) * turned / SMALL]
+        gains += [np.abs(tuned) / outer.max_sensitivity, np.max(np.abs(answers), axis=0) / outer.mistuned_sensitivity]
         allowed = np.abs(self._reference(loop)) / max(design.forward_share, np.finfo(float).tiny)
         gains.append(np.where(self.frequency >= outer.reach, np.abs(reference) / np.maximum(allowed, 1e-12), 0.0))
         self.share = np.max(gains, axis=0)

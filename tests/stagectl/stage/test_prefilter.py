@@ -93,6 +93,10 @@ def test_the_bounds_of_the_loop_hold_on_other_lines_and_for_frequencies_in_betwe
         plant = mistuned(plant_of(loop.model), 1.0 + off).response(frequency, RATE)
         answer = np.abs(shape * reference * plant / (1.0 + feedback * plant))
         assert answer.max() < 1.02 * (outer.mistuned_sensitivity if off else outer.max_sensitivity)
+        if off == 0.0:  # the loop that a laser makes which sees the plate later than is thought, or earlier
+            for wrong in (0.5 * LATE, LATE, -LATE):
+                loop_gain = answer * np.abs(1.0 - np.exp(-2j * np.pi * frequency * wrong))
+                assert loop_gain.max() < 0.55
 
 
 def test_a_reference_at_rest_is_kept_and_the_block_is_the_filter_it_says() -> None:
@@ -159,9 +163,9 @@ def test_the_power_of_what_was_seen_lies_where_it_rings_as_wide_as_it_may_ring_e
 
 
 def test_one_that_was_made_for_another_loop_is_refused() -> None:
-    refuse_unfit(made(), chosen(), Outer(), "prefilter of x")
+    refuse_unfit(made(), chosen(), Outer(), LATE, "prefilter of x")
     with pytest.raises(ValueError, match=r"prefilter of z belongs to another loop: .* must be <= 1"):
-        refuse_unfit(made(), design(model("z"), Outer(), 0), Outer(), "prefilter of z")
+        refuse_unfit(made(), design(model("z"), Outer(), 0), Outer(), LATE, "prefilter of z")
 
 
 def test_a_file_keeps_it_to_the_last_bit(tmp_path: Path) -> None:
