@@ -80,7 +80,8 @@ def _end(figures: dict[str, Any], path: Path, json: str | None) -> None:
     head = ["error", "MAE, um", "std, um", "peak, um", "within 5 um, %"]
     print_table(f"{path}: {figures['seconds']:g} s", head, rows, words(json))
     for axis, factor in figures.get("improvement", {}).items():
-        print(f"{axis}: {factor:.1f} times better than uncompensated", file=words(json))
+        said = f"{factor:.1f} times better" if factor >= 1 else f"{1 / factor:.1f} times worse"
+        print(f"{axis}: {said} than uncompensated", file=words(json))
     for axis, each in figures.get("prefilter", {}).items():
         print(
             f"{axis}: foreseen to be left of the deflection: {100 * each['left']:.0f} % with its prefilter, "

@@ -7,6 +7,7 @@ from vibractl.config import Adaptation
 from vibractl.learning.belief import Belief
 from vibractl.learning.daring import Daring
 from vibractl.learning.decision import Decision, tidy
+from vibractl.learning.kinds_of_law import KINDS
 from vibractl.learning.law import Law, reference_level
 from vibractl.learning.lookout import Lookout
 from vibractl.learning.rollback import Rollback
@@ -50,7 +51,7 @@ class Algorithm:
         rising: np.ndarray | None = None,
     ) -> None:
         self.law, self._known, self._rising, self._objective = law, known, rising, objective
-        self._parts = adaptation if law.settings.law == "kalman" else adaptation.model_copy(update=_NOTHING)
+        self._parts = adaptation if KINDS[law.settings.law].follows else adaptation.model_copy(update=_NOTHING)
         self._watching = watch
         self._limit = float(reference_level(law.reference).min()) * 10 ** (objective / 20)
         update(law.start, law.inverse, np.zeros_like(law.reference), 0.0)  # compiles, before a stream is opened

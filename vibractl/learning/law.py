@@ -7,7 +7,8 @@ from scipy.signal.windows import hann
 
 from vibractl.config import Learning
 from vibractl.fft_plans import Plans
-from vibractl.learning.gains import CHIRP_GAINS, KALMAN_GAINS, SINE_GAINS, Gains
+from vibractl.learning.gains import Gains
+from vibractl.learning.kinds_of_law import KINDS
 from vibractl.reference import Reference
 from vibractl.spectrum import Decimator, LineSpectrum
 from vibractl.transfer_matrix import TransferMatrix, line_weights, regularized_inverse
@@ -99,8 +100,9 @@ def learning_law(settings: Learning, matrix: TransferMatrix, reference: Referenc
     ------
     Sörnmo 2015, eq. (6.10)-(6.19), (6.24), (6.25).
     """
-    if settings.law == "kalman" and settings.structure == "decentralised":
-        raise ValueError("learning.structure is decentralised: learning.law is kalman, must be thesis")
+    if settings.structure == "decentralised" and not KINDS[settings.law].decentralised:
+        able = " or ".join(name for name, kind in KINDS.items() if kind.decentralised)
+        raise ValueError(f"learning.structure is decentralised: learning.law is {settings.law}, must be {able}")
     outputs, spread = _structure(settings.structure, settings.side, matrix)
     lines = _lines(settings, reference, rate, plans)
     used = _as_driven(matrix.at(lines.frequency), outputs, spread, settings.structure)
@@ -142,7 +144,7 @@ def first_drive(settings: Learning, matrix: TransferMatrix, inverse: np.ndarray,
 def starts_by_inverse(settings: Learning) -> bool:
     """Say whether the drive to begin with is G^+ R."""
     by_law = settings.start in ("by-law", "library")  # what the library has is checked first, and may be refused
-    return settings.start == "inverse" or (by_law and settings.law == "kalman")
+    return settings.start == "inverse" or (by_law and KINDS[settings.law].by_inverse)
 
 
 def bounded_inverse(response: np.ndarray, settings: Learning) -> np.ndarray:
@@ -246,6 +248,5 @@ def _gains(settings: Learning, reference: Reference) -> Gains:
         return Gains(settings.gains, settings.stages)
     if settings.stages:
         raise ValueError(f"learning.stages is {list(settings.stages)}, but learning.gains is empty")
-    if settings.law == "kalman":
-        return KALMAN_GAINS
-    return CHIRP_GAINS if reference.root is None else SINE_GAINS
+    kind = KINDS[settings.law]
+    return kind.gains if reference.root is None else kind.tonal_gains
