@@ -21,7 +21,7 @@ from stagectl.config import StageConfig
 from stagectl.model_origin import refuse_foreign
 from stagectl.prefilter_file import PREFILTER, learned, write_prefilters
 from stagectl.reference import wanted_position
-from stagectl.setup import Setup, setup, with_prefilters
+from stagectl.setup import Setup, refuse_unfit_prefilters, setup, with_prefilters
 from stagectl.tracking import tracking
 
 RECORDING, UNCOMPENSATED = "recording", "uncompensated"
@@ -65,6 +65,8 @@ def make_folder(path: Path, made: Setup, models: Sequence[Path], accept: Collect
     _refuse_ignored(config)
     wanted_position(config, made.timeline)
     made.compensation()
+    if made.prefilters:
+        refuse_unfit_prefilters(made)
     _require_space(path, made)
     files = kept_files(config, ["inner.hysteresis", "reference.signal"])
     with RunFolder.filled(path, rig_file.dump(files.config)) as folder:

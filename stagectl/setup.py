@@ -81,7 +81,7 @@ def setup(config: StageConfig, files: Sequence[Path]) -> Setup:
     Raises
     ------
     ValueError : there are not as many as axes, a file is no model of one input and one output at the stage's rate, or
-        no design keeps its bounds; or a prefilter does not fit them.
+        no design keeps its bounds; or a file of prefilters is none of this stage.
     """
     axes = config.stage.axes
     if len(files) != len(axes) and (files or not config.session.live):
@@ -94,15 +94,20 @@ def setup(config: StageConfig, files: Sequence[Path]) -> Setup:
         design(model, config.outer, axis, chosen_weights(config.weights, axis)) for axis, model in enumerate(models)
     )
     made = Setup(config, models, tuple(designs))
-    return with_prefilters(made, Path(config.deflection.prefilter)) if config.deflection.prefilter else made
+    file = config.deflection.prefilter
+    return with_prefilters(made, Path(file)) if file else made
 
 
 def with_prefilters(made: Setup, file: Path) -> Setup:
-    """Return a setup with the prefilters of a file; ValueError where they do not fit its loops."""
+    """Return a setup with the prefilters of a file; ValueError where it has none for these axes at this rate."""
     found = read_prefilters(file, made.config.stage.axes, made.config.stage.rate)
-    for axis, each in enumerate(found):
-        if each is not None and made.designs:
-            name = f"{file}: the prefilter of {made.config.stage.axes[axis]}"
-            late = lateness(made.config.deflection, made.config.stage.rate)
-            refuse_unfit(each, made.designs[axis], made.config.outer, late, name)
     return replace(made, prefilters=found)
+
+
+def refuse_unfit_prefilters(made: Setup) -> None:
+    """Refuse, by ValueError, prefilters with which a loop would not keep its bounds."""
+    config = made.config
+    for axis, made_for, each in zip(config.stage.axes, made.designs, made.prefilters, strict=bool(made.prefilters)):
+        if each is not None:
+            late = lateness(config.deflection, config.stage.rate)
+            refuse_unfit(each, made_for, config.outer, late, f"{config.deflection.prefilter}: the prefilter of {axis}")

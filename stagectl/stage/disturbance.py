@@ -44,7 +44,7 @@ class Disturbance:
         high = np.searchsorted(self.frequency, frequency * (1 + SPREAD) + step, side="right")
         seen = (summed[high] - summed[low]) / np.maximum(high - low, 1) * widths
         unseen = np.where(frequency < usual, 1.0, usual / frequency) / frequency * widths
-        whole: np.ndarray = seen + FLOOR * seen.sum() / unseen.sum() * unseen
+        whole: np.ndarray = seen + FLOOR * (seen.sum() / unseen.sum()) * unseen
         return whole
 
 

@@ -88,6 +88,8 @@ def prefilter(design: Design, outer: Outer, seen: Disturbance, late: float) -> P
     """
     plain = _Answers(design, outer, design.loop.forward, late)
     power = seen.power(plain.frequency, outer.disturbance) * (plain.frequency <= HIGHEST)
+    if not power.sum() > 0:
+        return None
     without = _left(power, plain.answer)
     made = [_fitted(plain, power, without)]
     ramp = outer.feedforward * ramp_feedforward(design.loop)

@@ -166,9 +166,13 @@ def test_a_milling_run_is_prefiltered_by_what_the_uncompensated_one_has_shown(tm
     assert all(each.identical for each in replay(path, session.setup_of(path)))
     again = finished(plain, *settings, "session.compare=false", f"deflection.prefilter={path / 'prefilter.json'}")
     assert not (again / "prefilter.json").exists()
+    config = rig_file.load(None, StageConfig, [*QUICK, *settings, f"deflection.prefilter={path / 'prefilter.json'}"])
+    slower = config.model_copy(update={"outer": config.outer.model_copy(update={"max_sensitivity": 1.3})})
+    with pytest.raises(ValueError, match=r"prefilter.json: the prefilter of . belongs to another loop"):
+        session.create(tmp_path / "other", slower, write_models(plain))
+    assert not (tmp_path / "other").exists()
     kept = [folder / "recording.wav" for folder in (path, again)]
     np.testing.assert_array_equal(*(recording.read(file).data for file in kept))
-    assert all(each.identical for each in replay(again, session.setup_of(again)))
 
 
 def test_a_run_too_short_to_learn_from_says_so_and_goes_on(tmp_path: Path) -> None:

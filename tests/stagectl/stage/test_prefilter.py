@@ -129,6 +129,7 @@ def test_a_deflection_that_comes_too_fast_for_any_gain_is_not_made_worse() -> No
     seen = Disturbance(np.arange(0.0, 500.0, 0.25), np.where(np.arange(0.0, 500.0, 0.25) == 400.0, 1e-12, 0.0))
     found = prefilter(chosen(), Outer(), seen, LATE)
     assert found is None or found.left < found.without
+    assert prefilter(chosen(), Outer(), disturbance(np.zeros(50_000), RATE), LATE) is None  # it does not move
 
 
 def test_the_best_coefficients_without_bounds_are_those_of_least_squares_and_bounds_are_kept() -> None:
