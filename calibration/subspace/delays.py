@@ -15,7 +15,7 @@ FARTHEST, PART = 2000, 2
 """Lags at which an input is looked for, at most, and of which part of the longest record."""
 ROWS = 20
 """Samples that are wanted for each coefficient."""
-EDGE = 0.9
+EDGE = 0.5
 """Part of the lags that are looked at beyond which the first one may stand for later ones."""
 HEARD = 5.0
 """Standard errors beyond which a coefficient is no chance: one in a million."""

@@ -11,6 +11,18 @@ from tests.calibration.resonant_systems import RATE, ResonantSystem, order_7, or
 LATE = (45, 0, 7)
 
 
+@pytest.mark.parametrize("late", [80, 120])
+def test_an_input_that_is_held_for_as_long_is_not_heard_too_early(late: int) -> None:
+    """What comes beyond the lags that are looked at first leaks into the last of them."""
+    random = np.random.default_rng(2)
+    drive = np.repeat(random.standard_normal(120), 52)[:6000]
+    heard = lfilter([0.1], [1, -0.9], np.concatenate([np.zeros(late), drive])[:6000])
+    heard += 0.1 * np.std(heard) * lfilter([1], [1, -0.5], random.standard_normal(6000))
+    found = delays([(drive / np.std(drive))[:, None]], [(heard / np.std(heard))[:, None]])
+    assert found is not None
+    assert found.samples.tolist() == [[late]]
+
+
 def late_record(
     system: ResonantSystem, late: tuple[int, ...], samples: int, seed: int
 ) -> tuple[np.ndarray, np.ndarray]:
