@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from calibration import subspace
 from calibration.subspace.asked import delay_of
@@ -9,18 +10,6 @@ from calibration.subspace.delays import LEAST, advanced, delayed, delays
 from tests.calibration.resonant_systems import RATE, ResonantSystem, order_7, order_18
 
 LATE = (45, 0, 7)
-
-
-@pytest.mark.parametrize("late", [80, 120])
-def test_an_input_that_is_held_for_as_long_is_not_heard_too_early(late: int) -> None:
-    """What comes beyond the lags that are looked at first leaks into the last of them."""
-    random = np.random.default_rng(2)
-    drive = np.repeat(random.standard_normal(120), 52)[:6000]
-    heard = lfilter([0.1], [1, -0.9], np.concatenate([np.zeros(late), drive])[:6000])
-    heard += 0.1 * np.std(heard) * lfilter([1], [1, -0.5], random.standard_normal(6000))
-    found = delays([(drive / np.std(drive))[:, None]], [(heard / np.std(heard))[:, None]])
-    assert found is not None
-    assert found.samples.tolist() == [[late]]
 
 
 def late_record(
@@ -116,3 +105,15 @@ def test_a_delay_that_is_given_is_taken_and_one_that_is_forbidden_is_not() -> No
     assert subspace.identify(*record, RATE, order=7, horizon=20, delay=LEAST + 2).delays == (LEAST + 2,)
     assert subspace.identify(*record, RATE, order=7, horizon=20, delay=0).delays == (0,)
     assert delay_of(4, 3, 100) == (4, 4, 4)
+
+
+@pytest.mark.parametrize("late", [80, 120])
+def test_an_input_that_is_held_for_as_long_is_not_heard_too_early(late: int) -> None:
+    """What comes beyond the lags that are looked at first leaks into the last of them."""
+    random = np.random.default_rng(2)
+    drive = np.repeat(random.standard_normal(120), 52)[:6000]
+    heard = lfilter([0.1], [1, -0.9], np.concatenate([np.zeros(late), drive])[:6000])
+    heard += 0.1 * np.std(heard) * lfilter([1], [1, -0.5], random.standard_normal(6000))
+    found = delays([(drive / np.std(drive))[:, None]], [(heard / np.std(heard))[:, None]])
+    assert found is not None
+    assert found.samples.tolist() == [[late]]
