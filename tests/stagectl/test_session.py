@@ -155,7 +155,7 @@ def test_a_milling_run_compares_with_the_uncompensated_one(tmp_path: Path) -> No
 
 def test_a_milling_run_is_prefiltered_by_what_the_uncompensated_one_has_shown(tmp_path: Path) -> None:
     cut = scenario_settings("milling-z", rig_file.load(None, StageConfig, ["session.seconds=5"]).session)
-    settings = (*cut, "session.seconds=4.2", "simulator.surroundings_options.seconds=5.0")
+    settings = (*cut, "session.seconds=4.2", "simulator.surroundings_options.seconds=5.0", "deflection.learn=true")
     learned, plain = tmp_path / "learned", tmp_path / "plain"
     for folder in (learned, plain):
         folder.mkdir()
@@ -177,7 +177,7 @@ def test_a_milling_run_is_prefiltered_by_what_the_uncompensated_one_has_shown(tm
 
 def test_a_run_too_short_to_learn_from_says_so_and_goes_on(tmp_path: Path) -> None:
     cut = scenario_settings("milling-z", rig_file.load(None, StageConfig, ["session.seconds=5"]).session)
-    path = finished(tmp_path, *cut, "session.seconds=0.5")
+    path = finished(tmp_path, *cut, "session.seconds=0.5", "deflection.learn=true")
     notes = [event["text"] for event in read_events(path) if event["event"] == "note"]
     assert notes == ["no prefilter: the disturbance has 0.72 s, must have 4 s or more"]
     assert "prefilter" not in json.loads((path / "summary.json").read_text())
