@@ -139,7 +139,7 @@ def _unclipped(config: RigConfig, raw: RawFolder, emit: Emit) -> _Played:
         if len(asked) < 2:
             raise
         weaker = -20 * np.log10(QUIETER) * (len(asked) - 1)
-        raise type(fault)(
+        raise Clipped(
             f"{fault}; {weaker:.0f} dB weaker is too loud still: is audio.input_full_scale "
             f"{config.audio.input_full_scale} m/s^2 and the card's gain what the sensors have? Else lower "
             f"characterisation.operating, {config.characterisation.operating:g}, and probe"

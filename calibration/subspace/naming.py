@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable, Sequence
 
-_CHANNEL = re.compile(r"\b(input|output)(s?) (\d+)(?: and (\d+))?\b")
+_CHANNEL = re.compile(r"\b(input|output)s? (\d+)(?: and (\d+))?\b")
 
 
 def by_name(sentences: Iterable[str], inputs: Sequence[str], outputs: Sequence[str]) -> tuple[str, ...]:
@@ -23,7 +23,7 @@ def by_name(sentences: Iterable[str], inputs: Sequence[str], outputs: Sequence[s
 
     def named(found: re.Match[str]) -> str:
         names = inputs if found[1] == "input" else outputs
-        numbers = [int(each) for each in found.groups()[2:] if each is not None]
+        numbers = [int(each) for each in found.groups()[1:] if each is not None]
         if not all(1 <= number <= len(names) for number in numbers):
             return found[0]
         return " and ".join(names[number - 1] for number in numbers)
