@@ -1,6 +1,7 @@
 """An innovation-form model as an HDF5 file that says where it came from."""
 
 from collections.abc import Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -9,16 +10,44 @@ import numpy as np
 from calibration.state_space.model import InnovationModel
 from calibration.state_space.model_checks import MATRICES
 from rigkit.model_file import ModelFile, ModelFileError, read_model_file, write_model_file
+from stagectl.stage.measured_response import MeasuredResponse
 
 FORMAT = "vibrostage innovation model 1"
+_MEASURED = "measured."
+_UNITS = {"frequency": "Hz", "position": "m/m", "seen": "m/m"}
 _WORDS = ("input_names", "output_names", "input_units", "output_units")
 
 
-def write_model(path: Path, model: InnovationModel) -> None:
-    """Write `model` to `path`, whole or not at all."""
+def write_model(path: Path, model: InnovationModel, measured: MeasuredResponse | None = None) -> None:
+    """Write `model` to `path`, with what was heard of the same plant: whole or not at all."""
     arrays = {name: getattr(model, name) for name in MATRICES} | {"rate": np.array(model.rate)}
+    units = {"rate": "samples/s"}
+    if measured is not None:
+        arrays |= {_MEASURED + each.name: getattr(measured, each.name) for each in fields(measured)}
+        units |= {_MEASURED + name: unit for name, unit in _UNITS.items()}
     words = {name: getattr(model, name) for name in _WORDS}
-    write_model_file(path, ModelFile(FORMAT, arrays, {"rate": "samples/s"}, words, model.provenance))
+    write_model_file(path, ModelFile(FORMAT, arrays, units, words, model.provenance))
+
+
+def read_measured(path: Path) -> MeasuredResponse | None:
+    """Read what was heard of a model's plant; None where its file does not say.
+
+    Parameters
+    ----------
+    path : Path
+
+    Raises
+    ------
+    ModelFileError : no model file, damaged, or no such response.
+    """
+    names = [_MEASURED + each.name for each in fields(MeasuredResponse)]
+    arrays = read_model_file(path, FORMAT, [], optional=names).arrays
+    if not arrays:
+        return None
+    try:
+        return MeasuredResponse(*(arrays[name] for name in names))
+    except (KeyError, ValueError) as fault:
+        raise ModelFileError(f"{path}: {fault}") from None
 
 
 def read_model(

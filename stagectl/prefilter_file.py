@@ -38,10 +38,10 @@ def learned(record: Recording, made: "Setup") -> tuple[Prefilter | None, ...]:
     """
     config, begin = made.config, made.timeline.begin
     found: list[Prefilter | None] = []
-    for axis, design in zip(config.stage.axes, made.designs, strict=True):
+    for axis, design, measured in zip(config.stage.axes, made.designs, made.measured, strict=True):
         laser, position = record.select([f"absolute_{axis}", f"position_{axis}"]).data[begin:].T.astype(float)
         seen = disturbance(laser - position, record.rate)
-        found.append(prefilter(design, config.outer, seen, lateness(config.deflection, record.rate)))
+        found.append(prefilter(design, config.outer, seen, lateness(config.deflection, record.rate), measured))
     return tuple(found)
 
 

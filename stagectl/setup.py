@@ -8,13 +8,14 @@ from calibration.state_space.model import InnovationModel
 from ctlblocks import Block
 from stagectl.config import StageConfig
 from stagectl.deflection import lateness
-from stagectl.model_file import read_model
+from stagectl.model_file import read_measured, read_model
 from stagectl.prefilter_file import read_prefilters
 from stagectl.stage.controller import StageController
 from stagectl.stage.design import Design, design
 from stagectl.stage.hysteresis_compensation import HysteresisCompensation
 from stagectl.stage.hysteresis_file import read_hysteresis
 from stagectl.stage.loop import stage_controller
+from stagectl.stage.measured_response import MeasuredResponse
 from stagectl.stage.prefilter import Prefilter, refuse_unfit
 from stagectl.stage.weights import chosen_weights
 from stagectl.timeline import Timeline, timeline
@@ -42,6 +43,7 @@ class Setup:
     models: tuple[InnovationModel, ...]
     designs: tuple[Design, ...]
     prefilters: tuple[Prefilter | None, ...] = ()
+    measured: tuple[MeasuredResponse | None, ...] = ()
     held: int = 0
     said: tuple[str, ...] = ()
 
@@ -93,7 +95,7 @@ def setup(config: StageConfig, files: Sequence[Path]) -> Setup:
     designs = (
         design(model, config.outer, axis, chosen_weights(config.weights, axis)) for axis, model in enumerate(models)
     )
-    made = Setup(config, models, tuple(designs))
+    made = Setup(config, models, tuple(designs), measured=tuple(read_measured(file) for file in files))
     file = config.deflection.prefilter
     return with_prefilters(made, Path(file)) if file else made
 
@@ -107,7 +109,8 @@ def with_prefilters(made: Setup, file: Path) -> Setup:
 def refuse_unfit_prefilters(made: Setup) -> None:
     """Refuse, by ValueError, prefilters with which a loop would not keep its bounds."""
     config = made.config
-    for axis, made_for, each in zip(config.stage.axes, made.designs, made.prefilters, strict=bool(made.prefilters)):
+    for at, each in enumerate(made.prefilters):
         if each is not None:
+            name = f"{config.deflection.prefilter}: the prefilter of {config.stage.axes[at]}"
             late = lateness(config.deflection, config.stage.rate)
-            refuse_unfit(each, made_for, config.outer, late, f"{config.deflection.prefilter}: the prefilter of {axis}")
+            refuse_unfit(each, made.designs[at], config.outer, late, name, made.measured[at])

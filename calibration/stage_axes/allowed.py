@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from calibration.stage_axes.above import HeardGain
+from calibration.stage_axes.above import HeardResponse
 from calibration.state_space.model import InnovationModel
 from stagectl.config import Outer
 from stagectl.stage.allowed_gains import BINS, AllowedGains, frequencies_above, of_axis
@@ -14,7 +14,7 @@ ANSWER = 1.0
 
 
 def quiet_above(
-    outer: Outer, axis: int, model: InnovationModel, above: HeardGain, seen: HeardGain | None
+    outer: Outer, axis: int, model: InnovationModel, above: HeardResponse, seen: HeardResponse | None
 ) -> AllowedGains:
     """Return the gains above `Outer.reach` that what was measured there allows, and the settings.
 
@@ -29,9 +29,9 @@ def quiet_above(
     axis : int, counted from 0
     model : InnovationModel
         From the inner loop's reference (m) to the position (m).
-    above : HeardGain, m/m
+    above : HeardResponse, m/m
         To the position.
-    seen : HeardGain or None, m/m
+    seen : HeardResponse or None, m/m
         To what a deflection's compensation takes for the robot's motion; None without a laser.
 
     Source

@@ -7,19 +7,20 @@ import numpy as np
 
 from calibration.experiment import RawFolder
 from calibration.identification.workflow import Identification
-from calibration.stage_axes.above import HeardGain, heard_gain
+from calibration.stage_axes.above import HeardResponse
 from calibration.stage_axes.allowed import SMALL, quiet_above
 from calibration.stage_axes.bench import ExcitedAxis
-from calibration.stage_axes.experiment import Excited, Experiment, above_band, record
+from calibration.stage_axes.experiment import Experiment, record
 from calibration.stage_axes.faster import at_rate, control_at_rate, stack_at_rate
+from calibration.stage_axes.hearing import heard_above, heard_by_laser, heard_everywhere
 from calibration.stage_axes.identification import Wanted, identified, simo, siso, stretched
 from calibration.state_space.model import InnovationModel
 from calibration.subspace.realization import Method
 from stagectl.config import Inner, Outer, StageConfig
-from stagectl.deflection import DeflectionReference
 from stagectl.stage.allowed_gains import AllowedGains, of_axis
 from stagectl.stage.design import Design, NoLoop
 from stagectl.stage.design_refinement import designed
+from stagectl.stage.measured_response import MeasuredResponse
 from stagectl.stage.piezo_pid import Pid, gain_at_rest, pid, robust_pid
 from stagectl.stage.sensitivity import Robustness, robustness
 from stagectl.stage.state_space import plant_of
@@ -64,17 +65,20 @@ class Closed:
     experiment : Experiment
     one, every : Identification
         From the inner loop's reference to the axis' position, and to those of all axes.
-    above : HeardGain, m/m
+    above : HeardResponse, m/m
         To the axis' position above the frequencies that the models are made of.
-    seen : HeardGain or None, m/m
+    seen : HeardResponse or None, m/m
         To what a deflection's compensation takes for the robot's motion; None without a laser.
+    measured : MeasuredResponse
+        Both, and within the models' frequencies as well.
     """
 
     experiment: Experiment
     one: Identification
     every: Identification
-    above: HeardGain
-    seen: HeardGain | None = None
+    above: HeardResponse
+    seen: HeardResponse | None
+    measured: MeasuredResponse
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,14 +140,20 @@ def calibrate_axes(
         opened = _opened(bench(axis, None), raw, order, method, about)
         closed = _closed(bench(axis, opened.loop), raw, order, method, about)
         allowed = quiet_above(config.outer, axis, closed.one.model, closed.above, closed.seen)
-        outer = outer_loop(config.outer, axis, closed.one.model, allowed)
+        outer = outer_loop(config.outer, axis, closed.one.model, allowed, closed.measured)
         name, top = config.stage.axes[axis], config.characterisation.band[1]
         everywhere = float(allowed.feedback.min(initial=of_axis(config.outer.beyond, axis)))
         found.append(AxisCalibration(name, top, opened, closed, outer, float(f"{everywhere:.3g}")))
     return found
 
 
-def outer_loop(outer: Outer, axis: int, model: InnovationModel, allowed: AllowedGains | None = None) -> Design | str:
+def outer_loop(
+    outer: Outer,
+    axis: int,
+    model: InnovationModel,
+    allowed: AllowedGains | None = None,
+    measured: MeasuredResponse | None = None,
+) -> Design | str:
     """Choose the outer loop for a model, within the bounds of `[outer]`; return it, or why there is none.
 
     Parameters
@@ -154,9 +164,11 @@ def outer_loop(outer: Outer, axis: int, model: InnovationModel, allowed: Allowed
         From the inner loop's reference (m) to the position (m).
     allowed : AllowedGains, optional
         Above `outer.reach`, in place of those of `outer`.
+    measured : MeasuredResponse, optional
+        What the loop is held against as well.
     """
     try:
-        return designed(model, outer, axis, allowed)
+        return designed(model, outer, axis, allowed, measured)
     except NoLoop as fault:
         return str(fault)
 
@@ -171,9 +183,7 @@ def _opened(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Metho
         identified(experiment, wanted, config.stage.rate, settings.band[1], about)
         for wanted in (_stack(name, axis, method), *_positions(config, axis, drive, order, method))
     )
-    heard = experiment.above
-    extension, band = heard.extension[:, axis], above_band(config)
-    above = heard_gain(heard.drive[:, 0], extension, config.stage.rate, band)
+    above = heard_above(config, experiment, experiment.above.extension[:, axis])
     strongest = float(np.max(above.gain / above.frequency))  # as behind an integrator
     return Opened(experiment, stack, one, every, *inner_loop(config, axis, stack.model, strongest))
 
@@ -216,23 +226,9 @@ def _closed(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Metho
         identified(experiment, wanted, config.stage.rate, config.characterisation.band[1], about)
         for wanted in (replace(own, convert=control_at_rate), others)
     )
-    heard = experiment.above
-    above = heard_gain(heard.drive[:, 0], heard.position[:, axis], config.stage.rate, above_band(config))
-    return Closed(experiment, one, every, above, _seen(config, axis, heard))
-
-
-def _seen(config: StageConfig, axis: int, heard: Excited) -> HeardGain | None:
-    """Return the gain to the motion that a laser and the plate's own sensor see differently."""
-    if not heard.absolute.any():
-        return None
-    compensation, reference = (
-        DeflectionReference(config.deflection, heard.position.shape[1]),
-        np.empty_like(heard.position),
-    )
-    compensation.prepare(config.stage.rate, len(reference))
-    absolute, position = (np.ascontiguousarray(each) for each in (heard.absolute, heard.position))
-    compensation.process(np.zeros_like(position), absolute, position, reference)
-    return heard_gain(heard.drive[:, 0], reference[:, axis], config.stage.rate, above_band(config))
+    above = heard_above(config, experiment, experiment.above.position[:, axis])
+    seen = heard_by_laser(config, axis, experiment)
+    return Closed(experiment, one, every, above, seen, heard_everywhere(config, axis, experiment))
 
 
 def _positions(

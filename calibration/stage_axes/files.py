@@ -63,7 +63,7 @@ def write(
         path = model_file(out, each.axis, is_of_all)
         write_model(path.with_stem(f"{path.stem}-open"), each.opened.one.model)
         write_model(path.with_stem(f"{path.stem}-simo"), each.closed.every.model)
-        write_model(path, each.closed.one.model)
+        write_model(path, each.closed.one.model, each.closed.measured)
         report = axis_report(each, rig.rig.name)
         report.write(path.with_suffix(".html"))
         if png is not None:

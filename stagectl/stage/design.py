@@ -10,6 +10,7 @@ from calibration.state_space.model import InnovationModel
 from stagectl.config import Outer
 from stagectl.stage.allowed_gains import AllowedGains, configured, of_axis
 from stagectl.stage.design_bounds import Looks, Reached, largest_answer, mistuned
+from stagectl.stage.measured_response import MeasuredResponse
 from stagectl.stage.sensitivity import Robustness, robustness
 from stagectl.stage.state_feedback import StateFeedback
 from stagectl.stage.state_space import plant_of
@@ -117,7 +118,8 @@ def chosen(search: "Search", weights: Weights | None = None) -> Design:
     Of bandwidths and drives up to those asked for, of filters and gains of more and less trust in the model, and with
     `notches` where there is none without, it takes the combination that leaves the least error (`Design.left`) while
     these keep their bounds: the gain above `Outer.reach`; Ms, with the extra delay; Ms with natural frequencies off by
-    `Outer.mistuning` either way, and the largest answer to a reference, off or not.
+    `Outer.mistuning` either way, and the largest answer to a reference, off or not; and, where the plant was heard, Ms
+    and the gain of a deflection's compensation as measured.
 
     Parameters
     ----------
@@ -151,13 +153,22 @@ class Search:
     outer : Outer
     axis : int, counted from 0
     allowed : AllowedGains
+    measured : MeasuredResponse, optional
+        What loops are held against as well.
     """
 
-    def __init__(self, model: InnovationModel, outer: Outer, axis: int, allowed: AllowedGains) -> None:
+    def __init__(
+        self,
+        model: InnovationModel,
+        outer: Outer,
+        axis: int,
+        allowed: AllowedGains,
+        measured: MeasuredResponse | None = None,
+    ) -> None:
         offs = sorted({0.0, -outer.mistuning, outer.mistuning}, key=abs)
         self.model, self.outer, self.axis = model, outer, axis
         self._plants = [mistuned(plant_of(model), 1.0 + off) for off in offs]
-        self._looks = Looks(self._plants, model.rate, outer, allowed)
+        self._looks = Looks(self._plants, model.rate, outer, allowed, measured)
         self.useless = self._looks.useless
 
     def candidates(self, ranges: Ranges) -> Iterator[Candidate]:
@@ -173,8 +184,7 @@ class Search:
         figures = self._figures(each)
         worst = max(figure.max_sensitivity for figure in figures)
         answer = max(largest_answer(plant, each.loop) for plant in self._plants)
-        sensitivity = figures[0].max_sensitivity
-        return replace(each.beyond, sensitivity=sensitivity, mistuned_sensitivity=worst, answer=answer)
+        return replace(quick, sensitivity=figures[0].max_sensitivity, mistuned_sensitivity=worst, answer=answer)
 
     def design(self, each: Candidate) -> Design:
         """Return the design that a candidate makes."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from stagectl.config import Outer
 from stagectl.stage.allowed_gains import AllowedGains, frequencies_above
+from stagectl.stage.measured_response import SMALL, MeasuredResponse
 from stagectl.stage.sensitivity import frequencies, is_stable
 from stagectl.stage.state_feedback import StateFeedback
 from stagectl.stage.state_space import StateSpace
@@ -34,6 +35,8 @@ class Reached:
         Ms with the extra delay; and with natural frequencies off as well.
     answer : float, 1
         Largest answer to a reference, frequencies off or not.
+    heard_sensitivity, compensation : float, 1
+        Ms, and the largest gain of the loop that a deflection's compensation is, on the plant as it was heard.
     """
 
     beyond: float
@@ -43,6 +46,8 @@ class Reached:
     sensitivity: float = 0.0
     mistuned_sensitivity: float = 0.0
     answer: float = 0.0
+    heard_sensitivity: float = 0.0
+    compensation: float = 0.0
 
     def over(self, outer: Outer) -> float:
         """Return the largest of these re its bound."""
@@ -66,6 +71,10 @@ class Reached:
             ),
             "Ms or the answer to a reference where natural frequencies are off: lower outer.mistuning, or raise "
             "outer.mistuned_sensitivity": max(self.mistuned_sensitivity, self.answer) / outer.mistuned_sensitivity,
+            "Ms on the plant as the chirps heard it, not as its model says: lower outer.disturbance, or calibrate with "
+            "another --order": self.heard_sensitivity / outer.mistuned_sensitivity,
+            "the loop that a deflection's compensation is, where laser and plate's sensor do not see the plate alike: "
+            "is deflection.delay right? else lower outer.feedforward or outer.disturbance": self.compensation / SMALL,
         }
 
     def __str__(self) -> str:
@@ -93,10 +102,20 @@ class Looks:
     outer : Outer
     allowed : AllowedGains
         Above `Outer.reach`.
+    measured : MeasuredResponse, optional
+        Of the same plant.
     """
 
-    def __init__(self, plants: list[StateSpace], rate: float, outer: Outer, allowed: AllowedGains) -> None:
+    def __init__(
+        self,
+        plants: list[StateSpace],
+        rate: float,
+        outer: Outer,
+        allowed: AllowedGains,
+        measured: MeasuredResponse | None = None,
+    ) -> None:
         self._plants, self._rate, self._outer, self._allowed = plants, rate, outer, allowed
+        self._measured = measured
         self._frequency = frequencies(plants, rate)[::2]
         self._responses = np.array([plant.response(self._frequency, rate) for plant in plants])
         self._late = np.exp(-2j * np.pi * self._frequency * outer.delay / rate)
@@ -132,6 +151,12 @@ class Looks:
 
     def reached(self, loop: StateFeedback, beyond: Reached) -> Reached:
         """Return what a loop reaches on all plants, above `Outer.reach` as found already."""
+        if self._measured is not None:
+            heard = self._measured.answers(loop)
+            sensitivity, compensation = (float(each.max()) for each in (heard.sensitivity, heard.compensation))
+            beyond = replace(beyond, heard_sensitivity=sensitivity, compensation=compensation)
+            if beyond.over(self._outer) > 1.0:
+                return beyond
         controller = loop.system()
         gain = controller.response(self._frequency, self._rate) * self._responses
         distance = np.minimum(np.abs(1.0 + gain), np.abs(1.0 + gain * self._late)).min(axis=1)

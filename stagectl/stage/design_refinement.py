@@ -9,6 +9,7 @@ from calibration.state_space.model import InnovationModel
 from stagectl.config import Outer
 from stagectl.stage.allowed_gains import AllowedGains, configured, of_axis
 from stagectl.stage.design import Candidate, Design, NoLoop, Search, chosen, only
+from stagectl.stage.measured_response import MeasuredResponse
 from stagectl.stage.weights import Weights
 
 LOOKS = 300
@@ -26,7 +27,13 @@ NONE = 1e3
 """And one where there is no loop."""
 
 
-def designed(model: InnovationModel, outer: Outer, axis: int, allowed: AllowedGains | None = None) -> Design:
+def designed(
+    model: InnovationModel,
+    outer: Outer,
+    axis: int,
+    allowed: AllowedGains | None = None,
+    measured: MeasuredResponse | None = None,
+) -> Design:
     """Design the outer loop of an axis with weights between those of `design`, too, also where it finds none.
 
     Parameters
@@ -36,12 +43,15 @@ def designed(model: InnovationModel, outer: Outer, axis: int, allowed: AllowedGa
     axis : int, counted from 0
     allowed : AllowedGains, optional
         Above `Outer.reach`, in place of those of `outer`.
+    measured : MeasuredResponse, optional
+        What the loop is held against as well.
 
     Raises
     ------
     NoLoop : no loop keeps the bounds.
     """
-    search = Search(model, outer, axis, configured(outer, axis, model.rate) if allowed is None else allowed)
+    allowed = configured(outer, axis, model.rate) if allowed is None else allowed
+    search = Search(model, outer, axis, allowed, measured)
     try:
         found = chosen(search)
     except NoLoop as fault:

@@ -9,13 +9,12 @@ from stagectl.stage.bounded_fit import bounded_fit
 from stagectl.stage.design import Design
 from stagectl.stage.design_bounds import mistuned
 from stagectl.stage.disturbance import Disturbance
+from stagectl.stage.measured_response import SMALL, MeasuredResponse, near
 from stagectl.stage.state_feedback import StateFeedback, ramp_feedforward
 from stagectl.stage.state_space import plant_of
 
 LENGTH, SPACING = 100, 1e-3
 """Coefficients, and s from one to the next."""
-SMALL = 0.5
-"""Gain of the loop that a deflection's compensation is where its sensors do not see the plate at the same time."""
 LARGEST = 4.0
 """Gain at any frequency, so that a sensor's noise stays noise."""
 HIGHEST = 240.0
@@ -24,6 +23,8 @@ LOWEST, LINES, NEAR = 0.3, 700, np.linspace(0.92, 1.08, 49)
 """Hz, lines from there to half the rate, and those around each resonance, re its frequency."""
 OFFS = np.linspace(-1.0, 1.0, 9)
 """Of `Outer.mistuning`: how far off natural frequencies are where the answer is bounded."""
+SPREAD, WIDTH = 0.02, 1.0
+"""Of each frequency, and Hz below: what was heard so far away counts there."""
 ROUNDED = 1.02
 """Re its bound: what a filter from a file may reach."""
 
@@ -64,14 +65,16 @@ class Prefilter:
         return answer
 
 
-def prefilter(design: Design, outer: Outer, seen: Disturbance, late: float) -> Prefilter | None:
+def prefilter(
+    design: Design, outer: Outer, seen: Disturbance, late: float, measured: MeasuredResponse | None = None
+) -> Prefilter | None:
     """Make the filter that leaves least of a deflection, within the bounds of a design.
 
     What compensates a deflection is a loop as well, as far as laser and plate's sensor do not see the plate alike: its
-    gain stays below `SMALL` were their timing off by all of `late`.  The loop's answer to a reference stays within
-    `Outer.max_sensitivity`, and where natural frequencies are off by up to `Outer.mistuning` within
-    `Outer.mistuned_sensitivity`; above `Outer.reach` the gain from the reference stays within what was allowed to the
-    design.  l_r is the design's, or the one that leaves no error on a ramp.
+    gain stays below `SMALL`, as measured, or were their timing off by all of `late`.  The loop's answer to a reference
+    stays within `Outer.max_sensitivity`, and where natural frequencies are off by up to `Outer.mistuning`, and as
+    measured, within `Outer.mistuned_sensitivity`; above `Outer.reach` the gain from the reference stays within what was
+    allowed to the design.  l_r is the design's, or the one that leaves no error on a ramp.
 
     Parameters
     ----------
@@ -80,13 +83,15 @@ def prefilter(design: Design, outer: Outer, seen: Disturbance, late: float) -> P
     seen : Disturbance
     late : float, s
         By which the reference comes late: what is seen of a deflection is that old.
+    measured : MeasuredResponse, optional
+        Of the same plant.
 
     Returns
     -------
     Prefilter or None
         None where nothing is better than the loop alone.
     """
-    plain = _Answers(design, outer, design.loop.forward, late)
+    plain = _Answers(design, outer, design.loop.forward, late, measured)
     power = seen.power(plain.frequency, outer.disturbance) * (plain.frequency <= HIGHEST)
     if not power.sum() > 0:
         return None
@@ -94,7 +99,7 @@ def prefilter(design: Design, outer: Outer, seen: Disturbance, late: float) -> P
     made = [_fitted(plain, power, without)]
     ramp = outer.feedforward * ramp_feedforward(design.loop)
     if np.isfinite(ramp):
-        made.append(_fitted(_Answers(design, outer, ramp, late), power, without))
+        made.append(_fitted(_Answers(design, outer, ramp, late, measured), power, without))
     best = min((each for each in made if each is not None), key=lambda each: each.left, default=None)
     return None if best is None or best.left >= without else best
 
@@ -119,7 +124,14 @@ def missed(loop: StateFeedback, filters: Prefilter | None, late: float, frequenc
     return left
 
 
-def refuse_unfit(filters: Prefilter, design: Design, outer: Outer, late: float, name: str) -> None:
+def refuse_unfit(
+    filters: Prefilter,
+    design: Design,
+    outer: Outer,
+    late: float,
+    name: str,
+    measured: MeasuredResponse | None = None,
+) -> None:
     """Refuse, by ValueError, a filter with which the loop would answer a reference more strongly than its bounds allow.
 
     Parameters
@@ -131,8 +143,10 @@ def refuse_unfit(filters: Prefilter, design: Design, outer: Outer, late: float, 
         As of `prefilter`.
     name : str
         Of its file and axis.
+    measured : MeasuredResponse, optional
+        As of `prefilter`.
     """
-    answers = _Answers(design, outer, filters.forward, late)
+    answers = _Answers(design, outer, filters.forward, late, measured)
     over = float(np.max(answers.share * np.abs(filters.response(answers.frequency, design.loop.model.rate))))
     if not over <= ROUNDED:
         raise ValueError(
@@ -144,7 +158,9 @@ def refuse_unfit(filters: Prefilter, design: Design, outer: Outer, late: float, 
 class _Answers:
     """A loop's answer to the reference over frequency, and the gains that a filter before it may have."""
 
-    def __init__(self, design: Design, outer: Outer, forward: float, late: float) -> None:
+    def __init__(
+        self, design: Design, outer: Outer, forward: float, late: float, measured: MeasuredResponse | None
+    ) -> None:
         loop, rate = design.loop, design.loop.model.rate
         plant, modes = plant_of(loop.model), loop.model.modes
         rings = modes.frequency[(modes.damping < 1.0) & (modes.frequency < rate / 4)]
@@ -152,7 +168,8 @@ class _Answers:
         self.frequency = np.unique(np.concatenate([lines, np.outer(rings, NEAR).ravel()]))
         self.rate, self.forward, self.spacing = rate, forward, max(1, round(SPACING * rate))
         feedback = loop.system().response(self.frequency, rate)
-        reference = self._reference(replace(loop, forward=forward))
+        led = replace(loop, forward=forward)
+        reference = self._reference(led)
         answers = []
         for off in OFFS:
             there = mistuned(plant, 1.0 + off * outer.mistuning).response(self.frequency, rate)
@@ -160,12 +177,22 @@ class _Answers:
         tuned = answers[len(OFFS) // 2]
         self.answer = tuned * np.exp(-2j * np.pi * self.frequency * late)
         turned = np.minimum(2 * np.pi * self.frequency * late, 2.0)  # were the deflection's timing off by as much again
-        gains = [np.abs(tuned) * turned / SMALL]
+        heard, answer, compensation = self._heard(led, measured)
+        gains = [np.where(heard, compensation, np.abs(tuned) * turned) / SMALL, answer / outer.mistuned_sensitivity]
         gains += [np.abs(tuned) / outer.max_sensitivity, np.max(np.abs(answers), axis=0) / outer.mistuned_sensitivity]
         allowed = np.abs(self._reference(loop)) / max(design.forward_share, np.finfo(float).tiny)
         gains.append(np.where(self.frequency >= outer.reach, np.abs(reference) / np.maximum(allowed, 1e-12), 0.0))
         self.share = np.max(gains, axis=0)
         """Of what is allowed, without a filter, shape (bins,), 1."""
+
+    def _heard(self, led: StateFeedback, measured: MeasuredResponse | None) -> tuple[np.ndarray, ...]:
+        """Return where the plant was heard, and its answer and the compensation's gain near there: (bins,) each."""
+        if measured is None:
+            return np.zeros(len(self.frequency), bool), *np.zeros((2, len(self.frequency)))
+        found = measured.answers(led)
+        bins = list(zip(*near(measured.frequency, self.frequency, SPREAD, WIDTH), strict=True))
+        sides = measured.position != 0, found.answer, found.compensation
+        return tuple(np.array([each[low:high].max(initial=0) for low, high in bins]) for each in sides)
 
     def _reference(self, loop: StateFeedback) -> np.ndarray:
         return loop.reference_system().response(self.frequency, self.rate)

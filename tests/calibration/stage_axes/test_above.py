@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import bilinear, chirp, lfilter
 
-from calibration.stage_axes.above import HeardGain, heard_gain
+from calibration.stage_axes.above import HeardResponse, heard_response
 
 RATE = 10_000.0
 BAND = 200.0, 800.0
@@ -23,7 +23,7 @@ def test_a_resonance_that_a_chirp_goes_through_is_seen_at_its_height(natural: fl
     top, bottom = bilinear([0.01 * omega**2], [1.0, 2 * damping * omega, omega**2], RATE)
     drive = swept()
     noise = 1e-4 * np.random.default_rng(1).standard_normal(len(drive))
-    found = heard_gain(drive, lfilter(top, bottom, drive) + noise, RATE, BAND).gain.max()
+    found = heard_response([drive], [lfilter(top, bottom, drive) + noise], RATE, BAND).gain.max()
     assert found == pytest.approx(0.01 / (2 * damping), rel=0.15)
 
 
@@ -31,20 +31,21 @@ def test_what_rings_below_does_not_count() -> None:
     omega = 2 * np.pi * 100.0
     top, bottom = bilinear([omega**2], [1.0, 0.02 * omega, omega**2], RATE)
     drive = swept()
-    assert heard_gain(drive, lfilter(top, bottom, drive), RATE, BAND).gain.max() == pytest.approx(1 / 3, rel=0.02)
+    found = heard_response([drive], [lfilter(top, bottom, drive)], RATE, BAND)
+    assert found.gain.max() == pytest.approx(1 / 3, rel=0.02)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_noise_alone_is_nothing_and_an_answer_in_noise_is_one(seed: int) -> None:
     drive = swept()
     noise = np.random.default_rng(seed).standard_normal(len(drive))
-    assert heard_gain(drive, noise, RATE, BAND).gain.max() == 0.0
-    assert heard_gain(drive, 0.2 * drive + 0.1 * noise, RATE, BAND).gain.max() == pytest.approx(0.25, abs=0.05)
+    assert heard_response([drive], [noise], RATE, BAND).gain.max() == 0.0
+    assert heard_response([drive], [0.2 * drive + 0.1 * noise], RATE, BAND).gain.max() == pytest.approx(0.25, abs=0.05)
 
 
 def test_a_resonance_counts_as_far_away_as_it_may_be_another_day() -> None:
     frequency = np.arange(200.0, 800.0)
-    heard = HeardGain(frequency, np.where(frequency == 400.0, 3.0, 0.1))
+    heard = HeardResponse(frequency, np.where(frequency == 400.0, 3.0, 0.1))
     near = heard.near(np.array([370.0, 385.0, 400.0, 418.0, 430.0]), 0.05)
     assert near.tolist() == [0.1, 3.0, 3.0, 3.0, 0.1]
 
@@ -52,6 +53,6 @@ def test_a_resonance_counts_as_far_away_as_it_may_be_another_day() -> None:
 def test_where_the_chirp_did_not_go_or_heard_noise_the_largest_of_all_counts() -> None:
     """770 Hz: a resonance there may be at 808 another day, and nobody listened."""
     frequency = np.arange(200.0, 800.0)
-    heard = HeardGain(frequency, np.where(np.abs(frequency - 500.0) < 50, 0.0, np.linspace(1.0, 0.2, 600)))
+    heard = HeardResponse(frequency, np.where(np.abs(frequency - 500.0) < 50, 0.0, np.linspace(1.0, 0.2, 600)))
     assert heard.near(np.array([150.0, 770.0, 1200.0, 5000.0, 500.0]), 0.05).tolist() == [1.0] * 5
     assert (heard.near(np.array([250.0, 700.0]), 0.05) < 1.0).all()

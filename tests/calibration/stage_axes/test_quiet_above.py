@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calibration.stage_axes.above import HeardGain
+from calibration.stage_axes.above import HeardResponse
 from calibration.stage_axes.allowed import ANSWER, SMALL, quiet_above
 from calibration.stage_axes.bench import left_alone
 from calibration.stage_axes.calibration import inner_loop
@@ -22,12 +22,12 @@ AT_REST = abs(model("z").frequency_response(np.zeros(1))[0, 0, 0])
 BAND = np.arange(200.0, 800.0)
 
 
-def heard(gain: float, at: float | None = None) -> HeardGain:
+def heard(gain: float, at: float | None = None) -> HeardResponse:
     """Return a gain re that at rest: of all frequencies, or of one alone."""
-    return HeardGain(BAND, AT_REST * gain * (np.ones_like(BAND) if at is None else np.where(at == BAND, 1.0, 1e-6)))
+    return HeardResponse(BAND, AT_REST * gain * (np.ones_like(BAND) if at is None else np.where(at == BAND, 1.0, 1e-6)))
 
 
-def allowed(above: HeardGain, seen: HeardGain | None) -> AllowedGains:
+def allowed(above: HeardResponse, seen: HeardResponse | None) -> AllowedGains:
     return quiet_above(Outer(), 2, model("z"), above, seen)
 
 
