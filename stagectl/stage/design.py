@@ -228,7 +228,7 @@ def _no_loop(search: Search, tried: int, known: list[tuple[Candidate, Reached]])
             else f"none of {tried} outer loops leaves less error than none"
         )
         return NoLoop(f"axis {axis + 1}: {why}: has it a gain at rest, and at each resonance?", None)
-    nearest, reached = min(known, key=lambda each: (each[1].sensitivity == 0.0, each[1].over(outer)))
+    nearest, reached = min(known, key=lambda each: (not each[1].is_looked_at, each[1].over(outer)))
     advice = (
         "the loop of [weights] does not keep its bounds; calibrate again, or leave [weights] out: it has"
         if tried == 1

@@ -49,6 +49,11 @@ class Reached:
     heard_sensitivity: float = 0.0
     compensation: float = 0.0
 
+    @property
+    def is_looked_at(self) -> bool:
+        """Whether it was good enough above `Outer.reach` for the rest to be looked at."""
+        return max(self.sensitivity, self.heard_sensitivity) > 0.0
+
     def over(self, outer: Outer) -> float:
         """Return the largest of these re its bound."""
         return max(self._shares(outer).values())
@@ -83,6 +88,8 @@ class Reached:
             f"gains {self.beyond:.2g} and, from the reference, {self.forward_beyond:.2g} above outer.reach, "
             f"{self.beyond_share:.2g} and {self.forward_share:.2g} of those allowed"
         )
+        if self.heard_sensitivity > 0.0:
+            gains += f", as heard Ms {self.heard_sensitivity:.2f}, compensation {self.compensation:.2f} of {SMALL:g}"
         if self.sensitivity == 0.0:
             return gains
         return (

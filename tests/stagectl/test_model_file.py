@@ -9,7 +9,8 @@ import pytest
 
 from rigkit.model_file import ModelFileError
 from rigkit.sealed_file import seal
-from stagectl.model_file import read_model, write_model
+from stagectl.model_file import read_measured, read_model, write_model
+from stagectl.stage.measured_response import MeasuredResponse
 from tests.calibration.state_space.test_model import resonant
 
 NAMED = replace(
@@ -38,6 +39,32 @@ def test_a_model_of_another_rate_or_other_signals_is_refused(tmp_path: Path) -> 
         read_model(tmp_path / "m.h5", 10_000.0)
     with pytest.raises(ModelFileError, match="outputs are x, y, z, must be z, y, x"):
         read_model(tmp_path / "m.h5", outputs=("z", "y", "x"))
+
+
+def test_what_was_heard_of_the_plant_comes_back_and_need_not_be_there(tmp_path: Path) -> None:
+    heard = MeasuredResponse(np.array([1.0, 2.0]), np.array([1 + 2j, 0j]), np.array([0j, 3 - 1j]))
+    write_model(tmp_path / "m.h5", NAMED, heard)
+    back = read_measured(tmp_path / "m.h5")
+    assert back is not None
+    for name in ("frequency", "position", "seen"):
+        np.testing.assert_array_equal(getattr(back, name), getattr(heard, name))
+    assert read_model(tmp_path / "m.h5").rate == NAMED.rate
+    write_model(tmp_path / "m.h5", NAMED)
+    assert read_measured(tmp_path / "m.h5") is None
+
+
+@pytest.mark.parametrize(("name", "said"), [("measured.seen", "measured.seen"), ("measured.frequency", "must be > 0")])
+def test_a_part_of_what_was_heard_is_refused(tmp_path: Path, name: str, said: str) -> None:
+    heard = MeasuredResponse(np.array([1.0, 2.0]), np.ones(2, complex), np.ones(2, complex))
+    write_model(tmp_path / "m.h5", NAMED, heard)
+    with h5py.File(tmp_path / "m.h5", "a") as file:
+        if name == "measured.seen":
+            del file[name]
+        else:
+            file[name][:] = [2.0, 1.0]
+    seal(tmp_path / "m.h5")
+    with pytest.raises(ModelFileError, match=said):
+        read_measured(tmp_path / "m.h5")
 
 
 def damaged(path: Path, fault: str) -> None:

@@ -43,6 +43,25 @@ def test_noise_alone_is_nothing_and_an_answer_in_noise_is_one(seed: int) -> None
     assert heard_response([drive], [0.2 * drive + 0.1 * noise], RATE, BAND).gain.max() == pytest.approx(0.25, abs=0.05)
 
 
+def test_a_faint_answer_that_no_cell_shows_is_found_in_several_together() -> None:
+    """Two thirds of what is recorded in a cell is noise: by itself it might all be."""
+    drive = swept()
+    noise = np.random.default_rng(5).standard_normal(len(drive))
+    found = heard_response([drive], [0.05 * drive + 0.12 * noise], RATE, BAND)
+    assert np.mean(found.gain > 0) > 0.9
+    assert np.median(found.gain) == pytest.approx(0.05, rel=0.2)
+
+
+def test_records_of_several_chirps_are_taken_together_and_keep_their_phase() -> None:
+    drives = [swept(10.0), -2.0 * swept(8.0)]
+    late = [np.concatenate([np.zeros(5), 0.3 * each[:-5]]) for each in drives]
+    found = heard_response(drives, late, RATE, BAND)
+    np.testing.assert_allclose(found.gain, 0.3, rtol=0.01)
+    np.testing.assert_allclose(
+        found.response, 0.3 * np.exp(-2j * np.pi * (found.frequency + 0.5) * 5 / RATE), atol=0.01
+    )
+
+
 def test_a_resonance_counts_as_far_away_as_it_may_be_another_day() -> None:
     frequency = np.arange(200.0, 800.0)
     heard = HeardResponse(frequency, np.where(frequency == 400.0, 3.0, 0.1))
