@@ -99,14 +99,14 @@ def run(
     Stopped : before there was anything to judge.
     Whatever ends a part: what was recorded until then is kept, `reported` makes a report of it.
     """
-    reasons = perform(folder, experiment.parts(folder.event), experiment.about, conduct)
+    reasons = perform(folder, experiment.parts(folder.event, conduct.stopped), experiment.about, conduct)
     with _judging(reasons, f"; what is recorded is in {folder.path}/"):
         return reasons, _written(folder.path, kind, png)
 
 
 def in_memory(experiment: Experiment, conduct: Conduct) -> tuple[dict[str, str], dict[str, Any]]:
     """Run an experiment without a folder; return why parts ended before their end, by name, and its figures."""
-    reasons, records = run_in_memory(experiment.parts(unheard), conduct)
+    reasons, records = run_in_memory(experiment.parts(unheard, conduct.stopped), conduct)
     with _judging(reasons, ""):
         return reasons, experiment.figures(records)
 

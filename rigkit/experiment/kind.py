@@ -33,13 +33,15 @@ class Experiment(Protocol):
     def room(self) -> int:
         """Bytes that its recordings may take, at most."""
 
-    def parts(self, tell: Tell) -> Iterator[Part]:
+    def parts(self, tell: Tell, stopped: Callable[[], bool]) -> Iterator[Part]:
         """Give its parts one after another, their devices open while each is in use: a generator.
 
         Parameters
         ----------
         tell : callable(event, fields)
             Told of what happens to the devices.
+        stopped : callable() -> bool
+            Asked while they are got ready.
         """
 
     def again(self, records: Records) -> Iterator[Part]:

@@ -14,6 +14,7 @@ from ctlblocks.replay import numbered
 from ctlblocks.room import bytes_of
 from rigkit.experiment.kind import Records
 from rigkit.experiment.part import Part
+from rigkit.experiment.runner import never
 from rigkit.priority import undisturbed
 from stagectl.experiments.midranging import pairs, wired
 from stagectl.experiments.midranging.figures import all_figures
@@ -97,13 +98,18 @@ class Midranging:
         """Return the controller, at its beginning."""
         return controller(self.name, self.config, axes)
 
-    def parts(self, tell: Tell = nobody) -> Iterator[Part]:  # noqa: ARG002 (robot and stage cannot wait for a disk)
+    def parts(
+        self,
+        tell: Tell = nobody,  # noqa: ARG002 (robot and stage cannot wait for a disk)
+        stopped: Callable[[], bool] = never,  # noqa: ARG002 (nothing is brought anywhere first)
+    ) -> Iterator[Part]:
         """Give the parts, one after another, simulated or with their wires open.
 
         Parameters
         ----------
         tell : callable(event, fields)
             Told of what happens to the wires.
+        stopped : callable() -> bool
 
         Raises
         ------

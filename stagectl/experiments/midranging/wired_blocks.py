@@ -5,15 +5,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ctlblocks.block import Block, Port
+from stagectl.link.smoothed_line import SmoothedLine
 from stagectl.link.stage_link import StageLink
 from stagectl.robot.port import RobotPort
 from stagectl.robot.tracker import TrackerLine
-from stagectl.wire.egm import RATE
 from stagectl.wire.messages import AXES
-from stagectl.wire.messages import RATE as STAGE_RATE
-
-PER_TICK = round(STAGE_RATE / RATE)
-"""Samples of the stage in one of the robot's."""
 
 
 @dataclass(eq=False)
@@ -123,10 +119,7 @@ class LiveSend(Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Begin at mid-travel."""
-        self._line, self._last = np.zeros((PER_TICK, len(AXES))), np.zeros(len(AXES))
-        left = np.arange(1.0, PER_TICK + 1) / (STAGE_RATE * self.smoothing)
-        self._part = np.exp(-left)[:, np.newaxis]
-        self._pose, self._step = np.zeros(7), np.zeros(len(AXES))
+        self._line, self._pose = SmoothedLine(self.smoothing), np.zeros(7)
 
     def process(self, fast_reference: np.ndarray, slow_reference: np.ndarray) -> None:
         """Hand over the newest sample."""
@@ -136,9 +129,5 @@ class LiveSend(Block):
         for place, axis in enumerate(pair.axes):
             pair.fast_reference[axis] = fast_reference[-1, place]
             self._pose[axis] += slow_reference[-1, place]
-        np.subtract(self._last, pair.fast_reference, out=self._step)
-        np.multiply(self._part, self._step, out=self._line)
-        self._line += pair.fast_reference
-        self._last[:] = self._line[-1]
-        pair.stage.references.put(self._line)
+        pair.stage.references.put(self._line.to(pair.fast_reference))
         pair.robot.conversation.wanted.put(self._pose, self._pose)

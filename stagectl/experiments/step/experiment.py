@@ -1,6 +1,6 @@
 """A step or a multisine on robot, stage, or one after the other: what is run, simulated, live or as recorded."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -16,6 +16,7 @@ from ctlblocks.taps import Tap
 from rigkit import config as rig_file
 from rigkit.experiment.kind import Kind, Records
 from rigkit.experiment.part import Part, Phase, Track
+from rigkit.experiment.runner import never
 from rigkit.origin import RUN, read_origin
 from rigkit.priority import undisturbed
 from rigkit.run_folder import CONFIG
@@ -83,7 +84,11 @@ class Steps:
         rows = len(self._one) * len(self.wanted.manipulators)
         return bytes_of(rows, len(ASKED) + len(MEASURED), "float64", "wav")
 
-    def parts(self, tell: Tell = nobody) -> Iterator[Part]:  # noqa: ARG002 (robot and stage cannot wait for a disk)
+    def parts(
+        self,
+        tell: Tell = nobody,  # noqa: ARG002 (robot and stage cannot wait for a disk)
+        stopped: Callable[[], bool] = never,  # noqa: ARG002 (nothing is brought anywhere first)
+    ) -> Iterator[Part]:
         """Give its part, simulated or with the wires open; LinkError for a wire that cannot be had."""
         if not self.is_live:
             yield self._part(pairs.simulated(self.config, {}))

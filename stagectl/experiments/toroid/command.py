@@ -1,6 +1,7 @@
 """The command `stagectl cell`: the toroid in steel, by robot alone, with a tracker, with the stage."""
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,6 +17,8 @@ from stagectl.experiments.toroid.plan import ALL, SETUPS, stage_of
 from stagectl.experiments.toroid.read_back import TOROID, Files, plans_of
 from stagectl.experiments.toroid.report import HEAD, table_rows
 from stagectl.robot.config import CellConfig
+from stagectl.robot.live.guide import refuse_needless_yes, refuse_unattended
+from stagectl.robot.live.person import Person
 
 
 def cell(
@@ -28,6 +31,12 @@ def cell(
         typer.Option(metavar="FILE", help="Model file of a stage's axis; give one for each of x, y, z, or none."),
     ] = None,
     is_paced: Annotated[bool, typer.Option("--paced", help="In real time; else as fast as it goes.")] = False,
+    is_live: Annotated[
+        bool, typer.Option("--live", help="The robot of [robot], [tracker], and in setups C the stage of [link].")
+    ] = False,
+    is_sure: Annotated[
+        bool, typer.Option("--yes", help="With --live: nobody is asked before the robot moves.")
+    ] = False,
     png: PngOption = None,
     accept: AcceptOption = None,
     settings: SetOption = None,
@@ -37,16 +46,33 @@ def cell(
 
     C-fixed is C without mid-ranging: it runs into the ends of the stage's travel.
 
-    Example: `stagectl cell --setup all --config cell.toml --out RUN/ --png figures/`
+    Live, the robot must be near where the path begins; it asks before it moves, and what was cut is measured
+    afterwards: the figures are of what tracker and stage have seen.
+
+    Examples: `stagectl cell --setup all --config cell.toml --out RUN/ --png figures/`,
+    `stagectl cell --setup B --config cell.toml --live --out RUN/`
     """
+    refuse_needless_yes(is_sure, is_live)
+    if is_live and is_paced:
+        raise ValueError("--paced and --live are given, must be one of them: live, the robot is the clock")
     made, files = rig_file.load(config, CellConfig, settings or []), Files(stage_of(stage), model or ())
     for note in files.refuse_foreign(accept or ()):
         sys.stderr.write(f"{note}\n")
-    experiment = Toroid(plans_of(setup, made, files))
-    line = CommandLine("the toroid", False, out, png, json, Paced() if is_paced else Offline())
+    if is_live:
+        refuse_unattended(made, is_sure)
+
+    def confirm(what: str, stopped: Callable[[], bool]) -> None:
+        Person(_say, stopped, not is_sure).confirm(what)
+
+    experiment = Toroid(plans_of(setup, made, files, is_live), confirm=confirm)
+    line = CommandLine("the toroid", is_live, out, png, json, Paced() if is_paced else Offline())
     reasons, found = line.carry_out(TOROID, made, experiment, take_more=files.take_into, accept=sorted(accept or ()))
     _tell(found["setups"], out, setup == ALL, json)
     line.end(reasons)
+
+
+def _say(text: str) -> None:
+    sys.stderr.write(f"{text}\n")
 
 
 def _tell(rows: list[dict[str, Any]], path: Path, is_table: bool, json: str | None) -> None:

@@ -1,4 +1,4 @@
-"""The netlist of the cell: the stage at 10 kHz, robot and tracker at 2 kHz, port and mid-ranging at 250 Hz."""
+"""The netlist of the cell: stage at 10 kHz or behind its wire, tracker at 2 kHz, port and mid-ranging at 250 Hz."""
 
 from collections.abc import Iterator
 from dataclasses import asdict
@@ -12,9 +12,9 @@ from ctlblocks.recording import Recording
 from ctlblocks.replay import Replay
 from ctlblocks.taps import Tap
 from rigkit.experiment.part import Track
-from stagectl.devices.signals import LASER, PLATE, QUICK, ROBOT, SLOW, TRACKER, by_axis
-from stagectl.experiments.toroid.makes import EVERY, Make
-from stagectl.experiments.toroid.plan import RATE, TOUCH_OFF, Plan
+from stagectl.devices.signals import LASER, PLATE, ROBOT, TRACKER, by_axis
+from stagectl.experiments.toroid.makes import Make
+from stagectl.experiments.toroid.plan import TOUCH_OFF, Plan
 from stagectl.experiments.toroid.relative_position import RelativePosition
 from stagectl.experiments.toroid.stage_reference import StageReference
 from stagectl.experiments.toroid.standstill import Standstill
@@ -42,6 +42,8 @@ MADE = {
     },
 }
 """What the controllers make of what the sensors say, by recording."""
+BEYOND = "extension_reference", "voltage"
+"""Of these, what is made beyond the wire of a live stage."""
 
 
 class CellGraph:
@@ -58,13 +60,15 @@ class CellGraph:
 
     def __init__(self, plan: Plan, tell: Tell, make: Make) -> None:
         self.plan = plan
-        self.graph = Graph(RATE)
+        self.graph = Graph(plan.pace.rate)
         self._add(tell)
         self._sources = dict(make(self.graph, plan))
         self._connect_sensors()
         self._connect_controllers()
-        if plan.has_stage:
+        if self.stage is not None:
             self._connect_stage()
+        if plan.has_stage:
+            self.graph.connect("midranging.fast_reference", "travel.fast_reference")
 
     def tracks(self) -> Iterator[Track]:
         """Give what is recorded: of the surface, nothing where there is none but in a recording."""
@@ -76,10 +80,14 @@ class CellGraph:
             said["stage"] = [signal.name for signal in PLATE]
         own = {"nominal": "path.nominal", "wanted": "wanted.position"}
         for name, words in said.items():
-            made = MADE.get(name, {})
+            made = {
+                word: source
+                for word, source in MADE.get(name, {}).items()
+                if not (self.plan.is_live and name == "stage" and word in BEYOND)
+            }
             taps = [Tap(word, *self._sources.get(word, (own.get(word, word), False))) for word in words]
             taps += [Tap(word, source) for word, source in made.items()]
-            yield Track(f"{self.plan.setup}-{name}", tuple(taps), frozenset(made), EVERY[name], by_axis)
+            yield Track(f"{self.plan.setup}-{name}", tuple(taps), frozenset(made), self.plan.pace.every[name], by_axis)
 
     def follow(self) -> None:
         """Let the robot follow its path, with tracker and stage (between ticks); a fault latches."""
@@ -88,7 +96,7 @@ class CellGraph:
 
     def fault(self) -> str:
         """Return why the robot is held, or nothing; where the stage is at fault, hold it (between ticks)."""
-        if self.plan.has_stage and self.stage.fault is not None:
+        if self.stage is not None and self.stage.fault is not None:
             self.port.hold(f"the stage: {self.stage.fault}")
         return self.port.reason
 
@@ -102,27 +110,33 @@ class CellGraph:
 
     def _add(self, tell: Tell) -> None:
         graph, plan, cell = self.graph, self.plan, self.plan.cell
-        times = np.arange(round(plan.path.seconds * RATE / QUICK)) * QUICK / RATE
-        nominal = plan.path.joints(plan.arm, times[:: SLOW // QUICK])
+        pace = plan.pace
+        quick, slow = pace.quick, pace.slow
+        times = np.arange(round(plan.path.seconds * pace.rate / quick)) * quick / pace.rate
+        nominal = plan.path.joints(plan.arm, times[:: slow // quick])
         self.port = WiredPort(cell, nominal[0], tell)
         self.seen = WiredTracker(cell.tracker, self.port.hold)
         tracked = (cell.feedback.delay, TOUCH_OFF[0], cell.toroid.lead - TOUCH_OFF[1])
-        graph.add("path", _played("nominal", "rad", RATE / SLOW, nominal), SLOW)
-        graph.add("wanted", _played("position", "m", RATE / QUICK, plan.path.wanted(times - cell.feedback.lag)), QUICK)
-        graph.add("seen", self.seen, QUICK)
-        graph.add("relative", RelativePosition(plan.corners, plan.by_laser, *tracked), QUICK)
-        graph.add("standstill", Standstill(), SLOW)
-        graph.add("midranging", ValvePosition(plan.controllers()), SLOW)
-        graph.add("wish", Gain(1.0, "m", "m/s", 3), SLOW)
-        graph.add("moved", Gain(plan.robot_share, "m", "m", 3), SLOW)
-        graph.add("unturned", Gain(0.0, "m", "rad", 3), SLOW)
-        graph.add("correction", CartesianCorrection(arm_of(cell), cell.robot.tool), SLOW)
-        graph.add("port", self.port, SLOW)
+        graph.add("path", _played("nominal", "rad", pace.rate / slow, nominal), slow)
+        graph.add(
+            "wanted", _played("position", "m", pace.rate / quick, plan.path.wanted(times - cell.feedback.lag)), quick
+        )
+        graph.add("seen", self.seen, quick)
+        graph.add("relative", RelativePosition(plan.corners, plan.by_laser, *tracked), quick)
+        graph.add("standstill", Standstill(), slow)
+        graph.add("midranging", ValvePosition(plan.controllers()), slow)
+        graph.add("wish", Gain(1.0, "m", "m/s", 3), slow)
+        graph.add("moved", Gain(plan.robot_share, "m", "m", 3), slow)
+        graph.add("unturned", Gain(0.0, "m", "rad", 3), slow)
+        graph.add("correction", CartesianCorrection(arm_of(cell), cell.robot.tool), slow)
+        graph.add("port", self.port, slow)
+        self.stage: Stage | None = None
         if plan.has_stage:
-            self.stage = Stage(graph, plan.stage, stage_controller(plan.stage, plan.loops))
+            if not plan.is_live:
+                self.stage = Stage(graph, plan.stage, stage_controller(plan.stage, plan.loops))
             patience = cell.feedback.saturated if plan.has_mid_ranging else np.inf
             self.travel = StageReference(plan.stage.limits.travel, patience, plan.stage.stage.axes, self.port.hold)
-            graph.add("travel", self.travel, SLOW)
+            graph.add("travel", self.travel, slow)
 
     def _connect_sensors(self) -> None:
         for signal in ROBOT:
@@ -130,7 +144,7 @@ class CellGraph:
         for signal in TRACKER:
             self._wire(signal.name, f"seen.{signal.name}")
         self._wire("motor_angle", "correction.joint_angle")
-        self._wire("sensors.valid_position" if self.plan.has_stage else "position", "relative.position")
+        self._wire("sensors.valid_position" if self.stage is not None else "position", "relative.position")
         self._wire("absolute", "relative.absolute")
         self._wire("seen.spindle_position", "relative.spindle")
         self._wire("seen.workpiece_position", "relative.workpiece")
@@ -156,7 +170,6 @@ class CellGraph:
     def _connect_stage(self) -> None:
         for name in ("position", "extension"):
             self._wire(name, f"sensors.{name}")
-        self.graph.connect("midranging.fast_reference", "travel.fast_reference")
         self.graph.connect("travel.reference", "controller.reference")
 
     def _wire(self, source: str, target: str) -> None:

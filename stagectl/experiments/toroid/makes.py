@@ -5,14 +5,12 @@ from collections.abc import Callable, Mapping
 from ctlblocks import Graph
 from ctlblocks.recording import Recording
 from rigkit.named_code import named_block
-from stagectl.devices.signals import LASER, PLATE, QUICK, ROBOT, SLOW, TRACKER, Sources, played
+from stagectl.devices.signals import LASER, PLATE, QUICK, ROBOT, TRACKER, Sources, played
 from stagectl.experiments.toroid.plan import Plan
 from stagectl.still import Still
 
 Make = Callable[[Graph, Plan], Sources]
 """Adds what surrounds the controllers, which are in the graph already, and wires it to them."""
-EVERY = {"cell": SLOW, "surface": QUICK, "tracker": QUICK, "stage": 1}
-"""Ticks between two samples, by recording."""
 
 
 def simulated(graph: Graph, plan: Plan) -> Sources:
@@ -28,7 +26,7 @@ def simulated(graph: Graph, plan: Plan) -> Sources:
     sources |= {signal.name: (f"camera.{signal.name}", False) for signal in TRACKER}
     sources |= {"workpiece": ("camera.workpiece_seen", False)}
     sources |= {"cut": ("milling.cut", False), "force": ("milling.force", False)}
-    sources |= _stage(graph, plan) if plan.has_stage else _no_stage(graph)
+    sources |= _stage(graph, plan) if plan.has_stage else no_stage(graph, plan)
     for name in ("milling", "camera"):
         graph.connect(sources["position"][0], f"{name}.tool", delayed=sources["position"][1])
         graph.connect("robot.position", f"{name}.workpiece")
@@ -49,9 +47,9 @@ def recorded(recordings: Mapping[str, Recording]) -> Make:
         parts = [("robot", "cell", ROBOT), ("camera", "tracker", TRACKER)]
         if plan.has_stage:
             parts += [("laser", "tracker", LASER), ("plant", "stage", PLATE)]
-        sources = {} if plan.has_stage else dict(_no_stage(graph))
+        sources = {} if plan.has_stage else dict(no_stage(graph, plan))
         for name, recording, signals in parts:
-            graph.add(name, played(recordings[recording], signals), EVERY[recording])
+            graph.add(name, played(recordings[recording], signals), plan.pace.every[recording])
             sources |= {signal.name: (f"{name}.{signal.name}", False) for signal in signals}
         return sources
 
@@ -85,6 +83,7 @@ def _stage(graph: Graph, plan: Plan) -> dict[str, tuple[str, bool]]:
     return {signal.name: (f"plant.{signal.name}", True) for signal in (*PLATE, *LASER)}
 
 
-def _no_stage(graph: Graph) -> dict[str, tuple[str, bool]]:
-    graph.add("still", Still(), SLOW)
+def no_stage(graph: Graph, plan: Plan) -> dict[str, tuple[str, bool]]:
+    """Add a plate that never moves."""
+    graph.add("still", Still(), plan.pace.slow)
     return {"position": ("still.base", False), "absolute": ("still.base", False)}

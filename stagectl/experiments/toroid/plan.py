@@ -10,7 +10,7 @@ import numpy as np
 
 from rigkit import config as rig_file
 from stagectl.config import StageConfig
-from stagectl.devices.signals import AXES
+from stagectl.devices.signals import AXES, QUICK, SLOW
 from stagectl.experiments.toroid.nominal_stage import nominal_model
 from stagectl.experiments.toroid.toroid_path import ToroidPath
 from stagectl.model_file import read_model
@@ -40,7 +40,35 @@ PUSHED = ("outer.push=0.1",)
 LOOKS = 100
 """Points of the path that are looked at before a run: the robot reaches them."""
 RATE = 10_000.0
-"""samples/s, of the graph and of the stage."""
+"""samples/s, of the simulated graph and of the stage."""
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How often what is in a graph goes on.
+
+    Parameters
+    ----------
+    rate : float, samples/s
+        Of the graph.
+    quick, slow, stage : int, ticks
+        From one sample to the next of tracker, robot's port, and stage.
+    """
+
+    rate: float
+    quick: int
+    slow: int
+    stage: int
+
+    @property
+    def every(self) -> dict[str, int]:
+        """Ticks between two samples, by recording."""
+        return {"cell": self.slow, "surface": self.quick, "tracker": self.quick, "stage": self.stage}
+
+
+SIMULATED = Pace(RATE, QUICK, SLOW, 1)
+WIRED = Pace(RATE / QUICK, 1, SLOW // QUICK, SLOW // QUICK)
+"""The stage's loops are in its own processor: what it is asked for and where it is goes over its wire."""
 
 
 @dataclass(frozen=True)
@@ -54,13 +82,21 @@ class Plan:
         As `cell_of` gives it.
     stage : StageConfig
     loops : tuple of StateFeedback
-        The stage's outer loops, one an axis; none of setups without stage.
+        The stage's outer loops, one an axis; none of setups without stage, nor of one behind its wire.
+    is_live : bool
+        Whether robot, tracker and stage are behind their wires.
     """
 
     setup: str
     cell: CellConfig
     stage: StageConfig
     loops: tuple[StateFeedback, ...]
+    is_live: bool = False
+
+    @property
+    def pace(self) -> Pace:
+        """How often robot, tracker and stage go on."""
+        return WIRED if self.is_live else SIMULATED
 
     @property
     def has_stage(self) -> bool:
@@ -84,8 +120,8 @@ class Plan:
 
     @property
     def by_laser(self) -> tuple[bool, bool, bool]:
-        """Which axes have a laser."""
-        return (self.has_stage and self.cell.feedback.laser, False, False)
+        """Which axes have a laser; none is on the stage's wire."""
+        return (self.has_stage and self.cell.feedback.laser and not self.is_live, False, False)
 
     @property
     def corners(self) -> tuple[float, ...]:
@@ -137,7 +173,9 @@ class Plan:
         }
 
 
-def plan(setup: str, cell: CellConfig, stage: StageConfig, loops: Sequence[StateFeedback] = ()) -> Plan:
+def plan(
+    setup: str, cell: CellConfig, stage: StageConfig, loops: Sequence[StateFeedback] = (), is_live: bool = False
+) -> Plan:
     """Put a run together.
 
     Parameters
@@ -146,7 +184,8 @@ def plan(setup: str, cell: CellConfig, stage: StageConfig, loops: Sequence[State
     cell : CellConfig
     stage : StageConfig
     loops : sequence of StateFeedback
-        `loops_of(stage, ...)`; setups without stage need none.
+        `loops_of(stage, ...)`; setups without stage need none, nor does a stage behind its wire.
+    is_live : bool
 
     Raises
     ------
@@ -154,7 +193,7 @@ def plan(setup: str, cell: CellConfig, stage: StageConfig, loops: Sequence[State
     """
     if setup not in SETUPS:
         raise ValueError(f"setup is {setup!r}, must be one of {', '.join(SETUPS)}")
-    made = Plan(setup, cell_of(cell), stage, tuple(loops) if setup.startswith("C") else ())
+    made = Plan(setup, cell_of(cell), stage, tuple(loops) if setup.startswith("C") else (), is_live)
     made.path.joints(made.arm, np.linspace(0.0, made.path.end, LOOKS))
     return made
 

@@ -34,11 +34,14 @@ class Run:
     plan : Plan
     records : mapping of str to Recording
     milled : Contour or None
+    seen : array, shape (samples, 3), or None
+        As of `figures.seen_deviation`.
     """
 
     plan: Plan
     records: Mapping[str, Recording]
     milled: Contour | None
+    seen: np.ndarray | None = None
 
 
 def polar_plot(runs: list[Run]) -> Plot:
@@ -92,6 +95,22 @@ def surface_plot(runs: list[Run]) -> Plot:
     axes.set_ylabel("too deep, µm")
     axes.legend(loc="best", ncols=len(runs))
     return Plot(figure, "The surface along the tool's axis.")
+
+
+def seen_plot(runs: list[Run]) -> Plot:
+    """Draw how far off its path the tool was seen, a panel a setup."""
+    figure = Figure(figsize=(8.0, 0.8 + 2.0 * len(runs)))
+    panels = figure.subplots(len(runs), 1, sharex=True, squeeze=False)[:, 0]
+    for panel, run in zip(panels, runs, strict=True):
+        assert run.seen is not None
+        time, outwards, axial = run.seen.T
+        for signal, name, colour in ((outwards, "outwards", COLOURS[0]), (axial, "along the tool", COLOURS[1])):
+            panel.plot(time, 1e6 * signal, color=colour, linewidth=0.8, label=name)
+        panel.set_title(f"Setup {run.plan.setup}: {SETUPS[run.plan.setup]}")
+        panel.set_ylabel("µm")
+    panels[0].legend(loc="best", ncols=2)
+    panels[-1].set_xlabel("time, s")
+    return Plot(figure, "How far off its path the tool was seen: low-passed, and no better than the tracker.")
 
 
 def travel_plot(runs: list[Run]) -> Plot:

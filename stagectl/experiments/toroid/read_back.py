@@ -68,7 +68,7 @@ class Files:
         return names
 
 
-def plans_of(setup: str, cell: CellConfig, files: Files) -> list[Plan]:
+def plans_of(setup: str, cell: CellConfig, files: Files, is_live: bool = False) -> list[Plan]:
     """Return a setup's plan, or those of all.
 
     Raises
@@ -77,8 +77,10 @@ def plans_of(setup: str, cell: CellConfig, files: Files) -> list[Plan]:
     """
     setups = list(SETUPS) if setup == ALL else [setup]
     has_stage = any(each.startswith("C") for each in setups)
-    loops = loops_of(files.stage, files.models) if has_stage else []
-    plans = [plan(each, cell, files.stage, loops) for each in setups]
+    if is_live and files.models:
+        raise ValueError("--model goes with a simulated stage: with --live its processor has its own loops")
+    loops = loops_of(files.stage, files.models) if has_stage and not is_live else []
+    plans = [plan(each, cell, files.stage, loops, is_live) for each in setups]
     for made in plans:
         refuse_wrong_plants(made)
     return plans
@@ -109,14 +111,17 @@ def read_back(path: Path, records: Records, settings: Sequence[str] = ()) -> Tor
         raise ValueError(f"{path}: nothing is recorded")
     origin = read_origin(path / RUN)
     told = origin.designed.get("loops", {}) if origin else {}
-    if told:
+    is_live = bool(origin and origin.designed.get("live"))
+    if is_live:
+        loops = []
+    elif told:
         loops = loops_from(AXES, {name: np.array(each, float) for name, each in told.items()}, RATE)
     elif any(setup.startswith("C") for setup in setups):  # version 0.1.0 kept the models alone
         models = [path / model_name(axis) for axis in AXES]
         loops = loops_of(stage, models if models[0].exists() else ())
     else:
         loops = []
-    return Toroid([plan(setup, cell, stage, loops) for setup in setups], reasons)
+    return Toroid([plan(setup, cell, stage, loops, is_live) for setup in setups], reasons)
 
 
 TOROID = Kind("cell runs", read_back, apart=("learning.model",))

@@ -10,9 +10,9 @@ from rigkit.figure_style import styled
 from rigkit.report import Fact, Report, Section, Table
 from rigkit.run_folder import read_events
 from stagectl.experiments.toroid.event_text import event_text
-from stagectl.experiments.toroid.figures import milled_contour
+from stagectl.experiments.toroid.figures import milled_contour, seen_deviation
 from stagectl.experiments.toroid.plan import Plan
-from stagectl.experiments.toroid.plots import Run, deviation_plot, polar_plot, surface_plot, travel_plot
+from stagectl.experiments.toroid.plots import Run, deviation_plot, polar_plot, seen_plot, surface_plot, travel_plot
 
 PAGE = "report.html"
 HEAD = (
@@ -35,7 +35,7 @@ def write_report(
         Figures of each.
     png : Path or None
     """
-    runs = [Run(plan, records, milled_contour(plan, records)) for plan, records in found]
+    runs = [Run(plan, records, milled_contour(plan, records), seen_deviation(plan, records)) for plan, records in found]
     with styled():
         name = f"The toroid in steel, setup {', '.join(plan.setup for plan, _ in found)}"
         report = Report(name, str(path.resolve()), tuple(_facts(rows)), tuple(_sections(path, rows, runs)))
@@ -52,7 +52,11 @@ def table_rows(rows: list[dict[str, Any]]) -> list[tuple[str, ...]]:
 def _row(row: dict[str, Any]) -> Iterator[str]:
     yield row["setup"]
     for key in ("circle_mae", "circle_std", "circle_max", "surface_std", "roughness"):
-        yield f"{1e6 * row[key]:.2f}" if key in row else "-"
+        if key in row:
+            yield f"{1e6 * row[key]:.2f}"
+        else:
+            seen = row.get("seen", {})
+            yield f"{1e6 * seen[key]:.1f} seen" if key in seen else "-"
     if "travel" in row:
         most = max(max(-low, high) for low, high in row["travel"].values())
         yield f"{1e6 * most:.0f} of {1e6 * row['travel_limit']:.0f}"
@@ -64,6 +68,8 @@ def _row(row: dict[str, Any]) -> Iterator[str]:
 
 def _facts(rows: list[dict[str, Any]]) -> Iterator[Fact]:
     for row in rows:
+        if "seen" in row and "circle_mae" not in row:
+            yield Fact(f"MAE of the circle as it was seen, {row['setup']}", f"{1e6 * row['seen']['circle_mae']:.1f} µm")
         if "circle_mae" in row:
             yield Fact(f"MAE of the circle, {row['setup']}", f"{1e6 * row['circle_mae']:.1f} µm")
         if "travel" in row:
@@ -73,10 +79,17 @@ def _facts(rows: list[dict[str, Any]]) -> Iterator[Fact]:
 
 def _sections(path: Path, rows: list[dict[str, Any]], runs: list[Run]) -> Iterator[Section]:
     setups = "; ".join(f"{row['setup']}: {row['what']}" for row in rows)
-    yield Section("Accuracy", f"Lengths in µm.  {setups}.", tables=(Table(HEAD, tuple(table_rows(rows))),))
+    yield Section(
+        "Accuracy",
+        f"Lengths in µm; seen: by tracker and stage, not measured on the piece.  {setups}.",
+        tables=(Table(HEAD, tuple(table_rows(rows))),),
+    )
     if any(run.milled is not None for run in runs):
         yield Section("Contour", plots=(polar_plot(runs), deviation_plot(runs)))
         yield Section("Surface", plots=(surface_plot(runs),))
+    elif seen := [run for run in runs if run.seen is not None]:
+        words = "Live, what was cut is measured afterwards; this is what tracker and stage have seen while it was."
+        yield Section("Path", words, plots=(seen_plot(seen),))
     with_stage = [run for run in runs if run.plan.has_stage]
     if with_stage:
         yield Section("Travel", plots=(travel_plot(with_stage),))

@@ -1,5 +1,7 @@
 """The clock of a trial's graph behind the wires: the robot's reports, several ticks for each."""
 
+from collections.abc import Callable
+
 from ctlblocks import Graph
 from stagectl.link.bus import LinkError
 from stagectl.robot.live.wires import LiveWires
@@ -39,6 +41,19 @@ class ReportClock:
             self._wait()
             graph.tick()
             self._wires.port.flush()
+
+    def run(self, graph: Graph, ticks: int, over: Callable[[], bool]) -> int:
+        """Tick so many times, or until `over`, asked before each report; return the ticks run.
+
+        Raises
+        ------
+        LinkError : as of a call.
+        """
+        for done in range(ticks):
+            if graph.ticks % self._every == 0 and over():
+                return done
+            self(graph, 1)
+        return ticks
 
     def _begin(self, graph: Graph) -> None:
         if graph.rate != self._every * RATE:

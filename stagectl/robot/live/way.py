@@ -69,7 +69,7 @@ class Room:
 
     def rise(self, here: np.ndarray) -> np.ndarray:
         """Return the way straight up from where it is, shape (N, 6), rad, 250 samples/s."""
-        return self._leg(here, self.up(here), True)
+        return self.leg(here, self.up(here), True)
 
     def way(self, here: np.ndarray, there: np.ndarray) -> np.ndarray:
         """Return the way from where it is to where it is to be: shape (N, 6), rad, 250 samples/s.
@@ -85,18 +85,25 @@ class Room:
         if np.abs(there - here).max() < CLOSE:
             return here[None]
         above, over = self.up(here), self.up(there)
-        across = self._leg(above, over, False)
+        across = self.leg(above, over, False)
         lowest = forward(self.arm, across)[:, 2, 3].min()
         if not lowest >= self.top + 0.5 * self.height:
             raise ValueError(
                 f"on its way the tool would come down to z = {1e3 * lowest:.1f} mm, must stay above "
                 f"{1e3 * (self.top + 0.5 * self.height):.1f} mm in the base: move the robot over the workpiece first"
             )
-        down = self._leg(there, over, True)[::-1]
-        return np.concatenate([self._leg(here, above, True), across, down, there[None]])
+        down = self.leg(there, over, True)[::-1]
+        return np.concatenate([self.leg(here, above, True), across, down, there[None]])
 
-    def _leg(self, here: np.ndarray, there: np.ndarray, is_straight: bool) -> np.ndarray:
-        """Return a leg from rest to rest; straight up as the tool is turned, or joint by joint."""
+    def leg(self, here: np.ndarray, there: np.ndarray, is_straight: bool) -> np.ndarray:
+        """Return a leg from rest to rest, shape (N, 6), rad, 250 samples/s.
+
+        Parameters
+        ----------
+        here, there : arrays, shape (6,), rad
+        is_straight : bool
+            The tool goes straight, turned as it is; else joint by joint.
+        """
         fine = self._points(here, there, np.linspace(0.0, 1.0, FINE), is_straight)
         length = np.linalg.norm(np.diff(forward(self.arm, fine)[:, :3, 3], axis=0), axis=1).sum()
         slowest = max(length / self.speed, float((np.abs(there - here) / self.turn).max()))

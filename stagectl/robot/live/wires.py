@@ -7,6 +7,7 @@ from typing import Self
 
 import numpy as np
 
+from rigkit.experiment.part import nothing
 from stagectl.link.bus import LinkError
 from stagectl.link.tell import Tell
 from stagectl.robot.config import CellConfig
@@ -36,10 +37,20 @@ class LiveWires:
     tracks : bool
         Whether tracker and torque signals are listened to as well.
     now : callable() -> float, s, a monotonic clock
+    feels : bool
+        Whether force sensor and torque signals are listened to as well.
+    beside : callable()
+        Called just before the robot may be led: what else is behind wires begins.
     """
 
     def __init__(
-        self, cell: CellConfig, tell: Tell, tracks: bool = True, now: Callable[[], float] = time.monotonic
+        self,
+        cell: CellConfig,
+        tell: Tell,
+        tracks: bool = True,
+        now: Callable[[], float] = time.monotonic,
+        feels: bool = True,
+        beside: Callable[[], object] = nothing,
     ) -> None:
         robot = cell.robot.model_copy(update={"mode": "joints"})
         self.cell, self._now = cell.model_copy(update={"robot": robot}), now
@@ -47,6 +58,7 @@ class LiveWires:
         self.records = ForceRecords(cell.force_sensor)
         self.tracker = TrackerSamples(cell.tracker, now, robot.patience) if tracks else None
         self.signals: TorqueSignals | None = None
+        self._feels, self._beside = feels, beside
         self.first, self.begun, self.tracker_late = 0, 0.0, 0.0
         self._stack = ExitStack()
 
@@ -77,6 +89,7 @@ class LiveWires:
             if not self.port.wait(heard, self.port.robot.patience) or (report := self.port.report) is None:
                 break
             behind = min(behind, self._now() - report.counter / RATE)
+        self._beside()
         self.port.start()
         assert (report := self.port.report) is not None  # the port does not start without one
         self.first, self.begun = report.counter + 1, report.time + 1.0 / RATE
@@ -92,13 +105,14 @@ class LiveWires:
         robot, stack = self.cell.robot, self._stack
         stack.enter_context(self.port)
         host = host_of(self.port)
-        if robot.signals and self.tracker is not None:
+        if robot.signals and self.tracker is not None and self._feels:
             self.signals = stack.enter_context(TorqueSignals(robot, host, self._now))
             if not self.signals.wait(1, robot.patience):
                 raise LinkError(f"no torque signals come from {host}:{robot.signals} within {robot.patience:g} s")
         if self.tracker is not None:
             stack.enter_context(self.tracker)
-        stack.enter_context(ForceStream(self.cell.force_sensor, self.records, self._now, robot.patience))
+        if self._feels:
+            stack.enter_context(ForceStream(self.cell.force_sensor, self.records, self._now, robot.patience))
         begin_motion_of(self.port)
 
     @property
