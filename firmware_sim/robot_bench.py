@@ -6,41 +6,26 @@ import math
 import select
 import socket
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
-from itertools import count
 from pathlib import Path
 from threading import Event
-from typing import Any
 
 import numpy as np
 
 from firmware_sim.force_box import MISHAPS as FORCE_MISHAPS
 from firmware_sim.force_box import ForceBox
-from firmware_sim.plants.force_sensor import ForceSensorPlant
-from firmware_sim.plants.milling import PocketMilling
-from firmware_sim.plants.oak import OakMilling
-from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.plants.robot_run_kernel import write_pose
-from firmware_sim.robot_controller import Cut, RobotController
+from firmware_sim.robot_controller import RobotController
 from firmware_sim.tcp_server import TcpServer
 from firmware_sim.tracker import TrackerCamera, TrackerFaults
-from firmware_sim.wired_oak import WiredOak
 from rigkit.priority import real_time
-from stagectl.robot.config import CellConfig
 from stagectl.wire.egm import RATE
 
 MISHAPS = ("mute", "speak", "trip", "blind", "see", "hang-up", "led-jump", "slip", *FORCE_MISHAPS)
 """What can be made to happen: the robot silent and back, its supervision tripped; the tracker blind and back, its line
 cut, an LED taken for another by 5 mm; the clamp opened by force; and what `ForceBox` suffers."""
 _BASE, _TOOL = 0, 7
-_CUT_RATE = 2_000.0
-"""samples/s at which robot and block exchange place and force."""
-Blocks = Callable[[CellConfig, int], Cut]
-"""Makes blocks by their number."""
-BLOCKS = 1_000
-"""Blocks of a simulated machine."""
 _JUMP = np.array([5e-3, 0.0, 0.0])
 
 
@@ -79,97 +64,6 @@ class Addresses:
     tracker: int = 0
 
 
-def cell_controller(cell: CellConfig, block: Blocks | None = None) -> RobotController:
-    """Return the controller of the robot that a cell's file describes; ValueError where it has no such option.
-
-    Parameters
-    ----------
-    cell : CellConfig
-    block : callable(CellConfig, int), optional
-        Makes the blocks under its tool by their number, `cell_cut` or `cell_wood`; its program changes them.
-    """
-    simulator = cell.simulator
-    rate = RATE if block is None else _CUT_RATE
-    given: dict[str, Any] = {"arm": cell.robot.arm, "tool": cell.robot.tool, "rate": rate, **simulator.options}
-    try:
-        plant = RobotPlant(**given)
-    except TypeError as fault:
-        raise ValueError(f"simulator.options: {fault}") from None
-    clamp = np.diag([simulator.clamp] * 3 + [simulator.clamp_turn] * 3)
-    if block is None:
-        return RobotController(plant, clamp=clamp, slip_force=simulator.slip)
-    blocks = map(partial(block, cell), count())
-    return RobotController(plant, None, clamp, simulator.slip, next(blocks), lambda: next(blocks))
-
-
-def cell_cut(cell: CellConfig, number: int = 0) -> PocketMilling:
-    """Return a block of a cell's file, its top where the arm has its tool at `pocket.home`, as it sags.
-
-    Parameters
-    ----------
-    cell : CellConfig
-    number : int
-        Each is another block.
-
-    Raises
-    ------
-    ValueError : an option that is wrong.
-    """
-    pocket = cell.pocket
-    length, width, thickness = pocket.workpiece
-    given: dict[str, Any] = {"tool": pocket.tool, "length": length, "width": width, "thickness": thickness}
-    given |= {"origin": _tip(cell, pocket.home)} | cell.plants.pocket_options
-    with _named("plants.pocket_options"):
-        return PocketMilling(_CUT_RATE, **given | {"seed": BLOCKS * given.get("seed", 1) + number})
-
-
-def cell_wood(cell: CellConfig, number: int = 0) -> WiredOak:
-    """Return a piece of oak of a cell's file, its top `segments.lift` under the tool at `segments.home`, as it sags.
-
-    Parameters
-    ----------
-    cell : CellConfig
-    number : int
-        Each is another piece.
-
-    Raises
-    ------
-    ValueError : an option that is wrong.
-    """
-    task, given = cell.segments, dict(cell.feed_plants.cut_options)
-    x, y, z = _tip(cell, task.home)
-    given = {"origin": (x, y, z - task.lift), "depth": task.depth, **given}
-    with _named("feed_plants.cut_options"):
-        return WiredOak(OakMilling(_CUT_RATE, **given | {"seed": given.get("seed", 1) + number}))
-
-
-def _tip(cell: CellConfig, home: Sequence[float]) -> tuple[float, float, float]:
-    """Return where the tool's tip is with the motors at home, m, in the base."""
-    plant = cell_controller(cell).plant
-    plant.place(np.array(home))
-    x, y, z = plant.frames[_TOOL][:, 3].tolist()
-    return x, y, z
-
-
-@contextlib.contextmanager
-def _named(table: str) -> Iterator[None]:
-    """Tell of a wrong option under the table that it stands in, by ValueError."""
-    try:
-        yield
-    except TypeError as fault:
-        raise ValueError(f"{table}: {fault}") from None
-    except ValueError as fault:
-        raise ValueError(str(fault).replace("simulator.options", table)) from None
-
-
-def cell_force_box(cell: CellConfig) -> ForceBox:
-    """Return the force sensor's box that a cell's file describes; ValueError where it has no such option."""
-    sensor = cell.force_sensor
-    with _named("plants.force_sensor_options"):
-        plant = ForceSensorPlant(sensor.rate, **{"sample_rate": sensor.rate, **cell.plants.force_sensor_options})
-    return ForceBox(plant, sensor.host, sensor.port, sensor.counts)
-
-
 class RobotBench:
     """Serves all wires from one thread, each at its own time.
 
@@ -185,6 +79,7 @@ class RobotBench:
     force : ForceBox or None
         The force sensor's, closed with the others.
     now : callable() -> float, s, a monotonic clock
+    plate : array, shape (3,), m, where the spindle is on its stage, live; None where it stands still
     """
 
     def __init__(
@@ -197,8 +92,10 @@ class RobotBench:
         log: Path | None = None,
         force: ForceBox | None = None,
         now: Callable[[], float] = time.monotonic,
+        plate: np.ndarray | None = None,
     ) -> None:
-        self.controller, self.camera = controller, TrackerCamera(self.poses, faults)
+        self.plate, self.controller = np.zeros(3) if plate is None else plate, controller
+        self.camera = TrackerCamera(self.poses, faults)
         self._host = (addresses.host, addresses.motion)
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.bind((addresses.host, 0))
@@ -211,11 +108,12 @@ class RobotBench:
         self._to_come = sorted(mishaps)
 
     def poses(self) -> dict[int, np.ndarray]:
-        """Return what carries LEDs, by number: base 0, links 1 to 6, tool 7; poses, shape (7,), m and 1."""
+        """Return what carries LEDs, by number: spindle 0, links 1 to 6, tool 7; poses, shape (7,), m and 1."""
         found = {}
         for number in (_BASE, 1, 2, 3, 4, 5, 6, _TOOL):
             found[number] = np.zeros(7)
             write_pose(self.controller.plant.frames[number], found[number])
+        found[_BASE][:3] += self.plate
         return found
 
     def run(self, ready: Callable[[], None], stop: Event) -> None:

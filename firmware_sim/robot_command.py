@@ -6,17 +6,10 @@ from typing import Annotated
 
 import typer
 
+from firmware_sim.plate_file import seen_plate
 from firmware_sim.ready import say
-from firmware_sim.robot_bench import (
-    MISHAPS,
-    Addresses,
-    RobotBench,
-    cell_controller,
-    cell_cut,
-    cell_force_box,
-    cell_wood,
-    robot_mishap,
-)
+from firmware_sim.robot_bench import MISHAPS, Addresses, RobotBench, robot_mishap
+from firmware_sim.robot_cell import cell_controller, cell_cut, cell_force_box, cell_wood
 from rigkit.command import ConfigOption, SetOption
 from rigkit.config import load
 from rigkit.stop import SIGNALS, on_signals
@@ -33,6 +26,10 @@ def robot_command(
     wood: Annotated[
         bool, typer.Option("--wood", help="The tool is over a piece of oak that it mills, as [segments] says.")
     ] = False,
+    plate: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="`plate` in the --folder of `firmware-sim stage`: the spindle is on it."),
+    ] = None,
     log: Annotated[Path | None, written_file("FILE", "Write the motor torques to this CSV file.")] = None,
     fault: Annotated[
         list[str] | None,
@@ -60,7 +57,8 @@ def robot_command(
         raise ValueError("--mill and --wood are given, must be one of them")
     block = cell_cut if mill else cell_wood if wood else None
     controller, force = cell_controller(cell, block), cell_force_box(cell)
-    bench = RobotBench(controller, addresses, cell.tracker.rate, mishaps=mishaps, log=log, force=force)
+    seen = None if plate is None else seen_plate(plate)
+    bench = RobotBench(controller, addresses, cell.tracker.rate, mishaps=mishaps, log=log, force=force, plate=seen)
     stop = Event()
     lines = {
         "reports to": (addresses.host, addresses.motion),

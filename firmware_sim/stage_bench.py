@@ -4,10 +4,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from threading import Event, Thread
 from time import monotonic
+from typing import Any
 
 import numpy as np
 
 from firmware_sim.can_node import CanNode, Mishap
+from firmware_sim.plate_file import write_plate
 from firmware_sim.serial_node import SerialNode
 from firmware_sim.slcan_adapter import SlcanAdapter
 from firmware_sim.stage_image import StageImage
@@ -23,7 +25,7 @@ class StageBench:
     Parameters
     ----------
     folder : Path
-        Gets `can` and `laser`.
+        Gets `can` and `laser`, and `plate`: where the plate is, for a simulated tracker.
     image : StageImage
     settings : Settings
     laser : Laser
@@ -43,12 +45,20 @@ class StageBench:
     ) -> None:
         self.can, self.laser = folder / "can", folder / "laser"
         image.tick(np.zeros((BLOCK, 3)))  # compiles
+        self._image, self._place = image, folder / "plate"
+        self._plate = write_plate(self._place)
         processor = StageProcessor(
-            Loops(image.tick, image.commit, image.clear, image.excite, image.release), settings, monotonic()
+            Loops(self._tick, image.commit, image.clear, image.excite, image.release), settings, monotonic()
         )
         self.node = CanNode(SlcanAdapter(self.can), processor, image.stick, mishaps)
         seen = image.absolute
         self._sensor = SerialNode(self.laser, lambda: float(seen[laser_axis]), laser.mode, unit=laser.scale)
+
+    def _tick(self, references: np.ndarray) -> dict[str, Any]:
+        """Run ten samples, and show where the plate is."""
+        signals = self._image.tick(references)
+        self._plate[:] = np.nan_to_num(signals["position"][-1])
+        return signals
 
     def run(self, ready: Callable[[], None], stop: Event) -> None:
         """Serve until `stop` is set, then take both devices away.
@@ -68,3 +78,4 @@ class StageBench:
             finally:
                 stop.set()
                 sensor.join()
+                self._place.unlink(missing_ok=True)

@@ -21,8 +21,8 @@ class WiredPlate(Block):
     outputs = (Port("position", "m", 3), Port("extension", "m", 3), Port("absolute", "m", 3))
 
     def __init__(self, link: StageLink, middle: float) -> None:
+        self.link, self._middle = link, middle
         (_, self._position), (_, self._extension) = link.signal("position"), link.signal("extension")
-        self._middle = middle
 
     def process(self, position: np.ndarray, extension: np.ndarray, absolute: np.ndarray) -> None:
         """Fill one frame."""

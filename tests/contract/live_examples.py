@@ -3,6 +3,9 @@
 import numpy as np
 
 from ctlblocks import Block
+from stagectl.devices.wired_stage import WiredPlate, WiredPlateReference
+from stagectl.link.config import Link
+from stagectl.link.stage_link import StageLink
 from stagectl.link.tell import nobody
 from stagectl.robot.config import CellConfig, Tracker
 from stagectl.robot.force_config import ForceSensor
@@ -41,6 +44,11 @@ def _feel(block: LiveForce) -> None:
         block.records.accept(Record(n, n, 0, np.full(6, 0.5 * n)), 0.0)
 
 
+def _rest(block: WiredPlate) -> None:
+    block.link.signal("position")[1].fill(1e-6)
+    block.link.signal("extension")[1].fill(2e-6)
+
+
 LIVE_EXAMPLES: dict[type[Block], Example] = {
     LiveRobot: Example(lambda: LiveRobot(_wires()), _report, 250.0),
     LiveTracker: Example(lambda: LiveTracker(_wires()), _see, 2_000.0),
@@ -48,5 +56,7 @@ LIVE_EXAMPLES: dict[type[Block], Example] = {
     WiredForce: Example(lambda: WiredForce(ForceSensor(), print), rate=500.0),
     WiredPort: Example(lambda: WiredPort(CellConfig(), np.zeros(6)), rate=250.0),
     WiredTracker: Example(lambda: WiredTracker(Tracker(), print), rate=2_000.0),
+    WiredPlate: Example(lambda: WiredPlate(StageLink(Link()), 2e-4), _rest, 250.0),
+    WiredPlateReference: Example(lambda: WiredPlateReference(StageLink(Link()), 2e-4, 0.02), rate=250.0),
     LiveReference: Example(lambda: LiveReference(RobotPort(CellConfig())), rate=250.0),
 }

@@ -10,7 +10,7 @@ import pytest
 
 from firmware_sim.force_box import ForceBox
 from firmware_sim.plants.force_sensor import ForceSensorPlant
-from firmware_sim.robot_bench import cell_force_box
+from firmware_sim.robot_cell import cell_force_box
 from stagectl.link.bus import LinkError
 from stagectl.robot.config import CellConfig
 from stagectl.robot.force_config import ForceSensor

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from firmware_sim.robot_bench import cell_controller, cell_cut
+from firmware_sim.robot_cell import cell_controller, cell_cut
 from firmware_sim.robot_controller import RobotController
 from firmware_sim.robot_inverse import rigid_pose, toward
 from stagectl.robot.config import CellConfig, Simulator

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from firmware_sim.plants.robot import RobotPlant
-from firmware_sim.robot_bench import Addresses, RobotBench, cell_controller, robot_mishap
+from firmware_sim.robot_bench import Addresses, RobotBench, robot_mishap
+from firmware_sim.robot_cell import cell_controller
 from firmware_sim.robot_controller import RobotController
 from stagectl.link.bus import LinkError
 from stagectl.robot.config import CellConfig, Robot, Simulator, Tracker

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from firmware_sim.can_node import CanNode
-from firmware_sim.robot_bench import Addresses, Blocks, RobotBench, cell_controller, cell_force_box
+from firmware_sim.robot_bench import Addresses, RobotBench
+from firmware_sim.robot_cell import Blocks, cell_controller, cell_force_box
 from firmware_sim.tracker import TrackerFaults
 from stagectl.experiments.midranging.wired_blocks import LivePair
 from stagectl.robot.config import CellConfig

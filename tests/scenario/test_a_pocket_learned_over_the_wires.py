@@ -14,7 +14,7 @@ import pytest
 
 from calibration.milling.session import calibrate
 from calibration.milling.sweep_session import sweep
-from firmware_sim.robot_bench import cell_cut
+from firmware_sim.robot_cell import cell_cut
 from rigkit.experiment.runner import STOPPED
 from rigkit.stop import StopRequest
 from stagectl.robot.live.person import Person

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from firmware_sim.robot_bench import cell_wood
+from firmware_sim.robot_cell import cell_wood
 from rigkit.experiment.runner import STOPPED
 from stagectl.feed.job import RATES, once
 from stagectl.feed.live import LivePockets

@@ -76,6 +76,7 @@ class CellOptions(Run):
 
     setup: Literal["A", "B", "C", "C-fixed", "all"] = setting("C", "", "robot, tracker, stage: which of them correct")
     stage: str = setting("", "", "the stage's own rig file in the data folder; empty for the usual stage")
+    live: bool = setting(False, "", "on robot, tracker and stage: the workpiece near the path, nobody in the cell")
     accept: tuple[str, ...] = setting((), "", "keys that may differ from what the stage's models were measured with")
 
 

@@ -20,6 +20,7 @@ from stagectl.experiments.toroid.plan import stage_of
 from stagectl.experiments.toroid.read_back import TOROID, Files, plans_of
 from stagectl.experiments.toroid.report import HEAD, table_rows
 from stagectl.robot.config import CellConfig
+from stagectl.robot.live.guide import refuse_unguided
 
 
 def procedure(config: CellConfig, options: CellOptions, desk: Desk) -> ExperimentProcedure:
@@ -33,16 +34,20 @@ def procedure(config: CellConfig, options: CellOptions, desk: Desk) -> Experimen
 
     Raises
     ------
-    ValueError, OSError : there is no such setup or stage, models do not fit, or there is no room; no folder is made.
+    ValueError, OSError : there is no such setup or stage, models do not fit, or there is no room; live, it is to be
+        paced, or nobody can begin to guide the robot; no folder is made.
     """
+    options.refuse_live("live", options.live)
+    if options.live:
+        refuse_unguided(config)
     desk.progress(0, 1, "getting ready")
     data = config.daemon.data
     models = [Path(data) / f"stage-{axis}.h5" for axis in AXES]
     stage = stage_of(data_file(data, "stage", options.stage) if options.stage else None)
-    files = Files(stage, models if all(model.is_file() for model in models) else ())
+    files = Files(stage, models if all(model.is_file() for model in models) and not options.live else ())
     for note in files.refuse_foreign(options.accept):
         desk.event("note", {"text": note})
-    made = Toroid(plans_of(options.setup, config, files))
+    made = Toroid(plans_of(options.setup, config, files, options.live))
     title, path = f"setup {options.setup}", run_path(data, options.run)
     kept: dict[str, Any] = {"take_more": files.take_into, "accept": sorted(options.accept)}
     return ExperimentProcedure(TOROID, title, config, made, _View(made), desk, path, is_paced=options.paced, **kept)
@@ -52,7 +57,8 @@ class _View:
     """What is seen of the setups."""
 
     def __init__(self, made: Toroid) -> None:
-        self._made, self._motion = made, Motion(made.plans[0].cell)
+        self._made, idle = made, None if made.is_live else 0.0
+        self._motion = Motion(made.plans[0].cell, idle)
         self._rows: list[dict[str, Any]] = []
         self.sources = {**REFERENCE, "age": "seen.age", "deviation": "relative.deviation", "travel": "travel.reference"}
         titles = {"deviation": "Tool off its path", "travel": "Stage, asked of it"}

@@ -1,5 +1,6 @@
 """The toroid as an experiment: a part for each setup, simulated or as it was recorded."""
 
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -18,7 +19,7 @@ from stagectl.experiments.toroid.graph import CellGraph
 from stagectl.experiments.toroid.makes import Make, recorded, simulated
 from stagectl.experiments.toroid.plan import Plan
 from stagectl.experiments.toroid.report import write_report
-from stagectl.experiments.toroid.wired import bring, opened, refuse_unfit, wired
+from stagectl.experiments.toroid.wired import Ends, bring, opened, refuse_unfit, wired
 from stagectl.link.tell import Tell, nobody
 from stagectl.robot.live.clock import ReportClock
 from stagectl.stage.loop_parameters import loop_parameters
@@ -43,10 +44,16 @@ class Toroid:
         Why setups were held, of those that have been run.
     confirm : callable(what, stopped)
         Has a person beside a live robot confirm each setup.
+    now : callable() -> float, s, a monotonic clock
 
     Raises
     ------
     ValueError : live, a stage that does not fit its wire.
+
+    Attributes
+    ----------
+    ends : Ends or None
+        The wires while they are open.
     """
 
     def __init__(
@@ -54,9 +61,11 @@ class Toroid:
         plans: Sequence[Plan],
         reasons: Mapping[str, str] | None = None,
         confirm: Confirm = unasked,
+        now: Callable[[], float] = time.monotonic,
     ) -> None:
         self.plans, self.reasons = tuple(plans), dict(reasons or {})
-        self._confirm = confirm
+        self._confirm, self._now = confirm, now
+        self.ends: Ends | None = None
         for each in self.plans:
             if each.is_live:
                 refuse_unfit(each)
@@ -115,12 +124,16 @@ class Toroid:
     def _live(self, plan: Plan, tell: Tell, stopped: Callable[[], bool]) -> Iterator[Part]:
         held = "the workpiece on the robot, the tool clear of it where the path begins, nobody in the cell"
         self._confirm(f"setup {plan.setup}, {plan.path.seconds:.0f} s: {held}", stopped)
-        bring(plan, tell, stopped)
-        with opened(plan, tell) as ends, real_time():
+        bring(plan, tell, stopped, self._now)
+        with opened(plan, tell, self._now) as ends, real_time():
             made = _part(plan, ends.unless_told(tell), wired(ends))
             assert made.retreat is not None
             retreat = replace(made.retreat, fault=partial(ends.fault, made.retreat))
-            yield replace(made, clock=ReportClock(ends.wires, plan.pace.slow), retreat=retreat, rest=ends.rest)
+            self.ends = ends
+            try:
+                yield replace(made, clock=ReportClock(ends.wires, plan.pace.slow), retreat=retreat, rest=ends.rest)
+            finally:
+                self.ends = None
 
     def again(self, records: Records) -> Iterator[Part]:
         """Give a part for each setup that is recorded, its sensors as they were."""

@@ -1,5 +1,6 @@
 """The cell behind its wires: robot and tracker, and with a stage that; brought to the path's beginning first."""
 
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -20,6 +21,7 @@ from stagectl.robot.kinematics import forward
 from stagectl.robot.live.blocks import LiveReference, LiveRobot, LiveTracker
 from stagectl.robot.live.way import go, room_of
 from stagectl.robot.live.wires import LiveWires
+from stagectl.robot.port import RobotPort
 from stagectl.wire.messages import REFERENCE
 from stagectl.wire.samples import largest
 
@@ -38,6 +40,11 @@ class Ends:
     wires: LiveWires
     stage: StageLink | None
 
+    @property
+    def robot(self) -> RobotPort:
+        """The robot's wire."""
+        return self.wires.port
+
     def fault(self, within: Retreat) -> str:
         """Return what has latched, or nothing; a stage at fault holds the robot.
 
@@ -47,23 +54,23 @@ class Ends:
             Of the graph, which is held for the same reason.
         """
         if self.stage is not None and self.stage.reason:
-            self.wires.port.hold(f"the stage: {self.stage.reason}")
-        if self.wires.port.reason:
-            within.begin(self.wires.port.reason)
-        return self.wires.port.reason or within.fault()
+            self.robot.hold(f"the stage: {self.stage.reason}")
+        if self.robot.reason:
+            within.begin(self.robot.reason)
+        return self.robot.reason or within.fault()
 
     def unless_told(self, tell: Tell) -> Tell:
         """Return what tells of the graph's faults, but not again of those that the robot's wire has told."""
 
         def told(event: str, fields: Mapping[str, Any]) -> None:
-            if event != "robot_fault" or not self.wires.port.reason:
+            if event != "robot_fault" or not self.robot.reason:
                 tell(event, fields)
 
         return told
 
     def rest(self) -> None:
         """Hold the robot where it is, and have the stage go to mid-travel."""
-        self.wires.port.stop()
+        self.robot.stop()
         if self.stage is not None and not self.stage.reason:
             self.stage.halt()
 
@@ -89,7 +96,7 @@ def refuse_unfit(plan: Plan) -> None:
 
 
 @contextmanager
-def opened(plan: Plan, tell: Tell) -> Iterator[Ends]:
+def opened(plan: Plan, tell: Tell, now: Callable[[], float] = time.monotonic) -> Iterator[Ends]:
     """Open the stage's wire; robot and tracker follow with the first tick.
 
     Whatever ends the block, the robot is held where it is and the stage goes to mid-travel.
@@ -99,6 +106,7 @@ def opened(plan: Plan, tell: Tell) -> Iterator[Ends]:
     plan : Plan
     tell : callable(event, fields)
         Told of faults.
+    now : callable() -> float, s, a monotonic clock
 
     Raises
     ------
@@ -107,7 +115,7 @@ def opened(plan: Plan, tell: Tell) -> Iterator[Ends]:
     with ExitStack() as stack:
         stage = stack.enter_context(StageLink(plan.cell.link, tell)) if plan.has_stage else None
         begin = (lambda: None) if stage is None else stage.start
-        wires = stack.enter_context(LiveWires(plan.cell, tell, feels=False, beside=begin))
+        wires = stack.enter_context(LiveWires(plan.cell, tell, now=now, feels=False, beside=begin))
         stack.enter_context(undisturbed())
         yield Ends(wires, stage)
 
@@ -124,7 +132,7 @@ def wired(ends: Ends) -> Make:
         slow = plan.pace.slow
         graph.add("robot", LiveRobot(ends.wires), slow)
         graph.add("camera", LiveTracker(ends.wires), plan.pace.quick)
-        graph.add("sent", LiveReference(ends.wires.port), slow)
+        graph.add("sent", LiveReference(ends.robot), slow)
         graph.connect("port.reference", "sent.reference")
         sources = {signal.name: (f"robot.{signal.name}", False) for signal in ROBOT}
         sources |= {signal.name: (f"camera.{signal.name}", False) for signal in TRACKER}
@@ -139,7 +147,7 @@ def wired(ends: Ends) -> Make:
     return add
 
 
-def bring(plan: Plan, tell: Tell, stopped: Callable[[], bool]) -> None:
+def bring(plan: Plan, tell: Tell, stopped: Callable[[], bool], now: Callable[[], float] = time.monotonic) -> None:
     """Lead the workpiece, joint by joint, to where the path begins; it must be near it.
 
     Parameters
@@ -148,6 +156,7 @@ def bring(plan: Plan, tell: Tell, stopped: Callable[[], bool]) -> None:
     tell : callable(event, fields)
         Told of faults.
     stopped : callable() -> bool
+    now : callable() -> float, s, a monotonic clock
 
     Raises
     ------
@@ -170,7 +179,7 @@ def bring(plan: Plan, tell: Tell, stopped: Callable[[], bool]) -> None:
             )
         return room.leg(here, there, False)
 
-    go(plan.cell, way, tell, stopped)
+    go(plan.cell, way, tell, stopped, now)
 
 
 def _millimetres(place: np.ndarray | tuple[float, float, float]) -> str:

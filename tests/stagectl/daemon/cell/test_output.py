@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +15,13 @@ from firmware_sim.stage_processor import Settings
 from rigkit import config as rig_file
 from rigkit.service.snapshot import snapshot
 from stagectl.daemon.cell.rig import RobotCell
+from stagectl.experiments.toroid.experiment import Toroid
 from stagectl.robot.config import CellConfig
 from tests.rigkit.service.outputs import is_measured_while_it_runs
 from tests.scenario.stepped_cell import BUSY, SteppedCell
 from tests.scenario.test_joints_in_a_clamp_over_the_wires import QUICK as QUICK_JOINTS
 from tests.scenario.test_mid_ranging_over_both_wires import MIDRANGING
+from tests.scenario.test_the_toroid_over_the_wires import SETTINGS as TOROID_SETTINGS
 from tests.stagectl.daemon.bench import Lab, lab_of
 from tests.stagectl.daemon.cell.bench import cell_in
 from tests.stagectl.experiments.toroid.short_cell import SHORT
@@ -40,8 +43,10 @@ LIVE = {
     "midrange": {"midranging": MIDRANGING},
     "step": {"midranging": MIDRANGING},
     "calibrate-joints": {"clamping": QUICK_JOINTS},
+    "cell": TOROID_SETTINGS | {"toroid": {"turn": 1.0}},
 }
-"""Procedures that lead a robot over its wires, where the cell's file says so."""
+"""Procedures that lead a robot over its wires, where the cell's file or their options say so."""
+OF_LIVE = {"cell": {"setup": "B", "live": True}}
 PANELS = {"midrange": {"position", "manipulators", "control"}, "step": {"robot", "stage", "control"}}
 """Of those that lead the stage as well."""
 
@@ -81,7 +86,9 @@ def test_the_output_of_a_simulation_is_measured_while_a_procedure_runs(lab: Lab,
 @pytest.mark.slow
 @pytest.mark.stall(0.3)
 @pytest.mark.parametrize("procedure", LIVE)
-def test_the_output_of_a_live_robot_is_measured_while_it_is_led(tmp_path: Path, procedure: str) -> None:
+def test_the_output_of_a_live_robot_is_measured_while_it_is_led(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, procedure: str
+) -> None:
     data, file, wire = tmp_path / "data", tmp_path / "cell.toml", tmp_path / "can"
     (data / "runs").mkdir(parents=True)
     _write_wave(data, 50e-6, 2_500)
@@ -89,12 +96,14 @@ def test_the_output_of_a_live_robot_is_measured_while_it_is_led(tmp_path: Path, 
         running(wire, Settings(silence=PATIENT, pace="host")),
         SteppedCell(**LIVE[procedure]) as stepped,
     ):
+        # the stepped robot's clock goes faster than ours, and two ports lead it one after the other
+        monkeypatch.setattr("stagectl.experiments.toroid.daemon.Toroid", partial(Toroid, now=stepped.now))
         link, daemon = link_to(wire, silence=PATIENT, patience=BUSY), stepped.config.daemon
         changed = {"link": link, "daemon": daemon.model_copy(update={"data": str(data)})}
         file.write_text(rig_file.dump(stepped.config.model_copy(update=changed)))
         lab = lab_of(RobotCell(lambda: rig_file.load(file, CellConfig)), file, data)
         lab.control.arm(lab.key, "a test")
-        lab.control.begin(lab.key, procedure, OPTIONS[procedure], "")
+        lab.control.begin(lab.key, procedure, OPTIONS[procedure] | OF_LIVE.get(procedure, {}), "")
         assert is_measured_while_it_runs(lab.control)
         if procedure in PANELS:
             until(lambda: lab.gauge("led").value == 1.0)

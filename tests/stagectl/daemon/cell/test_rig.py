@@ -191,6 +191,25 @@ def test_what_is_live_is_not_paced(tmp_path: Path, procedure: str, key: str) -> 
     lab.close()
 
 
+@pytest.mark.parametrize(
+    ("setting", "options", "words"),
+    [
+        ("robot.commands=6511", {"paced": True}, "paced is true, must be false where live is true: the robot is the "),
+        ("robot.commands=0", {}, "robot.commands is 0, must be the port of the robot's program: guided motion begins "),
+    ],
+)
+def test_a_live_toroid_that_cannot_be_is_refused(
+    tmp_path: Path, setting: str, options: dict[str, object], words: str
+) -> None:
+    lab = cell_in(tmp_path, setting)
+    lab.begin("cell", setup="A", live=True, **options)
+    lab.ended()
+    assert lab.state is State.ARMED
+    assert f" has not begun: {words}" in lab.why
+    assert not any((lab.data / "runs").iterdir())
+    lab.close()
+
+
 def test_a_reload_holds_from_the_next_procedure_on(lab: Lab) -> None:
     edit(lab.file, lab.data, "force.force=12", "daemon.lease=20")
     change = lab.rig.reload()
