@@ -197,7 +197,7 @@ class Deflection(Section):
     delay: int = setting(2, "samples", "by which the laser comes later than the position sensors", ge=0, le=1_000)
     corner: float = setting(2000.0, "Hz", "of a first-order low-pass for the laser's noise", gt=0, le=50_000)
     learn: bool = setting(
-        False, "", "make a prefilter for the deflection that a run without compensation shows: session.compare"
+        True, "", "make a prefilter for the deflection that a run without compensation shows: session.compare"
     )
     prefilter: str = setting("", "", "prefilter.json of an earlier run, in place of a new one", files=(".json",))
 

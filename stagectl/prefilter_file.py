@@ -34,11 +34,13 @@ def learned(record: Recording, made: "Setup") -> tuple[Prefilter | None, ...]:
 
     Raises
     ------
-    ValueError : it is too short to tell frequencies apart.
+    ValueError : it is too short to tell frequencies apart, or nothing says what was heard of the stage.
     """
     config, begin = made.config, made.timeline.begin
     found: list[Prefilter | None] = []
     for axis, design, measured in zip(config.stage.axes, made.designs, made.measured, strict=True):
+        if measured is None:
+            raise ValueError(f"the model of {axis} does not say what was heard of the stage: calibrate again")
         laser, position = record.select([f"absolute_{axis}", f"position_{axis}"]).data[begin:].T.astype(float)
         seen = disturbance(laser - position, record.rate)
         found.append(prefilter(design, config.outer, seen, lateness(config.deflection, record.rate), measured))
