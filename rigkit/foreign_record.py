@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ctlblocks.recording import Recording, RecordingError
-from rigkit import foreign_arrays, foreign_sound, foreign_table, os_fault
+from rigkit import foreign_arrays, foreign_parquet, foreign_sound, foreign_table, os_fault
 from rigkit.even_time import STEADY, seconds_of
 from rigkit.foreign_stream import Signals
 
@@ -23,7 +23,7 @@ def open_signals(
     ----------
     path : Path
         A sound (.wav, also RF64; .flac), a table (.csv, .tsv, .txt, .dat: names first, or none; comma, semicolon, tab
-        or spaces between; .lvm), arrays (.h5, .hdf5, .he5, .mat).
+        or spaces between; .lvm; .parquet), arrays (.h5, .hdf5, .he5, .mat).
     rate : float or None, samples/s
         None: what the file says: a sound's, a column of time, a first line of this program, an attribute "rate".
     channels : sequence of str or None
@@ -54,10 +54,17 @@ def open_signals(
             found = foreign_arrays.array_signals(path, channels, rate)
         elif kind in foreign_table.SUFFIXES:
             found = foreign_table.table_signals(path, rate, may_miss)
+        elif kind in foreign_parquet.SUFFIXES:
+            found = foreign_parquet.parquet_signals(path, rate)
         elif kind in foreign_sound.SUFFIXES:
             found = foreign_sound.sound_signals(path)
         else:
-            known = (*foreign_sound.SUFFIXES, *foreign_table.SUFFIXES, *foreign_arrays.SUFFIXES)
+            known = (
+                *foreign_sound.SUFFIXES,
+                *foreign_table.SUFFIXES,
+                *foreign_arrays.SUFFIXES,
+                *foreign_parquet.SUFFIXES,
+            )
             raise RecordingError(f"{path}: suffix is {path.suffix!r}, must be one of {', '.join(known)}")
     except OSError as fault:
         raise RecordingError(os_fault.told(fault)) from None

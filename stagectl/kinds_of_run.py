@@ -1,18 +1,20 @@
 """Runs of every kind: how each is reported and replayed."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from ctlblocks.recording import Recording
 from rigkit.experiment import kept
 from rigkit.experiment.kind import Kind, kind_of
 from rigkit.experiment.replayed import Replayed
-from stagectl import session
 from stagectl.experiments.kinds import KINDS
 from stagectl.experiments.toroid.read_back import STAGE, TOROID
 from stagectl.feed.folder import is_of_feed, replay_folder, report_folder
+from stagectl.replay import remade as from_log
 from stagectl.replay import replay
 from stagectl.report import run_report
+from stagectl.run_setup import setup_as_run, setup_of
 from stagectl.trials.job import report_again
 from stagectl.trials.replay import replay_trials
 from stagectl.trials.session import is_of_trials
@@ -38,14 +40,39 @@ def replayed(path: Path, settings: Sequence[str] = ()) -> Iterator[Replayed]:
     """
     if (kind := _kind(path)) is not None:
         return kept.replayed(path, kind, settings)
-    if settings:
-        known = ", ".join(sorted(KINDS))
+    if settings and (is_of_feed(path) or is_of_trials(path)):
+        known = ", ".join(sorted([*KINDS, "stage runs"]))
         raise ValueError(f"{path}: --set is {settings[0]!r}, must not be given but for: {known}")
     if is_of_feed(path):
         return replay_folder(path)
     if is_of_trials(path):
         return replay_trials(path)
-    return replay(path, session.setup_of(path))
+    return replay(path, setup_of(path, settings) if settings else setup_as_run(path))
+
+
+def remade(
+    path: Path, settings: Sequence[str], read: Callable[[Recording, list[str]], Recording]
+) -> tuple[Recording, Recording]:
+    """Make what a run's controllers would have made of somebody's log; return the log, and that.
+
+    Parameters
+    ----------
+    path : Path
+        Of the run's folder.
+    settings : sequence of str
+        Laid over its rig file.
+    read : callable(Recording, list of str) -> Recording
+        As of `kept.remade`.
+
+    Raises
+    ------
+    ValueError : a kind of run whose graph takes no log, settings for the stage's, or as of `kept.remade`.
+    """
+    if (kind := _kind(path)) is not None:
+        return kept.remade(path, kind, settings, read)
+    if is_of_feed(path) or is_of_trials(path):
+        raise ValueError(f"{path}: is a run of trials or of pockets, must be of mid-ranging, steps or a stage")
+    return from_log(path, setup_of(path, settings) if settings else setup_as_run(path), read)
 
 
 def _kind(path: Path) -> Kind | None:

@@ -1,8 +1,9 @@
 """Replay: the recorded sensors go through the run's own graph again, and every output must come out as it was."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from ctlblocks.recording import Recording
 from rigkit.experiment.replayed import Replayed, compared
 from stagectl.cell import MADE, Cell, kept_in, memory, recorded
 from stagectl.session import RECORDING, UNCOMPENSATED, read_recording
@@ -17,7 +18,7 @@ def replay(path: Path, made: Setup) -> Iterator[Replayed]:
     path : Path
         Run folder.
     made : Setup
-        `session.setup_of(path)` for what was done; of other settings or models for what would have been done to the
+        `setup_as_run(path)` for what was done; of other settings or models for what would have been done to the
         sensors as they were.
 
     Raises
@@ -29,21 +30,49 @@ def replay(path: Path, made: Setup) -> Iterator[Replayed]:
     found = [(name, read_recording(path, name)) for name in (UNCOMPENSATED, RECORDING)]
     if all(record is None for _, record in found):
         raise ValueError(f"{path}: nothing is recorded")
-    config = made.config
     for name, record in found:
         if record is None:
             continue
-        wanted = record.select([f"wanted_{axis}" for axis in config.stage.axes])
-        kept = memory(made, len(record.data))
-        compensate = config.deflection.on and name == RECORDING
-        cell = Cell(made, wanted, recorded(record, config), compensate, {"record": kept})
-        rows = len(record.data)
-        cell.run(lambda _: None, lambda cell=cell, rows=rows: _ends_here(cell, made, rows))  # type: ignore[misc]
-        again = kept_in(kept, made, {})
-        for output in MADE:
-            for axis in config.stage.axes:
-                channel = f"{output}_{axis}"
-                yield from compared(name, record, again.select([channel]))
+        again = _again(made, record, made.config.deflection.on and name == RECORDING)
+        for channel in _made_names(made):
+            yield from compared(name, record, again.select([channel]))
+
+
+def remade(path: Path, made: Setup, read: Callable[[Recording, list[str]], Recording]) -> tuple[Recording, Recording]:
+    """Make what a run's controllers would have made of somebody's log; return the log, and that.
+
+    Parameters
+    ----------
+    path : Path
+        Run folder: its channels.
+    made : Setup
+    read : callable(Recording, list of str) -> Recording
+        As of `rigkit.experiment.kept.remade`.
+
+    Raises
+    ------
+    ValueError : nothing is recorded, or what `read` raises.
+    """
+    record = None if made.config.session.live else read_recording(path, RECORDING)
+    if record is None:
+        raise ValueError(f"{path}: has no recording of controllers in this program for a log to stand in its place")
+    names = _made_names(made)
+    log = read(record, names)
+    return log, _again(made, log, made.config.deflection.on).select(names)
+
+
+def _made_names(made: Setup) -> list[str]:
+    return [f"{output}_{axis}" for output in MADE for axis in made.config.stage.axes]
+
+
+def _again(made: Setup, record: Recording, compensate: bool) -> Recording:
+    """Return all that is recorded of a run, made again from its recorded sensors and wanted positions."""
+    wanted = record.select([f"wanted_{axis}" for axis in made.config.stage.axes])
+    rows = len(record.data)
+    kept = memory(made, rows)
+    cell = Cell(made, wanted, recorded(record, made.config), compensate, {"record": kept})
+    cell.run(lambda _: None, lambda: _ends_here(cell, made, rows))
+    return kept_in(kept, made, {})
 
 
 def _ends_here(cell: Cell, made: Setup, rows: int) -> bool:

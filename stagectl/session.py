@@ -14,21 +14,21 @@ from rigkit import config as rig_file
 from rigkit.disk_space import require
 from rigkit.kept_files import kept_files
 from rigkit.provenance import now, software
-from rigkit.run_folder import CONFIG, RunFolder, read_events
+from rigkit.run_folder import RunFolder
 from rigkit.run_origin import keep_origin
 from stagectl.cell import RECORDED, Cell, kept_in, memory, simulated
 from stagectl.config import StageConfig
 from stagectl.model_origin import refuse_foreign
 from stagectl.prefilter_file import PREFILTER, learned, write_prefilters
 from stagectl.reference import wanted_position
-from stagectl.setup import Setup, refuse_unfit_prefilters, setup, with_prefilters
+from stagectl.run_setup import model_name
+from stagectl.setup import Setup, refuse_unfit_prefilters, setup
+from stagectl.stage.loop_parameters import loop_parameters
 from stagectl.tracking import tracking
 
 RECORDING, UNCOMPENSATED = "recording", "uncompensated"
 """Names of a run's recordings, less the suffix."""
 KIND = "stage run"
-RESUMED = "resumed"
-"""The event of a reference that goes on; its `samples` are those that it was held, in all."""
 RECORDED_LIVE = ("reference", "position", "extension", "voltage")
 """What is recorded of a live run."""
 
@@ -79,7 +79,9 @@ def make_folder(path: Path, made: Setup, models: Sequence[Path], accept: Collect
             source = Path(config.reference.signal)
             folder.take_in(source, f"reference{source.suffix.lower()}")
         parts = [path.name for path in folder.path.iterdir() if path.suffix in (".h5", ".wav", ".csv")]
-        keep_origin(folder, KIND, files.config, [*sorted(parts), *copied], sorted(accept))
+        numbers = loop_parameters(config.stage.axes, made.outer_loops) if made.designs else {}
+        loops = {"loops": {name: each.tolist() for name, each in numbers.items()}}
+        keep_origin(folder, KIND, files.config, [*sorted(parts), *copied], sorted(accept), loops)
     return folder
 
 
@@ -93,27 +95,6 @@ def _refuse_ignored(config: StageConfig) -> None:
     for key, (is_set, why) in ignored.items():
         if config.session.live and is_set:
             raise ValueError(f"{key} is set, must not be where session.live is true: {why}; the simulated stage does")
-
-
-def setup_of(path: Path) -> Setup:
-    """Return the setup of a run from its folder; ValueError if that is no whole run's."""
-    if not (path / CONFIG).is_file():
-        raise ValueError(f"{path}/ is not the folder of a run: it has no {CONFIG}")
-    config = rig_file.load(path / CONFIG, StageConfig)
-    if config.inner.hysteresis:
-        kept = tuple(str(path / f"hysteresis-{axis}.h5") for axis in config.stage.axes)
-        config = config.model_copy(update={"inner": config.inner.model_copy(update={"hysteresis": kept})})
-    files = [path / model_name(axis) for axis in config.stage.axes]
-    made = setup(config, [] if config.session.live and not files[0].exists() else files)
-    if (path / PREFILTER).is_file():
-        made = with_prefilters(made, path / PREFILTER)
-    held = [event["samples"] for event in read_events(path) if event["event"] == RESUMED]
-    return replace(made, held=held[-1] if held else 0)
-
-
-def model_name(axis: str) -> str:
-    """Return how the copy of an axis' model is called in a run's folder."""
-    return f"model-{axis}.h5"
 
 
 def run(folder: RunFolder, made: Setup, tell: Tell, stopped: Callable[[], bool]) -> dict[str, Any]:

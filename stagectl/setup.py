@@ -17,6 +17,7 @@ from stagectl.stage.hysteresis_file import read_hysteresis
 from stagectl.stage.loop import stage_controller
 from stagectl.stage.measured_response import MeasuredResponse
 from stagectl.stage.prefilter import Prefilter, refuse_unfit
+from stagectl.stage.state_feedback import StateFeedback
 from stagectl.stage.weights import chosen_weights
 from stagectl.timeline import Timeline, timeline
 
@@ -33,6 +34,10 @@ class Setup:
         One of each an axis; none of a live run on the loops that the stage has already.
     prefilters : tuple of Prefilter or None
         One of each an axis, for a deflection that is compensated; none where there are none.
+    measured : tuple of MeasuredResponse or None
+        What was heard of each axis, where its model's file says so.
+    loops : tuple of StateFeedback
+        Of a run that is made again: those that were used, in place of designs.
     held : int, samples
         By which the run was longer, since its reference was held.
     said : tuple of str
@@ -44,6 +49,7 @@ class Setup:
     designs: tuple[Design, ...]
     prefilters: tuple[Prefilter | None, ...] = ()
     measured: tuple[MeasuredResponse | None, ...] = ()
+    loops: tuple[StateFeedback, ...] = ()
     held: int = 0
     said: tuple[str, ...] = ()
 
@@ -57,9 +63,14 @@ class Setup:
         end = begin + whole.end - whole.begin + held
         return Timeline(whole.rate, 0, begin, end, end)
 
+    @property
+    def outer_loops(self) -> list[StateFeedback]:
+        """The loops that were designed, or of a run that is made again those that were used."""
+        return list(self.loops) or [each.loop for each in self.designs]
+
     def controller(self, prefiltered: bool = False) -> StageController:
         """Return the controllers, at their beginning; with `prefiltered`, those that the prefilters are made for."""
-        loops = [each.loop for each in self.designs]
+        loops = self.outer_loops
         for axis, each in enumerate(self.prefilters if prefiltered else ()):
             if each is not None:
                 loops[axis] = replace(loops[axis], forward=each.forward)

@@ -189,6 +189,37 @@ def replayed(path: Path, kind: Kind, settings: Sequence[str] = ()) -> Iterator[R
             yield from compared(track.name, replace(record, data=record.data[:rows]), made)
 
 
+def remade(
+    path: Path, kind: Kind, settings: Sequence[str], read: Callable[[Recording, list[str]], Recording]
+) -> tuple[Recording, Recording]:
+    """Make what a run's controllers would have made of somebody's log; return the log, and that.
+
+    Parameters
+    ----------
+    path : Path
+        Of a run's folder: what is run, its settings and its channels.
+    kind : Kind
+    settings : sequence of str
+        Laid over its rig file.
+    read : callable(Recording, list of str) -> Recording
+        Reads the log with the channels of the run's recording, of which those that controllers make may be missing.
+
+    Raises
+    ------
+    ValueError : the run has recordings of several rates, or what `read` raises.
+    """
+    records = records_of(path)
+    if len(records) != 1:
+        have = ", ".join(f"{name} at {each.rate:g} samples/s" for name, each in records.items()) or "nothing"
+        raise ValueError(f"{path}: has recorded {have}, must be one recording for a log to stand in its place")
+    ((name, record),) = records.items()
+    (before,) = kind.read(path, records, ()).again(records)
+    log = read(record, before.tracks[0].made_names(before.graph))
+    (part,) = kind.read(path, {name: log}, settings).again({name: log})
+    track = part.tracks[0]
+    return log, repeated(part, len(log.data) * track.every)[name].select(track.made_names(part.graph))
+
+
 def _told(path: Path, kind: str) -> dict[str, dict[str, Any]]:
     """Return the events of a kind in a run's folder, by the name of the part that they are of."""
     return {event["part"]: event for event in read_events(path) if event["event"] == kind and "part" in event}

@@ -25,6 +25,7 @@ from stagectl.daemon.spoiled import spoiled
 from stagectl.held_reference import HeldReference
 from stagectl.reference import wanted_position
 from stagectl.report import run_report
+from stagectl.run_setup import RESUMED
 from stagectl.streamed import convert, recorder
 
 _LONG = ("started", "recorded")
@@ -139,7 +140,7 @@ class Following:
         if reference.is_held and not self._is_held:
             self._folder.event("held", {"sample": ticks})
         elif reference.is_playing and self._is_held:
-            self._folder.event(session.RESUMED, {"sample": ticks, "samples": reference.held})
+            self._folder.event(RESUMED, {"sample": ticks, "samples": reference.held})
         self._is_held = reference.is_held or (self._is_held and not reference.is_playing)
 
     def _heard(self, event: str, fields: Mapping[str, Any]) -> None:

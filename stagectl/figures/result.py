@@ -8,7 +8,8 @@ import numpy as np
 
 from ctlblocks.recording import Recording
 from rigkit.figure_style import LIMIT
-from stagectl.session import RECORDING, UNCOMPENSATED, error_of, read_recording, setup_of
+from stagectl.run_setup import setup_of
+from stagectl.session import RECORDING, UNCOMPENSATED, error_of, read_recording
 from stagectl.setup import Setup
 
 BOUND: dict[str, Any] = {**LIMIT}

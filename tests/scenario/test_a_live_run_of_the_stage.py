@@ -22,6 +22,7 @@ from stagectl.link.stage_link import StageLink
 from stagectl.live import run_live
 from stagectl.replay import replay
 from stagectl.report import run_report
+from stagectl.run_setup import setup_of
 from tests.contract.source_tree import ROOT
 from tests.stagectl.simulated_models import write_models
 from tests.until import EVER
@@ -64,7 +65,7 @@ def test_a_live_run_uploads_its_loops_follows_and_can_be_reported_but_not_replay
     np.testing.assert_allclose(position[-1_000:].mean(axis=0), 225e-6, atol=0.5e-6)
     run_report(folder.path)
     with pytest.raises(ValueError, match="nothing to replay here"):
-        list(replay(folder.path, session.setup_of(folder.path)))
+        list(replay(folder.path, setup_of(folder.path)))
 
 
 @pytest.mark.slow

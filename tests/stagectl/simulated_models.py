@@ -2,8 +2,11 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from calibration.state_space.model import InnovationModel
 from stagectl.model_file import write_model
+from stagectl.stage.measured_response import MeasuredResponse
 from tests.stagectl.linear_stage import lagging, sampled
 
 MODES = {
@@ -25,5 +28,12 @@ def write_models(folder: Path) -> list[Path]:
     """Write a model file an axis into a folder, and return them."""
     files = [folder / f"{axis}.h5" for axis in "xyz"]
     for axis, file in zip("xyz", files, strict=True):
-        write_model(file, simulated_model(axis))
+        model = simulated_model(axis)
+        write_model(file, model, heard(model))
     return files
+
+
+def heard(model: InnovationModel) -> MeasuredResponse:
+    """Return what chirps hear of the plant that a model is of, where a laser sees as its sensor does."""
+    cells = np.arange(1.0, 800.0)
+    return MeasuredResponse(cells, model.frequency_response(cells)[:, 0, 0], np.zeros(len(cells), complex))

@@ -1,6 +1,7 @@
 """A run on the simulated stage: it follows, is recorded, replays bit for bit, reports, and keeps faults."""
 
 import json
+import shutil
 from functools import cache
 from pathlib import Path
 
@@ -14,8 +15,11 @@ from rigkit.run_folder import read_events
 from stagectl import session
 from stagectl.cell import MADE, SEEN
 from stagectl.config import StageConfig
+from stagectl.kinds_of_run import replayed
+from stagectl.model_file import read_model, write_model
 from stagectl.replay import replay
 from stagectl.report import run_report
+from stagectl.run_setup import setup_of
 from stagectl.scenario import scenario_settings
 from tests.rigkit.test_disk_space import leave
 from tests.stagectl.simulated_models import write_models
@@ -67,9 +71,37 @@ def test_everything_that_goes_in_and_out_is_recorded_with_names_and_units(run: P
 
 
 def test_a_replay_makes_every_output_again_bit_for_bit(run: Path) -> None:
-    done = list(replay(run, session.setup_of(run)))
+    done = list(replay(run, setup_of(run)))
     assert [each.channel for each in done] == [f"{name}_{axis}" for name in MADE for axis in "xyz"]
     assert all(each.identical and each.difference == 0.0 for each in done)
+
+
+def test_a_replay_designs_nothing(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The loops are those that were used, whatever another SciPy would make of the models."""
+
+    def fail(*_: object, **__: object) -> None:
+        raise AssertionError("a design is looked for")
+
+    monkeypatch.setattr("stagectl.setup.design", fail)
+    assert all(each.identical for each in replayed(run))
+    with pytest.raises(AssertionError, match="a design is looked for"):
+        list(replayed(run, ["inner.bandwidth=[100.0]"]))
+
+
+def test_other_settings_tell_what_would_have_been_made_of_the_sensors(run: Path) -> None:
+    done = list(replayed(run, ["inner.bandwidth=[100.0]"]))
+    assert {each.channel for each in done if not each.identical} >= {"voltage_x", "voltage_y", "voltage_z"}
+    with pytest.raises(ValueError, match=r"limits\.ramps? "):
+        list(replayed(run, ["limits.ramps=1"]))
+
+
+def test_a_folder_of_before_is_designed_anew(run: Path, tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    shutil.copytree(run, path)
+    told = json.loads((path / "run.json").read_text())
+    del told["designed"]
+    (path / "run.json").write_text(json.dumps(told))
+    assert all(each.identical for each in replayed(path))
 
 
 def test_a_replay_of_a_recording_that_was_touched_says_so(run: Path, tmp_path: Path) -> None:
@@ -82,7 +114,7 @@ def test_a_replay_of_a_recording_that_was_touched_says_so(run: Path, tmp_path: P
     at = record.names.index("position_y")
     data[8_000, at] = np.nextafter(data[8_000, at], 1.0)
     recording.write(tmp_path / "recording.wav", Recording(record.names, record.units, record.rate, data))
-    differing = {each.channel for each in replay(tmp_path, session.setup_of(tmp_path)) if not each.identical}
+    differing = {each.channel for each in replay(tmp_path, setup_of(tmp_path)) if not each.identical}
     assert differing == {"extension_reference_y", "voltage_y"}
 
 
@@ -137,7 +169,7 @@ def test_a_sensor_that_cannot_be_ends_the_run_at_rest_with_the_reason_kept(tmp_p
     assert record is not None
     voltage = record.select([f"voltage_{axis}" for axis in "xyz"]).data
     np.testing.assert_array_equal(voltage[-1], 500.0)
-    assert all(each.identical for each in replay(path, session.setup_of(path)))
+    assert all(each.identical for each in replay(path, setup_of(path)))
 
 
 @pytest.mark.slow
@@ -150,12 +182,12 @@ def test_a_milling_run_compares_with_the_uncompensated_one(tmp_path: Path) -> No
     figures = json.loads((path / "summary.json").read_text())
     assert figures["improvement"]["z"] > 20
     assert figures["tool_error"]["z"]["peak"] < 5e-6
-    assert all(each.identical for each in replay(path, session.setup_of(path)))
+    assert all(each.identical for each in replay(path, setup_of(path)))
 
 
 def test_a_milling_run_is_prefiltered_by_what_the_uncompensated_one_has_shown(tmp_path: Path) -> None:
     cut = scenario_settings("milling-z", rig_file.load(None, StageConfig, ["session.seconds=5"]).session)
-    settings = (*cut, "session.seconds=4.2", "simulator.surroundings_options.seconds=5.0", "deflection.learn=true")
+    settings = (*cut, "session.seconds=4.2", "simulator.surroundings_options.seconds=5.0")
     learned, plain = tmp_path / "learned", tmp_path / "plain"
     for folder in (learned, plain):
         folder.mkdir()
@@ -163,7 +195,7 @@ def test_a_milling_run_is_prefiltered_by_what_the_uncompensated_one_has_shown(tm
     found = json.loads((path / "summary.json").read_text())
     assert (path / "prefilter.json").is_file()
     assert found["prefilter"]["z"]["left"] < found["prefilter"]["z"]["without"]
-    assert all(each.identical for each in replay(path, session.setup_of(path)))
+    assert all(each.identical for each in replay(path, setup_of(path)))
     again = finished(plain, *settings, "session.compare=false", f"deflection.prefilter={path / 'prefilter.json'}")
     assert not (again / "prefilter.json").exists()
     config = rig_file.load(None, StageConfig, [*QUICK, *settings, f"deflection.prefilter={path / 'prefilter.json'}"])
@@ -177,10 +209,24 @@ def test_a_milling_run_is_prefiltered_by_what_the_uncompensated_one_has_shown(tm
 
 def test_a_run_too_short_to_learn_from_says_so_and_goes_on(tmp_path: Path) -> None:
     cut = scenario_settings("milling-z", rig_file.load(None, StageConfig, ["session.seconds=5"]).session)
-    path = finished(tmp_path, *cut, "session.seconds=0.5", "deflection.learn=true")
+    path = finished(tmp_path, *cut, "session.seconds=0.5")
     notes = [event["text"] for event in read_events(path) if event["event"] == "note"]
     assert notes == ["no prefilter: the disturbance has 0.72 s, must have 4 s or more"]
     assert "prefilter" not in json.loads((path / "summary.json").read_text())
+
+
+def test_nothing_is_learned_of_a_stage_that_nobody_has_heard(tmp_path: Path) -> None:
+    """Models of before say nothing of it: where they miss a resonance, a prefilter could make the plate swing."""
+    cut = scenario_settings("milling-z", rig_file.load(None, StageConfig, ["session.seconds=5"]).session)
+    files = write_models(tmp_path)
+    for file in files:
+        write_model(file, read_model(file))
+    config = rig_file.load(None, StageConfig, [*QUICK, *cut, "session.seconds=0.5"])
+    folder, made = session.create(tmp_path / "run", config, files)
+    with folder:
+        session.run(folder, made, nobody, never)
+    notes = [event["text"] for event in read_events(tmp_path / "run") if event["event"] == "note"]
+    assert notes == ["no prefilter: the model of x does not say what was heard of the stage: calibrate again"]
 
 
 def test_a_scenario_that_is_unknown_or_too_short_is_refused() -> None:
@@ -210,4 +256,4 @@ def test_a_run_that_is_stopped_comes_to_rest_and_replays(tmp_path: Path) -> None
     assert record is not None
     assert len(record.data) < 5_000
     np.testing.assert_array_equal(record.select(["voltage_x"]).data[-1], 500.0)
-    assert all(each.identical for each in replay(folder.path, session.setup_of(folder.path)))
+    assert all(each.identical for each in replay(folder.path, setup_of(folder.path)))

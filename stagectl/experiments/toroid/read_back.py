@@ -20,7 +20,7 @@ from stagectl.experiments.toroid.plan import ALL, RATE, SETUPS, Plan, loops_of, 
 from stagectl.model_file import read_model
 from stagectl.model_origin import refuse_foreign
 from stagectl.robot.config import CellConfig
-from stagectl.session import model_name
+from stagectl.run_setup import model_name
 from stagectl.stage.loop_parameters import loops_from
 
 STAGE = "stage.toml"

@@ -18,6 +18,7 @@ from stagectl import session
 from stagectl.config import StageConfig
 from stagectl.model_file import read_model, write_model
 from stagectl.replay import replay
+from stagectl.run_setup import setup_of
 from tests.contract import monitoring
 from tests.contract.monitoring import missing_of
 from tests.rigkit.service.described import views_are_described
@@ -33,7 +34,7 @@ def lab(tmp_path: Path) -> Iterator[Lab]:
 
 
 def replays(path: Path) -> bool:
-    return all(each.identical for each in replay(path, session.setup_of(path)))
+    return all(each.identical for each in replay(path, setup_of(path)))
 
 
 def test_a_reference_is_followed_shown_recorded_and_reported_and_the_rig_stays_armed(lab: Lab) -> None:
@@ -53,7 +54,7 @@ def test_a_reference_is_followed_shown_recorded_and_reported_and_the_rig_stays_a
     path = lab.run_folder()
     assert (path / "report.html").is_file()
     assert replays(path)
-    figures = session.summary(path, session.setup_of(path))
+    figures = session.summary(path, setup_of(path))
     assert figures["seconds"] == 1.0
     assert all(figures["position_error"][axis]["peak"] < 3e-6 for axis in "xyz")
     assert [event["run"] for event in lab.events("finished")] == ["one"]
@@ -83,7 +84,7 @@ def test_a_reference_is_held_where_it_comes_to_a_stop_and_goes_on_and_the_run_re
     lab.ended()
     assert lab.state is State.ARMED, lab.why
     path = lab.run_folder()
-    made = session.setup_of(path)
+    made = setup_of(path)
     assert made.held > 2_500 + 2_000
     assert replays(path)
     record = session.read_recording(path, session.RECORDING)
