@@ -1,7 +1,7 @@
 """The command line's side of an experiment: run with progress and Ctrl-C, in a folder or in memory, and told."""
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from ctlblocks.clock import Clock, Offline
 from rigkit.command import words
-from rigkit.experiment.kept import create, in_memory, run
+from rigkit.experiment.kept import create, in_memory, run, take_up
 from rigkit.experiment.kind import Experiment, Kind
 from rigkit.experiment.runner import STOPPED, Conduct
 from rigkit.progress import progress
@@ -79,6 +79,26 @@ class CommandLine:
                 return in_memory(experiment, conduct)
             with create(self.out, kind, config, experiment, **folder) as made:
                 return run(made, kind, experiment, conduct, self.png)
+
+    def go_on(
+        self, kind: Kind, make: Callable[[frozenset[str]], Experiment], part_of: Callable[[str], str]
+    ) -> tuple[dict[str, str], dict[str, Any]]:
+        """Run what is left of a run in the folder `out`; return as `carry_out` does, the figures of all of it.
+
+        Parameters
+        ----------
+        kind : Kind
+        make, part_of : callable
+            As of `kept.take_up`.
+
+        Raises
+        ------
+        As `kept.take_up`, and as `carry_out`.
+        """
+        assert self.out is not None  # a run without a folder leaves nothing to go on with
+        folder, experiment = take_up(self.out, make, part_of)
+        with folder, self._watched(experiment) as conduct:
+            return run(folder, kind, experiment, conduct, self.png)
 
     def end(self, reasons: Mapping[str, str]) -> None:
         """Say where the report is; raise `Stopped` where the run was."""

@@ -80,6 +80,54 @@ def create(
     return folder
 
 
+def take_up(
+    path: Path, make: Callable[[frozenset[str]], Experiment], part_of: Callable[[str], str]
+) -> tuple[RunFolder, Experiment]:
+    """Open the folder of a run that was killed, or ended early, for what is left of it.
+
+    What was recorded of parts that have not come to their end goes into a folder below it, `before-1` and so on.
+
+    Parameters
+    ----------
+    path : Path
+        Of its folder.
+    make : callable(frozenset of str) -> Experiment
+        Makes what is left, from the names of the parts that have come to their end.
+    part_of : callable(str) -> str
+        The name of the part that a track is of.
+
+    Raises
+    ------
+    ValueError : it is no run's folder, or nothing is left.
+    FolderInUseError : another program works in it.
+    DiskFault : there is no room for the recordings.
+    """
+    folder = RunFolder.open(path)
+    try:
+        done = frozenset(part for part, end in _told(path, "ended").items() if not end["reason"])
+        experiment = make(done)
+        require(path, experiment.room, "the recordings")
+        aside = _set_aside(path, [file for file in recordings(path) if part_of(_track_of(file)) not in done])
+        folder.event("resumed", {"done": sorted(done), **({"before": aside.name} if aside else {})})
+    except BaseException:
+        folder.close()
+        raise
+    return folder, experiment
+
+
+def _set_aside(path: Path, files: Sequence[Path]) -> Path | None:
+    """Move recordings into a new folder below a run's; return that, or None where there are none."""
+    if not files:
+        return None
+    number = 1 + sum(each.is_dir() and each.name.startswith("before-") for each in path.iterdir())
+    aside = path / f"before-{number}"
+    aside.mkdir()
+    for file in files:
+        file.rename(aside / file.name)
+    atomic.to_disk(path)
+    return aside
+
+
 def run(
     folder: RunFolder, kind: Kind, experiment: Experiment, conduct: Conduct, png: Path | None = None
 ) -> tuple[dict[str, str], dict[str, Any]]:
@@ -221,8 +269,16 @@ def remade(
 
 
 def _told(path: Path, kind: str) -> dict[str, dict[str, Any]]:
-    """Return the events of a kind in a run's folder, by the name of the part that they are of."""
-    return {event["part"]: event for event in read_events(path) if event["event"] == kind and "part" in event}
+    """Return the last event of a kind since each part began last, by the name of the part."""
+    found: dict[str, dict[str, Any]] = {}
+    for event in read_events(path):
+        if "part" not in event:
+            continue
+        if event["event"] == "started":
+            found.pop(event["part"], None)
+        if event["event"] == kind:
+            found[event["part"]] = event
+    return found
 
 
 @contextmanager
@@ -256,8 +312,13 @@ def _early(path: Path) -> dict[str, Any]:
 
 def _gaps(path: Path) -> dict[str, Any]:
     """Return which recordings have gaps: what comes after the first one is judged by nothing."""
-    broken = sorted({file.stem.rpartition("-")[0] for file in recordings(path) if _goes_on(file)})
+    broken = sorted({_track_of(file) for file in recordings(path) if _goes_on(file)})
     return {GAPS: broken} if broken else {}
+
+
+def _track_of(file: Path) -> str:
+    """Return the name of the track that a recording is of, or goes on with."""
+    return file.stem.rpartition("-")[0] if _goes_on(file) else file.stem
 
 
 def _goes_on(file: Path) -> bool:

@@ -12,9 +12,10 @@ from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
 from rigkit.experiment.command import CommandLine
-from stagectl.experiments.toroid.experiment import Toroid
+from rigkit.run_folder import CONFIG
+from stagectl.experiments.toroid.experiment import Confirm, Toroid
 from stagectl.experiments.toroid.plan import ALL, SETUPS, stage_of
-from stagectl.experiments.toroid.read_back import TOROID, Files, plans_of
+from stagectl.experiments.toroid.read_back import TOROID, Files, left_of, plans_of, setup_of_track, was_live
 from stagectl.experiments.toroid.report import HEAD, table_rows
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_needless_yes, refuse_unattended
@@ -22,8 +23,14 @@ from stagectl.robot.live.person import Person
 
 
 def cell(
-    setup: Annotated[str, typer.Option(metavar="SETUP", help=f"{', '.join(SETUPS)}; {ALL} for one after the other.")],
-    out: Annotated[Path, typer.Option(metavar="RUN/", help="Folder to make for recordings and report.")],
+    setup: Annotated[
+        str | None, typer.Option(metavar="SETUP", help=f"{', '.join(SETUPS)}; {ALL} for one after the other.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make for recordings and report.")] = None,
+    resume: Annotated[
+        Path | None,
+        typer.Option(metavar="RUN/", help="Go on with that run: its settings, and the setups that are left of it."),
+    ] = None,
     config: ConfigOption = None,
     stage: Annotated[Path | None, typer.Option(metavar="FILE", help="The stage's own rig file.")] = None,
     model: Annotated[
@@ -50,8 +57,20 @@ def cell(
     afterwards: the figures are of what tracker and stage have seen.
 
     Examples: `stagectl cell --setup all --config cell.toml --out RUN/ --png figures/`,
-    `stagectl cell --setup B --config cell.toml --live --out RUN/`
+    `stagectl cell --setup B --config cell.toml --live --out RUN/`, `stagectl cell --resume RUN/`
     """
+
+    def confirm(what: str, stopped: Callable[[], bool]) -> None:
+        Person(_say, stopped, not is_sure).confirm(what)
+
+    clock = Paced() if is_paced else Offline()
+    if resume is not None:
+        given = {"--setup": setup, "--out": out, "--config": config, "--stage": stage, "--model": model}
+        _refuse_given({**given, "--set": settings, "--accept": accept, "--live": is_live or None})
+        _go_on(CommandLine("the toroid", was_live(resume), resume, png, json, clock), resume, confirm, is_sure)
+        return
+    if setup is None or out is None:
+        raise ValueError("--setup and --out are missing: what is run, and where it is kept")
     refuse_needless_yes(is_sure, is_live)
     if is_live and is_paced:
         raise ValueError("--paced and --live are given, must be one of them: live, the robot is the clock")
@@ -60,14 +79,25 @@ def cell(
         sys.stderr.write(f"{note}\n")
     if is_live:
         refuse_unattended(made, is_sure)
-
-    def confirm(what: str, stopped: Callable[[], bool]) -> None:
-        Person(_say, stopped, not is_sure).confirm(what)
-
     experiment = Toroid(plans_of(setup, made, files, is_live), confirm=confirm)
-    line = CommandLine("the toroid", is_live, out, png, json, Paced() if is_paced else Offline())
+    line = CommandLine("the toroid", is_live, out, png, json, clock)
     reasons, found = line.carry_out(TOROID, made, experiment, take_more=files.take_into, accept=sorted(accept or ()))
     _tell(found["setups"], out, setup == ALL, json)
+    line.end(reasons)
+
+
+def _refuse_given(given: dict[str, object]) -> None:
+    for name, value in given.items():
+        if value is not None:
+            raise ValueError(f"{name} and --resume are given, must be one of them: a run has its own settings")
+
+
+def _go_on(line: CommandLine, path: Path, confirm: Confirm, is_sure: bool) -> None:
+    refuse_needless_yes(is_sure, line.is_live)
+    if line.is_live:
+        refuse_unattended(rig_file.load(path / CONFIG, CellConfig), is_sure)
+    reasons, found = line.go_on(TOROID, lambda done: left_of(path, done, confirm), setup_of_track)
+    _tell(found["setups"], path, True, line.json)
     line.end(reasons)
 
 

@@ -15,6 +15,10 @@ def event_text(event: dict[str, Any]) -> str:
             return f"Setup {setup}, {SETUPS.get(setup, 'unknown')}, with {event['software']}."
         case "held" if "part" in event:
             return f"Setup {setup_of(event)} is held, after {event['seconds']:g} s."
+        case "resumed":
+            done = f"{', '.join(event['done'])} had come to the end" if event["done"] else "none had come to its end"
+            before = f"; what was recorded of the others before is in {event['before']}/" if "before" in event else ""
+            return f"Resumed: {done}{before}."
         case "ended":
             return " ".join(_end(event))
         case _ if set(event) == {"time", "event", "reason"}:

@@ -14,7 +14,7 @@ from rigkit.run_folder import CONFIG, RunFolder, read_events
 from stagectl.config import StageConfig
 from stagectl.devices.signals import AXES
 from stagectl.experiments.toroid.event_text import reasons_of, setup_of
-from stagectl.experiments.toroid.experiment import Toroid
+from stagectl.experiments.toroid.experiment import Confirm, Toroid
 from stagectl.experiments.toroid.makes import refuse_wrong_plants
 from stagectl.experiments.toroid.plan import ALL, RATE, SETUPS, Plan, loops_of, plan, refuse_count
 from stagectl.model_file import read_model
@@ -100,18 +100,63 @@ def read_back(path: Path, records: Records, settings: Sequence[str] = ()) -> Tor
     ------
     ValueError : it is no folder of theirs.
     """
-    if not (path / STAGE).is_file():
-        raise ValueError(f"{path}/ is not the folder of a run of the cell: it has no {CONFIG} and {STAGE}")
-    cell, stage = rig_file.load(path / CONFIG, CellConfig, settings), rig_file.load(path / STAGE, StageConfig)
+    _refuse_other(path)
     events = [event for event in read_events(path) if event["event"] in ("started", "ended")]
     begun = {setup_of(event) for event in events}
     reasons = dict.fromkeys(begun, "killed, or not yet at its end") | reasons_of(events)
     setups = [setup for setup in SETUPS if setup in begun]
     if not setups:
         raise ValueError(f"{path}: nothing is recorded")
+    return Toroid(_plans(path, setups, settings), reasons)
+
+
+def left_of(path: Path, done: Collection[str], confirm: Confirm) -> Toroid:
+    """Return the setups of a run that have not come to their end.
+
+    Parameters
+    ----------
+    path : Path
+        Of its folder.
+    done : collection of str
+        Setups that have.
+    confirm : callable(what, stopped)
+        As of `Toroid`.
+
+    Raises
+    ------
+    ValueError : it is no folder of theirs, or all have come to their end.
+    """
+    _refuse_other(path)
+    origin = read_origin(path / RUN)
+    asked = origin.designed.get("setups", ()) if origin else ()
+    left = [setup for setup in asked if setup not in done]
+    if not left:
+        raise ValueError(f"{path}: nothing is left of it: {', '.join(asked) or 'no setup'} came to the end")
+    return Toroid(_plans(path, left), confirm=confirm)
+
+
+def was_live(path: Path) -> bool:
+    """Return whether a run's robot was behind its wires."""
+    origin = read_origin(path / RUN)
+    return bool(origin and origin.designed.get("live"))
+
+
+def setup_of_track(track: str) -> str:
+    """Return the setup that a recording is of."""
+    return track.rpartition("-")[0]
+
+
+def _refuse_other(path: Path) -> None:
+    if not (path / STAGE).is_file():
+        raise ValueError(f"{path}/ is not the folder of a run of the cell: it has no {CONFIG} and {STAGE}")
+
+
+def _plans(path: Path, setups: Sequence[str], settings: Sequence[str] = ()) -> list[Plan]:
+    """Return setups as a run's folder has them, with the stage's loops that were used."""
+    cell, stage = rig_file.load(path / CONFIG, CellConfig, settings), rig_file.load(path / STAGE, StageConfig)
     origin = read_origin(path / RUN)
     told = origin.designed.get("loops", {}) if origin else {}
-    is_live = bool(origin and origin.designed.get("live"))
+    is_live = was_live(path)
     if is_live:
         loops = []
     elif told:
@@ -121,7 +166,7 @@ def read_back(path: Path, records: Records, settings: Sequence[str] = ()) -> Tor
         loops = loops_of(stage, models if models[0].exists() else ())
     else:
         loops = []
-    return Toroid([plan(setup, cell, stage, loops, is_live) for setup in setups], reasons)
+    return [plan(setup, cell, stage, loops, is_live) for setup in setups]
 
 
 TOROID = Kind("cell runs", read_back, apart=("learning.model",))

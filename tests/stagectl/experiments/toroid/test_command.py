@@ -1,5 +1,6 @@
 """The command line: what a person types, and what comes of mistakes."""
 
+import io
 import json
 import sys
 from pathlib import Path
@@ -73,3 +74,25 @@ def test_the_room_that_is_asked_for_is_enough(monkeypatch: pytest.MonkeyPatch, t
     taken = sum(file.stat().st_size for file in run.glob("A-*"))
     room = Toroid([short("A")]).room
     assert 0.5 * room < taken < room
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["--setup", "A"], "--setup and --out are missing: what is run, and where it is kept"),
+        (["--resume", "run", "--setup", "A"], "--setup and --resume are given, must be one of them"),
+        (["--resume", "run", "--set", "toroid.feed=0.01"], "--set and --resume are given, must be one of them"),
+        (["--resume", "run"], "run/ is not the folder of a run: it has no config.toml"),
+        (["--setup", "A", "--out", "run", "--yes"], "--yes goes with --live, which is not given"),
+        (["--setup", "A", "--out", "run", "--live", "--paced"], "--paced and --live are given, must be one of them"),
+        (["--setup", "A", "--out", "run", "--live"], "the standard input is no terminal: nobody can confirm"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, words: list[str], text: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("stagectl.robot.live.person.sys.stdin", io.StringIO())
+    assert stagectl(monkeypatch, "cell", *words) == 2
+    assert text in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
