@@ -47,9 +47,11 @@ def parquet_signals(path: Path, rate: float | None) -> Signals:
         for batch in file.iter_batches(batch_size=frames_at_once(max(1, len(names)))):
             yield np.column_stack([np.asarray(column.to_numpy(zero_copy_only=False), float) for column in batch])
 
-    said = _said(file) or rate
-    found = Signals(path, names, units, said or 1.0, file.metadata.num_rows, source, tuple(range(len(names))))
-    return found if said else replace(found, rate=_by_time(found))
+    found = Signals(path, names, units, 1.0, file.metadata.num_rows, source, tuple(range(len(names))))
+    said = _said(file) or _by_time(found) or rate
+    if said is None:
+        raise RecordingError(f"{path}: does not say its rate: give that, or a column of time in s")
+    return replace(found, rate=said)
 
 
 def _said(file: Any) -> float | None:
@@ -60,8 +62,8 @@ def _said(file: Any) -> float | None:
         return None
 
 
-def _by_time(found: Signals) -> float:
-    """Return the rate that a column of time says."""
+def _by_time(found: Signals) -> float | None:
+    """Return the rate that a column of time says; None where there is none."""
     for place, (name, unit) in enumerate(zip(found.names, found.units, strict=True)):
         scale = seconds_of(name, unit)
         if scale is not None:
@@ -70,4 +72,4 @@ def _by_time(found: Signals) -> float:
                 time.follow(np.arange(done + 1, done + 1 + len(part)), part[:, place])
                 done += len(part)
             return time.rate()
-    raise RecordingError(f"{found.path}: does not say its rate: give that, or a column of time in s")
+    return None
