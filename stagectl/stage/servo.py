@@ -38,11 +38,14 @@ class Servo:
             L, from these states to the plant's input.
         rate : float, samples/s
         """
-        wander = np.diag(self.weight / rate**2 / np.maximum(feedback[0] ** 2, np.finfo(float).tiny))
-        one = np.ones((1, 1))
-        spread = solve_discrete_are(self.A.T, feedback.T, wander, one)
-        gain: np.ndarray = self.A @ spread @ feedback.T / (feedback @ spread @ feedback.T + one)
-        return -gain
+        acts = feedback[0] != 0.0  # what does not act need not settle
+        size = np.where(acts, np.abs(feedback[0]), 1.0)
+        row, one = np.where(acts, np.sign(feedback), 1.0), np.ones((1, 1))
+        A = self.A * size[:, np.newaxis] / size  # of states times their size
+        spread = solve_discrete_are(A.T, row.T, np.diag(self.weight / rate**2), one)
+        gain = A @ spread @ row.T / (row @ spread @ row.T + one)
+        gain *= -(acts / size)[:, np.newaxis]
+        return np.asarray(gain)
 
 
 def servo(outer: Outer, bandwidth: float, rate: float) -> Servo:
