@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ctlblocks.recording import Recording
-from rigkit.experiment import kept
+from rigkit.experiment import again, kept
 from rigkit.experiment.kind import Kind, kind_of
 from rigkit.experiment.replayed import Replayed
 from stagectl.experiments.kinds import KINDS
@@ -39,7 +39,7 @@ def replayed(path: Path, settings: Sequence[str] = ()) -> Iterator[Replayed]:
     ValueError : settings for a kind of run that is replayed with its own only.
     """
     if (kind := _kind(path)) is not None:
-        return kept.replayed(path, kind, settings)
+        return again.replayed(path, kind, settings)
     if settings and (is_of_feed(path) or is_of_trials(path)):
         known = ", ".join(sorted([*KINDS, "stage runs"]))
         raise ValueError(f"{path}: --set is {settings[0]!r}, must not be given but for: {known}")
@@ -62,14 +62,14 @@ def remade(
     settings : sequence of str
         Laid over its rig file.
     read : callable(Recording, list of str) -> Recording
-        As of `kept.remade`.
+        As of `again.remade`.
 
     Raises
     ------
-    ValueError : a kind of run whose graph takes no log, settings for the stage's, or as of `kept.remade`.
+    ValueError : a kind of run whose graph takes no log, settings for the stage's, or as of `again.remade`.
     """
     if (kind := _kind(path)) is not None:
-        return kept.remade(path, kind, settings, read)
+        return again.remade(path, kind, settings, read)
     if is_of_feed(path) or is_of_trials(path):
         raise ValueError(f"{path}: is a run of trials or of pockets, must be of mid-ranging, steps or a stage")
     return from_log(path, setup_of(path, settings) if settings else setup_as_run(path), read)

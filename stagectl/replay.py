@@ -47,7 +47,7 @@ def remade(path: Path, made: Setup, read: Callable[[Recording, list[str]], Recor
         Run folder: its channels.
     made : Setup
     read : callable(Recording, list of str) -> Recording
-        As of `rigkit.experiment.kept.remade`.
+        As of `rigkit.experiment.again.remade`.
 
     Raises
     ------

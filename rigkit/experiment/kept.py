@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +13,7 @@ from rigkit import atomic
 from rigkit import config as rig_file
 from rigkit.disk_space import require
 from rigkit.experiment.kind import Experiment, Kind
-from rigkit.experiment.replayed import Replayed, compared
-from rigkit.experiment.runner import KILLED, STOPPED, Conduct, repeated, unheard
+from rigkit.experiment.runner import KILLED, STOPPED, Conduct, unheard
 from rigkit.experiment.succession import perform, run_in_memory
 from rigkit.json_text import json_text
 from rigkit.kept_files import kept_files
@@ -104,7 +102,7 @@ def take_up(
     """
     folder = RunFolder.open(path)
     try:
-        done = frozenset(part for part, end in _told(path, "ended").items() if not end["reason"])
+        done = frozenset(part for part, end in told(path, "ended").items() if not end["reason"])
         experiment = make(done)
         require(path, experiment.room, "the recordings")
         aside = _set_aside(path, [file for file in recordings(path) if part_of(_track_of(file)) not in done])
@@ -203,73 +201,16 @@ def reported(path: Path, kind: Kind, png: Path | None = None) -> dict[str, Any]:
     return _written(path, kind, png)
 
 
-def replayed(path: Path, kind: Kind, settings: Sequence[str] = ()) -> Iterator[Replayed]:
-    """Make every output of a run's controllers again from its recorded sensors.
+def told(path: Path, kind: str) -> dict[str, dict[str, Any]]:
+    """Return the last event of a kind since each part began last, by the name of the part.
 
     Parameters
     ----------
     path : Path
-        Of its folder.
-    kind : Kind
-    settings : sequence of str
-        Laid over its rig file: what would have been made of the sensors as they were.
-
-    Raises
-    ------
-    ValueError : nothing is recorded, or it cannot be made again.
+        Of a run's folder.
+    kind : str
+        The event.
     """
-    records = records_of(path)
-    parts = kind.read(path, records, settings).again(records)
-    if not records:
-        raise ValueError(f"{path}: nothing is recorded")
-    ends, holds = _told(path, "ended"), _told(path, "held")
-    for part in parts:
-        end, whole = ends.get(part.name), {track.name: len(records[track.name].data) for track in part.tracks}
-        ticks = end["ticks"] if end else min(whole[track.name] * track.every for track in part.tracks)
-        held = holds.get(part.name) or end  # folders of before have it at the end alone
-        again = repeated(part, ticks, held["held_at"] if held else None)
-        for track in part.tracks:
-            if not track.made:
-                continue
-            made = again[track.name].select(track.made_names(part.graph))
-            rows = whole[track.name] if end else len(made.data)  # of one that was killed, as far as all is recorded
-            record = records[track.name]
-            yield from compared(track.name, replace(record, data=record.data[:rows]), made)
-
-
-def remade(
-    path: Path, kind: Kind, settings: Sequence[str], read: Callable[[Recording, list[str]], Recording]
-) -> tuple[Recording, Recording]:
-    """Make what a run's controllers would have made of somebody's log; return the log, and that.
-
-    Parameters
-    ----------
-    path : Path
-        Of a run's folder: what is run, its settings and its channels.
-    kind : Kind
-    settings : sequence of str
-        Laid over its rig file.
-    read : callable(Recording, list of str) -> Recording
-        Reads the log with the channels of the run's recording, of which those that controllers make may be missing.
-
-    Raises
-    ------
-    ValueError : the run has recordings of several rates, or what `read` raises.
-    """
-    records = records_of(path)
-    if len(records) != 1:
-        have = ", ".join(f"{name} at {each.rate:g} samples/s" for name, each in records.items()) or "nothing"
-        raise ValueError(f"{path}: has recorded {have}, must be one recording for a log to stand in its place")
-    ((name, record),) = records.items()
-    (before,) = kind.read(path, records, ()).again(records)
-    log = read(record, before.tracks[0].made_names(before.graph))
-    (part,) = kind.read(path, {name: log}, settings).again({name: log})
-    track = part.tracks[0]
-    return log, repeated(part, len(log.data) * track.every)[name].select(track.made_names(part.graph))
-
-
-def _told(path: Path, kind: str) -> dict[str, dict[str, Any]]:
-    """Return the last event of a kind since each part began last, by the name of the part."""
     found: dict[str, dict[str, Any]] = {}
     for event in read_events(path):
         if "part" not in event:
@@ -304,8 +245,8 @@ def _written(path: Path, kind: Kind, png: Path | None) -> dict[str, Any]:
 
 def _early(path: Path) -> dict[str, Any]:
     """Return why parts have ended before their end, by name, where some have."""
-    ends = _told(path, "ended")
-    reasons = {part: ends[part]["reason"] if part in ends else KILLED for part in _told(path, "started")}
+    ends = told(path, "ended")
+    reasons = {part: ends[part]["reason"] if part in ends else KILLED for part in told(path, "started")}
     early = {part: reason for part, reason in reasons.items() if reason}
     return {EARLY: early} if early else {}
 

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from firmware_sim.stage_processor import Settings
-from rigkit.experiment.kept import create, records_of, replayed, reported, run
+from rigkit.experiment.again import replayed
+from rigkit.experiment.kept import create, records_of, reported, run
 from rigkit.experiment.runner import Conduct
 from rigkit.run_folder import read_events
 from stagectl.experiments.midranging.experiment import Midranging

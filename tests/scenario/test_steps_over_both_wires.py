@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from firmware_sim.stage_processor import Settings
-from rigkit.experiment.kept import create, replayed, run
+from rigkit.experiment.again import replayed
+from rigkit.experiment.kept import create, run
 from rigkit.experiment.runner import Conduct
 from stagectl.experiments.step.experiment import STEPS, Steps
 from stagectl.experiments.step.response import Wanted

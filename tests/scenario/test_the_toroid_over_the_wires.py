@@ -13,7 +13,8 @@ import pytest
 
 from firmware_sim.stage_processor import Settings
 from rigkit import config as rig_file
-from rigkit.experiment.kept import create, replayed, reported, run
+from rigkit.experiment.again import replayed
+from rigkit.experiment.kept import create, reported, run
 from rigkit.experiment.runner import STOPPED, Conduct
 from rigkit.run_folder import read_events
 from stagectl.config import StageConfig

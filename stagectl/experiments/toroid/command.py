@@ -1,7 +1,6 @@
 """The command `stagectl cell`: the toroid in steel, by robot alone, with a tracker, with the stage."""
 
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -21,26 +20,30 @@ from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_needless_yes, refuse_unattended
 from stagectl.robot.live.person import Person
 
+ResumeOption = Annotated[
+    Path | None,
+    typer.Option(metavar="RUN/", help="Go on with that run: its settings, and the setups that are left of it."),
+]
+ModelsOption = Annotated[
+    list[Path] | None,
+    typer.Option(metavar="FILE", help="Model file of a stage's axis; give one for each of x, y, z, or none."),
+]
+LiveOption = Annotated[
+    bool, typer.Option("--live", help="The robot of [robot], [tracker], and in setups C the stage of [link].")
+]
+
 
 def cell(
     setup: Annotated[
         str | None, typer.Option(metavar="SETUP", help=f"{', '.join(SETUPS)}; {ALL} for one after the other.")
     ] = None,
     out: Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make for recordings and report.")] = None,
-    resume: Annotated[
-        Path | None,
-        typer.Option(metavar="RUN/", help="Go on with that run: its settings, and the setups that are left of it."),
-    ] = None,
+    resume: ResumeOption = None,
     config: ConfigOption = None,
     stage: Annotated[Path | None, typer.Option(metavar="FILE", help="The stage's own rig file.")] = None,
-    model: Annotated[
-        list[Path] | None,
-        typer.Option(metavar="FILE", help="Model file of a stage's axis; give one for each of x, y, z, or none."),
-    ] = None,
+    model: ModelsOption = None,
     is_paced: Annotated[bool, typer.Option("--paced", help="In real time; else as fast as it goes.")] = False,
-    is_live: Annotated[
-        bool, typer.Option("--live", help="The robot of [robot], [tracker], and in setups C the stage of [link].")
-    ] = False,
+    is_live: LiveOption = False,
     is_sure: Annotated[
         bool, typer.Option("--yes", help="With --live: nobody is asked before the robot moves.")
     ] = False,
@@ -59,15 +62,11 @@ def cell(
     Examples: `stagectl cell --setup all --config cell.toml --out RUN/ --png figures/`,
     `stagectl cell --setup B --config cell.toml --live --out RUN/`, `stagectl cell --resume RUN/`
     """
-
-    def confirm(what: str, stopped: Callable[[], bool]) -> None:
-        Person(_say, stopped, not is_sure).confirm(what)
-
     clock = Paced() if is_paced else Offline()
     if resume is not None:
         given = {"--setup": setup, "--out": out, "--config": config, "--stage": stage, "--model": model}
         _refuse_given({**given, "--set": settings, "--accept": accept, "--live": is_live or None})
-        _go_on(CommandLine("the toroid", was_live(resume), resume, png, json, clock), resume, confirm, is_sure)
+        _go_on(CommandLine("the toroid", was_live(resume), resume, png, json, clock), resume, is_sure)
         return
     if setup is None or out is None:
         raise ValueError("--setup and --out are missing: what is run, and where it is kept")
@@ -79,11 +78,16 @@ def cell(
         sys.stderr.write(f"{note}\n")
     if is_live:
         refuse_unattended(made, is_sure)
-    experiment = Toroid(plans_of(setup, made, files, is_live), confirm=confirm)
+    experiment = Toroid(plans_of(setup, made, files, is_live), confirm=_confirming(is_sure))
     line = CommandLine("the toroid", is_live, out, png, json, clock)
     reasons, found = line.carry_out(TOROID, made, experiment, take_more=files.take_into, accept=sorted(accept or ()))
     _tell(found["setups"], out, setup == ALL, json)
     line.end(reasons)
+
+
+def _confirming(is_sure: bool) -> Confirm:
+    """Return what has a person at the terminal confirm each live setup, or says alone what comes."""
+    return lambda what, stopped: Person(_say, stopped, not is_sure).confirm(what)
 
 
 def _refuse_given(given: dict[str, object]) -> None:
@@ -92,11 +96,11 @@ def _refuse_given(given: dict[str, object]) -> None:
             raise ValueError(f"{name} and --resume are given, must be one of them: a run has its own settings")
 
 
-def _go_on(line: CommandLine, path: Path, confirm: Confirm, is_sure: bool) -> None:
+def _go_on(line: CommandLine, path: Path, is_sure: bool) -> None:
     refuse_needless_yes(is_sure, line.is_live)
     if line.is_live:
         refuse_unattended(rig_file.load(path / CONFIG, CellConfig), is_sure)
-    reasons, found = line.go_on(TOROID, lambda done: left_of(path, done, confirm), setup_of_track)
+    reasons, found = line.go_on(TOROID, lambda done: left_of(path, done, _confirming(is_sure)), setup_of_track)
     _tell(found["setups"], path, True, line.json)
     line.end(reasons)
 

@@ -10,7 +10,7 @@ import pytest
 from ctlblocks.clock import ASKED
 from ctlblocks.recording import Recording, read, write
 from rigkit import config as rig_file
-from rigkit.experiment.kept import replayed
+from rigkit.experiment.again import replayed
 from rigkit.run_folder import read_events
 from rigkit.stop import Stopped, StopRequest
 from stagectl.application import PROGRAM

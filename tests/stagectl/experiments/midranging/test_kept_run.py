@@ -10,7 +10,8 @@ import pytest
 
 from ctlblocks.recording import Recording, read, write
 from rigkit import config as rig_file
-from rigkit.experiment.kept import replayed, reported
+from rigkit.experiment.again import replayed
+from rigkit.experiment.kept import reported
 from rigkit.run_folder import read_events
 from stagectl.application import PROGRAM
 from stagectl.experiments.midranging.read_back import MIDRANGING

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from ctlblocks.recording import read
-from rigkit.experiment.kept import replayed, reported
+from rigkit.experiment.again import replayed
+from rigkit.experiment.kept import reported
 from rigkit.run_folder import read_events
 from stagectl.__main__ import main
 from stagectl.experiments.step.experiment import STEPS

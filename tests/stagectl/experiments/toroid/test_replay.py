@@ -7,7 +7,8 @@ import pytest
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording
-from rigkit.experiment.kept import create, replayed, reported, run
+from rigkit.experiment.again import replayed
+from rigkit.experiment.kept import create, reported, run
 from rigkit.experiment.runner import STOPPED, Conduct
 from rigkit.run_folder import read_events
 from stagectl.experiments.toroid.experiment import Toroid

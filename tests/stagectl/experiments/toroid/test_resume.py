@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from rigkit.experiment.kept import create, replayed, run, take_up
+from rigkit.experiment.again import replayed
+from rigkit.experiment.kept import create, run, take_up
 from rigkit.experiment.runner import STOPPED, Conduct
 from rigkit.lock import FolderInUseError
 from rigkit.run_folder import RunFolder, read_events
