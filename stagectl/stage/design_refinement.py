@@ -18,6 +18,8 @@ STEP = 0.5
 """First step, of the natural logarithm of each weight."""
 LEAST_CAUTION, LEAST_DOUBT = 0.01, 1e-3
 """Weights of zero are refined from here."""
+LEAST_BANDWIDTH = 0.01
+"""Hz, of the integral action: slower, it would take out no creep while anybody waits."""
 NIL = 1e-6
 """Feedforward below which there is none."""
 OVER = 10.0
@@ -116,6 +118,7 @@ def _descend(
 
     def at(logarithms: np.ndarray) -> float:
         bandwidth, drive, doubt, caution, feedforward = map(float, np.minimum(np.exp(logarithms), most))
+        bandwidth = max(bandwidth, min(LEAST_BANDWIDTH, most[0]))
         weights = Weights(bandwidth, drive, 0.0, doubt, caution, feedforward if feedforward > NIL else 0.0, begin.notch)
         each = next(search.candidates(only(weights)), None)
         return NONE if each is None else cost(each)

@@ -37,12 +37,23 @@ class Servo:
         feedback : array, shape (1, s), 1/s
             L, from these states to the plant's input.
         rate : float, samples/s
+
+        Raises
+        ------
+        ValueError : they are weighted so little that they would never settle.
         """
         acts = feedback[0] != 0.0  # what does not act need not settle
         size = np.where(acts, np.abs(feedback[0]), 1.0)
         row, one = np.where(acts, np.sign(feedback), 1.0), np.ones((1, 1))
         A = self.A * size[:, np.newaxis] / size  # of states times their size
-        spread = solve_discrete_are(A.T, row.T, np.diag(self.weight / rate**2), one)
+        try:
+            spread = solve_discrete_are(A.T, row.T, np.diag(self.weight / rate**2), one)
+        except np.linalg.LinAlgError:
+            slowest = np.sqrt(self.weight.min()) / (2 * np.pi)
+            raise ValueError(
+                f"the integral action's bandwidth is {slowest:.3g} Hz, must be higher at {rate:g} samples/s: it could "
+                "not follow an input that is limited; calibrate again, or change [weights]"
+            ) from None
         gain = A @ spread @ row.T / (row @ spread @ row.T + one)
         gain *= -(acts / size)[:, np.newaxis]
         return np.asarray(gain)

@@ -28,3 +28,9 @@ def test_it_settles_as_fast_whatever_the_size_of_its_gain(
 def test_what_does_not_act_follows_nothing() -> None:
     made = servo(Outer(), 200.0, RATE)
     np.testing.assert_array_equal(made.tracking(np.zeros((1, 1)), RATE), [[0.0]])
+
+
+def test_an_integral_that_would_take_ages_is_refused_by_its_bandwidth() -> None:
+    """A drawn stage's refinement went to 1e-11 Hz, and the run ended in a traceback."""
+    with pytest.raises(ValueError, match=r"bandwidth is 1.1e-11 Hz, must be higher at 10000 samples/s"):
+        servo(Outer(), 1.1e-11, RATE).tracking(np.array([[-1e-9]]), RATE)
