@@ -73,6 +73,7 @@ docs: setup      ## regenerate what is generated: docs/*.toml, docs/config-refer
 	$(BIN)/python -m rigkit.config_reference stagectl.robot.config:CellConfig cell.toml > docs/config-reference/cell.md
 	$(BIN)/python -m rigkit.config_reference rigkit.study.file:StudyFile STUDY.toml > docs/config-reference/study.md
 	$(BIN)/python -m rigkit.config_reference rigkit.study.file:Figure "[figures.NAME]" > docs/config-reference/figure.md
+	$(BIN)/python -m tests.commands.experiments_page > docs/experiments.md
 	$(BIN)/python -c 'import sys; from stagectl.wire.dbc import dbc_text; sys.stdout.write(dbc_text())' > stagectl/stage.dbc
 	$(BIN)/python -c 'import sys; from rigkit.relay.frame import dbc_text; sys.stdout.write(dbc_text())' > rigkit/relay/relay.dbc
 

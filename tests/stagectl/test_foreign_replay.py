@@ -157,3 +157,13 @@ def test_what_goes_with_a_log_is_refused_without(
 ) -> None:
     assert main(["replay", str(run), *words]) == 2
     assert_said(capsys, f"{words[0]} goes with --from LOG, which is not given")
+
+
+def test_steps_that_another_program_has_recorded_are_taken(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "run"
+    assert main(["step", "--of", "stage", "--set", "midranging.session.lead=0.2", "--out", str(path)]) == 0
+    (file,) = path.glob("*.wav")
+    record = recording.read(file)
+    write_recording(tmp_path / "log.parquet", record)
+    mapped = ",".join(f"{name}={name}" for name in record.names)
+    assert set(replay(capsys, str(path), "--from", str(tmp_path / "log.parquet"), "--map", mapped).values()) == {0.0}
