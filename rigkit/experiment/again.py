@@ -9,6 +9,7 @@ from rigkit.experiment.kept import records_of, told
 from rigkit.experiment.kind import Kind
 from rigkit.experiment.replayed import Replayed, compared
 from rigkit.experiment.runner import repeated
+from rigkit.run_folder import make_whole
 
 
 def replayed(path: Path, kind: Kind, settings: Sequence[str] = ()) -> Iterator[Replayed]:
@@ -26,6 +27,7 @@ def replayed(path: Path, kind: Kind, settings: Sequence[str] = ()) -> Iterator[R
     ------
     ValueError : nothing is recorded, or it cannot be made again.
     """
+    make_whole(path)
     records = records_of(path)
     parts = kind.read(path, records, settings).again(records)
     if not records:
@@ -64,6 +66,7 @@ def remade(
     ------
     ValueError : the run has recordings of several rates, or what `read` raises.
     """
+    make_whole(path)
     records = records_of(path)
     if len(records) != 1:
         have = ", ".join(f"{name} at {each.rate:g} samples/s" for name, each in records.items()) or "nothing"

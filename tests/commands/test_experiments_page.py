@@ -46,7 +46,7 @@ def test_every_cell_is_stated_and_nothing_else() -> None:
 
 @pytest.mark.parametrize("cell", [pytest.param(cell, id=f"{name}-{ability}") for name, ability, cell in cells()])
 def test_each_cell_names_a_test_that_is_there_or_says_why_not(cell: dict[str, Any]) -> None:
-    assert ("why" in cell) != bool(cell.get("test") and "why" not in cell)
+    assert "why" in cell or cell.get("test") or "no test of its own" in cell["note"]
     if cell.get("test"):
         path, _, name = cell["test"].partition("::")
         assert name in functions_of(ROOT / path)

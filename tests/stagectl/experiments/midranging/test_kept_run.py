@@ -128,3 +128,12 @@ def _copied(run: Path, place: Path) -> Path:
         if file.is_file():
             (copy / file.name).write_bytes(file.read_bytes())
     return copy
+
+
+def test_a_replay_straight_after_a_kill_needs_no_report_first(run: Path, tmp_path: Path) -> None:
+    copy = _copied(run, tmp_path)
+    (copy / "recording.wav").rename(copy / "recording.part.wav")
+    events = (copy / "events.jsonl").read_text().splitlines(keepends=True)
+    (copy / "events.jsonl").write_text("".join(line for line in events if '"ended"' not in line))
+    assert all(each.identical for each in replayed(copy, MIDRANGING))
+    assert (copy / "recording.wav").is_file()
