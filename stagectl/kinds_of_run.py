@@ -15,6 +15,7 @@ from stagectl.replay import remade as from_log
 from stagectl.replay import replay
 from stagectl.report import run_report
 from stagectl.run_setup import setup_as_run, setup_of
+from stagectl.setup import Setup
 from stagectl.trials.job import report_again
 from stagectl.trials.replay import replay_trials
 from stagectl.trials.session import is_of_trials
@@ -47,7 +48,7 @@ def replayed(path: Path, settings: Sequence[str] = ()) -> Iterator[Replayed]:
         return replay_folder(path)
     if is_of_trials(path):
         return replay_trials(path)
-    return replay(path, setup_of(path, settings) if settings else setup_as_run(path))
+    return replay(path, _stage(path, settings))
 
 
 def remade(
@@ -72,7 +73,12 @@ def remade(
         return again.remade(path, kind, settings, read)
     if is_of_feed(path) or is_of_trials(path):
         raise ValueError(f"{path}: is a run of trials or of pockets, must be of mid-ranging, steps or a stage")
-    return from_log(path, setup_of(path, settings) if settings else setup_as_run(path), read)
+    return from_log(path, _stage(path, settings), read)
+
+
+def _stage(path: Path, settings: Sequence[str]) -> Setup:
+    """Return a stage's run as it went, or designed anew by other settings."""
+    return setup_of(path, settings) if settings else setup_as_run(path)
 
 
 def _kind(path: Path) -> Kind | None:

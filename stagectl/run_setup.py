@@ -4,15 +4,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from rigkit import config as rig_file
 from rigkit.origin import RUN, read_origin
 from rigkit.run_folder import CONFIG, read_events
 from stagectl.config import StageConfig
 from stagectl.prefilter_file import PREFILTER
 from stagectl.setup import Setup, setup, with_prefilters
-from stagectl.stage.loop_parameters import loops_from
+from stagectl.stage.loop_parameters import loops_from_json
 
 RESUMED = "resumed"
 """The event of a reference that goes on; its `samples` are those that it was held, in all."""
@@ -50,8 +48,7 @@ def setup_as_run(path: Path) -> Setup:
     if not told:
         return setup_of(path)
     config = _config_of(path)
-    numbers = {name: np.array(each, float) for name, each in told.items()}
-    loops = loops_from(config.stage.axes, numbers, config.stage.rate)
+    loops = loops_from_json(config.stage.axes, told, config.stage.rate)
     return _as_it_went(path, Setup(config, (), (), loops=tuple(loops)))
 
 

@@ -23,7 +23,7 @@ from stagectl.prefilter_file import PREFILTER, learned, write_prefilters
 from stagectl.reference import wanted_position
 from stagectl.run_setup import model_name
 from stagectl.setup import Setup, refuse_unfit_prefilters, setup
-from stagectl.stage.loop_parameters import loop_parameters
+from stagectl.stage.loop_parameters import loops_as_json
 from stagectl.tracking import tracking
 
 RECORDING, UNCOMPENSATED = "recording", "uncompensated"
@@ -79,8 +79,7 @@ def make_folder(path: Path, made: Setup, models: Sequence[Path], accept: Collect
             source = Path(config.reference.signal)
             folder.take_in(source, f"reference{source.suffix.lower()}")
         parts = [path.name for path in folder.path.iterdir() if path.suffix in (".h5", ".wav", ".csv")]
-        numbers = loop_parameters(config.stage.axes, made.outer_loops) if made.designs else {}
-        loops = {"loops": {name: each.tolist() for name, each in numbers.items()}}
+        loops = {"loops": loops_as_json(config.stage.axes, made.outer_loops) if made.designs else {}}
         keep_origin(folder, KIND, files.config, [*sorted(parts), *copied], sorted(accept), loops)
     return folder
 

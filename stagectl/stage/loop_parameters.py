@@ -1,6 +1,7 @@
 """Outer loops as named arrays, to be uploaded to the stage's processor, and back."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -52,6 +53,30 @@ def loops_from(axes: Sequence[str], parameters: Mapping[str, np.ndarray], rate: 
         odd = sorted(wanted ^ parameters.keys())[0]
         raise ValueError(f"parameter {odd} is {'missing' if odd in wanted else 'unknown'}")
     return [_loop({name: parameters[f"{axis}.{name}"] for name in names}, axis, rate) for axis in axes]
+
+
+def loops_as_json(axes: Sequence[str], loops: Sequence[StateFeedback]) -> dict[str, Any]:
+    """Return the numbers of the loops as a run's `run.json` holds them.
+
+    Parameters
+    ----------
+    axes : sequence of str
+    loops : sequence of StateFeedback, one an axis
+    """
+    return {name: each.tolist() for name, each in loop_parameters(axes, loops).items()}
+
+
+def loops_from_json(axes: Sequence[str], told: Mapping[str, Any], rate: float) -> list[StateFeedback]:
+    """Return the loops that a run's `run.json` holds; ValueError as of `loops_from`.
+
+    Parameters
+    ----------
+    axes : sequence of str
+    told : mapping of str to lists of numbers
+        As of `loops_as_json`.
+    rate : float, samples/s
+    """
+    return loops_from(axes, {name: np.array(each, float) for name, each in told.items()}, rate)
 
 
 def _loop(numbers: Mapping[str, np.ndarray], axis: str, rate: float) -> StateFeedback:

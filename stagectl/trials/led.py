@@ -1,8 +1,6 @@
 """How a run is conducted whose robot is led over its wires."""
 
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 from stagectl.robot.live.clock import ReportClock
 from stagectl.robot.live.wires import LiveWires
@@ -19,9 +17,6 @@ def led(conduct: Conduct, wires: LiveWires, every: int) -> Conduct:
     every : int
         Ticks a report.
     """
-
-    def tell(event: str, fields: Mapping[str, Any]) -> None:
-        if event != "robot_fault" or not wires.port.reason:  # the wire's port has said why; the graph's says it again
-            conduct.tell(event, fields)
-
-    return replace(conduct, tell=tell, advance=ReportClock(wires, every), rest=wires.port.stop)
+    return replace(
+        conduct, tell=wires.unless_told(conduct.tell), advance=ReportClock(wires, every), rest=wires.port.stop
+    )

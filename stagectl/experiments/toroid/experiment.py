@@ -22,7 +22,7 @@ from stagectl.experiments.toroid.report import write_report
 from stagectl.experiments.toroid.wired import Ends, bring, opened, refuse_unfit, wired
 from stagectl.link.tell import Tell, nobody
 from stagectl.robot.live.clock import ReportClock
-from stagectl.stage.loop_parameters import loop_parameters
+from stagectl.stage.loop_parameters import loops_as_json
 from stagectl.trials.conduct import AFTERWARDS
 
 Confirm = Callable[[str, Callable[[], bool]], object]
@@ -84,11 +84,10 @@ class Toroid:
     def designed(self) -> dict[str, Any]:
         """The setups, and the numbers of the stage's loops."""
         loops = next((plan.loops for plan in self.plans if plan.loops), ())
-        numbers = loop_parameters(AXES, loops) if loops else {}
         return {
             "setups": [plan.setup for plan in self.plans],
             "live": self.is_live,
-            "loops": {name: each.tolist() for name, each in numbers.items()},
+            "loops": loops_as_json(AXES, loops) if loops else {},
         }
 
     @property
@@ -126,7 +125,7 @@ class Toroid:
         self._confirm(f"setup {plan.setup}, {plan.path.seconds:.0f} s: {held}", stopped)
         bring(plan, tell, stopped, self._now)
         with opened(plan, tell, self._now) as ends, real_time():
-            made = _part(plan, ends.unless_told(tell), wired(ends))
+            made = _part(plan, ends.wires.unless_told(tell), wired(ends))
             assert made.retreat is not None
             retreat = replace(made.retreat, fault=partial(ends.fault, made.retreat))
             self.ends = ends

@@ -4,8 +4,6 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from rigkit import config as rig_file
 from rigkit.experiment.kind import Kind, Records
 from rigkit.kept_files import kept_files
@@ -21,7 +19,7 @@ from stagectl.model_file import read_model
 from stagectl.model_origin import refuse_foreign
 from stagectl.robot.config import CellConfig
 from stagectl.run_setup import model_name
-from stagectl.stage.loop_parameters import loops_from
+from stagectl.stage.loop_parameters import loops_from_json
 
 STAGE = "stage.toml"
 
@@ -160,7 +158,7 @@ def _plans(path: Path, setups: Sequence[str], settings: Sequence[str] = ()) -> l
     if is_live:
         loops = []
     elif told:
-        loops = loops_from(AXES, {name: np.array(each, float) for name, each in told.items()}, RATE)
+        loops = loops_from_json(AXES, told, RATE)
     elif any(setup.startswith("C") for setup in setups):  # version 0.1.0 kept the models alone
         models = [path / model_name(axis) for axis in AXES]
         loops = loops_of(stage, models if models[0].exists() else ())

@@ -1,10 +1,9 @@
 """The cell behind its wires: robot and tracker, and with a stage that; brought to the path's beginning first."""
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -58,15 +57,6 @@ class Ends:
         if self.robot.reason:
             within.begin(self.robot.reason)
         return self.robot.reason or within.fault()
-
-    def unless_told(self, tell: Tell) -> Tell:
-        """Return what tells of the graph's faults, but not again of those that the robot's wire has told."""
-
-        def told(event: str, fields: Mapping[str, Any]) -> None:
-            if event != "robot_fault" or not self.robot.reason:
-                tell(event, fields)
-
-        return told
 
     def rest(self) -> None:
         """Hold the robot where it is, and have the stage go to mid-travel."""

@@ -1,9 +1,9 @@
 """All wires of a live trial: the robot's port, its torque signals, tracker and force sensor, opened together."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -114,6 +114,15 @@ class LiveWires:
         if self._feels:
             stack.enter_context(ForceStream(self.cell.force_sensor, self.records, self._now, robot.patience))
         begin_motion_of(self.port)
+
+    def unless_told(self, tell: Tell) -> Tell:
+        """Return what tells of a graph's faults, but not again of those that the robot's wire has told."""
+
+        def told(event: str, fields: Mapping[str, Any]) -> None:
+            if event != "robot_fault" or not self.port.reason:
+                tell(event, fields)
+
+        return told
 
     @property
     def reports(self) -> int:
