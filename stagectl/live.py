@@ -86,7 +86,7 @@ def follow(
     graph.prepare()
     if made.designs:
         axes = made.config.stage.axes
-        parameters = loop_parameters(axes, [each.loop for each in made.designs])
+        parameters = loop_parameters(axes, made.outer_loops)
         parameters |= inner_parameters(axes, inner_loops(made.config))
         folder.event("uploaded", {"crc": f"{upload(link, parameters):08x}"})
     try:

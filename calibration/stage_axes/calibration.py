@@ -228,7 +228,7 @@ def _closed(bench: ExcitedAxis, raw: RawFolder, order: int | None, method: Metho
     )
     above = heard_above(config, experiment, experiment.above.position[:, axis])
     seen = heard_by_laser(config, axis, experiment)
-    return Closed(experiment, one, every, above, seen, heard_everywhere(config, axis, experiment))
+    return Closed(experiment, one, every, above, seen, heard_everywhere(config, axis, experiment, above, seen))
 
 
 def _positions(

@@ -1,6 +1,6 @@
 """What an axis was heard to do: above the frequencies of its models, within them, and by the laser."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -9,9 +9,6 @@ from calibration.stage_axes.experiment import Excited, Experiment, above_band
 from stagectl.config import StageConfig
 from stagectl.deflection import DeflectionReference
 from stagectl.stage.measured_response import MeasuredResponse
-
-_Signal = Callable[[Excited], np.ndarray]
-_Band = tuple[float, float]
 
 
 def heard_above(config: StageConfig, experiment: Experiment, signal: np.ndarray) -> HeardResponse:
@@ -45,7 +42,9 @@ def heard_by_laser(config: StageConfig, axis: int, experiment: Experiment) -> He
     return heard_above(config, experiment, _seen(config, above)[:, axis]) if above.absolute.any() else None
 
 
-def heard_everywhere(config: StageConfig, axis: int, experiment: Experiment) -> MeasuredResponse:
+def heard_everywhere(
+    config: StageConfig, axis: int, experiment: Experiment, above: HeardResponse, seen: HeardResponse | None
+) -> MeasuredResponse:
     """Return what was heard of an axis with closed inner loop, from the band's beginning to the highest chirp's end.
 
     Parameters
@@ -53,19 +52,24 @@ def heard_everywhere(config: StageConfig, axis: int, experiment: Experiment) -> 
     config : StageConfig
     axis : int, counted from 0
     experiment : Experiment
+    above : HeardResponse, m/m
+        Of the axis' position, above the band.
+    seen : HeardResponse or None, m/m
+        As of `heard_by_laser`.
     """
+    chirps, nothing = [*experiment.learned, experiment.fresh], np.zeros(len(above.response), complex)
+    position = _within(config, chirps, [each.position[:, axis] for each in chirps])
+    robot = _within(config, chirps, [_seen(config, each)[:, axis] for each in chirps])
+    frequency = np.concatenate([position.frequency, above.frequency]) + RESOLUTION / 2
+    responses = (position.response, above.response), (robot.response, nothing if seen is None else seen.response)
+    return MeasuredResponse(frequency, *(np.concatenate(each) for each in responses))
+
+
+def _within(config: StageConfig, chirps: Sequence[Excited], signals: Sequence[np.ndarray]) -> HeardResponse:
+    """Return the response within the models' band of signals that were recorded with chirps."""
     low, high = config.characterisation.band
-    parts = [((max(low, RESOLUTION), high), [*experiment.learned, experiment.fresh])]
-    parts.append((above_band(config), [experiment.above]))
-    position = [_heard(config, band, chirps, lambda each: each.position[:, axis]) for band, chirps in parts]
-    seen = [_heard(config, band, chirps, lambda each: _seen(config, each)[:, axis]) for band, chirps in parts]
-    frequency = np.concatenate([each.frequency for each in position]) + RESOLUTION / 2
-    return MeasuredResponse(frequency, *(np.concatenate([each.response for each in side]) for side in (position, seen)))
-
-
-def _heard(config: StageConfig, band: _Band, chirps: Sequence[Excited], signal: _Signal) -> HeardResponse:
-    drives, answers = [each.drive[:, 0] for each in chirps], [signal(each) for each in chirps]
-    return heard_response(drives, answers, config.stage.rate, band)
+    drives = [each.drive[:, 0] for each in chirps]
+    return heard_response(drives, signals, config.stage.rate, (max(low, RESOLUTION), high))
 
 
 def _seen(config: StageConfig, heard: Excited) -> np.ndarray:
