@@ -19,16 +19,17 @@ from calibration.milling.session import calibrate
 from calibration.milling.sweep_session import sweep
 from calibration.output import provenance
 from rigkit.config import load
+from rigkit.experiment.runner import Conduct
 from rigkit.provenance import now
 from rigkit.run_folder import RunFolder
 from rigkit.stop import StopRequest
 from stagectl.robot.config import CellConfig
-from stagectl.trials.campaign import Learner, learn_pocket
-from stagectl.trials.command import wanted_methods
-from stagectl.trials.conduct import Conduct
+from stagectl.trials.bench import SimulatedBench
+from stagectl.trials.campaign import Learner, carried_out, learn_pocket
 from stagectl.trials.done import DoneTrial
-from stagectl.trials.session import Runner, run_simulated
-from stagectl.trials.trial import cell_for_task
+from stagectl.trials.learner import wanted_methods
+from stagectl.trials.runner import Runner
+from stagectl.trials.trial import Trial, cell_for_task
 
 HEAD = ("seed", "free space: 0, 1, last", "method", "iteration 0", "1", "last", "reduced by", "worst factor")
 
@@ -40,7 +41,7 @@ def one_seed(
     drawn = [f"{key}.seed={seed}" for key in ("simulator.options", "plants.tracker_options", "plants.pocket_options")]
     cell = cell_for_task(load(None, CellConfig, [*drawn, *settings]), task)
     with tempfile.TemporaryDirectory() as place, RunFolder.create(Path(place) / "run", "") as folder:
-        run = Runner(folder, Conduct(), run_simulated, lambda _: None)
+        run = Runner(folder, SimulatedBench(), Conduct())
         swept = sweep(cell, False, folder.path / "sweep.wav", lambda _: None, StopRequest())
         found = calibrate(cell, task, run, swept, provenance(cell, now(), {}))
         learner = Learner(cell, found.models, found.forces, found.free)
@@ -49,7 +50,13 @@ def one_seed(
         for method in methods:
             worst = f"{learner.contraction(method).worst:.2f}"
             try:
-                done = learn_pocket(found.milled, learner, method, iterations, run)
+                done = [found.milled]
+
+                def kept(name: str, trial: Trial, done: list[DoneTrial] = done) -> DoneTrial:
+                    done.append(run(name, trial))
+                    return done[-1]
+
+                carried_out(learn_pocket(found.milled, learner, method, iterations), kept)
             except ValueError as fault:
                 rows.append((seed, free, method, _size(found.milled), "-", "-", str(fault), worst))
                 continue

@@ -16,9 +16,7 @@ from stagectl.replay import replay
 from stagectl.report import run_report
 from stagectl.run_setup import setup_as_run, setup_of
 from stagectl.setup import Setup
-from stagectl.trials.job import report_again
-from stagectl.trials.replay import replay_trials
-from stagectl.trials.session import is_of_trials
+from stagectl.trials.read_back import TRIALS, is_of_trials
 
 
 def reported(path: Path, png: Path | None) -> dict[str, Any]:
@@ -27,8 +25,6 @@ def reported(path: Path, png: Path | None) -> dict[str, Any]:
         return kept.reported(path, kind, png)
     if is_of_feed(path):
         return report_folder(path, png)
-    if is_of_trials(path):
-        return report_again(path, png)
     return run_report(path, png)
 
 
@@ -39,15 +35,14 @@ def replayed(path: Path, settings: Sequence[str] = ()) -> Iterator[Replayed]:
     ------
     ValueError : settings for a kind of run that is replayed with its own only.
     """
-    if (kind := _kind(path)) is not None:
-        return again.replayed(path, kind, settings)
-    if settings and (is_of_feed(path) or is_of_trials(path)):
-        known = ", ".join(sorted([*KINDS, "stage runs"]))
+    kind = _kind(path)
+    if settings and (is_of_feed(path) if kind is None else not kind.what_if):
+        known = ", ".join(sorted([*(name for name, each in KINDS.items() if each.what_if), "stage runs"]))
         raise ValueError(f"{path}: --set is {settings[0]!r}, must not be given but for: {known}")
+    if kind is not None:
+        return again.replayed(path, kind, settings)
     if is_of_feed(path):
         return replay_folder(path)
-    if is_of_trials(path):
-        return replay_trials(path)
     return replay(path, _stage(path, settings))
 
 
@@ -69,9 +64,9 @@ def remade(
     ------
     ValueError : a kind of run whose graph takes no log, settings for the stage's, or as of `again.remade`.
     """
-    if (kind := _kind(path)) is not None:
+    if (kind := _kind(path)) is not None and kind.what_if:
         return again.remade(path, kind, settings, read)
-    if is_of_feed(path) or is_of_trials(path):
+    if kind is not None or is_of_feed(path):
         raise ValueError(f"{path}: is a run of trials or of pockets, must be of mid-ranging, steps or a stage")
     return from_log(path, _stage(path, settings), read)
 
@@ -82,6 +77,10 @@ def _stage(path: Path, settings: Sequence[str]) -> Setup:
 
 
 def _kind(path: Path) -> Kind | None:
-    """Return the kind of a run that the one runner knows; a folder that does not say so has the stage's rig file."""
-    known = kind_of(path) or (TOROID.name if (path / STAGE).is_file() else "")
+    """Return the kind of a run that the one runner knows; a folder that does not say so, by a file that only it has."""
+    known = kind_of(path)
+    if not known and (path / STAGE).is_file():
+        known = TOROID.name
+    if not known and is_of_trials(path):
+        known = TRIALS.name
     return KINDS.get(known)

@@ -1,5 +1,6 @@
 """The command `calibrate milling`."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -22,6 +23,7 @@ from calibration.output import AgainOption, Output, RecomputeOption, Wish
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
+from rigkit.experiment.runner import Conduct
 from rigkit.stop import Stopped, stoppable
 from rigkit.written import written_file
 from stagectl.robot.config import CellConfig
@@ -29,10 +31,12 @@ from stagectl.robot.live.guide import refuse_needless_yes
 from stagectl.robot.live.person import Person
 from stagectl.robot.milling.milling_models import write_milling
 from stagectl.robot.milling.torque_file import UNITS
-from stagectl.trials.conduct import Conduct
-from stagectl.trials.live import performing
-from stagectl.trials.session import PACES, Runner, Tell
+from stagectl.trials.command import PACES
+from stagectl.trials.runner import Runner
 from stagectl.trials.trial import TASKS, cell_for_task
+from stagectl.trials.wired import bench
+
+Tell = Callable[[str], None]
 
 
 def milling_command(
@@ -101,13 +105,15 @@ def _measured(writes: Output[CellConfig], task: str, is_live: bool, is_sure: boo
     if not writes.is_recomputed:
         tell(f"{motion_seconds(cell, task) / 60:.0f} min of motions, {PACES[is_live]}; not again what is recorded")
     with raw_trials(writes) as folder, stoppable() as stop:
-        conduct = Conduct(folder.event, lambda: stop.made)
-        person = Person(tell, conduct.stopped, not is_sure) if is_live else None
+        conduct = Conduct(lambda: stop.made)
+        person = Person(tell, not is_sure) if is_live else None
         if person is not None and not (folder.path / SWEEP).exists():
-            person.confirm(f"the sweep, {len(sweep_steps(cell))} motions: no block, nobody in the cell")
+            what = f"the sweep, {len(sweep_steps(cell))} motions: no block, nobody in the cell"
+            person.confirm(what, conduct.stopped)
         try:
-            swept = sweep(cell, is_live, folder.path / SWEEP, tell, stop)
-            with performing(cell, person, conduct) as perform:
-                return calibrate(cell, task, Runner(folder, conduct, perform, tell), swept, about)
+            swept, made = sweep(cell, is_live, folder.path / SWEEP, tell, stop), bench(cell, person)
+            found = calibrate(cell, task, Runner(folder, made, conduct, tell), swept, about)
+            made.leave(folder.event, conduct.stopped)
+            return found
         except Stopped:
             raise Stopped(writes.left) from None

@@ -3,7 +3,7 @@
 from calibration.milling.session import chirp_path
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_unattended
-from stagectl.trials.live import ways
+from stagectl.trials.motions import ways
 from stagectl.trials.trial import in_the_air
 
 

@@ -26,10 +26,10 @@ from stagectl.robot.milling.force_model import ForceModel
 from stagectl.robot.milling.milling_models import FORCES, SIDES, MillingModels, RobotModel
 from stagectl.robot.milling.torque_file import torque_arrays
 from stagectl.robot.milling.trial_error import kinematic_error
-from stagectl.trials.campaign import FIRST, Forces, Learner, learn_free_space
+from stagectl.trials.campaign import FIRST, Forces, Learner, carried_out, learn_free_space
 from stagectl.trials.done import DoneTrial
+from stagectl.trials.experiment import room
 from stagectl.trials.joint_speeds import refuse_unknown_speeds
-from stagectl.trials.session import room
 from stagectl.trials.signals import tracker_late
 from stagectl.trials.tool_path import RATE
 from stagectl.trials.trial import Trial, first_trial, in_the_air
@@ -216,7 +216,7 @@ def calibrate(
         return forces.estimate(angle, torque, RATE).force
 
     learner = Learner(cell, models, told)
-    milled = run(FIRST, learn_free_space(first, learner, run))
+    milled = run(FIRST, carried_out(learn_free_space(first, learner), run))
     processes = fit_milling(learner, milled)
     whole = replace(models, process={name: each.process for name, each in processes.items()})
     return Calibrated(whole, axes, processes, torques, told, learner.free, milled)

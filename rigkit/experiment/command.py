@@ -1,7 +1,7 @@
 """The command line's side of an experiment: run with progress and Ctrl-C, in a folder or in memory, and told."""
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,8 +12,9 @@ from pydantic import BaseModel
 
 from ctlblocks.clock import Clock, Offline
 from rigkit.command import words
-from rigkit.experiment.kept import create, in_memory, run, take_up
+from rigkit.experiment.kept import create, in_memory, run
 from rigkit.experiment.kind import Experiment, Kind
+from rigkit.experiment.resumed import GoingOn, Some, take_up
 from rigkit.experiment.runner import STOPPED, Conduct
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
@@ -22,6 +23,13 @@ PAGE = "report.html"
 RunOption = Annotated[
     Path | None, typer.Option("--out", metavar="RUN/", help="Folder to make for recording and report.")
 ]
+
+
+def refuse_given(given: Mapping[str, object]) -> None:
+    """Refuse options beside `--resume` that would be those of a new run, by ValueError; None is not given."""
+    for name, value in given.items():
+        if value is not None:
+            raise ValueError(f"{name} and --resume are given, must be one of them: a run has its own settings")
 
 
 def refuse_png_alone(png: Path | None, out: Path | None) -> None:
@@ -80,23 +88,20 @@ class CommandLine:
             with create(self.out, kind, config, experiment, **folder) as made:
                 return run(made, kind, experiment, conduct, self.png)
 
-    def go_on(
-        self, kind: Kind, make: Callable[[frozenset[str]], Experiment], part_of: Callable[[str], str]
-    ) -> tuple[dict[str, str], dict[str, Any]]:
+    def go_on(self, kind: Kind, way: GoingOn[Some]) -> tuple[dict[str, str], dict[str, Any]]:
         """Run what is left of a run in the folder `out`; return as `carry_out` does, the figures of all of it.
 
         Parameters
         ----------
         kind : Kind
-        make, part_of : callable
-            As of `kept.take_up`.
+        way : GoingOn
 
         Raises
         ------
         As `kept.take_up`, and as `carry_out`.
         """
         assert self.out is not None  # a run without a folder leaves nothing to go on with
-        folder, experiment = take_up(self.out, make, part_of)
+        folder, experiment = take_up(self.out, way)
         with folder, self._watched(experiment) as conduct:
             return run(folder, kind, experiment, conduct, self.png)
 

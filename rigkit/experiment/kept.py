@@ -1,7 +1,7 @@
 """A run of an experiment in its folder: made, run, read back, reported and replayed."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -78,54 +78,6 @@ def create(
     return folder
 
 
-def take_up(
-    path: Path, make: Callable[[frozenset[str]], Experiment], part_of: Callable[[str], str]
-) -> tuple[RunFolder, Experiment]:
-    """Open the folder of a run that was killed, or ended early, for what is left of it.
-
-    What was recorded of parts that have not come to their end goes into a folder below it, `before-1` and so on.
-
-    Parameters
-    ----------
-    path : Path
-        Of its folder.
-    make : callable(frozenset of str) -> Experiment
-        Makes what is left, from the names of the parts that have come to their end.
-    part_of : callable(str) -> str
-        The name of the part that a track is of.
-
-    Raises
-    ------
-    ValueError : it is no run's folder, or nothing is left.
-    FolderInUseError : another program works in it.
-    DiskFault : there is no room for the recordings.
-    """
-    folder = RunFolder.open(path)
-    try:
-        done = frozenset(part for part, end in told(path, "ended").items() if not end["reason"])
-        experiment = make(done)
-        require(path, experiment.room, "the recordings")
-        aside = _set_aside(path, [file for file in recordings(path) if part_of(_track_of(file)) not in done])
-        folder.event("resumed", {"done": sorted(done), **({"before": aside.name} if aside else {})})
-    except BaseException:
-        folder.close()
-        raise
-    return folder, experiment
-
-
-def _set_aside(path: Path, files: Sequence[Path]) -> Path | None:
-    """Move recordings into a new folder below a run's; return that, or None where there are none."""
-    if not files:
-        return None
-    number = 1 + sum(each.is_dir() and each.name.startswith("before-") for each in path.iterdir())
-    aside = path / f"before-{number}"
-    aside.mkdir()
-    for file in files:
-        file.rename(aside / file.name)
-    atomic.to_disk(path)
-    return aside
-
-
 def run(
     folder: RunFolder, kind: Kind, experiment: Experiment, conduct: Conduct, png: Path | None = None
 ) -> tuple[dict[str, str], dict[str, Any]]:
@@ -143,9 +95,14 @@ def run(
     Raises
     ------
     Stopped : before there was anything to judge.
-    Whatever ends a part: what was recorded until then is kept, `reported` makes a report of it.
+    Whatever ends a part: what was recorded until then is kept, with a report where it can be judged.
     """
-    reasons = perform(folder, experiment.parts(folder.event, conduct.stopped), experiment.about, conduct)
+    try:
+        reasons = perform(folder, experiment.parts(folder.event, conduct.stopped), experiment.about, conduct)
+    except Exception:
+        with suppress(Exception):  # what has ended the run is what is told
+            _written(folder.path, kind, png)
+        raise
     with _judging(reasons, f"; what is recorded is in {folder.path}/"):
         return reasons, _written(folder.path, kind, png)
 
@@ -224,13 +181,23 @@ def told(path: Path, kind: str) -> dict[str, dict[str, Any]]:
 
 @contextmanager
 def _judging(reasons: Mapping[str, str], where: str) -> Iterator[None]:
-    """Judge a run: one that was stopped before there was anything to judge is `Stopped`, and no error."""
+    """Judge a run: one that was stopped before there was anything to judge is `Stopped`, and no error.
+
+    Of one that a fault has ended before, that is told.
+    """
     try:
         yield
     except ValueError as fault:
-        if STOPPED not in reasons.values():
-            raise
-        raise Stopped(f"{STOPPED}: {fault}{where}") from None
+        if STOPPED in reasons.values():
+            raise Stopped(f"{STOPPED}: {fault}{where}") from None
+        for part, reason in reasons.items():
+            raise ValueError(f"{ended_early(part, reason)}{where}") from None
+        raise
+
+
+def ended_early(part: str, reason: str) -> str:
+    """Return in words that a part has ended before its end."""
+    return f"{part}: {reason}" if part else reason
 
 
 def _written(path: Path, kind: Kind, png: Path | None) -> dict[str, Any]:
@@ -253,11 +220,11 @@ def _early(path: Path) -> dict[str, Any]:
 
 def _gaps(path: Path) -> dict[str, Any]:
     """Return which recordings have gaps: what comes after the first one is judged by nothing."""
-    broken = sorted({_track_of(file) for file in recordings(path) if _goes_on(file)})
+    broken = sorted({track_of(file) for file in recordings(path) if _goes_on(file)})
     return {GAPS: broken} if broken else {}
 
 
-def _track_of(file: Path) -> str:
+def track_of(file: Path) -> str:
     """Return the name of the track that a recording is of, or goes on with."""
     return file.stem.rpartition("-")[0] if _goes_on(file) else file.stem
 

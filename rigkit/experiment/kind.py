@@ -76,11 +76,14 @@ class Kind:
         Makes the experiment of a run again, from its folder, with settings laid over its rig file.
     apart : tuple of str
         Keys of the rig file whose files it does not depend on.
+    what_if : bool
+        Whether a replay may lay settings over the rig file: what would have been made of the same sensors.
     """
 
     name: str
     read: Callable[[Path, Records, Sequence[str]], Experiment]
     apart: tuple[str, ...] = ()
+    what_if: bool = True
 
 
 def kind_of(path: Path) -> str:

@@ -1,7 +1,7 @@
 """A part of an experiment: one graph, what is recorded of it, and what happens in which order."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ctlblocks import Block, Graph, Port
@@ -111,6 +111,8 @@ class Part:
         Whether the next part is run though a fault has ended this one.
     rest : callable()
         Called once the graph ticks no more, whatever has ended it: what is led is held from then on.
+    about : mapping of str to str
+        What is to be known of it beside its recordings: provenance of theirs.
     """
 
     name: str
@@ -122,6 +124,7 @@ class Part:
     counts: Callable[[], dict[str, Any]] = dict
     is_apart: bool = False
     rest: Callable[[], object] = nothing
+    about: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def ticks(self) -> int:
@@ -133,13 +136,13 @@ class Part:
         """Of what its graph has ticked so far."""
         return self.graph.ticks * self.graph.frames / self.graph.rate
 
-    def attach(self, sink_of: Callable[[Track], Block]) -> None:
-        """Add a sink for each track to the graph."""
+    def attach(self, sink_of: Callable[[Track], Block], name: str = "recorder") -> None:
+        """Add a sink for each track to the graph, under a name and a number."""
         for number, track in enumerate(self.tracks):
-            attach(self.graph, f"recorder_{number}", sink_of(track), track.taps, track.every)
+            attach(self.graph, f"{name}_{number}", sink_of(track), track.taps, track.every)
 
-    def in_memory(self) -> Callable[[], dict[str, Recording]]:
-        """Add sinks that keep all in memory; return what gives their recordings, by track."""
+    def in_memory(self, name: str = "recorder") -> Callable[[], dict[str, Recording]]:
+        """Add sinks that keep all in memory, as `attach` does; return what gives their recordings, by track."""
         kept: dict[str, tuple[Track, Record]] = {}
 
         def sink(track: Track) -> Block:
@@ -148,10 +151,10 @@ class Part:
 
         def recordings() -> dict[str, Recording]:
             return {
-                name: replace(record.recording(), names=track.names(self.graph))
+                name: replace(record.recording(dict(self.about)), names=track.names(self.graph))
                 for name, (track, record) in kept.items()
                 if record.position
             }
 
-        self.attach(sink)
+        self.attach(sink, name)
         return recordings

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
-from pydantic import BaseModel
 
-from rigkit.experiment.kept import create, run
+from rigkit.experiment.kept import ended_early, run
 from rigkit.experiment.kind import Experiment, Kind
 from rigkit.experiment.runner import STOPPED, Conduct
 from rigkit.experiment.strips import PERIOD, strip
 from rigkit.experiment.watch import WINDOW, Watch
+from rigkit.run_folder import RunFolder
 from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
 from rigkit.service.show import Axis, Gauge, Panel
@@ -36,6 +36,8 @@ class Strip:
         Of the columns of all of them.
     title : str
         The name, unless given.
+    valid : str
+        Name of what is 0 where nothing is to be drawn, if there is such.
     """
 
     name: str
@@ -43,6 +45,7 @@ class Strip:
     signals: Sequence[str]
     lines: Sequence[str]
     title: str = ""
+    valid: str = ""
 
 
 class View(Protocol):
@@ -71,42 +74,35 @@ class ExperimentProcedure:
     kind : Kind
     title : str
         What it does, for the progress.
-    config : Section
-        The whole rig file.
+    folder : RunFolder
+        Of a new run, or of one that is gone on with.
     experiment : Experiment
     view : View
     desk : Desk
-    path : Path
-        Of the folder to make.
     is_paced : bool
         Whether what is simulated keeps to the clock on the wall.
-    **folder
-        As of `kept.create`.
-
-    Raises
-    ------
-    FolderInUseError, DiskFault : there is no place for it; no folder is made.
+    finishes : bool
+        Whether an abort lets a part that is under way come to its end.
     """
 
     def __init__(
         self,
         kind: Kind,
         title: str,
-        config: BaseModel,
+        folder: RunFolder,
         experiment: Experiment,
         view: View,
         desk: Desk,
-        path: Path,
         *,
         is_paced: bool,
-        **folder: Any,
+        finishes: bool = False,
     ) -> None:
         self._kind, self._title, self._experiment = kind, title, experiment
-        self._view, self._desk = view, desk
-        self._watch, self._is_stopped = Watch(view.sources, is_paced), False
+        self._view, self._desk, self._finishes = view, desk, finishes
+        self._watch, self._is_stopped, self._part = Watch(view.sources, is_paced), False, ""
         desk.progress(0.0, experiment.seconds, "getting ready")
-        self._folder = create(path, kind, config, experiment, **folder)
-        self._folder.listener = self._heard
+        self._folder = folder
+        folder.listener = self._heard
 
     def stop(self) -> None:
         """End it at its next look: from any thread."""
@@ -125,7 +121,8 @@ class ExperimentProcedure:
         Whatever ends a part.
         """
         desk, watch = self._desk, self._watch
-        conduct = Conduct(self._ending, watch, watch.look, self._show, self._between, self._after, goes_on=False)
+        stopped = self._stopped if self._finishes else self._ending
+        conduct = Conduct(stopped, watch, watch.look, self._show, self._between, self._after, goes_on=False)
         with self._folder as folder:
             desk.recording(True)
             try:
@@ -137,18 +134,23 @@ class ExperimentProcedure:
             if STOPPED in reasons.values():
                 raise Stopped("ended, as asked; what is recorded is kept")
             for part, reason in reasons.items():
-                raise ValueError(f"{part}: {reason}" if part else reason)
+                raise ValueError(ended_early(part, reason))
             told = {name: value for name, value in found.items() if isinstance(value, int | float | str)}
             desk.event("finished", {"run": folder.path.name, **told})
+
+    def _stopped(self) -> bool:
+        return self._is_stopped
 
     def _ending(self) -> bool:
         return self._is_stopped or self._desk.ending()
 
     def _show(self, seconds: float) -> None:
-        self._desk.progress(seconds, self._experiment.seconds, self._title)
+        what = f"{self._title}, {self._part}" if self._part else self._title
+        self._desk.progress(seconds, self._experiment.seconds, what)
 
     def _between(self, part: str) -> None:
         """Wait here while it is held."""
+        self._part = part
         if self._desk.held() and not self._ending():
             self._desk.event("held", {"before": part})
             self._desk.wait_while_held()
@@ -171,6 +173,8 @@ class ExperimentProcedure:
             count = min(len(time) for time, _ in found)
             if count:
                 rows = np.column_stack([rows[-count:] for _, rows in found])
+                if each.valid and len(valid := self._watch.lately(each.valid)[1]) >= count:
+                    rows = np.where(valid[-count:] > 0.5, rows, np.nan)
                 title = each.title or each.name.capitalize()
                 what = Axis(each.title or each.name, each.unit)
                 curves = strip(f"{title}, last {WINDOW:g} s", what, found[0][0][-count:], rows, tuple(each.lines))

@@ -183,9 +183,9 @@ def repeated(part: Part, ticks: int, held_at: int | None = None) -> dict[str, Re
     ticks : int
         Of the run.
     held_at : int or None
-        Tick at which its retreat began.
+        Tick at which its retreat began; of no account for a part that has none.
     """
-    clock = _Until(ticks if held_at is None else held_at)
+    clock = _Until(ticks if held_at is None or part.retreat is None else held_at)
 
     def hold(reason: str) -> None:
         if part.retreat is not None:

@@ -35,7 +35,7 @@ def perform(folder: RunFolder, parts: Iterator[Part], about: Mapping[str, str], 
     Stopped : while held between two parts.
     Whatever ends a part; it is told in the events, and what was recorded until then is kept.
     """
-    return _one_by_one(parts, conduct, lambda part, done: _recorded(folder, part, about, conduct, done))
+    return _one_by_one(parts, conduct, lambda part, done: recorded(folder, part, about, conduct, done))
 
 
 def run_in_memory(parts: Iterator[Part], conduct: Conduct) -> tuple[dict[str, str], dict[str, Recording]]:
@@ -61,6 +61,9 @@ def _one_by_one(parts: Iterator[Part], conduct: Conduct, run: Callable[[Part, fl
     with closing(parts):  # type: ignore[type-var]  # a generator
         for part in parts:
             conduct.between(part.name)
+            if conduct.stopped():  # it has not begun, and has nothing to come to rest
+                reasons[part.name] = STOPPED
+                break
             reason = run(part, done)
             conduct.after(part.name)
             done += part.seconds
@@ -71,8 +74,19 @@ def _one_by_one(parts: Iterator[Part], conduct: Conduct, run: Callable[[Part, fl
     return reasons
 
 
-def _recorded(folder: RunFolder, part: Part, about: Mapping[str, str], conduct: Conduct, done: float) -> str:
-    """Run a part, recorded; return the reason of an early end, which is in the events as well."""
+def recorded(folder: RunFolder, part: Part, about: Mapping[str, str], conduct: Conduct, done: float = 0.0) -> str:
+    """Run a part, recorded; return the reason of an early end, which is in the events as well.
+
+    Parameters
+    ----------
+    folder : RunFolder
+    part : Part
+    about : mapping of str to str
+        Provenance of its recordings.
+    conduct : Conduct
+    done : float, s
+        Of the parts before.
+    """
     recorders: list[StreamRecorder] = []
 
     def drain() -> None:
@@ -87,7 +101,7 @@ def _recorded(folder: RunFolder, part: Part, about: Mapping[str, str], conduct: 
     beside = Attendance(drain if part.clock is None else ALONE.attend, held)
     ended = Ended(KILLED)
     try:
-        with _recorders(folder, part, {**about, "date": now(), "software": software()}) as made:
+        with _recorders(folder, part, {**about, **part.about, "date": now(), "software": software()}) as made:
             recorders += made
             folder.event("started", {"part": part.name, "software": software()})
             ended = play(part, conduct, beside, done)

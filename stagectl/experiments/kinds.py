@@ -4,5 +4,6 @@ from rigkit.experiment.kind import Kind
 from stagectl.experiments.midranging.read_back import MIDRANGING
 from stagectl.experiments.step.experiment import STEPS
 from stagectl.experiments.toroid.read_back import TOROID
+from stagectl.trials.read_back import TRIALS
 
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (MIDRANGING, STEPS, TOROID)}
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (MIDRANGING, STEPS, TOROID, TRIALS)}

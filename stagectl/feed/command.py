@@ -171,7 +171,7 @@ def _live(cell: CellConfig, job: Job, model: Path | None, out: Path, way: Way, s
     known = session.velocity_model(model)
     with stoppable() as stop, session.create(out, cell, job, model, way.accept) as folder:
         conduct = Conduct(folder.event, lambda: stop.made)
-        live = LivePockets(cell, Person(tell, conduct.stopped, not way.is_sure))
+        live = LivePockets(cell, Person(tell, not way.is_sure))
         pockets = session.mill_pockets(
             cell, job.pocket, job.make(), known, conduct, job.pockets, job.compares, perform=live
         )

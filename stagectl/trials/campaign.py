@@ -1,7 +1,9 @@
 """Trials one after another: free space is learned first, then the pocket, by one method or by several."""
 
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -17,8 +19,8 @@ from stagectl.trials.signals import torque_log, touched_block, touched_off, trac
 from stagectl.trials.tool_path import RATE, refuse_large, refuse_outside
 from stagectl.trials.trial import Trial
 
-Run = Callable[[str, Trial], DoneTrial]
-"""Runs a trial under a name, keeps it, and returns it; raises where it did not come to its end."""
+Steps = Generator[tuple[str, Trial], DoneTrial]
+"""Gives a trial and its name, one after another, and is sent what came of each."""
 BLOCK = 100
 """Trials of a method: each method mills blocks of its own."""
 Forces = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -142,11 +144,13 @@ class Learner:
         ------
         ValueError : no model of the torques, or a force that is not determined somewhere.
         """
-        told = [determined(self.forces, *torque_log(each.records), each.name) for each in (done, *self.free)]
+        told = [
+            determined(self.forces, *torque_log(each.trial, each.records), each.name) for each in (done, *self.free)
+        ]
         return np.asarray(told[0] - np.mean(told[1:], axis=0))
 
 
-def learn_free_space(first: Trial, learner: Learner, run: Run) -> Trial:
+def learn_free_space(first: Trial, learner: Learner) -> Generator[tuple[str, Trial], DoneTrial, Trial]:
     """Run the path in the air, and learn it; return the first trial in material, u_0 = u_c.
 
     Parameters
@@ -154,11 +158,10 @@ def learn_free_space(first: Trial, learner: Learner, run: Run) -> Trial:
     first : Trial
     learner : Learner
         Gets the trials.
-    run : callable
     """
     trial = first
     for number in range(learner.cell.learning.free):
-        done = run(f"{FREE}-{number}", trial)
+        done = yield f"{FREE}-{number}", trial
         if number == 0:  # where the tool rests is where the tracker has the workpiece, and where that is clamped
             trial = replace(trial, late=tracker_late(trial, done.records))
             touched = touched_off(trial, done.records), touched_block(trial, done.records)
@@ -166,12 +169,12 @@ def learn_free_space(first: Trial, learner: Learner, run: Run) -> Trial:
             done = DoneTrial(done.name, trial, done.records)
         learner.free.append(done)
         trial = trial.again(learner.next_path([done], None), False)
-    learner.free.append(run(f"{FREE}-{learner.cell.learning.free}", trial))
+    learner.free.append((yield f"{FREE}-{learner.cell.learning.free}", trial))
     return trial.again(trial.sent, True)
 
 
-def learn_pocket(first: DoneTrial, learner: Learner, method: int, iterations: int, run: Run) -> list[DoneTrial]:
-    """Learn from a trial in material, again and again; return the first and all after it.
+def learn_pocket(first: DoneTrial, learner: Learner, method: int, iterations: int) -> Steps:
+    """Learn from a trial in material, again and again.
 
     Parameters
     ----------
@@ -180,14 +183,85 @@ def learn_pocket(first: DoneTrial, learner: Learner, method: int, iterations: in
     learner : Learner
     method : int
     iterations : int
-    run : callable
     """
     done = [first]
     for iteration in range(1, iterations + 1):
         sent = learner.next_path(done, method)
         trial = replace(first.trial.again(sent, True), number=BLOCK * method + first.trial.number + iteration)
-        done.append(run(f"method-{method}-{iteration}", trial))
-    return done
+        done.append((yield f"method-{method}-{iteration}", trial))
+
+
+def learn(first: Trial, learner: Learner, methods: Sequence[int], iterations: int) -> Steps:
+    """Learn free space, mill, and learn the pocket by each method from the same first trial.
+
+    Parameters
+    ----------
+    first : Trial
+    learner : Learner
+    methods : sequence of int
+    iterations : int
+    """
+    milled = yield FIRST, (yield from learn_free_space(first, learner))
+    for method in methods:
+        yield from learn_pocket(milled, learner, method, iterations)
+
+
+def names_of(free: int, methods: Sequence[int], iterations: int) -> list[str]:
+    """Return the names of all trials of `learn`, in order.
+
+    Parameters
+    ----------
+    free : int
+        `learning.free`.
+    methods : sequence of int
+    iterations : int
+    """
+    learned = [f"method-{method}-{iteration}" for method in methods for iteration in range(1, iterations + 1)]
+    return [*(f"{FREE}-{number}" for number in range(free + 1)), FIRST, *learned]
+
+
+Result = TypeVar("Result")
+
+
+def carried_out(
+    steps: Generator[tuple[str, Trial], DoneTrial, Result], run: Callable[[str, Trial], DoneTrial]
+) -> Result:
+    """Run one trial after another; return what they are for.
+
+    Parameters
+    ----------
+    steps : generator
+        As `learn_free_space`, or one of `Steps`.
+    run : callable(name, Trial) -> DoneTrial
+        Raises where a trial does not come to its end.
+    """
+    try:
+        asked = next(steps)
+        while True:
+            asked = steps.send(run(*asked))
+    except StopIteration as end:
+        result: Result = end.value
+        return result
+
+
+def grouped(trials: Sequence[DoneTrial]) -> tuple[list[DoneTrial], dict[int, list[DoneTrial]]]:
+    """Return trials in the air, and those of each method with iteration 0 first.
+
+    Parameters
+    ----------
+    trials : sequence of DoneTrial
+        That came to their end, in the order of their numbers.
+    """
+    free = [each for each in trials if re.fullmatch(rf"{FREE}-\d+", each.name)]
+    first = [each for each in trials if each.name == FIRST]
+    learned: dict[int, list[DoneTrial]] = {}
+    for each in trials:
+        if found := re.fullmatch(r"method-(\d)-\d+", each.name):
+            learned.setdefault(int(found[1]), list(first)).append(each)
+    if free and free[-1].trial.zero is not None:  # the first was run before it was known where the tracker has the work
+        last = free[-1].trial
+        free[0] = replace(free[0], trial=replace(free[0].trial, zero=last.zero, block=last.block, late=last.late))
+    return free, learned
 
 
 def norms(done: Sequence[DoneTrial]) -> list[float]:

@@ -1,32 +1,26 @@
-"""A trial that was run: its recordings, what they say, and its files."""
+"""A trial that was run: its recordings, and what they say."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
-from ctlblocks import recording
 from ctlblocks.recording import Recording
 from stagectl.robot.milling.trial_error import TrialSignals, mae
+from stagectl.trials.recorded import EVERY, SENT, SLOW
 from stagectl.trials.signals import signals_of, truth
 from stagectl.trials.trial import Trial
 
-SUFFIXES = {"trial": "csv", "truth": "csv", "tracker": "wav"}
-"""Formats: of many channels a WAV is smaller and quicker; both keep every bit."""
-WHOLE = "-sent.csv"
-"""How the file ends that is written last of a trial."""
-SENT = ("sent_x", "sent_y", "sent_z")
-
-
-class TrialEnded(ValueError):
-    """A trial that a fault has ended; the text says which, and that the tool has left the material or stands."""
+BESIDE = "sent"
+"""Version 0.1.0 kept the path that was sent in a file of its own, written last, with what else is to be known."""
+NEEDED = "trial", "tracker"
+"""Without which of its recordings there is nothing of a trial."""
 
 
 @dataclass(frozen=True, eq=False)
 class DoneTrial:
-    """A trial that ran to its end.
+    """A trial that was run.
 
     Parameters
     ----------
@@ -77,44 +71,45 @@ class DoneTrial:
         """Which samples count: those of the path in the material."""
         return self.trial.path.milled
 
-    def write(self, folder: Path) -> None:
-        """Write its recordings, and the path that was sent."""
-        for name, kept in self.records.items():
-            recording.write(folder / f"{self.name}-{name}.{SUFFIXES[name]}", kept)
-        recording.write(folder / f"{self.name}{WHOLE}", self._sent())
-
-    def _sent(self) -> Recording:
-        trial = self.trial
-        about = {"number": str(trial.number), "milled": str(int(trial.is_milled)), "late": repr(trial.late)}
-        for name, place in (("zero", trial.zero), ("block", trial.block)):
-            if place is not None:
-                about[name] = " ".join(repr(float(each)) for each in place)
-        return Recording(SENT, ("m",) * 3, self.records["trial"].rate, trial.sent, about)
+    @property
+    def left(self) -> int | None:
+        """Tick from which on the tool retreated, or None."""
+        found = np.flatnonzero(self.records["trial"].select(["retreating"]).data[:, 0])
+        return SLOW * int(found[0]) if len(found) else None
 
 
-def read_trial(folder: Path, name: str, first: Trial) -> DoneTrial:
-    """Read a trial back.
+def trials_in(records: Mapping[str, Recording], first: Trial) -> Iterator[DoneTrial]:
+    """Give what is recorded of a run's trials, in the order of their numbers; also of those that ended early.
 
     Parameters
     ----------
-    folder : Path
+    records : mapping of str to Recording
+        By track: a trial's name, and what it is of.
+    first : Trial
+        The first trial of their path.
+    """
+    names = {track.rpartition("-")[0] for track in records}
+    there = [name for name in names if all(f"{name}-{each}" in records for each in NEEDED)]
+    yield from sorted((done_trial(name, records, first) for name in there), key=lambda each: each.trial.number)
+
+
+def done_trial(name: str, records: Mapping[str, Recording], first: Trial) -> DoneTrial:
+    """Return a trial from its recordings.
+
+    Parameters
+    ----------
     name : str
+    records : mapping of str to Recording
+        By track.
     first : Trial
         The first trial of its path.
-
-    Raises
-    ------
-    RecordingError : a file that is not there, or not whole.
     """
-    sent = recording.read(folder / f"{name}{WHOLE}")
-    about = sent.provenance
+    own = {each: records[f"{name}-{each}"] for each in EVERY if f"{name}-{each}" in records}
+    told = records.get(f"{name}-{BESIDE}", own["trial"])
+    about, sent = told.provenance, np.array(first.path.wanted)
+    played = told.select(SENT.channels).data
+    sent[: len(played)] = played[: len(sent)]
     places = {key: np.array([float(each) for each in about[key].split()]) for key in ("zero", "block") if key in about}
     late = float(about.get("late", "0"))
-    trial = Trial(first.cell, first.path, int(about["number"]), sent.data, about["milled"] == "1", **places, late=late)
-    files = {each: folder / f"{name}-{each}.{suffix}" for each, suffix in SUFFIXES.items()}
-    return DoneTrial(name, trial, {each: recording.read(file) for each, file in files.items() if file.exists()})
-
-
-def has_trial(folder: Path, name: str) -> bool:
-    """Whether a folder has a trial of that name; its path is written last."""
-    return (folder / f"{name}{WHOLE}").exists()
+    trial = Trial(first.cell, first.path, int(about["number"]), sent, about["milled"] == "1", **places, late=late)
+    return DoneTrial(name, trial, own)

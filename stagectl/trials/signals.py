@@ -8,8 +8,7 @@ from ctlblocks.recording import Recording
 from stagectl.devices.signals import ROBOT
 from stagectl.robot.milling.alignment import on_grid, shift
 from stagectl.robot.milling.trial_error import TrialSignals
-from stagectl.trials.recorded import FELT, MADE, TORQUE, TRUTH
-from stagectl.trials.run import FOLLOW
+from stagectl.trials.recorded import FELT, FOLLOW, LOGGED, MADE, TORQUE, TRUTH
 from stagectl.trials.tool_path import RATE
 from stagectl.trials.trial import Trial
 
@@ -18,7 +17,7 @@ BEFORE = 0.1
 ANGLE = next(signal for signal in ROBOT if signal.name == "motor_angle")
 STAMP = "stamp"
 NO_TORQUES = "no_torques"
-"""In a recording's provenance: why its torques are none."""
+"""In the provenance of a live recording of version 0.1.0: why its torques are none."""
 LATEST = 0.2
 """s by which the tracker's clock may be behind the robot's, after the quickest messages of both."""
 
@@ -152,18 +151,29 @@ def touched_block(trial: Trial, records: Mapping[str, Recording]) -> np.ndarray 
     return np.asarray(trial.path.origin(trial.arm) + off[rest(trial)].mean(axis=0))
 
 
-def torque_log(records: Mapping[str, Recording]) -> tuple[np.ndarray, np.ndarray]:
-    """Return motor angles (rad) and torques (N m) of a trial, shapes (N, 6).
+def torque_log(trial: Trial, records: Mapping[str, Recording]) -> tuple[np.ndarray, np.ndarray]:
+    """Return motor angles (rad) and torques (N m) of a trial, shapes (N, 6); torques of a line of their own in time.
 
     Parameters
     ----------
+    trial : Trial
     records : mapping of str to Recording
 
     Raises
     ------
-    ValueError : a live trial without torques, by its reason.
+    ValueError : a live trial without torques, or with a gap in them.
     """
-    own = records["trial"]
+    own, beside = records["trial"], records["tracker"]
     if NO_TORQUES in own.provenance:
         raise ValueError(own.provenance[NO_TORQUES])
-    return own.select(ANGLE.channels).data, own.select(TORQUE.channels).data
+    angle = own.select(ANGLE.channels).data
+    stamped, logged = LOGGED
+    if stamped.name not in beside.names:
+        return angle, own.select(TORQUE.channels).data
+    stamp = beside.select(stamped.channels).data[:, 0]
+    new = np.flatnonzero(np.diff(stamp) != 0) + 1
+    if not len(new):
+        raise ValueError("no motor torques are heard")
+    torque = beside.select(logged.channels).data[new]
+    grid = np.arange(len(angle)) / RATE
+    return angle, on_grid(stamp[new], torque, grid, trial.cell.learning.gap, "the torque signals")

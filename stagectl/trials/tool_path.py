@@ -35,6 +35,11 @@ class ToolPath:
         """How long a trial is."""
         return len(self.wanted)
 
+    @property
+    def seconds(self) -> float:
+        """The same, s."""
+        return len(self.wanted) / RATE
+
     @cached_property
     def milled(self) -> np.ndarray:
         """Which samples are measured, shape (samples,): the tool in the material, from its descent to its lift."""

@@ -72,6 +72,15 @@ class Trial:
         """Return the next one, with another path."""
         return replace(self, number=self.number + 1, sent=sent, is_milled=is_milled)
 
+    @property
+    def about(self) -> dict[str, str]:
+        """What is to be known of it beside its recordings, and `trial_of` reads: provenance of theirs."""
+        told = {"number": str(self.number), "milled": str(int(self.is_milled)), "late": repr(self.late)}
+        for name, place in (("zero", self.zero), ("block", self.block)):
+            if place is not None:
+                told[name] = " ".join(repr(float(each)) for each in place)
+        return told
+
     def plant_options(self) -> dict[str, dict[str, Any]]:
         """Return the keywords of the simulated robot, cut, tracker and force sensor."""
         cell, pocket = self.cell, self.path.pocket

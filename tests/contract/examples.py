@@ -286,7 +286,7 @@ EXAMPLES: dict[type[Block], Example] = {
     ForceSensor: Example(lambda: ForceSensor(sample_rate=8_000.0), rate=8_000.0),
     MeasuredForce: Example(lambda: MeasuredForce(ForceLine(ForceSensorConfig(), print, now=lambda: 1.0)), _push, 250.0),
     TrackerView: Example(lambda: TrackerView(delay=0.0), rate=300_000.0),
-    TrialPath: Example(lambda: TrialPath(*(np.full((100, 6), each) for each in (0.1, 0.01, 0.2)), 0.1, (0.02, 0.2))),
+    TrialPath: Example(lambda: TrialPath(*np.split(np.ones((100, 21)), (3, 9, 15), axis=1), 0.1, (0.02, 0.2))),
     RelativePosition: Example(
         lambda: RelativePosition((3.0, 3.0, 3.0), (True, False, False), 0.004, 0.01, 0.02), rate=2_000.0
     ),

@@ -7,12 +7,13 @@ from stagectl.devices.wired_stage import WiredPlate, WiredPlateReference
 from stagectl.link.config import Link
 from stagectl.link.stage_link import StageLink
 from stagectl.link.tell import nobody
-from stagectl.robot.config import CellConfig, Tracker
+from stagectl.robot.config import CellConfig, Robot, Tracker
 from stagectl.robot.force_config import ForceSensor
-from stagectl.robot.live.blocks import LiveForce, LiveReference, LiveRobot, LiveTracker
+from stagectl.robot.live.blocks import LiveForce, LiveReference, LiveRobot, LiveTorques, LiveTracker
 from stagectl.robot.live.force_records import ForceRecords
 from stagectl.robot.live.wires import LiveWires
 from stagectl.robot.port import RobotPort
+from stagectl.robot.program import TorqueSignals
 from stagectl.robot.wired_force import WiredForce
 from stagectl.robot.wired_port import WiredPort
 from stagectl.robot.wired_tracker import WiredTracker
@@ -33,6 +34,11 @@ def _report(block: LiveRobot) -> None:
     block.wires.port.conversation.take(report, ("127.0.0.1", 1), 0.0)
 
 
+def _log(block: LiveTorques) -> None:
+    block.wires.signals = TorqueSignals(Robot(), "127.0.0.1", lambda: 0.0)
+    block.wires.signals.take(b"".join(b"%d,0,0,0,0,0,0,1,2,3,4,5,6\n" % n for n in range(3)), 0.0)
+
+
 def _see(block: LiveTracker) -> None:
     sightings = Sighting(0, 3, 1e-4, POSE), Sighting(7, 3, 2e-4, POSE)
     block.samples.take(b"".join(pack_sample(Sample(n, n / 440, sightings)) for n in range(1, 4)), 0.0)
@@ -51,6 +57,7 @@ def _rest(block: WiredPlate) -> None:
 
 LIVE_EXAMPLES: dict[type[Block], Example] = {
     LiveRobot: Example(lambda: LiveRobot(_wires()), _report, 250.0),
+    LiveTorques: Example(lambda: LiveTorques(_wires()), _log, 2_000.0),
     LiveTracker: Example(lambda: LiveTracker(_wires()), _see, 2_000.0),
     LiveForce: Example(lambda: LiveForce(ForceRecords(ForceSensor())), _feel, 250.0),
     WiredForce: Example(lambda: WiredForce(ForceSensor(), print), rate=500.0),

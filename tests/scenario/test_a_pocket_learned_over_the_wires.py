@@ -14,20 +14,22 @@ import pytest
 
 from calibration.milling.session import calibrate
 from calibration.milling.sweep_session import sweep
+from ctlblocks.recording import Recording
 from firmware_sim.robot_cell import cell_cut
-from rigkit.experiment.runner import STOPPED
+from rigkit.experiment.runner import STOPPED, Conduct, never, remembered, repeated
 from rigkit.stop import StopRequest
+from stagectl.link.tell import Tell, nobody
 from stagectl.robot.live.person import Person
-from stagectl.trials.campaign import Learner, learn_free_space, learn_pocket
-from stagectl.trials.conduct import Conduct, Milled
+from stagectl.trials.campaign import Learner, carried_out, learn_free_space, learn_pocket
 from stagectl.trials.done import DoneTrial
-from stagectl.trials.live import LiveTrials
 from stagectl.trials.log_folder import LogFolder, write_logs
-from stagectl.trials.recorded import MADE, SLOW
-from stagectl.trials.run import run
+from stagectl.trials.recorded import SLOW
 from stagectl.trials.signals import tracker_late
 from stagectl.trials.surroundings import recorded
+from stagectl.trials.tool_path import RATE
 from stagectl.trials.trial import Trial, first_trial
+from stagectl.trials.trial_graph import TrialGraph
+from stagectl.trials.wired import WiredBench
 from tests.scenario.stepped_cell import SteppedCell
 from tests.stagectl.robot.milling.test_milling_models import models
 from tests.until import until
@@ -66,21 +68,27 @@ class Laboratory:
 
     def __init__(self, cell: SteppedCell) -> None:
         self.cell, self.told, self.kept = cell, list[str](), list[DoneTrial]()
-        self.trials = LiveTrials(cell.config, Person(self.told.append, lambda: False, False), cell.now)
+        self.bench = WiredBench(cell.config, Person(self.told.append, False), cell.now)
         self.first = first_trial(cell.config, "pocket")
 
     def run(self, name: str, trial: Trial) -> DoneTrial:
-        came = self.trials(trial, Conduct())
-        assert came.reason == ""
-        self.kept.append(DoneTrial(name, trial, came.recordings))
+        records, reason = self.ran(name, trial, Conduct(), nobody)
+        assert reason == ""
+        self.kept.append(DoneTrial(name, trial, records))
         return self.kept[-1]
 
-    def spoiled(self, mishap: str, remedy: str) -> tuple[Milled, list[str]]:
-        """Mill until something happens; return what came of it, and the events."""
+    def ran(self, name: str, trial: Trial, conduct: Conduct, tell: Tell) -> tuple[dict[str, Recording], str]:
+        """Run a trial; return its recordings, by what they are of, and why it ended early."""
+        with self.bench.part(name, trial, tell, conduct.stopped) as part:
+            records, ended = remembered(part, conduct)
+        return {track.removeprefix(f"{name}-"): record for track, record in records.items()}, ended.reason
+
+    def spoiled(self, mishap: str, remedy: str) -> tuple[DoneTrial, str, list[str]]:
+        """Mill until something happens; return what came of it, why it ended, and the events."""
         events, over = list[str](), list[bool]()
 
-        def show(done: int) -> None:
-            if done >= WHEN * SLOW and not over:
+        def show(seconds: float) -> None:
+            if seconds >= WHEN / RATE and not over:
                 assert height(self.cell) < 0.0
                 over.append(mishap == STOPPED)
                 if mishap != STOPPED:
@@ -89,17 +97,21 @@ class Laboratory:
         def tell(event: str, fields: Mapping[str, Any]) -> None:
             events.append(f"{event}: {fields['reason']}")
 
-        came = self.trials(replace(self.first, is_milled=True), Conduct(tell, lambda: any(over), show))
+        milled = replace(self.first, is_milled=True)
+        records, reason = self.ran("milled-0", milled, Conduct(lambda: any(over), show=show), tell)
         if remedy:
             self.cell.mishaps.append(lambda: self.cell.bench.suffer(remedy))
-        return came, events
+        return DoneTrial("milled-0", milled, records), reason, events
 
 
 def refuse_another_replay(done: DoneTrial) -> None:
     """Put what was heard through the trial's graph again; all must come out as it was."""
-    again = run(done.trial, Conduct(), recorded(done.records), MADE, {})
-    for name, made in again.recordings.items():
-        assert made.data.tobytes() == done.records[name].select(made.names).data.tobytes()
+    part = TrialGraph(done.name, done.trial, nobody, recorded(done.records)).part_again(done.left)
+    again = repeated(part, SLOW * len(done.records["trial"].data))
+    for track in part.tracks:
+        names = track.made_names(part.graph)
+        before = done.records[track.name.removeprefix(f"{done.name}-")].select(names)
+        assert again[track.name].select(names).data.tobytes() == before.data.tobytes()
 
 
 @pytest.mark.slow
@@ -116,13 +128,13 @@ def test_a_trial_goes_round_and_a_blind_tracker_lifts_the_tool_out_of_the_next(
     logs = LogFolder(tmp_path, made.first, models().robot["motors"].axes)
     assert logs.signals(True, True).joints == pytest.approx(air.signals.joints, abs=2e-6)
     assert np.abs(logs.torques[1]).max() > 10.0
-    came, events = made.spoiled("blind", "see")
+    done, reason, events = made.spoiled("blind", "see")
     assert "no block" in made.told[0]
     assert "a fresh block" in made.told[1]
-    assert came.reason.startswith("the tracker is blind for 0.5")
-    assert events == [f"retreat: {came.reason}"]
+    assert reason.startswith("the tracker is blind for 0.5")
+    assert events == [f"retreat: {reason}"]
     until(lambda: height(cell) == pytest.approx(cell.config.pocket.clearance, abs=2e-4))
-    refuse_another_replay(DoneTrial("milled-0-ended", replace(made.first, is_milled=True), came.recordings))
+    refuse_another_replay(done)
 
 
 @pytest.mark.slow
@@ -130,12 +142,13 @@ def test_free_space_and_a_pocket_are_learned(cell: SteppedCell) -> None:
     made = Laboratory(cell)
     learning = cell.config.learning.model_copy(update={"free": 1})
     learner = Learner(cell.config.model_copy(update={"learning": learning}), models())
-    milled = made.run("milled-0", learn_free_space(made.first, learner, made.run))
-    made.trials.leave(Conduct())
+    milled = made.run("milled-0", carried_out(learn_free_space(made.first, learner), made.run))
+    made.bench.leave(nobody, never)
     assert height(cell) == pytest.approx(cell.config.robot.height, abs=1e-3)
     assert np.linalg.norm(learner.free[-1].mae) < 0.7 * np.linalg.norm(learner.free[0].mae)
     assert 2.0 < np.abs(milled.signals.force[milled.trial.path.milled]).mean(axis=0).max() < 100.0
-    (again,) = learn_pocket(milled, learner, 1, 1, made.run)[1:]
+    carried_out(learn_pocket(milled, learner, 1, 1), made.run)
+    again = made.kept[-1]
     assert np.linalg.norm(again.mae) < 0.8 * np.linalg.norm(milled.mae)
     for each in made.kept:
         refuse_another_replay(each)
@@ -169,9 +182,9 @@ def test_models_are_found_over_the_wires(tmp_path: Path) -> None:
     ],
 )
 def test_whatever_else_goes_wrong_lifts_the_tool_out(cell: SteppedCell, mishap: str, reason: str, remedy: str) -> None:
-    came, events = Laboratory(cell).spoiled(mishap, remedy)
-    assert came.reason.startswith(reason)
-    assert events == [f"retreat: {came.reason}"]
+    _, why, events = Laboratory(cell).spoiled(mishap, remedy)
+    assert why.startswith(reason)
+    assert events == [f"retreat: {why}"]
     until(lambda: height(cell) == pytest.approx(cell.config.pocket.clearance, abs=2e-4))
 
 
@@ -180,9 +193,9 @@ def test_whatever_else_goes_wrong_lifts_the_tool_out(cell: SteppedCell, mishap: 
     ("mishap", "reason"), [("mute", "the robot is silent for 1"), ("trip", "the robot's motors are off")]
 )
 def test_a_robot_at_fault_is_held_where_it_is(cell: SteppedCell, mishap: str, reason: str) -> None:
-    came, events = Laboratory(cell).spoiled(mishap, "")
-    assert came.reason.startswith(reason)
-    assert events == [f"robot_fault: {came.reason}"]
-    asked = came.recordings["trial"].select(["reference_2"]).data[-50:, 0]
+    done, why, events = Laboratory(cell).spoiled(mishap, "")
+    assert why.startswith(reason)
+    assert events == [f"robot_fault: {why}"]
+    asked = done.records["trial"].select(["reference_2"]).data[-50:, 0]
     assert np.ptp(asked) < 1e-9
     assert height(cell) < 0.0

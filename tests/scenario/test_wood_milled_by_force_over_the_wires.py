@@ -50,7 +50,7 @@ def plan_of(cell: SteppedCell) -> FeedPlan:
 
 def milled(cell: SteppedCell, conduct: Conduct) -> Pocketed:
     plan = plan_of(cell)
-    live = LivePockets(cell.config, Person(lambda _: None, lambda: False, False), cell.now)
+    live = LivePockets(cell.config, Person(lambda _: None, False), cell.now)
     return live(plan, planner("exact", plan.pocket), conduct)
 
 

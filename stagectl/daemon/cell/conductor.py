@@ -51,7 +51,7 @@ class Conductor:
         show : callable(int)
             As of `Conduct`.
         """
-        folder.listener = self._heard
+        folder.listener = self.heard
         return Conduct(folder.event, stopped, show, self.watch.advance)
 
     def between(self, where: Mapping[str, Any]) -> None:
@@ -67,6 +67,7 @@ class Conductor:
         if self.ending():
             raise Stopped("ended, as asked; what is recorded is kept")
 
-    def _heard(self, event: str, fields: Mapping[str, Any]) -> None:
+    def heard(self, event: str, fields: Mapping[str, Any]) -> None:
+        """Tell the desk of an event of a run's folder."""
         if event not in _OWN:
             self.desk.event(event, fields)

@@ -53,11 +53,11 @@ PROCEDURES = (
         "ilc",
         "Learn to mill",
         "run",
-        "trials",
+        "s",
         "This trial is run to its end and kept; the tool is in the air until it goes on, with a fresh block.",
         "This trial is run to its end and kept; the run can be resumed. STOP lifts the tool out of the block at once.",
         IlcOptions,
-        "stagectl.daemon.cell.learning:Learning",
+        "stagectl.trials.daemon:procedure",
     ),
     Entry(
         "force",

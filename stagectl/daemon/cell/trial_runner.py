@@ -2,22 +2,20 @@
 
 from collections.abc import Callable
 
+from rigkit.experiment.runner import Conduct
 from rigkit.run_folder import RunFolder
 from rigkit.service.show import Gauge
 from stagectl.daemon.cell.conductor import Conductor
-from stagectl.daemon.cell.gauges import REFERENCE, Motion, felt, sighted, timed
+from stagectl.daemon.cell.gauges import Motion, felt, sighted, timed
 from stagectl.robot.config import CellConfig
-from stagectl.trials.done import DoneTrial, has_trial
-from stagectl.trials.recorded import RATE, SLOW
-from stagectl.trials.session import Runner, run_simulated
+from stagectl.trials.bench import SimulatedBench
+from stagectl.trials.done import DoneTrial
+from stagectl.trials.runner import Runner
 from stagectl.trials.trial import Trial
-
-SOURCES = {**REFERENCE, "age": "seen.age", "force": "felt.force", "valid": "felt.valid"}
-"""What is seen of a trial."""
 
 
 class TrialRunner:
-    """Runs trials under a name, as `campaign.Run`; in the air between two of them it may be held or ended.
+    """Runs trials under a name; in the air between two of them it may be held or ended.
 
     Parameters
     ----------
@@ -42,10 +40,12 @@ class TrialRunner:
     ) -> None:
         self._conductor, self._desk, self._folder = conductor, conductor.desk, folder
         self._done, self._total, self._draw = before, total, draw
-        self._name, self._ticks = "", 1
+        self._name, self._seconds = "", 1.0
         self._cell, self._motion = cell, Motion(cell)
-        conduct = conductor.conduct(folder, conductor.stopped, self._show)
-        self._runner = Runner(folder, conduct, run_simulated, self._said)
+        watch = conductor.watch
+        folder.listener = conductor.heard
+        conduct = Conduct(conductor.stopped, watch, watch.look, self._show, self._between)
+        self._runner = Runner(folder, SimulatedBench(), conduct, self._said)
 
     def __call__(self, name: str, trial: Trial) -> DoneTrial:
         """Run a trial, or read it where it is there already.
@@ -55,13 +55,10 @@ class TrialRunner:
         Stopped : the desk said that it is to end.
         TrialEnded : a fault ended the trial; the tool has left the material, or the robot is held.
         """
-        is_there = has_trial(self._folder.path, name)
+        is_there = self._runner.has(name)
         if trial.cell is not self._cell:
             self._cell, self._motion = trial.cell, Motion(trial.cell)
-        self._name, self._ticks = name, trial.path.samples * SLOW
-        if not is_there:
-            self._conductor.between({"before": name})
-            self._show(0)
+        self._name, self._seconds = name, trial.path.seconds
         self._desk.recording(not is_there)
         try:
             done = self._runner(name, trial)
@@ -79,9 +76,13 @@ class TrialRunner:
         strongest = max(cell.force_sensor.range_force)
         return [*motion.gauges(watch), *sighted(watch, cell), *felt(watch, strongest), *timed(watch)]
 
-    def _show(self, ticks: int) -> None:
-        where = f"{self._name}, {ticks / RATE:.0f} of {self._ticks / RATE:.0f} s"
-        self._desk.progress(self._done + ticks / self._ticks, self._total, where)
+    def _between(self, name: str) -> None:
+        self._conductor.between({"before": name})
+        self._show(0.0)
+
+    def _show(self, seconds: float) -> None:
+        where = f"{self._name}, {seconds:.0f} of {self._seconds:.0f} s"
+        self._desk.progress(self._done + seconds / self._seconds, self._total, where)
 
     def _said(self, text: str) -> None:
         name, _, told = text.partition(": ")

@@ -1,5 +1,6 @@
 """Mid-ranging under the daemon: a run of one controller."""
 
+from rigkit.experiment.kept import create
 from rigkit.experiment.procedure import ExperimentProcedure
 from rigkit.service.paths import data_file, run_path
 from rigkit.service.rig import Desk
@@ -37,6 +38,6 @@ def procedure(config: CellConfig, options: MidrangeOptions, desk: Desk) -> Exper
     file = name if name in SCENARIOS else str(data_file(data, "scenario", name, SCENARIOS))
     made = Midranging(config, options.controller, scenarios(file, config.midranging.pair.rate))
     title = f"{options.controller}, {name}"
-    path = run_path(data, options.run)
     view = PairView(made, REFERENCE | (ASKED if made.is_live else {}), STRIPS)
-    return ExperimentProcedure(MIDRANGING, title, config, made, view, desk, path, is_paced=options.paced)
+    folder = create(run_path(data, options.run), MIDRANGING, config, made)
+    return ExperimentProcedure(MIDRANGING, title, folder, made, view, desk, is_paced=options.paced)

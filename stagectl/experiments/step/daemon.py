@@ -1,6 +1,7 @@
 """Steps and multisines under the daemon."""
 
 from rigkit.config_fault import checked
+from rigkit.experiment.kept import create
 from rigkit.experiment.procedure import ExperimentProcedure
 from rigkit.service.paths import run_path
 from rigkit.service.rig import Desk
@@ -35,7 +36,6 @@ def procedure(config: CellConfig, options: StepOptions, desk: Desk) -> Experimen
     given = {name: getattr(options, name) for name in Wanted.model_fields}
     made = Steps(config, checked(Wanted, given, "what is asked"))
     title = f"{options.kind}, {' and '.join(made.wanted.manipulators)}"
-    path = run_path(config.daemon.data, options.run)
-    return ExperimentProcedure(
-        STEPS, title, config, made, PairView(made, ASKED, STRIPS), desk, path, is_paced=options.paced
-    )
+    view = PairView(made, ASKED, STRIPS)
+    folder = create(run_path(config.daemon.data, options.run), STEPS, config, made)
+    return ExperimentProcedure(STEPS, title, folder, made, view, desk, is_paced=options.paced)

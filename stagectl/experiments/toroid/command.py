@@ -1,6 +1,7 @@
 """The command `stagectl cell`: the toroid in steel, by robot alone, with a tracker, with the stage."""
 
 import sys
+from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,7 +11,8 @@ from ctlblocks.clock import Offline, Paced
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
-from rigkit.experiment.command import CommandLine
+from rigkit.experiment.command import CommandLine, refuse_given
+from rigkit.experiment.resumed import GoingOn
 from rigkit.run_folder import CONFIG
 from stagectl.experiments.toroid.experiment import Confirm, Toroid
 from stagectl.experiments.toroid.plan import ALL, SETUPS, stage_of
@@ -65,8 +67,8 @@ def cell(
     clock = Paced() if is_paced else Offline()
     if resume is not None:
         given = {"--setup": setup, "--out": out, "--config": config, "--stage": stage, "--model": model}
-        _refuse_given({**given, "--set": settings, "--accept": accept, "--live": is_live or None})
-        _go_on(CommandLine("the toroid", was_live(resume), resume, png, json, clock), resume, is_sure)
+        refuse_given({**given, "--set": settings, "--live": is_live or None})
+        _go_on(CommandLine("the toroid", was_live(resume), resume, png, json, clock), resume, is_sure, accept or ())
         return
     if setup is None or out is None:
         raise ValueError("--setup and --out are missing: what is run, and where it is kept")
@@ -87,20 +89,15 @@ def cell(
 
 def _confirming(is_sure: bool) -> Confirm:
     """Return what has a person at the terminal confirm each live setup, or says alone what comes."""
-    return lambda what, stopped: Person(_say, stopped, not is_sure).confirm(what)
+    return lambda what, stopped: Person(_say, not is_sure).confirm(what, stopped)
 
 
-def _refuse_given(given: dict[str, object]) -> None:
-    for name, value in given.items():
-        if value is not None:
-            raise ValueError(f"{name} and --resume are given, must be one of them: a run has its own settings")
-
-
-def _go_on(line: CommandLine, path: Path, is_sure: bool) -> None:
+def _go_on(line: CommandLine, path: Path, is_sure: bool, accept: Collection[str]) -> None:
     refuse_needless_yes(is_sure, line.is_live)
     if line.is_live:
         refuse_unattended(rig_file.load(path / CONFIG, CellConfig), is_sure)
-    reasons, found = line.go_on(TOROID, lambda done: left_of(path, done, _confirming(is_sure)), setup_of_track)
+    way = GoingOn(CellConfig, lambda done: left_of(path, done, _confirming(is_sure)), setup_of_track, accept, _say)
+    reasons, found = line.go_on(TOROID, way)
     _tell(found["setups"], path, True, line.json)
     line.end(reasons)
 

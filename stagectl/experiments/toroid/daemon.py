@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from rigkit.experiment.kept import records_of
+from rigkit.experiment.kept import create, records_of
 from rigkit.experiment.procedure import ExperimentProcedure, Strip
 from rigkit.experiment.watch import Watch
 from rigkit.run_folder import read_events
@@ -48,9 +48,9 @@ def procedure(config: CellConfig, options: CellOptions, desk: Desk) -> Experimen
     for note in files.refuse_foreign(options.accept):
         desk.event("note", {"text": note})
     made = Toroid(plans_of(options.setup, config, files, options.live))
-    title, path = f"setup {options.setup}", run_path(data, options.run)
-    kept: dict[str, Any] = {"take_more": files.take_into, "accept": sorted(options.accept)}
-    return ExperimentProcedure(TOROID, title, config, made, _View(made), desk, path, is_paced=options.paced, **kept)
+    view, path, accept = _View(made), run_path(data, options.run), sorted(options.accept)
+    folder = create(path, TOROID, config, made, files.take_into, accept)
+    return ExperimentProcedure(TOROID, f"setup {options.setup}", folder, made, view, desk, is_paced=options.paced)
 
 
 class _View:

@@ -4,12 +4,14 @@ import numpy as np
 
 from ctlblocks.block import Block, Port
 from stagectl.robot.live.force_records import ForceRecords
-from stagectl.robot.live.torque_log import TorqueLog
 from stagectl.robot.live.wires import LiveWires
 from stagectl.robot.port import RobotPort
 from stagectl.robot.wired_tracker import SPINDLE
 from stagectl.wire.egm import Motion
 from stagectl.wire.tracker import Sample
+
+_TAKEN = 64
+"""Samples of the torques' line that are taken at once."""
 
 
 class LiveRobot(Block):
@@ -22,8 +24,6 @@ class LiveRobot(Block):
     Parameters
     ----------
     wires : LiveWires
-    log : TorqueLog, optional
-        Is to keep the torques.
     """
 
     outputs = (
@@ -31,8 +31,8 @@ class LiveRobot(Block):
         Port("torque", "N m", 6),
     )  # fmt: skip
 
-    def __init__(self, wires: LiveWires, log: TorqueLog | None = None) -> None:
-        self.wires, self._log = wires, log
+    def __init__(self, wires: LiveWires) -> None:
+        self.wires = wires
 
     def prepare(self, rate: float, frames: int) -> None:
         """Forget what was heard."""
@@ -60,10 +60,42 @@ class LiveRobot(Block):
             newest_torque = wires.signals.newest
             if np.isfinite(newest_torque[0]):
                 held[14:] = newest_torque[7:]
-            if self._log is not None:
-                self._log.keep(wires.signals)
         report[:], motors[:] = held[0], held[1]
         motor_angle[:], planned_angle[:], torque[:] = held[2:8], held[8:14], held[14:]
+
+
+class LiveTorques(Block):
+    """Hand out the samples of the torques' line one by one, a tick each: `logged_torque` (N m, 6), `torque_stamp` (s).
+
+    The stamp is the controller's time since the trial's first report, before which a sample may have been taken.  Zero
+    until one has come; then the newest that was handed out stays.
+
+    Parameters
+    ----------
+    wires : LiveWires
+    """
+
+    outputs = (Port("torque_stamp", "s"), Port("logged_torque", "N m", 6))
+
+    def __init__(self, wires: LiveWires) -> None:
+        self.wires = wires
+
+    def prepare(self, rate: float, frames: int) -> None:
+        """Forget what was heard."""
+        self._taken, self._at, self._count = np.zeros((_TAKEN, 13)), 0, 0
+        self._stamp, self._torque = 0.0, np.zeros(6)
+
+    def process(self, torque_stamp: np.ndarray, logged_torque: np.ndarray) -> None:
+        """Hand out a sample for each of a frame, while there is one."""
+        signals = self.wires.signals
+        for n in range(len(torque_stamp)):
+            if self._at == self._count and signals is not None:
+                self._at, self._count = 0, signals.samples.take(self._taken)
+            if self._at < self._count:
+                row = self._taken[self._at]
+                self._stamp, self._torque[:] = float(row[0]) - self.wires.begun, row[7:]
+                self._at += 1
+            torque_stamp[n, 0], logged_torque[n] = self._stamp, self._torque
 
 
 class LiveTracker(Block):

@@ -56,7 +56,7 @@ class Guide:
         Stopped : it was asked to stop; the robot is held.
         """
         self.leave(tell, stopped)
-        self._person.confirm(what)
+        self._person.confirm(what, stopped)
         if self._cell.robot.changer:
             change_block(self._cell, is_there, self.clock)
         go(self._cell, lambda here: room.way(here, goal), tell, stopped, self.clock)

@@ -18,7 +18,6 @@ class Person:
     Parameters
     ----------
     tell : callable(str)
-    stopped : callable() -> bool
     asks : bool
 
     Raises
@@ -26,13 +25,19 @@ class Person:
     ValueError : it is to ask, and the standard input is no terminal.
     """
 
-    def __init__(self, tell: Callable[[str], None], stopped: Callable[[], bool], asks: bool) -> None:
+    def __init__(self, tell: Callable[[str], None], asks: bool) -> None:
         if asks:
             refuse_without_terminal()
-        self._tell, self._stopped, self._asks = tell, stopped, asks
+        self._tell, self._asks = tell, asks
 
-    def confirm(self, what: str) -> None:
+    def confirm(self, what: str, stopped: Callable[[], bool]) -> None:
         """Say what comes, and wait for Enter; what was typed before does not count.
+
+        Parameters
+        ----------
+        what : str
+        stopped : callable() -> bool
+            Asked while it waits.
 
         Raises
         ------
@@ -44,7 +49,7 @@ class Person:
             return
         line = sys.stdin.fileno()
         termios.tcflush(line, termios.TCIFLUSH)
-        while not self._stopped():
+        while not stopped():
             if select.select([line], [], [], _LOOK)[0]:
                 if not os.read(line, 1_024):
                     raise ValueError("the terminal has gone: nobody confirms")

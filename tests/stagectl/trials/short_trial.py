@@ -1,12 +1,16 @@
 """A small pocket, milled in seconds of simulated time."""
 
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from ctlblocks.recording import Recording
 from rigkit.config import load
+from rigkit.experiment.runner import Conduct, remembered
+from stagectl.link.tell import nobody
 from stagectl.robot.config import CellConfig
-from stagectl.trials.conduct import Conduct, Milled
-from stagectl.trials.recorded import RECORDED
-from stagectl.trials.run import run
 from stagectl.trials.surroundings import simulated
 from stagectl.trials.trial import Trial, first_trial
+from stagectl.trials.trial_graph import TrialGraph
 
 SMALL = (
     "pocket.size=[14e-3, 14e-3]",
@@ -18,9 +22,17 @@ SMALL = (
 )
 
 
+class Ran(NamedTuple):
+    """What came of a trial: recordings by what they are of, and why it ended early."""
+
+    recordings: Mapping[str, Recording]
+    reason: str
+
+
 def small(*settings: str) -> Trial:
     return first_trial(load(None, CellConfig, [*SMALL, *settings]), "pocket")
 
 
-def ran(trial: Trial) -> Milled:
-    return run(trial, Conduct(), simulated, RECORDED, {})
+def ran(trial: Trial, conduct: Conduct | None = None) -> Ran:
+    records, ended = remembered(TrialGraph("one", trial, nobody, simulated).part(), conduct or Conduct())
+    return Ran({track.removeprefix("one-"): record for track, record in records.items()}, ended.reason)

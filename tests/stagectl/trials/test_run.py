@@ -5,11 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stagectl.trials.conduct import Milled
 from stagectl.trials.done import DoneTrial
 from stagectl.trials.signals import touched_block, touched_off
 from stagectl.trials.trial import Trial
-from tests.stagectl.trials.short_trial import ran, small
+from tests.stagectl.trials.short_trial import Ran, ran, small
 
 
 @pytest.fixture(scope="module")
@@ -18,16 +17,16 @@ def first() -> Trial:
 
 
 @pytest.fixture(scope="module")
-def air(first: Trial) -> Milled:
+def air(first: Trial) -> Ran:
     return ran(first)
 
 
 @pytest.fixture(scope="module")
-def touched(first: Trial, air: Milled) -> Trial:
+def touched(first: Trial, air: Ran) -> Trial:
     return replace(first, zero=touched_off(first, air.recordings), block=touched_block(first, air.recordings))
 
 
-def test_a_trial_in_the_air_follows_its_path_and_feels_nothing(touched: Trial, air: Milled) -> None:
+def test_a_trial_in_the_air_follows_its_path_and_feels_nothing(touched: Trial, air: Ran) -> None:
     done = DoneTrial("free-0", touched, air.recordings)
     assert air.reason == ""
     assert np.abs(air.recordings["truth"].select(["force_x"]).data).max() == 0.0
@@ -40,7 +39,7 @@ def test_a_trial_in_the_air_follows_its_path_and_feels_nothing(touched: Trial, a
 
 
 @pytest.mark.slow
-def test_a_trial_in_material_feels_it_and_is_pushed_aside(touched: Trial, air: Milled) -> None:
+def test_a_trial_in_material_feels_it_and_is_pushed_aside(touched: Trial, air: Ran) -> None:
     trial = touched.again(touched.sent, True)
     done, before = DoneTrial("milled-0", trial, ran(trial).recordings), DoneTrial("free-0", touched, air.recordings)
     force = done.signals.force
@@ -50,7 +49,7 @@ def test_a_trial_in_material_feels_it_and_is_pushed_aside(touched: Trial, air: M
 
 
 @pytest.mark.slow
-def test_another_trial_has_other_noise_on_the_same_machine(first: Trial, air: Milled) -> None:
+def test_another_trial_has_other_noise_on_the_same_machine(first: Trial, air: Ran) -> None:
     other = ran(replace(first, number=1))
     for name, columns in (("tracker", ["tool_seen_x"]), ("trial", ["torque_2"])):
         here, there = (each.recordings[name].select(columns).data for each in (air, other))

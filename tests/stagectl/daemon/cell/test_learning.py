@@ -5,14 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stagectl.trials.session import create, grouped, read_back
 
 from ctlblocks import recording
 from rigkit import config as rig_file
+from rigkit.experiment.again import replayed
+from rigkit.experiment.kept import create, records_of
 from rigkit.run_folder import CONFIG, RunFolder
 from rigkit.service.state import State
 from stagectl.robot.config import CellConfig
-from stagectl.trials.replay import replay_trials
-from stagectl.trials.session import create, grouped, read_back
 from stagectl.trials.trial import cell_for_task
 from tests.stagectl.daemon.bench import Lab
 from tests.stagectl.daemon.cell.bench import cell_in
@@ -29,7 +30,15 @@ def lab(tmp_path: Path) -> Iterator[Lab]:
 
 
 def done(lab: Lab) -> float:
-    return 0.0 if lab.control.desk is None else float(lab.control.desk.plain()["done"])
+    """Return how many trials of those to be run are done."""
+    seconds = first_trial(rig_file.load(lab.file, CellConfig), "pocket").path.seconds
+    return 0.0 if lab.control.desk is None else float(lab.control.desk.plain()["done"]) / seconds
+
+
+def whole(path: Path) -> list[DoneTrial]:
+    """Return the trials of a run that came to their end."""
+    records = records_of(path)
+    return read_back(path, records).whole(records)
 
 
 @pytest.mark.slow
@@ -49,11 +58,11 @@ def test_trials_pause_between_two_and_a_stop_in_the_air_ends_one_that_replays(la
     assert lab.state is State.DISARMED
     lab.ended()
     path = lab.run_folder()
-    assert {each.name for each in read_back(path)} == {"free-0", "free-1-ended"}
-    retreating = recording.read(path / "free-1-ended-trial.csv").select(["retreating"]).data
+    assert [each.name for each in whole(path)] == ["free-0"]
+    retreating = recording.read(path / "free-1-trial.wav").select(["retreating"]).data
     assert retreating[-1] == 1.0
-    assert all(each.identical for each in replay_trials(path))
-    assert not (path / "report.html").exists()
+    assert all(each.identical for each in replayed(path, TRIALS))
+    assert "Ended early, free-1" in (path / "report.html").read_text()
 
 
 @pytest.mark.slow
@@ -64,26 +73,27 @@ def test_a_stop_lifts_the_tool_out_of_the_material_and_the_run_goes_on_to_its_la
     lab.control.stop("Ada", "smoke")
     lab.ended()
     path = lab.run_folder()
-    trial = next(each for each in read_back(path) if each.name == "milled-0-ended").trial
+    trial = done_trial("milled-0", records_of(path), first_trial(*task_of(path))).trial
     assert trial.block is not None
-    height = recording.read(path / "milled-0-ended-truth.csv").select(["position_z"]).data[:, 0] - trial.block[2]
+    height = recording.read(path / "milled-0-truth.wav").select(["position_z"]).data[:, 0] - trial.block[2]
     assert height.min() < -1e-4
     assert height[-1] == pytest.approx(3e-4, abs=1.5e-4)
 
     lab.begin("ilc", resume=True, iterations=1)
-    until(lambda: done(lab) > 2.4)
+    until(lambda: done(lab) > 0.4)
     lab.control.abort(lab.key, "enough")
     lab.ended()
     assert lab.state is State.ARMED
-    assert (path / "milled-0-sent.csv").is_file()  # that trial came to its end
+    assert whole(path)[-1].name == "milled-0"  # that trial came to its end
+    assert (path / "before-1" / "milled-0-trial.wav").is_file()
     lab.begin("ilc", resume=True, iterations=1)
     lab.ended()
     assert lab.state is State.ARMED, lab.why
-    free, learned = grouped(read_back(path))
+    free, learned = grouped(whole(path))
     assert [each.name for each in free] == ["free-0", "free-1"]
     sizes = [float(np.linalg.norm(each.mae)) for each in learned[1]]
     assert sizes[1] < 0.6 * sizes[0]
-    assert all(each.identical for each in replay_trials(path))
+    assert all(each.identical for each in replayed(path, TRIALS))
     assert (path / "report.html").is_file()
     panels = lab.control.board
     shown = {trace["name"]: trace["y"] for trace in panels.panel("convergence")["traces"]}
@@ -102,7 +112,7 @@ def test_a_blind_tracker_is_a_fault_with_its_reason(tmp_path: Path) -> None:
     assert lab.events("retreat")
     lab.control.acknowledge(lab.key, "an LED was covered")
     assert lab.state is State.DISARMED
-    assert (lab.run_folder() / "free-0-ended-sent.csv").is_file()
+    assert (lab.run_folder() / "free-0-trial.wav").is_file()
     lab.close()
 
 
@@ -124,8 +134,9 @@ def test_what_cannot_be_begun_leaves_no_folder(lab: Lab, options: dict[str, obje
 @pytest.mark.slow
 def test_trials_of_which_the_settings_were_edited_since_go_on_once_the_key_is_accepted(lab: Lab) -> None:
     path = lab.run_folder()
-    cell = rig_file.load(lab.file, CellConfig)
-    create(path, cell_for_task(cell, "pocket"), "pocket", Path(cell.daemon.data) / "milling.h5").close()
+    cell = cell_for_task(rig_file.load(lab.file, CellConfig), "pocket")
+    files = Files("pocket", Path(cell.daemon.data) / "milling.h5")
+    create(path, TRIALS, cell, Asked((1,), 1, SimulatedBench()).new(cell, files), files.take_into).close()
     edited = rig_file.load(path / CONFIG, CellConfig, ("learning.free=2",), as_written=True)
     (path / CONFIG).write_text(rig_file.dump(edited))
     lab.begin("ilc", resume=True, iterations=1)

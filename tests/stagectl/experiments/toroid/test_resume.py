@@ -9,12 +9,14 @@ from pathlib import Path
 import pytest
 
 from rigkit.experiment.again import replayed
-from rigkit.experiment.kept import create, run, take_up
+from rigkit.experiment.kept import create, run
+from rigkit.experiment.resumed import GoingOn, take_up
 from rigkit.experiment.runner import STOPPED, Conduct
 from rigkit.lock import FolderInUseError
 from rigkit.run_folder import RunFolder, read_events
 from stagectl.experiments.toroid.experiment import Toroid, unasked
 from stagectl.experiments.toroid.read_back import TOROID, Files, left_of, setup_of_track
+from stagectl.robot.config import CellConfig
 from tests.stagectl.experiments.toroid.short_cell import STAGE, short
 
 QUESTIONS = 30
@@ -50,7 +52,7 @@ def path(begun: Path, tmp_path: Path) -> Path:
 
 
 def go_on(path: Path) -> dict[str, str]:
-    folder, experiment = take_up(path, lambda done: left_of(path, done, unasked), setup_of_track)
+    folder, experiment = take_up(path, GoingOn(CellConfig, lambda done: left_of(path, done, unasked), setup_of_track))
     with folder:
         reasons, _ = run(folder, TOROID, experiment, Conduct())
     return reasons
@@ -96,7 +98,7 @@ def _killed(path: Path) -> None:
             raise RuntimeError("the machine goes down")
         return False
 
-    folder, experiment = take_up(path, lambda done: left_of(path, done, unasked), setup_of_track)
+    folder, experiment = take_up(path, GoingOn(CellConfig, lambda done: left_of(path, done, unasked), setup_of_track))
     with folder:
         run(folder, TOROID, experiment, Conduct(killed))
 

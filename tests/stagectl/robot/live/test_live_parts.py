@@ -13,10 +13,9 @@ from stagectl.link.tell import nobody
 from stagectl.robot.config import CellConfig, Robot
 from stagectl.robot.force_config import ForceSensor
 from stagectl.robot.kinematics import forward
-from stagectl.robot.live.blocks import LiveTracker
+from stagectl.robot.live.blocks import LiveTorques, LiveTracker
 from stagectl.robot.live.force_records import ForceRecords
 from stagectl.robot.live.person import Person
-from stagectl.robot.live.torque_log import TorqueLog
 from stagectl.robot.live.way import Room, room_of
 from stagectl.robot.live.wires import LiveWires
 from stagectl.robot.program import TorqueSignals
@@ -84,24 +83,28 @@ def test_a_record_that_is_saturated_or_faulty_is_not_hidden_by_others(status: in
     assert (taken[0].status, taken[0].wrench[0]) == (status, value)
 
 
-def logged(times: np.ndarray) -> TorqueLog:
-    signals, log = TorqueSignals(Robot(), "127.0.0.1", lambda: 0.0), TorqueLog(100)
+def handed_out(ticks: int, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return stamps and torques of so many ticks, from a line that has these times, s; the trial began at 5 s."""
+    signals, wires = TorqueSignals(Robot(), "127.0.0.1", lambda: 0.0), LiveWires(CellConfig(), nobody)
     rows = "".join(",".join(map(str, [time, *[0.0] * 6, *[10.0 * time] * 6])) + "\n" for time in times)
     signals.take(rows.encode(), 0.0)
-    log.keep(signals)
-    return log
+    wires.signals, wires.begun = signals, 5.0
+    block = LiveTorques(wires)
+    block.prepare(2000.0, 1)
+    stamp, torque = np.zeros((1, 1)), np.zeros((1, 6))
+    found = []
+    for _ in range(ticks):
+        block.process(torque_stamp=stamp, logged_torque=torque)
+        found.append((stamp[0, 0], torque[0].copy()))
+    stamps, torques = zip(*found, strict=True)
+    return np.array(stamps), np.array(torques)
 
 
-def test_torques_are_brought_to_the_reports_by_the_controllers_clock() -> None:
-    found = logged(np.arange(5.0, 5.6, 0.004)).torques(5.1, 100, 0.05)
-    np.testing.assert_allclose(found, np.repeat(51.0 + 0.04 * np.arange(100), 6).reshape(100, 6))
-
-
-def test_torques_with_a_gap_or_none_are_refused_by_place() -> None:
-    with pytest.raises(ValueError, match=r"the torque signals: there is no sample for 0.1\d* s from 0.1 s on"):
-        logged(np.concatenate([np.arange(5.0, 5.2, 0.004), np.arange(5.3, 5.6, 0.004)])).torques(5.1, 100, 0.05)
-    with pytest.raises(ValueError, match="no motor torques are heard"):
-        TorqueLog(100).torques(0.0, 100, 0.05)
+def test_every_sample_of_the_torques_line_is_handed_out_once_by_its_own_time() -> None:
+    times = np.arange(5.0, 5.6, 0.004)
+    stamp, torque = handed_out(len(times) + 20, times)
+    np.testing.assert_allclose(stamp, np.minimum(np.arange(len(times) + 20), len(times) - 1) * 0.004, atol=1e-12)
+    np.testing.assert_allclose(torque[:, 5], 50.0 + 10.0 * stamp)
 
 
 @pytest.fixture(scope="module")
@@ -153,7 +156,7 @@ def test_what_was_typed_before_it_is_asked_for_confirms_nothing(terminal: int) -
         return len(looks) > 2
 
     with pytest.raises(Stopped, match="stopped before the robot moved on"):
-        Person(print, stopped, True).confirm("a fresh block")
+        Person(print, True).confirm("a fresh block", stopped)
 
 
 def test_enter_confirms(terminal: int) -> None:
@@ -165,7 +168,7 @@ def test_enter_confirms(terminal: int) -> None:
             os.write(terminal, b"\n")
         return False
 
-    Person(told.append, stopped, True).confirm("a fresh block")
+    Person(told.append, True).confirm("a fresh block", stopped)
     assert told == ["a fresh block; then Enter", "asked"]
 
 
@@ -173,5 +176,5 @@ def test_without_a_terminal_nobody_is_asked(monkeypatch: pytest.MonkeyPatch) -> 
     with open(os.devnull) as nobody:
         monkeypatch.setattr(sys, "stdin", nobody)
         with pytest.raises(ValueError, match="no terminal: nobody can confirm .* say --yes"):
-            Person(print, lambda: False, True)
-        Person(print, lambda: False, False).confirm("a fresh block")
+            Person(print, True)
+        Person(print, False).confirm("a fresh block", lambda: False)

@@ -1,15 +1,15 @@
 """What the page draws of trials: errors of each iteration, the path, the error along it, and the force on the tool."""
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from rigkit.experiment.strips import TIME, thinned
-from rigkit.service.rig import Desk
-from rigkit.service.show import Axis, Curves, Table, Trace
-from stagectl.daemon.cell.strips import AXES
+from rigkit.service.show import Axis, Curves, Panel, Table, Trace
+from stagectl.devices.signals import AXES
 from stagectl.robot.milling.torque_file import read_force_model
-from stagectl.trials.campaign import FIRST, Learner
+from stagectl.trials.campaign import FIRST, grouped
 from stagectl.trials.done import DoneTrial
 from stagectl.trials.report import ACCURACY, HEAD, trial_rows
 from stagectl.trials.signals import rest, torque_log
@@ -19,72 +19,59 @@ MAGNIFIED = 10.0
 """Times by which errors are drawn beside the path."""
 
 
-class LearningPanels:
-    """Draws trials on a desk, one after another.
+def panels(trials: Sequence[DoneTrial], model: Path) -> dict[str, Panel]:
+    """Draw the last trial, and what there is of all, by the panels' names.
 
     Parameters
     ----------
-    desk : Desk
+    trials : sequence of DoneTrial
+        That came to their end, in the order of their numbers; one at least.
     model : Path
         File of the milling models: where it knows the motors' torques, the force that they tell is drawn as well.
-    learner : Learner
     """
+    (free, learned), done = grouped(trials), trials[-1]
+    found: dict[str, Panel] = {"path": path(done), "error": along(done)}
+    found["trials"] = Table("Trials", HEAD, tuple(trial_rows(free, learned)))
+    if free:
+        found["free_space"] = errors("Free space", dict(enumerate(free)))
+    if done.trial.is_milled:
+        first = next((each for each in trials if each.name == FIRST), None)
+        found["convergence"] = convergence(learned, first)
+        found |= _forces(done, free, model)
+    return found
 
-    def __init__(self, desk: Desk, model: Path, learner: Learner) -> None:
-        self._desk, self._model, self._learner = desk, model, learner
-        self._learned: dict[int, list[DoneTrial]] = {}
-        self._first: DoneTrial | None = None
 
-    def draw(self, done: DoneTrial) -> None:
-        """Draw a trial that came to its end, and what there is of all."""
-        if done.trial.is_milled:
-            self._take(done)
-            self._desk.show("convergence", convergence(self._learned, self._first))
-            self._forces(done)
-        if self._learner.free:
-            self._desk.show("free_space", errors("Free space", dict(enumerate(self._learner.free))))
-        self._desk.show("trials", Table("Trials", HEAD, tuple(trial_rows(self._learner.free, self._learned))))
-        self._desk.show("path", path(done))
-        self._desk.show("error", along(done))
+def _forces(done: DoneTrial, free: Sequence[DoneTrial], model: Path) -> Iterator[tuple[str, Curves]]:
+    """Draw the force on the tool along each axis: by the sensor, and where it can be by the motors' torques."""
+    sensed = done.signals.force
+    assert sensed is not None
+    estimated = _estimated(done, free, model)
+    for axis, name in enumerate(AXES):
+        columns = (np.arange(len(sensed)) / RATE, sensed[:, axis], *(each[:, axis] for each in estimated))
+        time, force, *motors = thinned(*columns)
+        traces = [Trace("sensor", time, force)]
+        if motors:
+            traces.append(Trace("motors' torques", time, motors[0], low=motors[1], high=motors[2]))
+        title = f"Force on the tool along {name}, {done.name}"
+        yield f"cutting_force_{name}", Curves(title, TIME, Axis("force", "N"), tuple(traces))
 
-    def _take(self, done: DoneTrial) -> None:
-        if done.name == FIRST:
-            self._first = done
-            return
-        method = int(done.name.split("-")[1])
-        self._learned.setdefault(method, [self._first] if self._first else []).append(done)
 
-    def _forces(self, done: DoneTrial) -> None:
-        """Draw the force on the tool along each axis: by the sensor, and where it can be by the motors' torques."""
-        sensed = done.signals.force
-        assert sensed is not None
-        estimated = self._estimated(done)
-        for axis, name in enumerate(AXES):
-            columns = (np.arange(len(sensed)) / RATE, sensed[:, axis], *(each[:, axis] for each in estimated))
-            time, force, *motors = thinned(*columns)
-            traces = [Trace("sensor", time, force)]
-            if motors:
-                traces.append(Trace("motors' torques", time, motors[0], low=motors[1], high=motors[2]))
-            title = f"Force on the tool along {name}, {done.name}"
-            self._desk.show(f"cutting_force_{name}", Curves(title, TIME, Axis("force", "N"), tuple(traces)))
+def _estimated(done: DoneTrial, free: Sequence[DoneTrial], model: Path) -> tuple[np.ndarray, ...]:
+    """Return force, low and high by the motors' torques, (N, 3), N, less those in the air; nothing without a model.
 
-    def _estimated(self, done: DoneTrial) -> tuple[np.ndarray, ...]:
-        """Return force, low and high by the motors' torques, (N, 3), N, less those in the air; nothing without a model.
-
-        Where nothing is determined the interval goes as far as a force of either sign can that the sensor can show.
-        """
-        cell = done.trial.cell
-        try:
-            known = read_force_model(self._model, done.trial.arm, cell.force_estimate)
-        except ValueError:
-            return ()
-        told = known.estimate(*torque_log(done.records), RATE)
-        air = [known.estimate(*torque_log(each.records), RATE).force for each in self._learner.free]
-        bare = np.mean(air, axis=0)
-        bare = bare + np.nanmean((told.force - bare)[rest(done.trial)], axis=0)
-        most = np.array(cell.force_sensor.range_force)
-        low, high = (np.clip(each - bare, -most, most) for each in (told.low, told.high))
-        return told.force - bare, np.where(np.isnan(low), -most, low), np.where(np.isnan(high), most, high)
+    Where nothing is determined the interval goes as far as a force of either sign can that the sensor can show.
+    """
+    cell = done.trial.cell
+    try:
+        known = read_force_model(model, done.trial.arm, cell.force_estimate)
+    except ValueError:
+        return ()
+    told, *air = (known.estimate(*torque_log(each.trial, each.records), RATE) for each in (done, *free))
+    bare = np.mean([each.force for each in air], axis=0)
+    bare = bare + np.nanmean((told.force - bare)[rest(done.trial)], axis=0)
+    most = np.array(cell.force_sensor.range_force)
+    low, high = (np.clip(each - bare, -most, most) for each in (told.low, told.high))
+    return told.force - bare, np.where(np.isnan(low), -most, low), np.where(np.isnan(high), most, high)
 
 
 def convergence(learned: dict[int, list[DoneTrial]], first: DoneTrial | None) -> Curves:
