@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from ctlblocks import Graph
-from rigkit.experiment.part import Part
+from rigkit.experiment.part import Part, Retreat
 from rigkit.priority import real_time, undisturbed
 from stagectl.devices.signals import ROBOT, TRACKER, Sources
 from stagectl.link.tell import Tell
@@ -58,19 +58,33 @@ class WiredBench:
             graph = TrialGraph(name, trial, wires.unless_told(tell), wired(wires))
             part = graph.part()
             assert part.retreat is not None
-
-            def fault() -> str:
-                return wires.port.reason or graph.fault()
-
-            retreat = replace(part.retreat, fault=fault)
+            retreat = _Held(part.retreat, wires).retreat
             yield replace(part, clock=ReportClock(wires, SLOW), retreat=retreat, rest=wires.port.stop)
-            is_whole = not fault() and part.graph.ticks >= part.ticks
+            is_whole = not retreat.fault() and part.graph.ticks >= part.ticks
         if is_whole:
             self._guide.finished(room)
 
     def leave(self, tell: Tell, stopped: Stopped) -> None:
         """Go up from where the last trial has ended, if it came to its end."""
         self._guide.leave(tell, stopped)
+
+
+class _Held:
+    """The retreat of a trial, which is none where the robot's wire has latched: then it is held where it is."""
+
+    def __init__(self, within: Retreat, wires: LiveWires) -> None:
+        self._within, self._port = within, wires.port
+
+    @property
+    def retreat(self) -> Retreat:
+        return replace(self._within, fault=self._fault, begin=self._begin)
+
+    def _fault(self) -> str:
+        return self._port.reason or self._within.fault()
+
+    def _begin(self, reason: str) -> None:
+        if not self._port.reason:
+            self._within.begin(reason)
 
 
 def bench(cell: CellConfig, person: Person | None) -> Bench:

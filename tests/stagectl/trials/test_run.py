@@ -5,9 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rigkit.experiment.runner import STOPPED, Conduct, repeated
+from stagectl.link.tell import nobody
 from stagectl.trials.done import DoneTrial
+from stagectl.trials.recorded import SLOW
 from stagectl.trials.signals import touched_block, touched_off
+from stagectl.trials.surroundings import recorded
 from stagectl.trials.trial import Trial
+from stagectl.trials.trial_graph import TrialGraph
 from tests.stagectl.trials.short_trial import Ran, ran, small
 
 
@@ -79,3 +84,19 @@ def test_a_silent_robot_is_held_where_it_is(first: Trial) -> None:
 def test_a_correction_beyond_the_limit_never_reaches_the_robot(first: Trial) -> None:
     done = ran(replace(first, sent=first.sent + [0.0, 0.0, 3.2e-3]))
     assert done.reason.startswith("the correction moves the tool by 3.2 mm, must be <= 3 mm")
+
+
+@pytest.mark.parametrize("seconds", [0.1, 0.4, 1.5])
+def test_a_trial_that_its_user_stops_is_made_again_bit_for_bit(touched: Trial, seconds: float) -> None:
+    """Also one that is stopped before the robot follows, or just then."""
+    told = [0.0]
+    conduct = Conduct(lambda: told[0] >= seconds, show=lambda done: told.__setitem__(0, done))
+    records, reason = ran(touched, conduct)
+    assert reason == STOPPED
+    done = DoneTrial("one", touched, records)
+    part = TrialGraph("one", touched, nobody, recorded(records)).part_again(done.left)
+    again = repeated(part, SLOW * len(records["trial"].data))
+    for track in part.tracks:
+        names = track.made_names(part.graph)
+        before = records[track.name.removeprefix("one-")].select(names).data
+        assert again[track.name].select(names).data.tobytes() == before.tobytes()

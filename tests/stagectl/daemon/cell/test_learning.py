@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from stagectl.trials.session import create, grouped, read_back
 
 from ctlblocks import recording
 from rigkit import config as rig_file
@@ -14,7 +13,12 @@ from rigkit.experiment.kept import create, records_of
 from rigkit.run_folder import CONFIG, RunFolder
 from rigkit.service.state import State
 from stagectl.robot.config import CellConfig
-from stagectl.trials.trial import cell_for_task
+from stagectl.trials.asked import Asked
+from stagectl.trials.bench import SimulatedBench
+from stagectl.trials.campaign import grouped
+from stagectl.trials.done import DoneTrial, done_trial
+from stagectl.trials.read_back import TRIALS, Files, read_back, task_of
+from stagectl.trials.trial import cell_for_task, first_trial
 from tests.stagectl.daemon.bench import Lab
 from tests.stagectl.daemon.cell.bench import cell_in
 from tests.until import until
