@@ -13,13 +13,15 @@ from benchmarks.page_table import put, table, words
 from calibration.state_space.model import InnovationModel
 from calibration.subspace.identify import identify
 from firmware_sim.plants.feed_process import FeedProcess
+from rigkit.experiment.runner import Conduct
+from rigkit.experiment.succession import run_in_memory
 from stagectl.feed.job import Job, pocket_of
+from stagectl.feed.pockets import Pockets
 from stagectl.feed.process_run import channel, process_figures, run_process, simulated
-from stagectl.feed.session import mill_pockets, summary, velocity_model
+from stagectl.feed.read_back import velocity_model
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force_kernel import CONTROLLING
-from stagectl.trials.conduct import Conduct
 
 PLANT = "firmware_sim.feed_blocks:FedTool"
 SEEDS = range(1, 6)
@@ -118,8 +120,9 @@ def _milled(seed: int, job: Job) -> dict[str, Any]:
     cell = cell.model_copy(update={"feed_plants": plants})
     pocket = pocket_of(job.task, cell.segments)
     assert pocket is not None
-    made, model = replace(job, pocket=pocket).make(), velocity_model(None)
-    return summary(list(mill_pockets(cell, pocket, made, model, Conduct(), job.pockets, job.compares)))
+    experiment = Pockets(cell, replace(job, pocket=pocket), velocity_model(None))
+    _, records = run_in_memory(experiment.parts(), Conduct())
+    return experiment.figures(records)
 
 
 PARTS: dict[str, Callable[[], Any]] = {

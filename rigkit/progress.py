@@ -85,13 +85,14 @@ class PlainMeter:
         self._title, self._total, self._start = title, total, start
         self._stream, self._clock = stream, clock
         self._began = self._last = clock()
+        self._is_over = False
 
     def show(self, done: float, note: str = "") -> None:
         """Print a line if the last one is old enough, or all is done."""
         now = self._clock()
-        if now - self._last < SECONDS_BETWEEN_LINES and done < self._total:
+        if self._is_over or (now - self._last < SECONDS_BETWEEN_LINES and done < self._total):
             return
-        self._last = now
+        self._last, self._is_over = now, done >= self._total
         elapsed, fresh, missing = now - self._began, done - self._start, self._total - done
         left = f", {_clock_text(elapsed * missing / fresh)} left" if fresh > 0 and missing > 0 else ""
         share = 100 * done / self._total if self._total > 0 else 100

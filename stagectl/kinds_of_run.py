@@ -10,7 +10,7 @@ from rigkit.experiment.kind import Kind, kind_of
 from rigkit.experiment.replayed import Replayed
 from stagectl.experiments.kinds import KINDS
 from stagectl.experiments.toroid.read_back import STAGE, TOROID
-from stagectl.feed.folder import is_of_feed, replay_folder, report_folder
+from stagectl.feed.read_back import FORCE, is_of_feed
 from stagectl.replay import remade as from_log
 from stagectl.replay import replay
 from stagectl.report import run_report
@@ -23,8 +23,6 @@ def reported(path: Path, png: Path | None) -> dict[str, Any]:
     """Write the report of a run, and figures as PNG files where they are wanted; return its figures."""
     if (kind := _kind(path)) is not None:
         return kept.reported(path, kind, png)
-    if is_of_feed(path):
-        return report_folder(path, png)
     return run_report(path, png)
 
 
@@ -36,13 +34,11 @@ def replayed(path: Path, settings: Sequence[str] = ()) -> Iterator[Replayed]:
     ValueError : settings for a kind of run that is replayed with its own only.
     """
     kind = _kind(path)
-    if settings and (is_of_feed(path) if kind is None else not kind.what_if):
+    if settings and kind is not None and not kind.what_if:
         known = ", ".join(sorted([*(name for name, each in KINDS.items() if each.what_if), "stage runs"]))
         raise ValueError(f"{path}: --set is {settings[0]!r}, must not be given but for: {known}")
     if kind is not None:
         return again.replayed(path, kind, settings)
-    if is_of_feed(path):
-        return replay_folder(path)
     return replay(path, _stage(path, settings))
 
 
@@ -66,7 +62,7 @@ def remade(
     """
     if (kind := _kind(path)) is not None and kind.what_if:
         return again.remade(path, kind, settings, read)
-    if kind is not None or is_of_feed(path):
+    if kind is not None:
         raise ValueError(f"{path}: is a run of trials or of pockets, must be of mid-ranging, steps or a stage")
     return from_log(path, _stage(path, settings), read)
 
@@ -83,4 +79,6 @@ def _kind(path: Path) -> Kind | None:
         known = TOROID.name
     if not known and is_of_trials(path):
         known = TRIALS.name
+    if not known and is_of_feed(path):
+        known = FORCE.name
     return KINDS.get(known)

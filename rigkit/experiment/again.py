@@ -41,9 +41,10 @@ def replayed(path: Path, kind: Kind, settings: Sequence[str] = ()) -> Iterator[R
         for track in part.tracks:
             if not track.made:
                 continue
-            made = again[track.name].select(track.made_names(part.graph))
-            rows = whole[track.name] if end else len(made.data)  # of one that was killed, as far as all is recorded
             record = records[track.name]
+            names = [name for name in track.made_names(part.graph) if name in record.names]  # once there were fewer
+            made = again[track.name].select(names)
+            rows = whole[track.name] if end else len(made.data)  # of one that was killed, as far as all is recorded
             yield from compared(track.name, replace(record, data=record.data[:rows]), made)
 
 

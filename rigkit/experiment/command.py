@@ -54,6 +54,8 @@ class CommandLine:
         Where its figures go as JSON.
     clock : Clock
         Of what is simulated.
+    unit : str
+        In which the experiment tells its length.
     """
 
     title: str
@@ -62,6 +64,7 @@ class CommandLine:
     png: Path | None
     json: str | None
     clock: Clock = field(default_factory=Offline)
+    unit: str = "s"
 
     def carry_out(
         self, kind: Kind, config: BaseModel, experiment: Experiment, **folder: Any
@@ -118,7 +121,7 @@ class CommandLine:
         seconds = experiment.seconds
         with stoppable() as stop:
             if self.is_live:
-                sys.stderr.write(f"{self.title}: {seconds:g} s in real time\n")
+                sys.stderr.write(f"{self.title}: {seconds:g} {self.unit} in real time\n")
                 yield Conduct(lambda: stop.made, self.clock)
                 return
             with progress(self.title, seconds) as meter:

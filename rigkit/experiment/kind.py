@@ -19,7 +19,7 @@ class Experiment(Protocol):
 
     @property
     def seconds(self) -> float:
-        """Of all its parts, when nothing ends them before."""
+        """How long all its parts take when nothing ends them before, s; or in the unit of their `progress`."""
 
     @property
     def about(self) -> Mapping[str, str]:

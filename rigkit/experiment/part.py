@@ -62,12 +62,18 @@ class Phase:
     begin, end : callable()
         Called before its first tick and after its last one, and not where it was stopped; what either raises ends the
         part.
+    every : int, >= 0
+        Ticks from one call of `look` to the next; 0 where that is not called.
+    look : callable() -> bool
+        Whether it is over, with ticks left.
     """
 
     name: str
     ticks: int
     begin: Callable[[], object] = nothing
     end: Callable[[], object] = nothing
+    every: int = 0
+    look: Callable[[], bool] = lambda: False
 
 
 @dataclass(frozen=True)
@@ -82,11 +88,15 @@ class Retreat:
         Brings them to rest for a reason; does nothing where a fault has done so.
     ticks : int
         That are run and recorded of it, at most.
+    every, look
+        As of `Phase`: whether they are at rest.
     """
 
     fault: Callable[[], str]
     begin: Callable[[str], object]
     ticks: int
+    every: int = 0
+    look: Callable[[], bool] = lambda: False
 
 
 @dataclass(frozen=True)
@@ -113,6 +123,8 @@ class Part:
         Called once the graph ticks no more, whatever has ended it: what is led is held from then on.
     about : mapping of str to str
         What is to be known of it beside its recordings: provenance of theirs.
+    progress : callable() -> float, optional
+        How far it is, in the unit in which its experiment tells its length; that is s without.
     """
 
     name: str
@@ -125,6 +137,7 @@ class Part:
     is_apart: bool = False
     rest: Callable[[], object] = nothing
     about: Mapping[str, str] = field(default_factory=dict)
+    progress: Callable[[], float] | None = None
 
     @property
     def ticks(self) -> int:
@@ -135,6 +148,11 @@ class Part:
     def seconds(self) -> float:
         """Of what its graph has ticked so far."""
         return self.graph.ticks * self.graph.frames / self.graph.rate
+
+    @property
+    def done(self) -> float:
+        """How far it is, in the unit in which its experiment tells its length."""
+        return self.seconds if self.progress is None else self.progress()
 
     def attach(self, sink_of: Callable[[Track], Block], name: str = "recorder") -> None:
         """Add a sink for each track to the graph, under a name and a number."""

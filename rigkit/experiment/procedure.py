@@ -1,6 +1,6 @@
 """The daemon's side of an experiment: a procedure that runs it, says what it does, and draws the last seconds."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -55,9 +55,8 @@ class View(Protocol):
     def sources(self) -> Mapping[str, str]:
         """Outputs "block.port" by the names under which they are asked for."""
 
-    @property
-    def strips(self) -> Sequence[Strip]:
-        """Panels of the last seconds."""
+    def lately(self, watch: Watch) -> Iterable[tuple[str, Panel]]:
+        """Give panels of the last seconds, by name: as of `strips_of`, or others."""
 
     def gauges(self, watch: Watch) -> Iterable[Gauge]:
         """Give what is measured now, of which one at least is the output."""
@@ -168,14 +167,25 @@ class ExperimentProcedure:
             self._desk.event(event, fields)
 
     def _draw(self) -> None:
-        for each in self._view.strips:
-            found = [self._watch.lately(signal) for signal in each.signals]
-            count = min(len(time) for time, _ in found)
-            if count:
-                rows = np.column_stack([rows[-count:] for _, rows in found])
-                if each.valid and len(valid := self._watch.lately(each.valid)[1]) >= count:
-                    rows = np.where(valid[-count:] > 0.5, rows, np.nan)
-                title = each.title or each.name.capitalize()
-                what = Axis(each.title or each.name, each.unit)
-                curves = strip(f"{title}, last {WINDOW:g} s", what, found[0][0][-count:], rows, tuple(each.lines))
-                self._desk.show(each.name, curves)
+        for name, panel in self._view.lately(self._watch):
+            self._desk.show(name, panel)
+
+
+def strips_of(watch: Watch, strips: Iterable[Strip]) -> Iterator[tuple[str, Panel]]:
+    """Draw strips of what has been seen, by their names.
+
+    Parameters
+    ----------
+    watch : Watch
+    strips : iterable of Strip
+    """
+    for each in strips:
+        found = [watch.lately(signal) for signal in each.signals]
+        count = min(len(time) for time, _ in found)
+        if count:
+            rows = np.column_stack([rows[-count:] for _, rows in found])
+            if each.valid and len(valid := watch.lately(each.valid)[1]) >= count:
+                rows = np.where(valid[-count:] > 0.5, rows, np.nan)
+            title, what = each.title or each.name.capitalize(), Axis(each.title or each.name, each.unit)
+            time = found[0][0][-count:]
+            yield each.name, strip(f"{title}, last {WINDOW:g} s", what, time, rows, tuple(each.lines))

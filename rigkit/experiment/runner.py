@@ -8,7 +8,7 @@ from typing import Any
 from ctlblocks import Graph
 from ctlblocks.clock import Clock, Offline, run_offline
 from ctlblocks.recording import Recording
-from rigkit.experiment.part import Part
+from rigkit.experiment.part import Part, Phase, Retreat
 
 STOPPED = "stopped by its user"
 KILLED = "killed"
@@ -44,7 +44,7 @@ class Conduct:
     look : callable(Graph)
         Called before each tick of the parts that have a clock of their own.
     show : callable(float)
-        Told, now and then, of the seconds done, of all parts.
+        Told, now and then, how far all parts are, in the unit of the experiment's `seconds`.
     between, after : callable(str)
         Called with the name of each part before it begins, and returns when it may, or raises `rigkit.stop.Stopped`;
         and once it has ended.
@@ -105,8 +105,8 @@ def play(part: Part, conduct: Conduct, beside: Attendance = ALONE, done: float =
         Its graph prepared.
     conduct : Conduct
     beside : Attendance
-    done : float, s
-        Of the parts before.
+    done : float
+        How far the parts before were.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def _played(part: Part, conduct: Conduct, beside: Attendance, done: float) -> En
         beside.attend()
         if own is not None:
             conduct.look(graph)
-        conduct.show(done + part.seconds)
+        conduct.show(done + part.done)
         return False
 
     def over() -> bool:
@@ -141,7 +141,7 @@ def _played(part: Part, conduct: Conduct, beside: Attendance, done: float) -> En
         if over():
             break
         phase.begin()
-        if clock.run(graph, phase.ticks, over) < phase.ticks:
+        if not _through(phase, phase.ticks, clock, graph, over):
             break
         phase.end()
     else:
@@ -152,9 +152,22 @@ def _played(part: Part, conduct: Conduct, beside: Attendance, done: float) -> En
     held_at = graph.ticks
     beside.held(held_at)
     retreat.begin(STOPPED)
-    clock.run(graph, min(retreat.ticks, part.ticks - held_at), see)
+    _through(retreat, min(retreat.ticks, part.ticks - held_at), clock, graph, see)
     see()
     return Ended(retreat.fault() or STOPPED, held_at)
+
+
+def _through(stretch: Phase | Retreat, ticks: int, clock: Clock, graph: Graph, over: Callable[[], bool]) -> bool:
+    """Run to the end of a stretch of ticks, or until it says that it is over; return False where `over` was before."""
+    every, left = stretch.every or ticks, ticks
+    while left > 0:
+        some = min(every, left)
+        if clock.run(graph, some, over) < some:
+            return False
+        left -= some
+        if stretch.every and stretch.look():
+            break
+    return True
 
 
 def remembered(part: Part, conduct: Conduct, done: float = 0.0) -> tuple[dict[str, Recording], Ended]:

@@ -66,7 +66,7 @@ def _one_by_one(parts: Iterator[Part], conduct: Conduct, run: Callable[[Part, fl
                 break
             reason = run(part, done)
             conduct.after(part.name)
-            done += part.seconds
+            done += part.done
             if reason:
                 reasons[part.name] = reason
             if conduct.stopped() or reason == STOPPED or (reason and not (part.is_apart and conduct.goes_on)):

@@ -4,6 +4,7 @@ from rigkit.experiment.kind import Kind
 from stagectl.experiments.midranging.read_back import MIDRANGING
 from stagectl.experiments.step.experiment import STEPS
 from stagectl.experiments.toroid.read_back import TOROID
+from stagectl.feed.read_back import FORCE
 from stagectl.trials.read_back import TRIALS
 
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (MIDRANGING, STEPS, TOROID, TRIALS)}
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (FORCE, MIDRANGING, STEPS, TOROID, TRIALS)}

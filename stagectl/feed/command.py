@@ -3,7 +3,7 @@
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, TextIO
+from typing import Annotated, Any
 
 import typer
 
@@ -11,23 +11,18 @@ from ctlblocks import clock
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, laid_over, print_table, words, write_json
-from rigkit.experiment.command import refuse_png_alone
-from rigkit.named_code import named_block
-from rigkit.progress import progress
-from rigkit.stop import Stopped, stoppable
-from stagectl.feed import process_session, session
+from rigkit.experiment.command import CommandLine, refuse_png_alone
+from rigkit.experiment.runner import STOPPED
 from stagectl.feed.job import POCKETS, PROCESS, Job, pocket_of
-from stagectl.feed.live import LivePockets, steps
 from stagectl.feed.plan import feed_plan
-from stagectl.feed.process_run import process_figures
-from stagectl.feed.report import HEAD, PAGE, TYPE_HEAD, feed_report, pocket_rows, type_rows
-from stagectl.feed.surroundings import plants_of
-from stagectl.link.tell import nobody
+from stagectl.feed.process import process_rows
+from stagectl.feed.read_back import FORCE, Files
+from stagectl.feed.report import HEAD, TYPE_HEAD, pocket_rows, type_rows
+from stagectl.feed.wired import WiredBench, steps
 from stagectl.planning.pocket import PLANNERS, UNTRAINED
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_needless_yes, refuse_unattended
 from stagectl.robot.live.person import Person
-from stagectl.trials.conduct import Conduct
 
 Task = Annotated[str, typer.Option(metavar="TASK", help=f"{', '.join(POCKETS)}, POCKET.json, or {PROCESS}.")]
 Newtons = Annotated[float | None, typer.Option("--force", metavar="N", help="The force wanted.")]
@@ -78,19 +73,15 @@ def force(
     cell = rig_file.load(config, CellConfig, laid_over(settings, {"force.force": newtons}))
     refuse_png_alone(png, out)
     job = Job(task, pocket_of(task, cell.segments), planner_name, is_untrained, pockets, seed, compares)
+    files = Files(job, model)
     if dry:
-        _say_steps(cell, job, model)
+        _say_steps(cell, files)
         return
     way = Way(is_live, is_sure, is_paced, tuple(accept or ()))
     way.refuse(cell, job, out)
-    for note in session.refuse_foreign_model(cell, model, way.accept):
+    for note in files.refuse_foreign(cell, way.accept):
         sys.stderr.write(f"{note}\n")
-    if job.pocket is None:
-        _process(cell, job, model, out, png, json, way.accept)
-    else:
-        _tell(_pockets(cell, job, model, out, way, words(json)), out, task, json)
-        if png is not None and out is not None:
-            feed_report(out, png)
+    _run(cell, files, way, out, png, json)
 
 
 @dataclass(frozen=True)
@@ -124,94 +115,41 @@ class Way:
         refuse_unattended(cell, self.is_sure)
 
 
-def _say_steps(cell: CellConfig, job: Job, model: Path | None) -> None:
+def _say_steps(cell: CellConfig, files: Files) -> None:
+    job = files.job
     if job.pocket is None:
         raise ValueError(f"--dry-run needs a pocket to mill, --task {PROCESS} has no robot")
-    plan = feed_plan(cell, job.pocket, session.velocity_model(model))
+    plan = feed_plan(cell, job.pocket, files.velocity)
     for number, each in enumerate(steps(plan, job), start=1):
         typer.echo(f"{number:3d}  {each}")
 
 
-def _pockets(
-    cell: CellConfig, job: Job, model: Path | None, out: Path | None, way: Way, stream: TextIO
-) -> dict[str, Any]:
-    """Mill the pockets of a job, keep them where they are to be kept, and return the figures."""
-    assert job.pocket is not None
-    known = session.velocity_model(model)
-    plan = feed_plan(cell, job.pocket, known)
-    if out is not None:
-        session.require_room(out, plan, job)
-    if way.is_live:
-        assert out is not None  # a live run without it is refused
-        return _live(cell, job, model, out, way, stream)
-    plants_of(plan)  # whatever is wrong is told before there is a folder
-    made, cells = job.make(), job.pocket.rows * job.pocket.cols
-    pace = clock.Paced() if way.is_paced else clock.Offline()
-    with stoppable() as stop, progress("cells milled", cells * (job.pockets + job.compares)) as meter:
-        conduct = Conduct(nobody, lambda: stop.made, meter.show, pace.advance)
-        pockets = session.mill_pockets(cell, job.pocket, made, known, conduct, job.pockets, job.compares)
-        if out is None:
-            found = session.summary(list(pockets))
-        else:
-            with session.create(out, cell, job, model, way.accept) as folder:
-                found = session.keep_all(folder, pockets)
-            feed_report(out)
-    if stop.made:
-        raise Stopped(f"stopped{'' if out is None else f'; what is recorded is in {out}'}")
-    return found
+def _run(cell: CellConfig, files: Files, way: Way, out: Path | None, png: Path | None, json: str | None) -> None:
+    """Mill the pockets of a job, keep them where they are to be kept, and print the figures."""
 
+    def say(text: str) -> None:
+        print(text, file=words(json), flush=True)  # noqa: T201
 
-def _live(cell: CellConfig, job: Job, model: Path | None, out: Path, way: Way, stream: TextIO) -> dict[str, Any]:
-    """Mill them on the robot; a folder in which nothing was recorded is taken away."""
-
-    def tell(text: str) -> None:
-        print(text, file=stream, flush=True)  # noqa: T201
-
-    assert job.pocket is not None
-    known = session.velocity_model(model)
-    with stoppable() as stop, session.create(out, cell, job, model, way.accept) as folder:
-        conduct = Conduct(folder.event, lambda: stop.made)
-        live = LivePockets(cell, Person(tell, not way.is_sure))
-        pockets = session.mill_pockets(
-            cell, job.pocket, job.make(), known, conduct, job.pockets, job.compares, perform=live
-        )
-        try:
-            found = session.keep_all(folder, pockets)
-            live.leave(conduct)
-        finally:
-            if session.is_recorded(folder.path):
-                feed_report(out)
-            else:
-                folder.withdraw()
-    if stop.made:
-        raise Stopped(f"stopped; what is recorded is in {out}")
-    return found
-
-
-def _process(
-    cell: CellConfig,
-    job: Job,
-    model: Path | None,
-    out: Path | None,
-    png: Path | None,
-    json: str | None,
-    accept: tuple[str, ...],
-) -> None:
-    known = session.velocity_model(model)
-    named_block(cell.feed_plants.process, cell.feed_plants.process_options)
-    if out is None:
-        found = process_figures(process_session.simulate(cell, known), cell.force.force)
+    bench = WiredBench(cell, Person(say, not way.is_sure)) if way.is_live else None
+    has_pocket, pace = files.job.pocket is not None, clock.Paced() if way.is_paced else clock.Offline()
+    title, unit = ("cells milled", "cells") if has_pocket else ("force control", "s")
+    line = CommandLine(title, way.is_live, out, png, json, pace, unit)
+    made = files.experiment(cell, bench)
+    reasons, found = line.carry_out(FORCE, cell, made, take_more=files.take_into, accept=sorted(way.accept))
+    if has_pocket:
+        _tell(found, files.job.task, json)
     else:
-        with session.create(out, cell, job, model, accept) as folder:
-            found = process_session.keep(folder, process_session.simulate(cell, known), cell)
-        process_session.process_report(out, png)
-    print_table("force control as in fig. 7.5", ["figure", "value"], process_session.process_rows(found), words(json))
-    if out is not None:
-        print(f"report: {out / PAGE}", file=words(json))  # noqa: T201
-    write_json(json, found)
+        print_table("force control as in fig. 7.5", ["figure", "value"], process_rows(found), words(json))
+        write_json(json, found)
+    line.end(reasons)
+    held = [(name, reason) for name, reason in reasons.items() if reason != STOPPED]
+    for name, reason in held:
+        say(f"{name} was held: {reason}")
+    if held:
+        raise typer.Exit(1)
 
 
-def _tell(found: dict[str, Any], out: Path | None, task: str, json: str | None) -> None:
+def _tell(found: dict[str, Any], task: str, json: str | None) -> None:
     stream = words(json)
     print_table(f"{task}: pockets", HEAD, pocket_rows(found["pockets"]), stream)
     for row in found["pockets"]:
@@ -219,11 +157,4 @@ def _tell(found: dict[str, Any], out: Path | None, task: str, json: str | None) 
             print_table(f"types of {row['name']}", TYPE_HEAD, type_rows(row), stream)
     if "saved" in found:
         print(f"saved beside position control: {100 * found['saved']:.1f} %", file=stream)  # noqa: T201
-    if out is not None:
-        print(f"report: {out / PAGE}", file=stream)  # noqa: T201
     write_json(json, found)
-    held = [row for row in found["pockets"] if row["fault"]]
-    for row in held:
-        print(f"{row['name']} was held: {row['fault']}", file=stream)  # noqa: T201
-    if held:
-        raise typer.Exit(1)

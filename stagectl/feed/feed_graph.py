@@ -4,12 +4,13 @@ from collections.abc import Callable
 
 from ctlblocks import Graph
 from ctlblocks.basic import Gain
-from ctlblocks.replay import Record
-from stagectl.devices.signals import ROBOT, Signal
+from ctlblocks.taps import Tap
+from rigkit.experiment.part import Track
+from stagectl.devices.signals import ROBOT, by_axis
 from stagectl.feed.constant_feed import ConstantFeed
 from stagectl.feed.feed_seen import FeedSeen
 from stagectl.feed.plan import RATE, FeedPlan
-from stagectl.feed.recorded import FORCE, SLOW
+from stagectl.feed.recorded import FORCE, SLOW, TRUE, made
 from stagectl.feed.segment_move import SegmentMove
 from stagectl.feed.surroundings import Surroundings
 from stagectl.link.tell import Tell
@@ -33,19 +34,9 @@ class FeedGraph:
     tell : callable(event, fields)
         Told of faults.
     surroundings : Surroundings
-    recorded : tuple of Signal
-    seconds : float, s, of which there is room in the recording
     """
 
-    def __init__(
-        self,
-        plan: FeedPlan,
-        make: Callable[[], Planner],
-        tell: Tell,
-        surroundings: Surroundings,
-        recorded: tuple[Signal, ...],
-        seconds: float,
-    ) -> None:
+    def __init__(self, plan: FeedPlan, make: Callable[[], Planner], tell: Tell, surroundings: Surroundings) -> None:
         self.plan, self.graph, cell = plan, Graph(RATE), plan.cell
         self.segments = Segments(plan.pocket, make)
         self.move = SegmentMove(cell.segments, plan.pocket)
@@ -57,7 +48,7 @@ class FeedGraph:
             if plan.feeds is None
             else ConstantFeed(cell.force.acceleration, CONTROLLING)
         )
-        for name, made in (
+        for name, block in (
             ("segments", self.segments),
             ("move", self.move),
             ("judged", self.judged),
@@ -67,20 +58,24 @@ class FeedGraph:
             ("nothing", Gain(0.0, "rad", "rad", 6)),
             ("port", self.port),
         ):
-            self.graph.add(name, made, SLOW)
+            self.graph.add(name, block, SLOW)
         self._sources = dict(surroundings(self.graph, plan))
         self._connect()
-        self.record = Record([each.port for each in recorded], round(seconds * RATE / SLOW))
-        self.graph.add("record", self.record, SLOW)
-        for each in recorded:
-            self._wire(each.source, f"record.{each.name}")
-        self.graph.prepare()
-        self._take_feed()
+
+    def track(self) -> Track:
+        """Return what is recorded: the truth where it is known."""
+        true = TRUE if TRUE[0].source in self._sources else ()
+        own = made(self.plan.control)
+        taps = [
+            Tap(each.name, *self._sources.get(each.source, (each.source, False)))
+            for each in (*ROBOT, *FORCE, *true, *own)
+        ]
+        return Track(self.plan.name, tuple(taps), frozenset(each.name for each in own), SLOW, by_axis)
 
     def advance(self) -> None:
         """Let the planner choose the next segment, where one has ended (between ticks)."""
         self.segments.advance()
-        self._take_feed()
+        self.take_feed()
 
     def follow(self) -> None:
         """Let the robot follow, and have the force sensor watched (between ticks)."""
@@ -120,7 +115,7 @@ class FeedGraph:
         left = done[-1].leaves().uncut if done else (0, pocket.rows, 0, pocket.cols)
         return pocket.rows * pocket.cols - max(left[1] - left[0], 0) * max(left[3] - left[2], 0)
 
-    def _take_feed(self) -> None:
+    def take_feed(self) -> None:
         """Set the feed of position control to that of the segment in hand."""
         name = self.segments.name
         if isinstance(self.control, ConstantFeed) and self.plan.feeds is not None and name:

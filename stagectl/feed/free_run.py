@@ -13,14 +13,19 @@ from rigkit.named_code import named_block
 from stagectl.devices.signals import ROBOT
 from stagectl.feed.feed_seen import FeedSeen
 from stagectl.feed.plan import RATE, FeedPlan
+from stagectl.feed.pocket_part import LEAD
 from stagectl.feed.recorded import SLOW
-from stagectl.feed.run import LEAD
 from stagectl.robot.tool_place import ToolPlace
 from stagectl.robot.wired_port import WiredPort
-from stagectl.trials.conduct import quietly
 
 MEAN, STEP, HELD, TURN = 0.02, 0.01, 0.04, 2.0
 """m/s, m/s, s and s: the feed steps up and down about its mean, at random, and turns round now and then."""
+
+
+def quietly(done: int) -> None:
+    """Show nothing of the samples done."""
+
+
 CHUNK = 125
 """Samples between two looks at how far it is."""
 WAYS = {"x": (1.0, 0.0), "y": (0.0, 1.0)}

@@ -1,7 +1,6 @@
 """What `stagectl force` is asked to do, as a file of the run's folder: task, pocket, planner, and how many."""
 
 import json
-from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
@@ -121,8 +120,3 @@ class Repeated:
 
     def learn(self, milled: Milled) -> None:
         """Learn nothing."""
-
-
-def once(made: Planner) -> Callable[[], Planner]:
-    """Return what a block calls that wants to make its planner, for one that goes on from pocket to pocket."""
-    return lambda: made

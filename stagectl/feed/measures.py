@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from ctlblocks.recording import Recording
+from stagectl.feed.pocketed import Pocketed
 from stagectl.feed.process_run import channel
-from stagectl.feed.run import Pocketed
 from stagectl.planning.milling import Milled, finished
 from stagectl.planning.problem import Pocket
-from stagectl.planning.strips import costs, legal, place, untouched
+from stagectl.planning.strips import Cut, costs, legal, place, untouched
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.feed_force_kernel import CONTROLLING
 
@@ -85,21 +85,26 @@ def as_milled(done: Pocketed) -> list[Milled]:
     return [replace(each, moved=float(moved)) for each, moved in zip(done.segments, before, strict=False)]
 
 
-def retold(path: Sequence[Sequence[Any]], pocket: Pocket, record: Recording) -> tuple[Milled, ...]:
-    """Return the finished segments of a recorded pocket from its path, [type, row, col, feed] each.
+def retold(record: Recording, pocket: Pocket, path: Sequence[Sequence[Any]] | None = None) -> tuple[Milled, ...]:
+    """Return the finished segments of a recorded pocket.
 
     Parameters
     ----------
-    path : sequence of sequences
-    pocket : Pocket
     record : Recording
+    pocket : Pocket
+    path : sequence of sequences, optional
+        Type, row, column and feed of each, where the recording does not have what was chosen.
     """
     standing, cost, found = untouched(pocket), costs(pocket), []
     ends = np.flatnonzero(channel(record, "is_finished") > 0.5)
     durations, deviations = (channel(record, name)[ends] for name in ("duration", "force_deviation"))
-    for (name, row, col, _), duration, deviation in zip(path, durations, deviations, strict=False):
-        cuts = (cut for cut in legal(standing, cost) if cut.name(pocket.G) == name)
-        cut = next(cut for cut in cuts if place(cut, standing, cost) == (row, col))
+    chosen = record.select(["cut_1", "cut_2"]).data[ends].astype(int).tolist() if path is None else path
+    for told, duration, deviation in zip(chosen, durations, deviations, strict=False):
+        if path is None:
+            cut = Cut(*told)
+        else:
+            cuts = (each for each in legal(standing, cost) if each.name(pocket.G) == told[0])
+            cut = next(each for each in cuts if place(each, standing, cost) == tuple(told[1:3]))
         milled = finished(cut, standing, cost)
         found.append(replace(milled, duration=float(duration), force_deviation=float(deviation)))
         standing = milled.leaves()

@@ -1,5 +1,6 @@
 """A run of force-controlled milling before its first sample: the pocket, where it lies, and who controls the feed."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -8,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from calibration.state_space.model import InnovationModel
+from ctlblocks.recording import Recording
 from stagectl.planning.problem import Pocket
 from stagectl.robot.arm import Arm
 from stagectl.robot.config import CellConfig
@@ -56,6 +58,12 @@ class FeedPlan:
         return f"{self.control}-{self.piece}"
 
     @property
+    def about(self) -> dict[str, str]:
+        """What is to be known of it beside its recording: provenance of that."""
+        feeds = {} if self.feeds is None else {"feeds": json.dumps(dict(self.feeds))}
+        return {"control": self.control, "piece": str(self.piece), **feeds}
+
+    @property
     def home(self) -> np.ndarray:
         """Joint angles at the beginning, shape (6,), rad."""
         return np.array(self.cell.segments.home)
@@ -95,6 +103,33 @@ class FeedPlan:
             "cut": cut | given | drawn,
             "sensor": {**cell.plants.force_sensor_options},
         }
+
+
+def recorded_plan(
+    cell: CellConfig,
+    pocket: Pocket,
+    model: InnovationModel,
+    record: Recording,
+    name: str,
+    feeds: Mapping[str, float] | None = None,
+) -> FeedPlan:
+    """Return the plan by which a recording was made.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    pocket : Pocket
+    model : InnovationModel
+    record : Recording
+    name : str
+        What it is called.
+    feeds : mapping of type to float, m/s, optional
+        Where the recording does not say them.
+    """
+    told = record.provenance.get("feeds")
+    control, _, piece = name.rpartition("-")
+    known = json.loads(told) if told else feeds
+    return feed_plan(cell, pocket, model, int(piece), known if control == "position" else None)
 
 
 def feed_plan(

@@ -7,9 +7,11 @@ import numpy as np
 
 from calibration.state_space.model import InnovationModel
 from ctlblocks import Graph, Port
-from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
-from ctlblocks.replay import Record, Replay
+from ctlblocks.replay import Replay
+from ctlblocks.taps import Tap
+from rigkit.experiment.part import Part, Phase, Track
+from rigkit.experiment.runner import Conduct, remembered
 from rigkit.named_code import named_block
 from stagectl.robot.milling.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force import FeedForce
@@ -20,6 +22,8 @@ SEEN = (Port("velocity", "m/s"), Port("force", "N", 2))
 """What the controller is given of the process."""
 TRUE = (Port("true_force", "N", 2), Port("true_kappa", "m/(N s)"), Port("true_beta"))
 """What it is not."""
+TRACK = "process"
+"""Name of its recording."""
 SECONDS = 16.0
 """s, of the simulation."""
 SETTLED, ENOUGH = 0.4, 0.05
@@ -56,10 +60,10 @@ def recorded(record: Recording) -> Process:
     return add
 
 
-def run_process(
+def process_part(
     settings: ForceFeed, model: InnovationModel, process: Process, seconds: float = SECONDS, is_true: bool = True
-) -> Recording:
-    """Run the controller against a process, as fast as it goes; return all that it saw and made.
+) -> Part:
+    """Return the controller against a process, with all that it sees and makes recorded.
 
     Parameters
     ----------
@@ -86,18 +90,20 @@ def run_process(
         graph.connect(f"process.{port.name}", f"force.{port.name}", delayed=is_late)
     for name in ("is_valid", "is_running"):
         graph.connect("always.one", f"force.{name}")
-    record = Record((*SEEN, *controller.outputs, *(TRUE if is_true else ())), samples)
-    graph.add("record", record)
-    for port in controller.outputs:
-        graph.connect(f"force.{port.name}", f"record.{port.name}")
-    for port in SEEN:
-        graph.connect(f"process.{port.name}", f"record.{port.name}", delayed=is_late)
+    taps = [Tap(port.name, f"process.{port.name}", is_late) for port in SEEN]
+    taps += [Tap(port.name, f"force.{port.name}") for port in controller.outputs]
     for port in TRUE if is_true else ():
         name = port.name if port.unit == "N" else port.name.removeprefix("true_")
-        graph.connect(f"process.{name}", f"record.{port.name}", delayed=True)
-    graph.prepare()
-    run_offline(graph, samples)
-    return record.recording()
+        taps.append(Tap(port.name, f"process.{name}", True))
+    own = frozenset(port.name for port in controller.outputs)
+    return Part("", graph, (Track(TRACK, tuple(taps), own),), (Phase("run", samples),))
+
+
+def run_process(
+    settings: ForceFeed, model: InnovationModel, process: Process, seconds: float = SECONDS, is_true: bool = True
+) -> Recording:
+    """Run the controller against a process, as fast as it goes; return its recording: as of `process_part`."""
+    return remembered(process_part(settings, model, process, seconds, is_true), Conduct())[0][TRACK]
 
 
 def process_figures(record: Recording, force: float) -> dict[str, Any]:

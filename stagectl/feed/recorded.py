@@ -19,6 +19,7 @@ TRUE = (
 """What only a simulated cell knows."""
 MOVED = (
     Signal("number", "segments.number", "1", 1),
+    Signal("cut", "segments.cut", "1", 2),
     Signal("place", "move.place"),
     Signal("direction", "move.direction", "1", 2),
     Signal("is_running", "move.is_running", "1", 1),

@@ -1,16 +1,17 @@
 """The report of force-controlled milling: forces, estimates, feeds, the path, and what each type of strip took."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from rigkit.experiment.kept import early_facts
 from rigkit.figure_style import styled
 from rigkit.report import Fact, Report, Section, Table
 from rigkit.run_folder import read_events
 from stagectl.feed.figures import CELL, control_plot, time_plot
 from stagectl.feed.measures import as_milled
 from stagectl.feed.plan import CONTROLS
-from stagectl.feed.session import Kept, read_back, summary
+from stagectl.feed.pocketed import Kept
 from stagectl.planning.figures import path_plot
 
 PAGE = "report.html"
@@ -22,27 +23,27 @@ TYPE_HEAD = (
 )  # fmt: skip
 
 
-def feed_report(path: Path, png: Path | None = None) -> dict[str, Any]:
-    """Write `report.html` into a run's folder; return the run's figures.
+def write_report(path: Path, task: str, pockets: Sequence[Kept], found: Mapping[str, Any], png: Path | None) -> None:
+    """Write `report.html` into a run's folder.
 
     Parameters
     ----------
     path : Path
-    png : Path, optional
+    task : str
+    pockets : sequence of Kept
+    found : mapping
+        The run's figures.
+    png : Path or None
         Folder for the figures as PNG files as well.
     """
-    job, pockets = read_back(path)
-    found = summary(pockets)
     with styled():
-        facts = tuple(_facts(found))
+        facts = (*_facts(found), *early_facts(found))
         sections = tuple(_sections(path, found, pockets))
-        report = Report(
-            f"Milling with {pockets[0].plan.cell.force.force:g} N: {job.task}", str(path.resolve()), facts, sections
-        )
+        title = f"Milling with {pockets[0].plan.cell.force.force:g} N: {task}"
+        report = Report(title, str(path.resolve()), facts, sections)
         report.write(path / PAGE)
         if png is not None:
             report.png(png)
-    return found
 
 
 def pocket_rows(rows: list[dict[str, Any]]) -> list[tuple[str, ...]]:
@@ -71,7 +72,7 @@ def _text(value: float | None, scale: float = 1.0) -> str:
     return "-" if value is None else f"{scale * value:.2f}"
 
 
-def _facts(found: dict[str, Any]) -> Iterator[Fact]:
+def _facts(found: Mapping[str, Any]) -> Iterator[Fact]:
     for row in found["pockets"]:
         yield Fact(row["name"], f"{row['seconds']:.1f} s")
     if "saved" in found:
@@ -80,7 +81,7 @@ def _facts(found: dict[str, Any]) -> Iterator[Fact]:
     yield Fact("Faults", faults or "none", not faults)
 
 
-def _sections(path: Path, found: dict[str, Any], pockets: list[Kept]) -> Iterator[Section]:
+def _sections(path: Path, found: Mapping[str, Any], pockets: Sequence[Kept]) -> Iterator[Section]:
     rows = found["pockets"]
     shown = pockets if len(pockets) <= 3 else [pockets[0], *pockets[-2:]]
     yield Section("Pockets", plots=(time_plot(rows),), tables=(Table(HEAD, tuple(pocket_rows(rows))),))

@@ -8,11 +8,11 @@ import typer
 from rigkit import atomic
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.experiment.runner import Conduct
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
 from rigkit.written import written_file
-from stagectl.feed.session import simulated_pockets
-from stagectl.link.tell import nobody
+from stagectl.feed.simulated import simulated_pockets
 from stagectl.planning.exact import least_time
 from stagectl.planning.milling import Milled, Planner, mill, total
 from stagectl.planning.pocket import PLANNERS, UNTRAINED, Pocket, check, planner, untrained
@@ -21,7 +21,6 @@ from stagectl.planning.report import TYPE_HEAD, learned_types, type_rows, write_
 from stagectl.planning.segment_file import read_segments, write_segments
 from stagectl.planning.toolpath import Cutting, gcode, rapid
 from stagectl.robot.config import CellConfig
-from stagectl.trials.conduct import Conduct
 
 PocketFile = Annotated[Path, typer.Argument(metavar="POCKET.json", help="The pocket, its tool and its costs.")]
 PathFile = Annotated[Path | None, typer.Argument(metavar="PATH.json", help="With --check: the path to look at.")]
@@ -98,7 +97,7 @@ def _milled(pocket: Pocket, made: Planner, pockets: int, cell: CellConfig | None
     with stoppable() as stop, progress("cells milled", pocket.rows * pocket.cols * pockets) as meter:
         meter.say("cells milled: in the simulated cell, where a pocket of 30 x 30 takes some fifteen seconds")
         try:
-            return simulated_pockets(cell, pocket, made, pockets, Conduct(nobody, lambda: stop.made, meter.show))
+            return simulated_pockets(cell, pocket, made, pockets, Conduct(lambda: stop.made, show=meter.show))
         except ValueError:
             if stop.made:
                 raise Stopped("stopped; nothing is kept") from None

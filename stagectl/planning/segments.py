@@ -27,6 +27,7 @@ class Segments(Block):
     number : of the segment, from 1; 0 when all pockets are milled
     start, stop : row and column of the footprint, cells, where it begins and ends
     lift : 1 where the tool is lifted to get there
+    cut : way and width of the strip, as a `Cut` has them
 
     Parameters
     ----------
@@ -38,7 +39,7 @@ class Segments(Block):
     """
 
     inputs = (Port("is_finished"), Port("duration", "s"), Port("force_deviation", "N"))
-    outputs = (Port("number"), Port("start", "cells", 2), Port("stop", "cells", 2), Port("lift"))
+    outputs = (Port("number"), Port("start", "cells", 2), Port("stop", "cells", 2), Port("lift"), Port("cut", "1", 2))
 
     def __init__(self, pocket: Pocket, make: Callable[[], Planner], pockets: int = 1) -> None:
         if not pockets >= 1:
@@ -56,7 +57,7 @@ class Segments(Block):
         self.done, self.missed, self._left = [], 0, self.pockets
         self._is_finished, self._measured = False, (0.0, 0.0)
         self._standing = untouched(self.pocket)
-        self._values = np.zeros(6)  # number, start, stop, lift
+        self._values = np.zeros(8)  # number, start, stop, lift, cut
         self._ask()
 
     def process(
@@ -68,6 +69,7 @@ class Segments(Block):
         start: np.ndarray,
         stop: np.ndarray,
         lift: np.ndarray,
+        cut: np.ndarray,
     ) -> None:
         """Hold the segment and take note of its end."""
         at = int(is_finished.argmax())
@@ -80,6 +82,7 @@ class Segments(Block):
         start[:] = self._values[1:3]
         stop[:] = self._values[3:5]
         lift[:] = self._values[5]
+        cut[:] = self._values[6:]
 
     def advance(self) -> None:
         """Learn from the segment that was finished, if one was, and choose the next.
@@ -116,4 +119,4 @@ class Segments(Block):
         self._next = finished(cut, self._standing, self._costs)
         row, col = strip_kernel.stop(cut.way, tuple(self._next.leaves().uncut), self._costs.size)
         end = (row, self._next.col) if cut.feed in "NS" else (self._next.row, col)
-        self._values[:] = len(self.done) + 1, self._next.row, self._next.col, *end, self._next.is_lifted
+        self._values[:] = len(self.done) + 1, self._next.row, self._next.col, *end, self._next.is_lifted, *cut

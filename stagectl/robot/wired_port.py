@@ -10,6 +10,8 @@ from stagectl.robot.guard import CommandGuard
 from stagectl.robot.port import arm_of
 from stagectl.wire.egm import RATE, Motion, Report, pack_report, unpack_command
 
+AFTERWARDS = 0.5
+"""s that are recorded of a hold, beside `limits.stop`."""
 _SENDER = ("graph", 0)
 
 

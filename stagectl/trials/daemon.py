@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from rigkit.experiment.kept import create, records_of
-from rigkit.experiment.procedure import ExperimentProcedure, Strip
+from rigkit.experiment.procedure import ExperimentProcedure, Strip, strips_of
 from rigkit.experiment.resumed import take_up
 from rigkit.experiment.watch import Watch
 from rigkit.service.paths import data_file, run_path
@@ -73,7 +73,7 @@ class _View:
         self._first, self._model = made.first, model
         self._motion, self._done = Motion(made.first.cell), made.done
         self.sources = SOURCES
-        self.strips = [Strip("force", "N", ("force",), AXES, "Force on the tool", valid="valid")]
+        self._strips = [Strip("force", "N", ("force",), AXES, "Force on the tool", valid="valid")]
 
     def gauges(self, watch: Watch) -> Iterator[Gauge]:
         """Give where the tool is, how fast the joints turn, when it was seen, and the force on it."""
@@ -82,6 +82,10 @@ class _View:
         yield from sighted(watch, cell)
         yield from felt(watch, max(cell.force_sensor.range_force))
         yield from timed(watch)
+
+    def lately(self, watch: Watch) -> Iterator[tuple[str, Panel]]:
+        """Draw the last seconds."""
+        return strips_of(watch, self._strips)
 
     def after(self, part: str, path: Path) -> Mapping[str, Panel]:
         """Return what is drawn of a trial that came to its end, and of all before."""

@@ -11,9 +11,8 @@ from rigkit.experiment.runner import STOPPED
 from stagectl.devices.signals import ROBOT, TRACKER, by_axis
 from stagectl.link.tell import Tell
 from stagectl.robot.wired_force import WiredForce
-from stagectl.robot.wired_port import WiredPort
+from stagectl.robot.wired_port import AFTERWARDS, WiredPort
 from stagectl.robot.wired_tracker import WiredTracker
-from stagectl.trials.conduct import AFTERWARDS
 from stagectl.trials.recorded import EVERY, FOLLOW, FORCE, LOGGED, MADE, NOMINAL, RATE, SENT, SLOW, TORQUE, TRUTH
 from stagectl.trials.surroundings import Surroundings
 from stagectl.trials.tool_path import RATE as PATH_RATE

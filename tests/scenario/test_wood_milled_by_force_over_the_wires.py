@@ -11,20 +11,23 @@ import numpy as np
 import pytest
 
 from firmware_sim.robot_cell import cell_wood
-from rigkit.experiment.runner import STOPPED
-from stagectl.feed.job import RATES, once
-from stagectl.feed.live import LivePockets
+from rigkit.experiment.runner import STOPPED, Conduct, remembered, repeated
+from stagectl.feed.feed_graph import FeedGraph
+from stagectl.feed.job import RATES
+from stagectl.feed.measures import retold
 from stagectl.feed.plan import FeedPlan, feed_plan
+from stagectl.feed.pocket_part import pocket_part
+from stagectl.feed.pocketed import Pocketed
 from stagectl.feed.process_run import channel
-from stagectl.feed.recorded import made
-from stagectl.feed.run import Pocketed, mill_pocket
+from stagectl.feed.recorded import SLOW
 from stagectl.feed.surroundings import recorded
+from stagectl.feed.wired import WiredBench
+from stagectl.link.tell import Tell, nobody
 from stagectl.planning.pocket import planner
 from stagectl.planning.problem import Pocket
 from stagectl.robot.live.person import Person
 from stagectl.robot.milling.feed_force import PHASES
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
-from stagectl.trials.conduct import Conduct
 from tests.scenario.stepped_cell import SteppedCell
 
 pytestmark = pytest.mark.stall(0.3)
@@ -48,10 +51,13 @@ def plan_of(cell: SteppedCell) -> FeedPlan:
     return feed_plan(cell.config, Pocket(3, 13, 3, "EW", RATES, v_lift=50.0), nominal_velocity(250.0))
 
 
-def milled(cell: SteppedCell, conduct: Conduct) -> Pocketed:
+def milled(cell: SteppedCell, conduct: Conduct, tell: Tell = nobody) -> Pocketed:
     plan = plan_of(cell)
-    live = LivePockets(cell.config, Person(lambda _: None, False), cell.now)
-    return live(plan, planner("exact", plan.pocket), conduct)
+    bench = WiredBench(cell.config, Person(lambda _: None, False), cell.now)
+    with bench.part(plan, planner("exact", plan.pocket), tell, conduct.stopped) as part:
+        records, ended = remembered(part, conduct)
+    record = records[plan.name]
+    return Pocketed(record, retold(record, plan.pocket), ended.reason)
 
 
 class Watch:
@@ -83,9 +89,10 @@ def test_the_force_is_held_over_the_wires_and_replayed_bit_for_bit(cell: Stepped
     controlled = channel(record, "phase") == PHASES.index("controlling")
     late = controlled & np.roll(controlled, 100)
     assert channel(record, "resultant")[late].mean() == pytest.approx(10.0, abs=0.5)
-    again = mill_pocket(plan, once(planner("exact", plan.pocket)), Conduct(), recorded(record), made("force"), {})
-    for name in again.recording.names:
-        assert channel(again.recording, name).tobytes() == channel(record, name).tobytes(), name
+    part = pocket_part(FeedGraph(plan, lambda: planner("exact", plan.pocket), nobody, recorded(record)))
+    again = repeated(part, SLOW * len(record.data))[plan.name]
+    for name in part.tracks[0].made_names(part.graph):
+        assert channel(again, name).tobytes() == channel(record, name).tobytes(), name
 
 
 @pytest.mark.slow
@@ -101,7 +108,7 @@ def test_whatever_goes_wrong_takes_the_tool_back_or_holds_the_robot(
     cell: SteppedCell, mishap: str, reason: str
 ) -> None:
     watch = Watch(cell, mishap)
-    done = milled(cell, Conduct(watch.tell, watch.stopped))
+    done = milled(cell, Conduct(watch.stopped), watch.tell)
     assert done.reason.startswith(reason)
     assert len(watch.events) == 1
     record = done.recording

@@ -1,13 +1,11 @@
 """Between the daemon's desk and a run of the cell: whether it is to stop or to wait, and what it does meanwhile."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from rigkit.experiment.watch import Watch
-from rigkit.run_folder import RunFolder
 from rigkit.service.rig import Desk
 from rigkit.stop import Stopped
-from stagectl.trials.conduct import Conduct
 
 _OWN = ("started", "ended", "milled")
 """Events of a run's folder that a procedure tells in words of its own."""
@@ -39,20 +37,6 @@ class Conductor:
     def ending(self) -> bool:
         """Whether it is to end, by a STOP or an abort."""
         return self._stopped or self.desk.ending()
-
-    def conduct(self, folder: RunFolder, stopped: Callable[[], bool], show: Callable[[int], object]) -> Conduct:
-        """Return how its runs are conducted, and have the folder's events told.
-
-        Parameters
-        ----------
-        folder : RunFolder
-        stopped : callable() -> bool
-            `stopped`, or `ending` of what ends at once on an abort, too.
-        show : callable(int)
-            As of `Conduct`.
-        """
-        folder.listener = self.heard
-        return Conduct(folder.event, stopped, show, self.watch.advance)
 
     def between(self, where: Mapping[str, Any]) -> None:
         """Wait here while it is held; `where` is for the event log.

@@ -67,7 +67,7 @@ PROCEDURES = (
         "This pocket is milled to its end; the next one waits until it goes on.",
         HELD,
         ForceOptions,
-        "stagectl.daemon.cell.feeding:Feeding",
+        "stagectl.feed.daemon:procedure",
     ),
     Entry(
         "cell",

@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from rigkit.experiment.procedure import Strip
+from rigkit.experiment.procedure import Strip, strips_of
 from rigkit.experiment.watch import LOOKS, Watch
 from rigkit.service.show import Gauge, Panel
 from stagectl.daemon.cell.gauges import timed
@@ -47,7 +47,7 @@ class PairView:
         block = "seen" if made.is_live else "pair"
         self.sources = {**asked, **{name: f"{block}.{name}" for name in MEASURED}}
         axes = made.axes if made.is_live else [""]
-        self.strips = [
+        self._strips = [
             Strip(name, unit, parts, [f"{part} {axis}".strip() for part in parts for axis in axes])
             for name, parts, unit in strips
         ]
@@ -58,6 +58,10 @@ class PairView:
             yield from self._of_a_simulation(watch)
         elif (pair := self._made.pair) is not None:
             yield from self._of_a_live_pair(watch, pair)
+
+    def lately(self, watch: Watch) -> Iterator[tuple[str, Panel]]:
+        """Draw the last seconds."""
+        return strips_of(watch, self._strips)
 
     def after(self, part: str, path: Path) -> Mapping[str, Panel]:
         """Return nothing."""

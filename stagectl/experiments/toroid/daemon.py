@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from rigkit.experiment.kept import create, records_of
-from rigkit.experiment.procedure import ExperimentProcedure, Strip
+from rigkit.experiment.procedure import ExperimentProcedure, Strip, strips_of
 from rigkit.experiment.watch import Watch
 from rigkit.run_folder import read_events
 from rigkit.service.paths import data_file, run_path
@@ -62,7 +62,7 @@ class _View:
         self._rows: list[dict[str, Any]] = []
         self.sources = {**REFERENCE, "age": "seen.age", "deviation": "relative.deviation", "travel": "travel.reference"}
         titles = {"deviation": "Tool off its path", "travel": "Stage, asked of it"}
-        self.strips = [Strip(name, "m", (name,), AXES, title) for name, title in titles.items()]
+        self._strips = [Strip(name, "m", (name,), AXES, title) for name, title in titles.items()]
 
     def gauges(self, watch: Watch) -> Iterator[Gauge]:
         """Give where the tool is in the workpiece and on its stage, where the robot is, and when it was seen."""
@@ -77,6 +77,10 @@ class _View:
                 yield Gauge(f"travel_{axis}", f"Stage, travel {axis}", value, "m", *plan.stage.limits.travel)
         yield from sighted(watch, plan.cell)
         yield from timed(watch)
+
+    def lately(self, watch: Watch) -> Iterator[tuple[str, Panel]]:
+        """Draw the last seconds."""
+        return strips_of(watch, self._strips)
 
     def after(self, part: str, path: Path) -> Mapping[str, Panel]:
         """Return the table of the setups so far."""

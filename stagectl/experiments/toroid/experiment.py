@@ -22,8 +22,8 @@ from stagectl.experiments.toroid.report import write_report
 from stagectl.experiments.toroid.wired import Ends, bring, opened, refuse_unfit, wired
 from stagectl.link.tell import Tell, nobody
 from stagectl.robot.live.clock import ReportClock
+from stagectl.robot.wired_port import AFTERWARDS
 from stagectl.stage.loop_parameters import loops_as_json
-from stagectl.trials.conduct import AFTERWARDS
 
 Confirm = Callable[[str, Callable[[], bool]], object]
 """Returns once a person has confirmed what comes, or raises `Stopped`."""

@@ -1,20 +1,20 @@
 """A pocket of a strip or two of 20 mm, milled in the simulated cell."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from rigkit import config as rig_file
-from stagectl.devices.signals import ROBOT
+from rigkit.experiment.runner import Conduct, remembered
+from stagectl.feed.feed_graph import FeedGraph
 from stagectl.feed.job import RATES
 from stagectl.feed.plan import FeedPlan, feed_plan
-from stagectl.feed.recorded import FORCE, TRUE, made
-from stagectl.feed.run import Pocketed, mill_pocket
+from stagectl.feed.pocket_part import pocket_part
+from stagectl.feed.pocketed import Pocketed
 from stagectl.feed.surroundings import Surroundings, simulated
+from stagectl.link.tell import nobody
 from stagectl.planning.pocket import planner
 from stagectl.planning.problem import Pocket
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
-from stagectl.trials.conduct import Conduct
 
 SECONDS = 30.0
 LENGTH = 20e-3
@@ -34,10 +34,7 @@ def small(settings: Sequence[str] = (), rows: int = 3, feeds: Mapping[str, float
 
 
 def milled(plan: FeedPlan, surroundings: Surroundings = simulated, conduct: Conduct | None = None) -> Pocketed:
-    """Mill it; of recorded surroundings only what the graph makes is recorded again."""
-    signals: tuple[Any, ...] = made(plan.control)
-    if surroundings is simulated:
-        signals = (*ROBOT, *FORCE, *TRUE, *signals)
-    return mill_pocket(
-        plan, lambda: planner("exact", plan.pocket), conduct or Conduct(), surroundings, signals, {}, SECONDS
-    )
+    """Mill it; recorded surroundings say what they once did."""
+    cell = FeedGraph(plan, lambda: planner("exact", plan.pocket), nobody, surroundings)
+    records, ended = remembered(pocket_part(cell, SECONDS), conduct or Conduct())
+    return Pocketed(records[plan.name], tuple(cell.segments.done), ended.reason)

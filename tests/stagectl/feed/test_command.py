@@ -37,7 +37,7 @@ def test_a_pocket_is_milled_compared_kept_replayed_and_reported(
     assert [each["name"] for each in found["pockets"]] == ["force-1", "position-1"]
     assert found["pockets"][0]["force_mean"] == pytest.approx(9.0, abs=0.5)
     assert "saved beside position control" in capsys.readouterr().out
-    assert {"report.html", "force-1.csv", "position-1.csv", "segments.csv", "summary.json", "job.json"} <= {
+    assert {"report.html", "force-1.wav", "position-1.wav", "segments.csv", "summary.json", "job.json"} <= {
         file.name for file in run.iterdir()
     }
     assert stagectl(monkeypatch, "replay", str(run)) == 0

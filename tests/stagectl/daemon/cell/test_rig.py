@@ -11,12 +11,15 @@ import pytest
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit.config import ConfigError
+from rigkit.experiment.kept import records_of
 from rigkit.service.reload import Reach
 from rigkit.service.state import State
 from stagectl.daemon.cell.options import CellOptions, ForceOptions, MidrangeOptions
 from stagectl.daemon.kinds import CELL, STAGE, kind_of
 from stagectl.experiments.toroid.plan import SETUPS
-from stagectl.feed.session import read_back
+from stagectl.feed.pocketed import Kept
+from stagectl.feed.pockets import Pockets
+from stagectl.feed.read_back import read_back
 from stagectl.planning.pocket import PLANNERS
 from stagectl.robot.midranging.controllers import CONTROLLERS
 from tests.stagectl.daemon.bench import Lab
@@ -35,6 +38,13 @@ def lab(tmp_path: Path) -> Iterator[Lab]:
     made.close()
 
 
+def pockets(lab: Lab) -> list[Kept]:
+    records = records_of(lab.run_folder())
+    made = read_back(lab.run_folder(), records)
+    assert isinstance(made, Pockets)
+    return made.kept(records)
+
+
 def test_a_pocket_is_milled_by_force_and_what_is_believed_of_it_is_shown(lab: Lab) -> None:
     lab.begin("force", task="small.json", force=8.0, planner="exact")
     until(lambda: any(gauge.name == "kappa" and gauge.interval for gauge in lab.rig.gauges()))
@@ -43,7 +53,7 @@ def test_a_pocket_is_milled_by_force_and_what_is_believed_of_it_is_shown(lab: La
     assert kappa.interval[0] < kappa.value < kappa.interval[1]
     lab.ended()
     assert lab.state is State.ARMED, lab.why
-    _, (kept,) = read_back(lab.run_folder())
+    (kept,) = pockets(lab)
     assert kept.plan.cell.force.force == 8.0
     assert not kept.done.reason
     assert (lab.run_folder() / "report.html").is_file()
@@ -61,7 +71,7 @@ def test_a_stop_holds_the_robot_that_mills_by_force_and_keeps_the_pocket(lab: La
     lab.control.stop("Ada", "smoke")
     lab.ended()
     assert lab.state is State.DISARMED
-    _, (kept,) = read_back(lab.run_folder())
+    (kept,) = pockets(lab)
     assert kept.done.reason == "stopped by its user"
     asked = kept.done.recording.select([f"reference_{joint}" for joint in range(1, 7)]).data
     assert np.ptp(asked[-50:], axis=0).max() < 1e-9

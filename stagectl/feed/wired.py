@@ -2,66 +2,51 @@
 
 import time
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 
 from ctlblocks import Graph
-from rigkit.priority import real_time, undisturbed
+from rigkit.experiment.part import Part
 from stagectl.devices.signals import ROBOT, Sources
-from stagectl.feed.job import Job, once
+from stagectl.feed.bench import Stopped
+from stagectl.feed.feed_graph import FeedGraph
+from stagectl.feed.job import Job
 from stagectl.feed.plan import RATE, FeedPlan
-from stagectl.feed.recorded import FORCE, SLOW, made
-from stagectl.feed.run import Pocketed, mill_pocket
-from stagectl.feed.session import about
+from stagectl.feed.pocket_part import pocket_part
+from stagectl.feed.recorded import FORCE, SLOW
 from stagectl.feed.surroundings import Surroundings
+from stagectl.link.tell import Tell
 from stagectl.planning.milling import Planner
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.blocks import LiveForce, LiveReference, LiveRobot
-from stagectl.robot.live.guide import Guide
+from stagectl.robot.live.led import LedRobot, Work
 from stagectl.robot.live.person import Person
 from stagectl.robot.live.way import room_of
 from stagectl.robot.live.wires import LiveWires
-from stagectl.trials.conduct import Conduct
-from stagectl.trials.led import led
 
 
-class LivePockets:
-    """Mills pocket after pocket on a robot: `session.Perform`.
-
-    Parameters
-    ----------
-    cell : CellConfig
-        Its limits hold on the way to a pocket; in a pocket, those of its plan.
-    person : Person
-    clock : callable() -> float, s, monotonic
-    """
+class WiredBench:
+    """A robot with a force sensor, and a person beside it: as of `LedRobot`."""
 
     def __init__(self, cell: CellConfig, person: Person, clock: Callable[[], float] = time.monotonic) -> None:
-        self._cell, self._guide = cell, Guide(cell, person, clock)
+        self._robot = LedRobot(cell, person, clock)
 
-    def __call__(self, plan: FeedPlan, planner: Planner, conduct: Conduct) -> Pocketed:
-        """Mill a pocket.
-
-        Raises
-        ------
-        ValueError, LinkError, Stopped : as of `Guide.bring`, before the pocket is begun.
-        """
-        room = room_of(self._cell, plan.arm.with_tool(self._cell.robot.tool), float(plan.top[2]))
+    def part(self, plan: FeedPlan, planner: Planner, tell: Tell, stopped: Stopped) -> AbstractContextManager[Part]:
+        """Bring the tool to where a pocket begins, and give that, its wires open: as of `LedRobot.part`."""
+        cell = self._robot.cell
+        room = room_of(cell, plan.arm.with_tool(cell.robot.tool), float(plan.top[2]))
         what = f"{plan.name}: a fresh piece in its place, the spindle on, nobody in the cell"
-        self._guide.bring(what, True, room, plan.home, conduct.tell, conduct.stopped)
-        signals = (*ROBOT, *FORCE, *made(plan.control))
-        with undisturbed(), real_time(), LiveWires(plan.cell, conduct.tell, False, self._guide.clock) as wires:
-            told = about(plan) | {"cell": "live"}
-            came = mill_pocket(plan, once(planner), led(conduct, wires, SLOW), live(wires), signals, told)
-            reason = wires.port.reason or came.reason
-        if not reason:
-            self._guide.finished(room)
-        return Pocketed(came.recording, came.segments, reason)
 
-    def leave(self, conduct: Conduct) -> None:
+        def make(wires: LiveWires, told: Tell) -> Part:
+            return pocket_part(FeedGraph(plan, lambda: planner, told, wired(wires)))
+
+        return self._robot.part(Work(what, True, plan.cell, room, plan.home, False, make), tell, stopped)
+
+    def leave(self, tell: Tell, stopped: Stopped) -> None:
         """Go up from where the last pocket has ended, if it came to its end."""
-        self._guide.leave(conduct.tell, conduct.stopped)
+        self._robot.leave(tell, stopped)
 
 
-def live(wires: LiveWires) -> Surroundings:
+def wired(wires: LiveWires) -> Surroundings:
     """Return what adds the robot and the force sensor behind their wires.
 
     Parameters
