@@ -16,12 +16,12 @@ from stagectl.link.clock import run_linked
 from stagectl.link.stage_link import StageLink
 from stagectl.link.upload import upload
 from stagectl.reference import wanted_position
-from stagectl.session import RECORDED_LIVE, RECORDING, summary
+from stagectl.session import RECORDED_LIVE, summary
 from stagectl.setup import Setup
 from stagectl.stage.inner_parameters import inner_parameters
 from stagectl.stage.loop import inner_loops
 from stagectl.stage.loop_parameters import loop_parameters
-from stagectl.streamed import convert, recorder
+from stagectl.streamed import RECORDING, convert, recorder
 
 
 def run_live(folder: RunFolder, made: Setup, stopped: Callable[[], bool]) -> dict[str, Any]:

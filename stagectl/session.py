@@ -1,5 +1,7 @@
 """A run in its folder: the stage in closed loop with the plant in process, everything recorded, measured and kept."""
 
+import errno
+import os
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -9,14 +11,14 @@ import numpy as np
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording
-from ctlblocks.room import bytes_of
+from ctlblocks.room import DiskFault, bytes_of
 from rigkit import config as rig_file
 from rigkit.disk_space import require
 from rigkit.kept_files import kept_files
-from rigkit.provenance import now, software
+from rigkit.provenance import software
 from rigkit.run_folder import RunFolder
 from rigkit.run_origin import keep_origin
-from stagectl.cell import RECORDED, Cell, kept_in, memory, simulated
+from stagectl.cell import RECORDED, Cell, simulated
 from stagectl.config import StageConfig
 from stagectl.model_origin import refuse_foreign
 from stagectl.prefilter_file import PREFILTER, learned, write_prefilters
@@ -24,10 +26,9 @@ from stagectl.reference import wanted_position
 from stagectl.run_setup import model_name
 from stagectl.setup import Setup, refuse_unfit_prefilters, setup
 from stagectl.stage.loop_parameters import loops_as_json
+from stagectl.streamed import RECORDING, UNCOMPENSATED, convert, recorder
 from stagectl.tracking import tracking
 
-RECORDING, UNCOMPENSATED = "recording", "uncompensated"
-"""Names of a run's recordings, less the suffix."""
 KIND = "stage run"
 RECORDED_LIVE = ("reference", "position", "extension", "voltage")
 """What is recorded of a live run."""
@@ -112,19 +113,42 @@ def run(folder: RunFolder, made: Setup, tell: Tell, stopped: Callable[[], bool])
     folder.event("started", {"software": software(), **designed(made)})
     names = [UNCOMPENSATED] * config.session.compare + [RECORDING]
     for name in names:
-        record, compensate = memory(made, len(wanted.data)), config.deflection.on and name == RECORDING
-        cell = Cell(made, wanted, simulated(config), compensate, {"record": record})
-        fault = cell.run(lambda done, name=name: tell(name, done), stopped)  # type: ignore[misc]
-        kept = kept_in(record, made, {"rig": config.rig.name, "date": now(), "software": software()})
-        recording.write(folder.path / f"{name}.{config.session.recording}", kept)
-        tell_recorded(folder, name, cell, len(kept.data))
+        fault = _recorded(folder, made, wanted, name, lambda done, name=name: tell(name, done), stopped)  # type: ignore[misc]
         if fault is not None or stopped():
             break
         if name == UNCOMPENSATED and config.deflection.on and config.deflection.learn and not made.prefilters:
+            kept = read_recording(folder.path, name)
+            assert kept is not None  # it has just been written
             made = _prefiltered(folder, made, kept)
     figures = summary(folder.path, made)
     folder.summarise(figures)
     return figures
+
+
+def _recorded(
+    folder: RunFolder,
+    made: Setup,
+    wanted: Recording,
+    name: str,
+    tell: Callable[[int], None],
+    stopped: Callable[[], bool],
+) -> str | None:
+    """Run it once, recorded as it goes; return its fault."""
+    config = made.config
+    kept = recorder(folder, config, RECORDED, name, has_thread=False)
+    cell = Cell(made, wanted, simulated(config), config.deflection.on and name == RECORDING, {"record": kept})
+
+    def told(done: int) -> None:
+        kept.drain_when_due()
+        if kept.lost:
+            raise DiskFault(errno.ENOSPC, kept.fault or os.strerror(errno.ENOSPC), str(folder.path))
+        tell(done)
+
+    with kept:
+        fault = cell.run(told, stopped)
+    convert(folder, config, kept)
+    tell_recorded(folder, name, cell, kept.recorded)
+    return fault
 
 
 def _prefiltered(folder: RunFolder, made: Setup, record: Recording) -> Setup:

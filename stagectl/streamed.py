@@ -10,10 +10,14 @@ from rigkit.stream_recorder import StreamRecorder
 from rigkit.stream_writer import Stream
 from stagectl.cell import channels_of, ports_of
 from stagectl.config import StageConfig
-from stagectl.session import RECORDING
+
+RECORDING, UNCOMPENSATED = "recording", "uncompensated"
+"""Names of a run's recordings, less the suffix."""
 
 
-def recorder(folder: RunFolder, config: StageConfig, signals: Sequence[str]) -> StreamRecorder:
+def recorder(
+    folder: RunFolder, config: StageConfig, signals: Sequence[str], name: str = RECORDING, *, has_thread: bool = True
+) -> StreamRecorder:
     """Return the recorder of a run's signals.
 
     Parameters
@@ -22,11 +26,15 @@ def recorder(folder: RunFolder, config: StageConfig, signals: Sequence[str]) -> 
     config : StageConfig
     signals : sequence of str
         Their names, each one wide an axis.
+    name : str
+        Of the recording.
+    has_thread : bool
+        As of `StreamRecorder`.
     """
     axes = config.stage.axes
     about = {"rig": config.rig.name, "date": now(), "software": software()}
-    path = folder.path / f"{RECORDING}.wav"
-    return StreamRecorder(Stream(path, ports_of(signals, axes), channels_of(signals, axes), about), folder.event)
+    stream = Stream(folder.path / f"{name}.wav", ports_of(signals, axes), channels_of(signals, axes), about)
+    return StreamRecorder(stream, folder.event, has_thread=has_thread)
 
 
 def convert(folder: RunFolder, config: StageConfig, made: StreamRecorder) -> None:

@@ -26,7 +26,7 @@ from stagectl.held_reference import HeldReference
 from stagectl.reference import wanted_position
 from stagectl.report import run_report
 from stagectl.run_setup import RESUMED
-from stagectl.streamed import convert, recorder
+from stagectl.streamed import RECORDING, convert, recorder
 
 _LONG = ("started", "recorded")
 """Events of a run folder that the daemon tells by itself, or that are for the report."""
@@ -128,7 +128,7 @@ class Following:
         with kept:
             fault = cell.run(self.pace.until, self._is_ending, self._hold)
         convert(folder, config, kept)
-        session.tell_recorded(folder, session.RECORDING, cell, kept.recorded)
+        session.tell_recorded(folder, RECORDING, cell, kept.recorded)
         if fault is not None:
             raise ValueError(fault)
         return kept

@@ -9,8 +9,9 @@ import numpy as np
 from ctlblocks.recording import Recording
 from rigkit.figure_style import LIMIT
 from stagectl.run_setup import setup_of
-from stagectl.session import RECORDING, UNCOMPENSATED, error_of, read_recording
+from stagectl.session import error_of, read_recording
 from stagectl.setup import Setup
+from stagectl.streamed import RECORDING, UNCOMPENSATED
 
 BOUND: dict[str, Any] = {**LIMIT}
 """Keywords of a line that shows a limit."""

@@ -70,4 +70,4 @@ def test_procedures_are_as_stated() -> None:
 
 
 def test_every_kind_of_the_registry_has_a_row() -> None:
-    assert len(KINDS) == 3, "midrange, step, cell: a new one wants a row"
+    assert len(KINDS) == 5, "midrange, step, cell, ilc, force: a new one wants a row"

@@ -15,7 +15,7 @@ import pytest
 from rigkit import config as rig_file
 from rigkit.growing_wav import GROWING
 from rigkit.run_folder import read_events
-from stagectl import live, session
+from stagectl import live, session, streamed
 from stagectl.__main__ import main
 from stagectl.config import StageConfig
 from stagectl.link.stage_link import StageLink
@@ -59,7 +59,7 @@ def test_a_live_run_uploads_its_loops_follows_and_can_be_reported_but_not_replay
     assert "tool_error" not in figures
     assert order == ["stop", "keep"]  # else the stage waits for references while the recording is written
     assert {"started", "uploaded", "recorded"} <= {event["event"] for event in read_events(folder.path)}
-    record = session.read_recording(folder.path, session.RECORDING)
+    record = session.read_recording(folder.path, streamed.RECORDING)
     assert record is not None
     position = record.select([f"position_{axis}" for axis in "xyz"]).data[made.timeline.proper]
     np.testing.assert_allclose(position[-1_000:].mean(axis=0), 225e-6, atol=0.5e-6)
@@ -83,7 +83,7 @@ def test_a_live_run_that_is_killed_can_be_reported(tmp_path: Path, monkeypatch: 
         assert bench.stdout.readline() == f"CAN adapter: {wire}/can\n"
         try:
             with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.DEVNULL) as process:
-                growing = run / f"{session.RECORDING}{GROWING}"
+                growing = run / f"{streamed.RECORDING}{GROWING}"
                 while process.poll() is None and (not growing.exists() or growing.stat().st_size < SOME):
                     Event().wait(0.02)
                 process.kill()
@@ -93,7 +93,7 @@ def test_a_live_run_that_is_killed_can_be_reported(tmp_path: Path, monkeypatch: 
             assert bench.wait(EVER) == 0
     monkeypatch.setattr("sys.argv", ["stagectl", "report", str(run)])
     assert main() == 0
-    record = session.read_recording(run, session.RECORDING)
+    record = session.read_recording(run, streamed.RECORDING)
     assert record is not None
     assert size - 4_000 < record.data.nbytes <= size
     np.testing.assert_allclose(record.data[-1_000:, 3:6].mean(axis=0), 225e-6, atol=2e-6)

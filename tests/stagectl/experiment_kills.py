@@ -19,6 +19,7 @@ from tests.stagectl.experiments.toroid.short_cell import SHORT
 from tests.stagectl.feed.small_pocket import QUICK
 from tests.stagectl.feed.test_command import POCKET
 from tests.stagectl.robot.milling.test_milling_models import models
+from tests.stagectl.simulated_models import write_models
 from tests.stagectl.trials.short_trial import SMALL
 
 LATE = 0.5
@@ -26,11 +27,16 @@ LATE = 0.5
 ILC = ("--task", "pocket", "--iterations", "2")
 
 
+def _models() -> list[str]:
+    return [word for axis in "xyz" for word in ("--model", f"{axis}.h5")]
+
+
 def _set(*settings: str) -> list[str]:
     return [word for each in settings for word in ("--set", each)]
 
 
 COMMANDS = {
+    "run": [*_models(), *_set("session.lead=0.5", "session.seconds=3")],
     "midrange": ["--scenario", "toroid", *_set("midranging.session.lead=6")],
     "step": _set("midranging.session.lead=6"),
     "cell": ["--setup", "all", *_set(*SHORT)],
@@ -69,6 +75,7 @@ def kills(kind: str, place: Path, times: int, seed: int) -> Iterator[Killed]:
     seed : int
     """
     write_milling(place / "models.h5", models(), {})
+    write_models(place)
     (place / "pocket.json").write_text(json.dumps(POCKET))
     program, begun = _begun(kind, place, place / "whole")
     assert program.wait() == 0, f"{kind}: the run itself ends with {program.returncode}"

@@ -12,7 +12,7 @@ from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file
 from rigkit.run_folder import read_events
-from stagectl import session
+from stagectl import session, streamed
 from stagectl.cell import MADE, SEEN
 from stagectl.config import StageConfig
 from stagectl.kinds_of_run import replayed
@@ -63,7 +63,7 @@ def test_the_stage_holds_its_position_against_creep_and_noise(run: Path) -> None
 
 
 def test_everything_that_goes_in_and_out_is_recorded_with_names_and_units(run: Path) -> None:
-    record = session.read_recording(run, session.RECORDING)
+    record = session.read_recording(run, streamed.RECORDING)
     assert record is not None
     assert record.names == tuple(f"{name}_{axis}" for name in ("wanted", *SEEN, *MADE) for axis in "xyz")
     assert record.units == ("m",) * 18 + ("V",) * 3
@@ -133,7 +133,7 @@ def test_a_reference_from_a_file_is_followed(tmp_path: Path) -> None:
     file = tmp_path / "reference.csv"
     recording.write(file, Recording(("x", "y", "z"), ("m",) * 3, 1_000.0, data))
     path = finished(tmp_path, "session.seconds=0.4", f"reference.signal={file}")
-    record = session.read_recording(path, session.RECORDING)
+    record = session.read_recording(path, streamed.RECORDING)
     assert record is not None
     part = slice(6_000, 10_000)
     wanted = record.select(["wanted_y"]).data[part, 0]
@@ -165,7 +165,7 @@ def test_a_sensor_that_cannot_be_ends_the_run_at_rest_with_the_reason_kept(tmp_p
     path = finished(tmp_path, "session.seconds=0.4", "sensors.position=[-1e-5, 2.2e-4]")
     fault = next(event for event in read_events(path) if event["event"] == "fault")
     assert "is out of its range" in fault["text"]
-    record = session.read_recording(path, session.RECORDING)
+    record = session.read_recording(path, streamed.RECORDING)
     assert record is not None
     voltage = record.select([f"voltage_{axis}" for axis in "xyz"]).data
     np.testing.assert_array_equal(voltage[-1], 500.0)
@@ -252,7 +252,7 @@ def test_a_run_that_is_stopped_comes_to_rest_and_replays(tmp_path: Path) -> None
     folder, made = session.create(tmp_path / "run", config, write_models(tmp_path))
     with folder:
         session.run(folder, made, nobody, lambda: True)
-    record = session.read_recording(folder.path, session.RECORDING)
+    record = session.read_recording(folder.path, streamed.RECORDING)
     assert record is not None
     assert len(record.data) < 5_000
     np.testing.assert_array_equal(record.select(["voltage_x"]).data[-1], 500.0)

@@ -10,7 +10,7 @@ import pytest
 from firmware_sim.can_node import CanNode
 from firmware_sim.stage_processor import Settings
 from rigkit.service.state import State
-from stagectl import session
+from stagectl import session, streamed
 from stagectl.link.stage_link import StageLink
 from tests.contract import monitoring
 from tests.contract.monitoring import missing_of
@@ -54,7 +54,7 @@ def test_a_run_is_streamed_recorded_and_stopped(bench: tuple[Lab, CanNode]) -> N
     lab.control.stop("Ada", "smoke")
     assert lab.state is State.DISARMED
     lab.ended()
-    record = session.read_recording(lab.run_folder(), session.RECORDING)
+    record = session.read_recording(lab.run_folder(), streamed.RECORDING)
     assert record is not None
     assert np.abs(record.select(["position_x"]).data[-1] - 250e-6) < 5e-6
     assert [gauge.name for gauge in lab.rig.gauges()] == ["disk_free"]

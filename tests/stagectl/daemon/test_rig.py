@@ -14,7 +14,7 @@ from rigkit.growing_wav import GROWING
 from rigkit.run_folder import read_events
 from rigkit.service.reload import Reach
 from rigkit.service.state import State
-from stagectl import session
+from stagectl import session, streamed
 from stagectl.config import StageConfig
 from stagectl.model_file import read_model, write_model
 from stagectl.replay import replay
@@ -77,7 +77,7 @@ def test_a_reference_is_held_where_it_comes_to_a_stop_and_goes_on_and_the_run_re
     lab.control.hold(lab.key, "look")
     assert lab.state is State.HOLD
     until(lambda: lab.events("held"))
-    growing = lab.run_folder() / f"{session.RECORDING}{GROWING}"
+    growing = lab.run_folder() / f"{streamed.RECORDING}{GROWING}"
     size = growing.stat().st_size
     until(lambda: growing.stat().st_size > size + 500_000)  # 0.3 s
     lab.control.resume(lab.key, "all is well")
@@ -87,7 +87,7 @@ def test_a_reference_is_held_where_it_comes_to_a_stop_and_goes_on_and_the_run_re
     made = setup_of(path)
     assert made.held > 2_500 + 2_000
     assert replays(path)
-    record = session.read_recording(path, session.RECORDING)
+    record = session.read_recording(path, streamed.RECORDING)
     assert record is not None
     assert len(record.data) == made.timeline.total
     asked = record.select(["wanted_x"]).data[:, 0]
@@ -106,7 +106,7 @@ def test_a_stop_takes_the_stage_to_mid_travel_and_keeps_what_has_come(lab: Lab) 
     assert lab.state is State.DISARMED
     lab.ended()
     path = lab.run_folder()
-    record = session.read_recording(path, session.RECORDING)
+    record = session.read_recording(path, streamed.RECORDING)
     assert record is not None
     voltage = record.select(["voltage_x", "voltage_y", "voltage_z"]).data
     assert voltage[-2_000:].max() > 550.0  # it was away from rest when it was told
@@ -124,7 +124,7 @@ def test_a_sensor_that_fails_is_a_fault_with_its_reason_until_a_person_has_ackno
     lab.ended()
     assert lab.state is State.FAULT
     assert "position 2 is not a number" in lab.why
-    record = session.read_recording(lab.run_folder(), session.RECORDING)
+    record = session.read_recording(lab.run_folder(), streamed.RECORDING)
     assert record is not None
     np.testing.assert_array_equal(record.select(["voltage_x"]).data[-1], 500.0)
     assert replays(lab.run_folder())
