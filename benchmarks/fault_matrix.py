@@ -15,11 +15,11 @@ from ctlblocks import Graph
 from rigkit import config as rig_file
 from rigkit.faults import KINDS, FaultTable
 from rigkit.run_folder import read_events, read_quality
-from stagectl.cell import Cell, Seen, kept_in, memory, simulated
 from stagectl.config import StageConfig
-from stagectl.daemon.spoiled import sensor_names, spoiled
-from stagectl.reference import wanted_position
-from stagectl.setup import Setup, setup
+from stagectl.daemon.stage.spoiled import sensor_names, spoiled
+from stagectl.experiments.piezo.cell import Cell, Seen, kept_in, memory, simulated
+from stagectl.experiments.piezo.reference import wanted_position
+from stagectl.experiments.piezo.setup import Setup, setup
 from tests.stagectl.daemon.bench import CHOSEN
 from tests.stagectl.simulated_models import write_models
 from tests.vibractl.test_faults_on_purpose import learned, loudest

@@ -15,12 +15,12 @@ from calibration.subspace.identify import identify
 from firmware_sim.plants.feed_process import FeedProcess
 from rigkit.experiment.runner import Conduct
 from rigkit.experiment.succession import run_in_memory
-from stagectl.feed.job import Job, pocket_of
-from stagectl.feed.pockets import Pockets
-from stagectl.feed.process_run import channel, process_figures, run_process, simulated
-from stagectl.feed.read_back import velocity_model
+from stagectl.experiments.feed.job import Job, pocket_of
+from stagectl.experiments.feed.pockets import Pockets
+from stagectl.experiments.feed.process_run import channel, process_figures, run_process, simulated
+from stagectl.experiments.feed.read_back import velocity_model
 from stagectl.robot.config import CellConfig
-from stagectl.robot.milling.feed_config import ForceFeed
+from stagectl.robot.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force_kernel import CONTROLLING
 
 PLANT = "firmware_sim.feed_blocks:FedTool"

@@ -33,7 +33,7 @@ from rigkit.config import load
 from rigkit.stop import StopRequest
 from stagectl.robot.config import CellConfig
 from stagectl.robot.kinematics import forward
-from stagectl.robot.milling.config import Margin
+from stagectl.robot.learning_config import Margin
 from stagectl.robot.milling.force_estimate import TIE_BREAKS, ForceEstimates, estimate_force
 from stagectl.robot.milling.force_margin import packed_margin
 from stagectl.robot.milling.force_model import ForceEstimate, ForceModel

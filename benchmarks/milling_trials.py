@@ -23,13 +23,13 @@ from rigkit.experiment.runner import Conduct
 from rigkit.provenance import now
 from rigkit.run_folder import RunFolder
 from rigkit.stop import StopRequest
+from stagectl.experiments.trials.bench import SimulatedBench
+from stagectl.experiments.trials.campaign import Learner, carried_out, learn_pocket
+from stagectl.experiments.trials.done import DoneTrial
+from stagectl.experiments.trials.learner import wanted_methods
+from stagectl.experiments.trials.runner import Runner
+from stagectl.experiments.trials.trial import Trial, cell_for_task
 from stagectl.robot.config import CellConfig
-from stagectl.trials.bench import SimulatedBench
-from stagectl.trials.campaign import Learner, carried_out, learn_pocket
-from stagectl.trials.done import DoneTrial
-from stagectl.trials.learner import wanted_methods
-from stagectl.trials.runner import Runner
-from stagectl.trials.trial import Trial, cell_for_task
 
 HEAD = ("seed", "free space: 0, 1, last", "method", "iteration 0", "1", "last", "reduced by", "worst factor")
 

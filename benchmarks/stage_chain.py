@@ -25,13 +25,13 @@ from firmware_sim.plants.milling_disturbance import MillingDisturbance
 from firmware_sim.plants.piezo_stage import PiezoStagePlant
 from firmware_sim.plants.piezo_stage_modes import MAIN_BAND
 from rigkit import config as rig_file
-from stagectl.cell import Cell, kept_in, memory, simulated
 from stagectl.config import ChosenWeights, StageConfig
-from stagectl.model_file import write_model
-from stagectl.reference import wanted_position
-from stagectl.scenario import scenario_settings
-from stagectl.session import error_of
-from stagectl.setup import Setup, setup
+from stagectl.experiments.piezo.cell import Cell, kept_in, memory, simulated
+from stagectl.experiments.piezo.reference import wanted_position
+from stagectl.experiments.piezo.scenario import scenario_settings
+from stagectl.experiments.piezo.session import error_of
+from stagectl.experiments.piezo.setup import Setup, setup
+from stagectl.models.model_file import write_model
 from stagectl.tracking import Tracking, tracking
 from tests.stagectl.linear_stage import lagging, sampled
 from tests.stagectl.simulated_models import LAG

@@ -26,9 +26,9 @@ from firmware_sim.plants.milling_disturbance import MillingDisturbance
 from firmware_sim.plants.piezo_stage import PiezoStagePlant
 from rigkit import config as rig_file
 from stagectl.config import StageConfig
-from stagectl.scenario import MILLING
-from stagectl.session import error_of
-from stagectl.setup import Setup, setup
+from stagectl.experiments.piezo.scenario import MILLING
+from stagectl.experiments.piezo.session import error_of
+from stagectl.experiments.piezo.setup import Setup, setup
 from stagectl.stage.design import Design
 from stagectl.stage.design_refinement import designed
 from stagectl.stage.piezo_pid import pid

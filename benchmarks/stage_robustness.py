@@ -17,7 +17,7 @@ from firmware_sim.plants.piezo_stage_actuator import AMPLIFIER_CORNER, VOLTAGE
 from firmware_sim.plants.piezo_stage_modes import PIEZO_STIFFNESS
 from rigkit import config as rig_file
 from stagectl.config import Inner, StageConfig
-from stagectl.model_file import read_model
+from stagectl.models.model_file import read_model
 from stagectl.stage.design import design
 from stagectl.stage.piezo_pid import Pid, pid
 from stagectl.stage.sensitivity import Robustness, robustness

@@ -7,8 +7,8 @@ import numpy as np
 from numba import njit
 from scipy.linalg import solve_discrete_are
 
+from stagectl.robot.feed_config import ForceFeed
 from stagectl.robot.milling import force_gain_kernel as outer
-from stagectl.robot.milling.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force import FeedForce
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
 from tests.stagectl.robot.milling.test_force_gain import by_riccati, process

@@ -41,7 +41,7 @@ from calibration.subspace.signals import Detrend
 from rigkit.command import JsonOption, print_table, words, write_json
 from rigkit.progress import progress
 from rigkit.written import made_folder, written_file
-from stagectl.model_file import write_model
+from stagectl.models.model_file import write_model
 from vibractl.foreign.tracks import parsed_map
 
 NO_INPUTS = "none"

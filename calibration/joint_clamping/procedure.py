@@ -23,9 +23,9 @@ from rigkit.experiment.strips import PERIOD
 from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
 from rigkit.service.show import Gauge, Table
-from stagectl.daemon.cell.conductor import Conductor
-from stagectl.daemon.cell.gauges import Motion, timed
 from stagectl.daemon.cell.options import JointsOptions
+from stagectl.daemon.cell_gauges import Motion, timed
+from stagectl.daemon.conductor import Conductor
 from stagectl.robot.clamp_config import clamp_procedure
 from stagectl.robot.config import CellConfig
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigkit.fade import rise
+from stagectl.experiments.trials.tool_path import RATE, ToolPath
 from stagectl.robot.pocket_config import Pocket
 from stagectl.robot.tool_path import ramped
-from stagectl.trials.tool_path import RATE, ToolPath
 
 RAMP = 0.3
 """s in which the feed begins and ends."""

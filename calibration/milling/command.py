@@ -26,15 +26,15 @@ from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print
 from rigkit.experiment.runner import Conduct
 from rigkit.stop import Stopped, stoppable
 from rigkit.written import written_file
+from stagectl.experiments.trials.command import PACES
+from stagectl.experiments.trials.runner import Runner
+from stagectl.experiments.trials.trial import TASKS, cell_for_task
+from stagectl.experiments.trials.wired import bench
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_needless_yes
 from stagectl.robot.live.person import Person
 from stagectl.robot.milling.milling_models import write_milling
 from stagectl.robot.milling.torque_file import UNITS
-from stagectl.trials.command import PACES
-from stagectl.trials.runner import Runner
-from stagectl.trials.trial import TASKS, cell_for_task
-from stagectl.trials.wired import bench
 
 Tell = Callable[[str], None]
 

@@ -1,10 +1,10 @@
 """`calibrate milling --live`: what must be there, and the ways that simulated trials do not have."""
 
 from calibration.milling.session import chirp_path
+from stagectl.experiments.trials.motions import ways
+from stagectl.experiments.trials.trial import in_the_air
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_unattended
-from stagectl.trials.motions import ways
-from stagectl.trials.trial import in_the_air
 
 
 def refuse_unfit(cell: CellConfig, is_sure: bool) -> None:

@@ -14,20 +14,20 @@ from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
 from rigkit.service.show import Axis, Gauge, Table
 from rigkit.stop import StopRequest
-from stagectl.daemon.cell.conductor import Conductor
-from stagectl.daemon.cell.gauges import Motion, timed
 from stagectl.daemon.cell.options import MillingOptions
-from stagectl.daemon.cell.strips import force_strip
 from stagectl.daemon.cell.trial_runner import TrialRunner
+from stagectl.daemon.cell_gauges import Motion, timed
+from stagectl.daemon.conductor import Conductor
+from stagectl.daemon.force_strip import force_strip
+from stagectl.experiments.trials.campaign import FREE
+from stagectl.experiments.trials.daemon import SOURCES
+from stagectl.experiments.trials.done import DoneTrial
+from stagectl.experiments.trials.panels import along, errors, path
+from stagectl.experiments.trials.surroundings import refuse_wrong_plants
+from stagectl.experiments.trials.trial import cell_for_task, first_trial
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.milling_models import write_milling
 from stagectl.robot.milling.torque_file import UNITS
-from stagectl.trials.campaign import FREE
-from stagectl.trials.daemon import SOURCES
-from stagectl.trials.done import DoneTrial
-from stagectl.trials.panels import along, errors, path
-from stagectl.trials.surroundings import refuse_wrong_plants
-from stagectl.trials.trial import cell_for_task, first_trial
 
 SWEPT = {"reference": "sweep.reference", "torque": "robot.torque"}
 """What is seen of the sweep."""

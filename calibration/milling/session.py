@@ -21,18 +21,18 @@ from rigkit import config as rig_file
 from rigkit.agreement import GOING_ON
 from rigkit.disk_space import require
 from rigkit.run_folder import CONFIG, RunFolder
+from stagectl.experiments.trials.campaign import FIRST, Forces, Learner, carried_out, learn_free_space
+from stagectl.experiments.trials.done import DoneTrial
+from stagectl.experiments.trials.experiment import room
+from stagectl.experiments.trials.joint_speeds import refuse_unknown_speeds
+from stagectl.experiments.trials.signals import tracker_late
+from stagectl.experiments.trials.tool_path import RATE
+from stagectl.experiments.trials.trial import Trial, first_trial, in_the_air
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.force_model import ForceModel
 from stagectl.robot.milling.milling_models import FORCES, SIDES, MillingModels, RobotModel
 from stagectl.robot.milling.torque_file import torque_arrays
 from stagectl.robot.milling.trial_error import kinematic_error
-from stagectl.trials.campaign import FIRST, Forces, Learner, carried_out, learn_free_space
-from stagectl.trials.done import DoneTrial
-from stagectl.trials.experiment import room
-from stagectl.trials.joint_speeds import refuse_unknown_speeds
-from stagectl.trials.signals import tracker_late
-from stagectl.trials.tool_path import RATE
-from stagectl.trials.trial import Trial, first_trial, in_the_air
 
 CHIRPS, SWEEP = "chirps", "sweep.wav"
 LIVE, SIMULATED = "live", "simulated"

@@ -8,7 +8,7 @@ import numpy as np
 
 from stagectl.robot.arm import Arm
 from stagectl.robot.kinematics import forward
-from stagectl.robot.milling.config import Friction
+from stagectl.robot.learning_config import Friction
 
 RAMP = 0.6
 """s in which a move gathers speed, and loses it again."""

@@ -7,7 +7,7 @@ import numpy as np
 from calibration.milling.inertia_fit import SLIDES, beside_friction, joint_inertia
 from ctlblocks.recording import Recording
 from stagectl.robot.arm import Arm
-from stagectl.robot.milling.config import Friction
+from stagectl.robot.learning_config import Friction
 from stagectl.robot.milling.friction_range import FrictionRange, smoothed_speeds
 from stagectl.robot.milling.gravity import Gravity, gravity_regressor, smallest_moments
 

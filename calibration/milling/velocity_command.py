@@ -19,10 +19,10 @@ from rigkit.disk_space import require
 from rigkit.progress import progress
 from rigkit.provenance import now
 from rigkit.written import written_file
-from stagectl.feed.free_run import WAYS, free_run
-from stagectl.feed.job import pocket_of
-from stagectl.feed.plan import feed_plan
-from stagectl.model_file import write_model
+from stagectl.experiments.feed.free_run import WAYS, free_run
+from stagectl.experiments.feed.job import pocket_of
+from stagectl.experiments.feed.plan import feed_plan
+from stagectl.models.model_file import write_model
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.feed_force import velocity_weights
 from stagectl.robot.milling.nominal_velocity import nominal_velocity

@@ -12,8 +12,8 @@ from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
 from ctlblocks.replay import Record, Replay
 from rigkit.stop import Stopped
-from stagectl.cell import CHUNK, simulated
 from stagectl.config import StageConfig
+from stagectl.experiments.piezo.cell import CHUNK, simulated
 from stagectl.stage.controller import PiezoController
 from stagectl.stage.guard import VoltageGuard
 from stagectl.stage.loop import Stage, fault_of

@@ -9,7 +9,7 @@ from calibration.stage_axes.rig import CHOSEN, calibrated_rig
 from rigkit import atomic
 from rigkit.config_edit import with_tables
 from stagectl.config import StageConfig
-from stagectl.model_file import write_model
+from stagectl.models.model_file import write_model
 
 ALL = "all"
 

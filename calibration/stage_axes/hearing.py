@@ -7,7 +7,7 @@ import numpy as np
 from calibration.stage_axes.above import RESOLUTION, HeardResponse, heard_response
 from calibration.stage_axes.experiment import Excited, Experiment, above_band
 from stagectl.config import StageConfig
-from stagectl.deflection import DeflectionReference
+from stagectl.experiments.piezo.deflection import DeflectionReference
 from stagectl.stage.measured_response import MeasuredResponse
 
 

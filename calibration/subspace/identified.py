@@ -238,7 +238,7 @@ class Identified:
 
     def save(self, path: str | Path) -> Path:
         """Write the model as an HDF5 model file, which `stagectl` and `read_model` take; return where it is."""
-        from stagectl.model_file import write_model
+        from stagectl.models.model_file import write_model
 
         write_model(Path(path), self.model.described(method=self.method, order=str(self.core.order)))
         return Path(path)

@@ -7,9 +7,7 @@ import numpy as np
 from rigkit.experiment.pace import Pace
 from rigkit.service.show import Gauge
 from stagectl.config import StageConfig
-from stagectl.daemon.monitor import Monitor
 from stagectl.link.stage_link import StageLink
-from stagectl.tracking import WITHIN
 from stagectl.wire.messages import State
 
 
@@ -39,14 +37,6 @@ def driven(config: StageConfig, voltage: np.ndarray) -> Iterator[Gauge]:
     for axis, volts in zip(config.stage.axes, voltage.tolist(), strict=True):
         away = volts - config.limits.rest_voltage
         yield Gauge(f"drive_{axis}", f"Voltage {axis} from rest", away, "V", is_output=True)
-
-
-def tracked(config: StageConfig, monitor: Monitor) -> Iterator[Gauge]:
-    """Give how well a run follows."""
-    error = monitor.error()
-    mean = np.abs(error).mean(axis=0).tolist() if len(error) else [None] * len(config.stage.axes)
-    for axis, value in zip(config.stage.axes, mean, strict=True):
-        yield Gauge(f"mae_{axis}", f"Mean absolute error {axis}, last second", value, "m", high=WITHIN)
 
 
 def paced(pace: Pace) -> Iterator[Gauge]:

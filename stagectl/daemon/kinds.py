@@ -9,7 +9,7 @@ from rigkit.service.daemon_command import Kind
 from stagectl.config import StageConfig
 from stagectl.robot.config import CellConfig
 
-STAGE = Kind(StageConfig, "stagectl.daemon.rig:PiezoStage")
+STAGE = Kind(StageConfig, "stagectl.daemon.stage.rig:PiezoStage")
 CELL = Kind(CellConfig, "stagectl.daemon.cell.rig:RobotCell")
 
 

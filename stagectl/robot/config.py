@@ -6,14 +6,14 @@ from pydantic import Field, model_validator
 
 from rigkit.config import Section, code, keywords, setting
 from rigkit.service.config import Daemon
-from stagectl.feed.config import FeedPlants, SegmentTask
 from stagectl.link.config import Link
 from stagectl.robot.clamp_config import Clamping
+from stagectl.robot.feed_config import ForceFeed
 from stagectl.robot.force_config import ForceSensor
-from stagectl.robot.midranging.config import MidrangeConfig
-from stagectl.robot.milling.config import ForceEstimation, Friction
-from stagectl.robot.milling.feed_config import ForceFeed
+from stagectl.robot.learning_config import ForceEstimation, Friction
+from stagectl.robot.midranging_config import MidrangeConfig
 from stagectl.robot.pocket_config import Learning, LearningChirp, Pocket
+from stagectl.robot.segment_config import FeedPlants, SegmentTask
 from stagectl.robot.toroid_config import Feedback, Plants, Toroid
 
 Box = tuple[float, float, float]

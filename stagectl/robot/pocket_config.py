@@ -5,8 +5,8 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from rigkit.config import Section, setting
-from stagectl.robot.milling.model_inverse import Inverse
 
+Inverse = Literal["regularised", "mirrored"]
 Length = Annotated[float, Field(gt=0, le=1)]
 Six = tuple[float, float, float, float, float, float]
 

@@ -26,11 +26,12 @@ from rigkit.faults import KINDS, Faults, FaultTable
 from rigkit.stream_recorder import StreamRecorder
 from rigkit.stream_writer import Stream
 from stagectl import config as stage
-from stagectl.deflection import DeflectionReference
 from stagectl.experiments.midranging.wired_blocks import LivePair, LiveSeen, LiveSend
+from stagectl.experiments.piezo.deflection import DeflectionReference
 from stagectl.experiments.toroid.relative_position import RelativePosition
 from stagectl.experiments.toroid.stage_reference import StageReference
 from stagectl.experiments.toroid.standstill import Standstill
+from stagectl.experiments.trials.trial_path import TrialPath
 from stagectl.link.blocks import Excite, Newest, Receive, Send
 from stagectl.link.config import Laser, Link
 from stagectl.link.laser import Displacement, LaserLine
@@ -69,7 +70,6 @@ from stagectl.stage.sensors import SensorCheck
 from stagectl.stage.servo import servo
 from stagectl.stage.state_feedback import StateFeedback, linear_quadratic
 from stagectl.still import Still
-from stagectl.trials.trial_path import TrialPath
 from stagectl.wire.egm import Report, pack_report
 from stagectl.wire.messages import Drive
 from tests.contract.conformance import Example

@@ -5,15 +5,15 @@ import numpy as np
 from ctlblocks import Block
 from firmware_sim.feed_blocks import FedTool
 from firmware_sim.oak_blocks import OakCut
-from stagectl.feed.config import SegmentTask
-from stagectl.feed.constant_feed import ConstantFeed
-from stagectl.feed.feed_seen import FeedSeen
-from stagectl.feed.segment_move import SegmentMove
+from stagectl.experiments.feed.constant_feed import ConstantFeed
+from stagectl.experiments.feed.feed_seen import FeedSeen
+from stagectl.experiments.feed.segment_move import SegmentMove
 from stagectl.planning.problem import Pocket, milling_types
 from stagectl.robot.arm import irb140
-from stagectl.robot.milling.feed_config import ForceFeed
+from stagectl.robot.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force import FeedForce
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
+from stagectl.robot.segment_config import SegmentTask
 from stagectl.robot.tool_place import ToolPlace
 from tests.contract.conformance import Example
 

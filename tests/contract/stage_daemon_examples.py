@@ -6,10 +6,10 @@ from ctlblocks import Block
 from ctlblocks.recording import Recording
 from rigkit.faults import FaultTable
 from stagectl.config import StageConfig
-from stagectl.daemon.monitor import Monitor
-from stagectl.daemon.spoiled import SpoiledSensors, sensor_names
-from stagectl.held_reference import HeldReference
-from stagectl.setup import Setup
+from stagectl.daemon.stage.monitor import Monitor
+from stagectl.daemon.stage.spoiled import SpoiledSensors, sensor_names
+from stagectl.experiments.piezo.held_reference import HeldReference
+from stagectl.experiments.piezo.setup import Setup
 from tests.contract.conformance import Example
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from ctlblocks.recording import Recording, RecordingError
 from rigkit.foreign_record import read_channels
 from rigkit.model_file import ModelFileError
-from stagectl import model_file as stage_file
+from stagectl.models import model_file as stage_file
 from stagectl.stage.hysteresis import HysteresisModel
 from stagectl.stage.hysteresis_file import read_hysteresis, write_hysteresis
 from tests.fuzz.judge import is_accepted

@@ -52,7 +52,7 @@ def test_what_is_no_such_class_is_refused_and_never_called(
 def test_nothing_else_finds_code_by_a_name() -> None:
     """Whoever resolves a name by itself does so for one of its own, not of a file."""
     own = {"rigkit/named_code.py", "rigkit/config_reference.py", "rigkit/service/daemon_command.py"}
-    own |= {"rigkit/service/web_process.py", "vibractl/daemon/rig.py", "stagectl/daemon/rig.py"}
+    own |= {"rigkit/service/web_process.py", "vibractl/daemon/rig.py", "stagectl/daemon/stage/rig.py"}
     own |= {
         "rigkit/config_options.py",
         "stagectl/daemon/cell/rig.py",

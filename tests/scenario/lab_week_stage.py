@@ -10,12 +10,12 @@ from calibration.milling.session import SIMULATED
 from rigkit import config as rig_file
 from stagectl.__main__ import main as stagectl
 from stagectl.config import StageConfig
-from stagectl.model_file import write_model
+from stagectl.experiments.trials.trial import cell_for_task
+from stagectl.models.model_file import write_model
 from stagectl.planning.example_pocket import EXAMPLE_POCKET
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.milling_models import write_milling
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
-from stagectl.trials.trial import cell_for_task
 from stagectl.wire.egm import RATE
 from tests.scenario.lab import (
     Cell,

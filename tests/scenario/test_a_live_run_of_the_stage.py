@@ -15,14 +15,14 @@ import pytest
 from rigkit import config as rig_file
 from rigkit.growing_wav import GROWING
 from rigkit.run_folder import read_events
-from stagectl import live, session, streamed
 from stagectl.__main__ import main
 from stagectl.config import StageConfig
+from stagectl.experiments.piezo import live, session, streamed
+from stagectl.experiments.piezo.live import run_live
+from stagectl.experiments.piezo.replay import replay
+from stagectl.experiments.piezo.report import run_report
+from stagectl.experiments.piezo.run_setup import setup_of
 from stagectl.link.stage_link import StageLink
-from stagectl.live import run_live
-from stagectl.replay import replay
-from stagectl.report import run_report
-from stagectl.run_setup import setup_of
 from tests.contract.source_tree import ROOT
 from tests.stagectl.simulated_models import write_models
 from tests.until import EVER

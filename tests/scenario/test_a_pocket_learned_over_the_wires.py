@@ -18,18 +18,18 @@ from ctlblocks.recording import Recording
 from firmware_sim.robot_cell import cell_cut
 from rigkit.experiment.runner import STOPPED, Conduct, never, remembered, repeated
 from rigkit.stop import StopRequest
+from stagectl.experiments.trials.campaign import Learner, carried_out, learn_free_space, learn_pocket
+from stagectl.experiments.trials.done import DoneTrial
+from stagectl.experiments.trials.log_folder import LogFolder, write_logs
+from stagectl.experiments.trials.recorded import SLOW
+from stagectl.experiments.trials.signals import tracker_late
+from stagectl.experiments.trials.surroundings import recorded
+from stagectl.experiments.trials.tool_path import RATE
+from stagectl.experiments.trials.trial import Trial, first_trial
+from stagectl.experiments.trials.trial_graph import TrialGraph
+from stagectl.experiments.trials.wired import WiredBench
 from stagectl.link.tell import Tell, nobody
 from stagectl.robot.live.person import Person
-from stagectl.trials.campaign import Learner, carried_out, learn_free_space, learn_pocket
-from stagectl.trials.done import DoneTrial
-from stagectl.trials.log_folder import LogFolder, write_logs
-from stagectl.trials.recorded import SLOW
-from stagectl.trials.signals import tracker_late
-from stagectl.trials.surroundings import recorded
-from stagectl.trials.tool_path import RATE
-from stagectl.trials.trial import Trial, first_trial
-from stagectl.trials.trial_graph import TrialGraph
-from stagectl.trials.wired import WiredBench
 from tests.scenario.stepped_cell import SteppedCell
 from tests.stagectl.robot.milling.test_milling_models import models
 from tests.until import until

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from stagectl.model_file import write_model
+from stagectl.models.model_file import write_model
 from stagectl.robot.milling.milling_models import write_milling
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
 from tests.rigkit.test_disk_space import leave

@@ -12,16 +12,16 @@ import pytest
 
 from firmware_sim.robot_cell import cell_wood
 from rigkit.experiment.runner import STOPPED, Conduct, remembered, repeated
-from stagectl.feed.feed_graph import FeedGraph
-from stagectl.feed.job import RATES
-from stagectl.feed.measures import retold
-from stagectl.feed.plan import FeedPlan, feed_plan
-from stagectl.feed.pocket_part import pocket_part
-from stagectl.feed.pocketed import Pocketed
-from stagectl.feed.process_run import channel
-from stagectl.feed.recorded import SLOW
-from stagectl.feed.surroundings import recorded
-from stagectl.feed.wired import WiredBench
+from stagectl.experiments.feed.feed_graph import FeedGraph
+from stagectl.experiments.feed.job import RATES
+from stagectl.experiments.feed.measures import retold
+from stagectl.experiments.feed.plan import FeedPlan, feed_plan
+from stagectl.experiments.feed.pocket_part import pocket_part
+from stagectl.experiments.feed.pocketed import Pocketed
+from stagectl.experiments.feed.process_run import channel
+from stagectl.experiments.feed.recorded import SLOW
+from stagectl.experiments.feed.surroundings import recorded
+from stagectl.experiments.feed.wired import WiredBench
 from stagectl.link.tell import Tell, nobody
 from stagectl.planning.pocket import planner
 from stagectl.planning.problem import Pocket

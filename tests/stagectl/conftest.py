@@ -25,6 +25,6 @@ def _design(model: InnovationModel, outer: Outer, axis: int, weights: Weights | 
 def _each_loop_is_designed_once() -> Iterator[None]:
     """Save a second of each run; what a design is has tests of its own, which call it."""
     with pytest.MonkeyPatch.context() as patch:
-        for place in ("stagectl.setup", "stagectl.experiments.toroid.plan"):
+        for place in ("stagectl.experiments.piezo.setup", "stagectl.experiments.toroid.plan"):
             patch.setattr(f"{place}.design", _design)
         yield

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from calibration.state_space.model import InnovationModel
-from stagectl.model_file import write_model
+from stagectl.models.model_file import write_model
 from stagectl.stage.measured_response import MeasuredResponse
 from tests.stagectl.linear_stage import lagging, sampled
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from stagectl.config import Deflection
-from stagectl.deflection import DeflectionReference
+from stagectl.experiments.piezo.deflection import DeflectionReference
 
 RATE = 10_000.0
 

@@ -11,7 +11,7 @@ from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit.run_folder import RunFolder
 from stagectl.__main__ import main
-from stagectl.export import export_run
+from stagectl.commands.export import export_run
 from tests.rigkit.export.read_mcap import attachments, read_mcap
 
 NOISE = np.random.default_rng(4).normal(size=(200, 3))

@@ -5,7 +5,7 @@ import pytest
 
 from ctlblocks import Graph
 from ctlblocks.recording import Recording
-from stagectl.held_reference import HeldReference
+from stagectl.experiments.piezo.held_reference import HeldReference
 
 RATE, RAMP, SAMPLES = 1_000.0, 0.1, 2_000
 

@@ -7,10 +7,10 @@ import sys
 from pathlib import Path
 
 from stagectl.application import PROGRAM
-from stagectl.replay import replay
-from stagectl.run_setup import setup_as_run
-from stagectl.session import read_recording
-from stagectl.streamed import RECORDING
+from stagectl.experiments.piezo.replay import replay
+from stagectl.experiments.piezo.run_setup import setup_as_run
+from stagectl.experiments.piezo.session import read_recording
+from stagectl.experiments.piezo.streamed import RECORDING
 from tests.stagectl.simulated_models import write_models
 from tests.until import until
 

@@ -9,7 +9,7 @@ import pytest
 
 from rigkit.model_file import ModelFileError
 from rigkit.sealed_file import seal
-from stagectl.model_file import read_measured, read_model, write_model
+from stagectl.models.model_file import read_measured, read_model, write_model
 from stagectl.stage.measured_response import MeasuredResponse
 from tests.calibration.state_space.test_model import resonant
 

@@ -9,8 +9,8 @@ from calibration.state_space.model import InnovationModel
 from rigkit import config as rig_file
 from rigkit.agreement import DisagreementError
 from stagectl.config import StageConfig
-from stagectl.model_file import read_model
-from stagectl.model_origin import refuse_foreign
+from stagectl.models.model_file import read_model
+from stagectl.models.model_origin import refuse_foreign
 from tests.stagectl.test_session import write_models
 
 

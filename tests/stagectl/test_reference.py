@@ -7,8 +7,8 @@ import pytest
 
 from rigkit import config as rig_file
 from stagectl.config import StageConfig
-from stagectl.reference import wanted_position
-from stagectl.timeline import timeline
+from stagectl.experiments.piezo.reference import wanted_position
+from stagectl.experiments.piezo.timeline import timeline
 
 ROWS = np.column_stack([np.arange(11) / 10, *np.linspace([1e-4, 2e-4, 3e-4], [2e-4, 2e-4, 1e-4], 11).T])
 

@@ -12,15 +12,15 @@ from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file
 from rigkit.run_folder import read_events
-from stagectl import session, streamed
-from stagectl.cell import MADE, SEEN
+from stagectl.commands.kinds_of_run import replayed
 from stagectl.config import StageConfig
-from stagectl.kinds_of_run import replayed
-from stagectl.model_file import read_model, write_model
-from stagectl.replay import replay
-from stagectl.report import run_report
-from stagectl.run_setup import setup_of
-from stagectl.scenario import scenario_settings
+from stagectl.experiments.piezo import session, streamed
+from stagectl.experiments.piezo.cell import MADE, SEEN
+from stagectl.experiments.piezo.replay import replay
+from stagectl.experiments.piezo.report import run_report
+from stagectl.experiments.piezo.run_setup import setup_of
+from stagectl.experiments.piezo.scenario import scenario_settings
+from stagectl.models.model_file import read_model, write_model
 from tests.rigkit.test_disk_space import leave
 from tests.stagectl.simulated_models import write_models
 
@@ -82,7 +82,7 @@ def test_a_replay_designs_nothing(run: Path, monkeypatch: pytest.MonkeyPatch) ->
     def fail(*_: object, **__: object) -> None:
         raise AssertionError("a design is looked for")
 
-    monkeypatch.setattr("stagectl.setup.design", fail)
+    monkeypatch.setattr("stagectl.experiments.piezo.setup.design", fail)
     assert all(each.identical for each in replayed(run))
     with pytest.raises(AssertionError, match="a design is looked for"):
         list(replayed(run, ["inner.bandwidth=[100.0]"]))

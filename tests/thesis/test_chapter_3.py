@@ -10,8 +10,8 @@ from stagectl.experiments.midranging.measures import channel, figures, iae
 from stagectl.experiments.midranging.scenario import Scenario, scenario, steps
 from stagectl.experiments.midranging.schedule import simulate
 from stagectl.experiments.midranging.table import table
-from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.controllers import controller
+from stagectl.robot.midranging_config import MidrangeConfig
 
 NOISE = ("learning.noise=5e-5", "simulator.options.noise=5e-5")
 """50 um on every sensor, as in the third row."""

@@ -12,8 +12,8 @@ from calibration.state_space.model import InnovationModel
 from calibration.subspace.identify import identify
 from ctlblocks.recording import Recording
 from firmware_sim.plants.feed_process import FeedProcess
-from stagectl.feed.process_run import run_process, simulated
-from stagectl.robot.milling.feed_config import ForceFeed
+from stagectl.experiments.feed.process_run import run_process, simulated
+from stagectl.robot.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force import PHASES
 
 PLANT = "firmware_sim.feed_blocks:FedTool"

@@ -6,15 +6,12 @@ from typing import Any, Literal
 
 from rigkit.config import Section
 from rigkit.service.rig import Desk, Procedure
-from stagectl.daemon.cell.options import (
-    CellOptions,
-    ForceOptions,
-    IlcOptions,
-    JointsOptions,
-    MidrangeOptions,
-    MillingOptions,
-    StepOptions,
-)
+from stagectl.daemon.cell.options import JointsOptions, MillingOptions
+from stagectl.experiments.feed.options import ForceOptions
+from stagectl.experiments.midranging.options import MidrangeOptions
+from stagectl.experiments.step.options import StepOptions
+from stagectl.experiments.toroid.options import CellOptions
+from stagectl.experiments.trials.options import IlcOptions
 
 
 @dataclass(frozen=True)
@@ -57,7 +54,7 @@ PROCEDURES = (
         "This trial is run to its end and kept; the tool is in the air until it goes on, with a fresh block.",
         "This trial is run to its end and kept; the run can be resumed. STOP lifts the tool out of the block at once.",
         IlcOptions,
-        "stagectl.trials.daemon:procedure",
+        "stagectl.experiments.trials.daemon:procedure",
     ),
     Entry(
         "force",
@@ -67,7 +64,7 @@ PROCEDURES = (
         "This pocket is milled to its end; the next one waits until it goes on.",
         HELD,
         ForceOptions,
-        "stagectl.feed.daemon:procedure",
+        "stagectl.experiments.feed.daemon:procedure",
     ),
     Entry(
         "cell",

@@ -18,9 +18,10 @@ from rigkit.service.reload import Change, edits, reloaded
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Gauge
 from stagectl.config import StageConfig
-from stagectl.daemon.cell.options import CellOptions, IlcOptions
 from stagectl.daemon.cell.procedures import PROCEDURES
+from stagectl.experiments.toroid.options import CellOptions
 from stagectl.experiments.toroid.plan import stage_of
+from stagectl.experiments.trials.options import IlcOptions
 from stagectl.robot.config import CellConfig
 from stagectl.robot.port import arm_of
 

@@ -5,13 +5,13 @@ from collections.abc import Callable
 from rigkit.experiment.runner import Conduct
 from rigkit.run_folder import RunFolder
 from rigkit.service.show import Gauge
-from stagectl.daemon.cell.conductor import Conductor
-from stagectl.daemon.cell.gauges import Motion, felt, sighted, timed
+from stagectl.daemon.cell_gauges import Motion, felt, sighted, timed
+from stagectl.daemon.conductor import Conductor
+from stagectl.experiments.trials.bench import SimulatedBench
+from stagectl.experiments.trials.done import DoneTrial
+from stagectl.experiments.trials.runner import Runner
+from stagectl.experiments.trials.trial import Trial
 from stagectl.robot.config import CellConfig
-from stagectl.trials.bench import SimulatedBench
-from stagectl.trials.done import DoneTrial
-from stagectl.trials.runner import Runner
-from stagectl.trials.trial import Trial
 
 
 class TrialRunner:

@@ -4,8 +4,8 @@ from rigkit.experiment.kept import create
 from rigkit.experiment.procedure import ExperimentProcedure
 from rigkit.service.paths import data_file, run_path
 from rigkit.service.rig import Desk
-from stagectl.daemon.cell.options import MidrangeOptions
 from stagectl.experiments.midranging.experiment import Midranging
+from stagectl.experiments.midranging.options import MidrangeOptions
 from stagectl.experiments.midranging.pair_view import PairView
 from stagectl.experiments.midranging.read_back import MIDRANGING
 from stagectl.experiments.midranging.scenario import SCENARIOS, scenarios

@@ -26,8 +26,8 @@ from stagectl.experiments.midranging.wired_blocks import LivePair
 from stagectl.link.clock import Linked
 from stagectl.link.tell import Tell, nobody
 from stagectl.robot.config import CellConfig
-from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.controllers import controller
+from stagectl.robot.midranging_config import MidrangeConfig
 
 Runs = dict[str, Recording]
 """By the axis' name, which is empty where there is one axis only."""

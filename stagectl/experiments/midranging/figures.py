@@ -9,7 +9,7 @@ import numpy as np
 from ctlblocks.recording import Recording
 from stagectl.experiments.midranging.measures import figures, together
 from stagectl.experiments.midranging.scenario import RADIUS, TOROID, Scenario
-from stagectl.robot.midranging.config import MidrangeConfig
+from stagectl.robot.midranging_config import MidrangeConfig
 
 BOTH = 2
 """Axes of the toroid."""

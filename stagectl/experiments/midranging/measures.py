@@ -8,9 +8,9 @@ import numpy as np
 from ctlblocks.recording import Recording
 from stagectl.experiments.midranging.scenario import Scenario
 from stagectl.experiments.midranging.schedule import simulate
-from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.controllers import fast_loop, known_pair
 from stagectl.robot.midranging.internal_model import InternalModel
+from stagectl.robot.midranging_config import MidrangeConfig
 
 
 def channel(run: Recording, name: str) -> np.ndarray:

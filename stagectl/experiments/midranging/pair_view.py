@@ -9,11 +9,11 @@ import numpy as np
 from rigkit.experiment.procedure import Strip, strips_of
 from rigkit.experiment.watch import LOOKS, Watch
 from rigkit.service.show import Gauge, Panel
-from stagectl.daemon.cell.gauges import timed
+from stagectl.daemon.cell_gauges import timed
 from stagectl.daemon.gauges import linked
 from stagectl.experiments.midranging.wired_blocks import LivePair
 from stagectl.robot.config import CellConfig
-from stagectl.robot.midranging.config import MidrangeConfig
+from stagectl.robot.midranging_config import MidrangeConfig
 
 MEASURED = ("position", "fast", "slow", "control")
 

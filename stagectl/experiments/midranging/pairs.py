@@ -11,7 +11,7 @@ from ctlblocks.taps import Tap
 from rigkit.named_code import named_block
 from stagectl.experiments.midranging.graph import MEASURED
 from stagectl.experiments.midranging.wired_blocks import LivePair, LiveSeen, LiveSend
-from stagectl.robot.midranging.config import MidrangeConfig
+from stagectl.robot.midranging_config import MidrangeConfig
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from rigkit.figure_style import COLOURS, LIMIT
 from rigkit.report import Plot
 from stagectl.experiments.midranging.measures import believed_gain, channel, model_columns, together
 from stagectl.experiments.midranging.scenario import RADIUS, Scenario
-from stagectl.robot.midranging.config import MidrangeConfig
+from stagectl.robot.midranging_config import MidrangeConfig
 
 MILLI, MICRO = 1e3, 1e6
 BOUND: dict[str, Any] = {**LIMIT}

@@ -10,7 +10,7 @@ from rigkit.figure_style import styled
 from rigkit.report import Fact, Report, Section, Table
 from stagectl.experiments.midranging.plots import circle_plot, control_plot, error_plot, model_plot, position_plot
 from stagectl.experiments.midranging.scenario import Scenario
-from stagectl.robot.midranging.config import MidrangeConfig
+from stagectl.robot.midranging_config import MidrangeConfig
 
 PAGE = "report.html"
 

@@ -14,7 +14,7 @@ from rigkit.experiment.runner import Conduct, remembered
 from stagectl.experiments.midranging import pairs
 from stagectl.experiments.midranging.graph import netlist
 from stagectl.experiments.midranging.scenario import Scenario
-from stagectl.robot.midranging.config import MidrangeConfig
+from stagectl.robot.midranging_config import MidrangeConfig
 
 TRACK = "recording"
 

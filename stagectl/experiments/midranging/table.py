@@ -7,8 +7,8 @@ import numpy as np
 from stagectl.experiments.midranging.measures import iae
 from stagectl.experiments.midranging.scenario import STEPS, Scenario, steps
 from stagectl.experiments.midranging.schedule import simulate
-from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.controllers import controller
+from stagectl.robot.midranging_config import MidrangeConfig
 
 ROWS = (("sim, r = 1.5", 1.5e-3, 0.0), ("sim, r = 5", 5e-3, 0.0), ("sim, r = 5, noise", 5e-3, 0.05e-3))
 """Name, m, and m of noise on each sensor: the first three rows."""

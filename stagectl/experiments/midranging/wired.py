@@ -9,7 +9,7 @@ from ctlblocks import Block
 from stagectl.experiments.midranging.wired_blocks import LivePair
 from stagectl.link.stage_link import StageLink
 from stagectl.robot.config import CellConfig
-from stagectl.robot.midranging.config import MidrangeConfig
+from stagectl.robot.midranging_config import MidrangeConfig
 from stagectl.robot.port import RobotPort
 from stagectl.robot.program import RobotProgram, begin_motion
 from stagectl.robot.tracker import TrackerLine

@@ -5,9 +5,9 @@ from rigkit.experiment.kept import create
 from rigkit.experiment.procedure import ExperimentProcedure
 from rigkit.service.paths import run_path
 from rigkit.service.rig import Desk
-from stagectl.daemon.cell.options import StepOptions
 from stagectl.experiments.midranging.pair_view import PairView
 from stagectl.experiments.step.experiment import STEPS, Steps
+from stagectl.experiments.step.options import StepOptions
 from stagectl.experiments.step.response import Wanted
 from stagectl.robot.config import CellConfig
 

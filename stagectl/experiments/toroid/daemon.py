@@ -11,11 +11,11 @@ from rigkit.run_folder import read_events
 from rigkit.service.paths import data_file, run_path
 from rigkit.service.rig import Desk
 from rigkit.service.show import Gauge, Panel, Table
-from stagectl.daemon.cell.gauges import REFERENCE, Motion, sighted, timed
-from stagectl.daemon.cell.options import CellOptions
+from stagectl.daemon.cell_gauges import REFERENCE, Motion, sighted, timed
 from stagectl.devices.signals import AXES
 from stagectl.experiments.toroid.event_text import reasons_of
 from stagectl.experiments.toroid.experiment import Toroid
+from stagectl.experiments.toroid.options import CellOptions
 from stagectl.experiments.toroid.plan import stage_of
 from stagectl.experiments.toroid.read_back import TOROID, Files, plans_of
 from stagectl.experiments.toroid.report import HEAD, table_rows

@@ -13,7 +13,7 @@ from stagectl.config import StageConfig
 from stagectl.devices.signals import AXES, QUICK, SLOW
 from stagectl.experiments.toroid.nominal_stage import nominal_model
 from stagectl.experiments.toroid.toroid_path import ToroidPath
-from stagectl.model_file import read_model
+from stagectl.models.model_file import read_model
 from stagectl.robot.arm import Arm
 from stagectl.robot.config import CellConfig
 from stagectl.robot.kinematics import forward

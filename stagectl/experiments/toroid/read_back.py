@@ -11,14 +11,14 @@ from rigkit.origin import RUN, read_origin
 from rigkit.run_folder import CONFIG, RunFolder, read_events
 from stagectl.config import StageConfig
 from stagectl.devices.signals import AXES
+from stagectl.experiments.piezo.run_setup import model_name
 from stagectl.experiments.toroid.event_text import reasons_of, setup_of
 from stagectl.experiments.toroid.experiment import Confirm, Toroid
 from stagectl.experiments.toroid.makes import refuse_wrong_plants
 from stagectl.experiments.toroid.plan import ALL, RATE, SETUPS, Plan, loops_of, plan, refuse_count
-from stagectl.model_file import read_model
-from stagectl.model_origin import refuse_foreign
+from stagectl.models.model_file import read_model
+from stagectl.models.model_origin import refuse_foreign
 from stagectl.robot.config import CellConfig
-from stagectl.run_setup import model_name
 from stagectl.stage.loop_parameters import loops_from_json
 
 STAGE = "stage.toml"

@@ -4,12 +4,12 @@ import math
 from dataclasses import replace
 
 from ctlblocks.block import Block
-from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.internal_model import Estimation, InternalModel, InternalModelAxis
 from stagectl.robot.midranging.least_squares import LeastSquares
 from stagectl.robot.midranging.reference_governor import Governor
 from stagectl.robot.midranging.tuning import LoopModel, integral, lambda_tuned
 from stagectl.robot.midranging.valve_position import ValvePosition, ValvePositionAxis
+from stagectl.robot.midranging_config import MidrangeConfig
 
 CONTROLLERS = ("aimc", "mvpc", "mvpc-aw", "vpc")
 

@@ -6,11 +6,11 @@ import numpy as np
 
 from calibration.state_space.model import InnovationModel
 from ctlblocks.block import Block, Port
+from stagectl.robot.feed_config import ForceFeed
 from stagectl.robot.milling import cutting_estimate_kernel as cutting
 from stagectl.robot.milling import feed_force_kernel as kernel
 from stagectl.robot.milling import force_gain_kernel as outer
 from stagectl.robot.milling import velocity_loop_kernel as inner
-from stagectl.robot.milling.feed_config import ForceFeed
 from stagectl.robot.milling.velocity_loop import VelocityLoop, VelocityWeights, velocity_loop
 
 PHASES = ("idle", "approaching", "estimating", "controlling", "retreating", "retreated")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stagectl.robot.milling.config import Margin
+from stagectl.robot.learning_config import Margin
 from stagectl.robot.milling.torque_kernel import JOINTS
 
 FADE = 0.1

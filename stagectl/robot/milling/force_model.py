@@ -6,8 +6,8 @@ import numpy as np
 
 from ctlblocks.block import Block, Port
 from stagectl.robot.arm import Arm
+from stagectl.robot.learning_config import Margin
 from stagectl.robot.milling import record_kernel as kernel
-from stagectl.robot.milling.config import Margin
 from stagectl.robot.milling.force_estimate import TIE_BREAKS, ForceEstimates
 from stagectl.robot.milling.force_margin import FADE, packed_margin
 from stagectl.robot.milling.friction_range import FrictionRange, speed_pole

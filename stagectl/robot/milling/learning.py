@@ -7,8 +7,9 @@ import numpy as np
 from calibration.state_space.model import InnovationModel
 from stagectl.robot.milling.axis_model import AxisModel, robot_response
 from stagectl.robot.milling.measured_cut import MeasuredCut
-from stagectl.robot.milling.model_inverse import Inverse, inverse
+from stagectl.robot.milling.model_inverse import inverse
 from stagectl.robot.milling.zero_phase import filtered, low_pass
+from stagectl.robot.pocket_config import Inverse
 
 AXES = 3
 

@@ -1,13 +1,11 @@
 """L, an inverse of G_R: with its zeros mirrored into the unit circle, or regularised."""
 
-from typing import Literal
-
 import numpy as np
 
 from stagectl.robot.midranging.minimum_phase import minimum_phase
 from stagectl.robot.milling.axis_model import AxisModel
+from stagectl.robot.pocket_config import Inverse
 
-Inverse = Literal["regularised", "mirrored"]
 INVERSES: tuple[Inverse, ...] = ("regularised", "mirrored")
 
 

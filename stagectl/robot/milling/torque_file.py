@@ -7,7 +7,7 @@ import numpy as np
 
 from rigkit.model_file import ModelFileError, read_model_file
 from stagectl.robot.arm import Arm
-from stagectl.robot.milling.config import ForceEstimation
+from stagectl.robot.learning_config import ForceEstimation
 from stagectl.robot.milling.force_model import ForceModel
 from stagectl.robot.milling.friction_range import FrictionRange
 from stagectl.robot.milling.gravity import Gravity

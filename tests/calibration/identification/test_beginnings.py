@@ -10,7 +10,7 @@ from scipy.io import wavfile
 
 from calibration.__main__ import main
 from calibration.identification.beginnings import FEW, beginning
-from stagectl.model_file import read_model
+from stagectl.models.model_file import read_model
 from tests.calibration.identification.plain_scipy import RATE, off, response, white
 
 FREQUENCY = np.linspace(10, 200, 100)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from calibration.__main__ import main
-from stagectl.model_file import read_model
+from stagectl.models.model_file import read_model
 from tests.calibration.resonant_systems import order_7
 from tests.shared_data import shared
 

@@ -12,7 +12,7 @@ from calibration.__main__ import main
 from calibration.identification.recordings import from_pairs
 from calibration.identification.workflow import identify_recordings
 from ctlblocks.recording import Recording
-from stagectl.model_file import read_model
+from stagectl.models.model_file import read_model
 from tests.calibration.identification.plain_scipy import RATE, off, response, white
 
 FREQUENCY = np.linspace(10, 200, 100)

@@ -11,8 +11,8 @@ from calibration.__main__ import main
 from calibration.milling.velocity import identify_velocity
 from ctlblocks import recording
 from ctlblocks.recording import Recording
-from stagectl.feed.free_run import HELD, MEAN, STEP, steps
-from stagectl.model_file import read_model
+from stagectl.experiments.feed.free_run import HELD, MEAN, STEP, steps
+from stagectl.models.model_file import read_model
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
 
 

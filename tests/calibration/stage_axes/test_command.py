@@ -16,7 +16,7 @@ from calibration.stage_axes.experiment import record
 from firmware_sim.plants.piezo_stage import PiezoStagePlant
 from rigkit import config as rig_file
 from stagectl.config import StageConfig
-from stagectl.model_file import read_model
+from stagectl.models.model_file import read_model
 from stagectl.stage import design as design_module
 from stagectl.stage import design_refinement
 from stagectl.stage.design import design

@@ -8,7 +8,7 @@ from calibration.stage_axes import order
 from rigkit import config as rig_file
 from rigkit.service.state import State
 from stagectl.config import StageConfig
-from stagectl.model_file import read_model
+from stagectl.models.model_file import read_model
 from stagectl.stage import design_refinement
 from tests.calibration.stage_axes.test_command import QUICK
 from tests.stagectl.daemon.bench import Lab, lab_in

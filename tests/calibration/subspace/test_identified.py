@@ -10,7 +10,7 @@ import pytest
 
 from calibration import subspace
 from calibration.subspace.identified import Identified
-from stagectl.model_file import read_model
+from stagectl.models.model_file import read_model
 from tests.calibration.resonant_systems import RATE, order_7, order_9
 
 HEAVY = (

@@ -10,7 +10,7 @@ from scipy.signal import welch
 from calibration import subspace
 from calibration.fit_measures import nrmse
 from calibration.state_space.model import InnovationModel
-from stagectl.model_file import read_model
+from stagectl.models.model_file import read_model
 from tests.calibration.resonant_systems import RATE, order_9
 
 SYSTEM = order_9().model

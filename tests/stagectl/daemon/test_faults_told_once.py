@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from rigkit.service.state import State
-from stagectl.daemon import following
+from stagectl.daemon.stage import following
 from tests.stagectl.daemon.bench import lab_in
 
 

@@ -11,9 +11,9 @@ import pytest
 
 from rigkit import config as rig_file
 from rigkit.growing_wav import GROWING
-from stagectl import session, streamed
 from stagectl.__main__ import main
 from stagectl.config import StageConfig
+from stagectl.experiments.piezo import session, streamed
 from tests.rigkit.service.served import ROOT, Served, answering, free_port
 from tests.stagectl.daemon.bench import lab_in
 from tests.until import until

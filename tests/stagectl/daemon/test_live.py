@@ -10,7 +10,7 @@ import pytest
 from firmware_sim.can_node import CanNode
 from firmware_sim.stage_processor import Settings
 from rigkit.service.state import State
-from stagectl import session, streamed
+from stagectl.experiments.piezo import session, streamed
 from stagectl.link.stage_link import StageLink
 from tests.contract import monitoring
 from tests.contract.monitoring import missing_of

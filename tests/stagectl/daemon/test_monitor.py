@@ -5,8 +5,8 @@ import numpy as np
 from rigkit import config as rig_file
 from rigkit.experiment.pace import Pace
 from stagectl.config import StageConfig
-from stagectl.daemon.monitor import Monitor
-from stagectl.setup import Setup
+from stagectl.daemon.stage.monitor import Monitor
+from stagectl.experiments.piezo.setup import Setup
 
 
 def watched(samples: int, frames: int) -> tuple[Monitor, np.ndarray]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stagectl.daemon.panels import BINS, histogram, spectrum
+from stagectl.daemon.stage.panels import BINS, histogram, spectrum
 
 RATE = 10_000.0
 

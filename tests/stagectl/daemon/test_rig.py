@@ -14,11 +14,11 @@ from rigkit.growing_wav import GROWING
 from rigkit.run_folder import read_events
 from rigkit.service.reload import Reach
 from rigkit.service.state import State
-from stagectl import session, streamed
 from stagectl.config import StageConfig
-from stagectl.model_file import read_model, write_model
-from stagectl.replay import replay
-from stagectl.run_setup import setup_of
+from stagectl.experiments.piezo import session, streamed
+from stagectl.experiments.piezo.replay import replay
+from stagectl.experiments.piezo.run_setup import setup_of
+from stagectl.models.model_file import read_model, write_model
 from tests.contract import monitoring
 from tests.contract.monitoring import missing_of
 from tests.rigkit.service.described import views_are_described

@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 
 from rigkit import config as rig_file
 from rigkit.experiment.runner import Conduct, remembered
-from stagectl.feed.feed_graph import FeedGraph
-from stagectl.feed.job import RATES
-from stagectl.feed.plan import FeedPlan, feed_plan
-from stagectl.feed.pocket_part import pocket_part
-from stagectl.feed.pocketed import Pocketed
-from stagectl.feed.surroundings import Surroundings, simulated
+from stagectl.experiments.feed.feed_graph import FeedGraph
+from stagectl.experiments.feed.job import RATES
+from stagectl.experiments.feed.plan import FeedPlan, feed_plan
+from stagectl.experiments.feed.pocket_part import pocket_part
+from stagectl.experiments.feed.pocketed import Pocketed
+from stagectl.experiments.feed.surroundings import Surroundings, simulated
 from stagectl.link.tell import nobody
 from stagectl.planning.pocket import planner
 from stagectl.planning.problem import Pocket

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from stagectl.__main__ import main
-from stagectl.feed.job import RATES
+from stagectl.experiments.feed.job import RATES
 from tests.stagectl.feed.small_pocket import QUICK
 
 POCKET = {"rows": 3, "cols": 13, "G": 3, "feeds": "EW", "rate": RATES, "v_lift": 50.0}

@@ -6,9 +6,9 @@ import pytest
 from firmware_sim.population.cell_population import CELLS
 from rigkit import config as rig_file
 from rigkit.toml_text import value_text
-from stagectl.feed.job import RATES
-from stagectl.feed.plan import FeedPlan, feed_plan
-from stagectl.feed.process_run import channel
+from stagectl.experiments.feed.job import RATES
+from stagectl.experiments.feed.plan import FeedPlan, feed_plan
+from stagectl.experiments.feed.process_run import channel
 from stagectl.planning.problem import Pocket
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.feed_force import PHASES

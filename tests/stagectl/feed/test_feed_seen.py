@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from stagectl.feed.constant_feed import ConstantFeed
-from stagectl.feed.feed_seen import FeedSeen
+from stagectl.experiments.feed.constant_feed import ConstantFeed
+from stagectl.experiments.feed.feed_seen import FeedSeen
 from stagectl.robot.arm import irb140
 from stagectl.robot.kinematics import forward
 

@@ -7,9 +7,9 @@ import pytest
 from firmware_sim.force_sensor_block import ForceSensor
 from firmware_sim.guided_robot import GuidedRobot
 from firmware_sim.plants.oak import OakOptions
-from stagectl.feed.job import POCKETS, PROCESS
-from stagectl.feed.plan import RATE
-from stagectl.feed.recorded import SLOW
+from stagectl.experiments.feed.job import POCKETS, PROCESS
+from stagectl.experiments.feed.plan import RATE
+from stagectl.experiments.feed.recorded import SLOW
 from stagectl.robot.config import CellConfig
 from tests.contract.source_tree import ROOT
 

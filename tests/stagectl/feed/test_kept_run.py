@@ -19,9 +19,9 @@ from rigkit.experiment.again import replayed
 from rigkit.experiment.kept import create, records_of, run
 from rigkit.experiment.runner import STOPPED, Conduct
 from stagectl.application import PROGRAM
-from stagectl.feed.job import Job
-from stagectl.feed.pockets import Pockets
-from stagectl.feed.read_back import FORCE, Files, read_back
+from stagectl.experiments.feed.job import Job
+from stagectl.experiments.feed.pockets import Pockets
+from stagectl.experiments.feed.read_back import FORCE, Files, read_back
 from tests.stagectl.feed.small_pocket import small
 from tests.stagectl.feed.test_command import POCKET, WORDS
 from tests.until import until

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from rigkit.experiment.runner import STOPPED, Conduct
-from stagectl.feed.measures import figures, retold, safe_feeds, strips
-from stagectl.feed.pocketed import Pocketed
-from stagectl.feed.process_run import channel
-from stagectl.feed.recorded import made
-from stagectl.feed.surroundings import recorded
+from stagectl.experiments.feed.measures import figures, retold, safe_feeds, strips
+from stagectl.experiments.feed.pocketed import Pocketed
+from stagectl.experiments.feed.process_run import channel
+from stagectl.experiments.feed.recorded import made
+from stagectl.experiments.feed.surroundings import recorded
 from stagectl.robot.milling.feed_force import PHASES
 from tests.stagectl.feed.small_pocket import LENGTH, milled, small
 

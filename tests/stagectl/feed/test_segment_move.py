@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stagectl.feed.config import SegmentTask
-from stagectl.feed.segment_move import SegmentMove
+from stagectl.experiments.feed.segment_move import SegmentMove
 from stagectl.planning.problem import Pocket, milling_types
+from stagectl.robot.segment_config import SegmentTask
 
 H = 0.004
 POCKET = Pocket(6, 10, 3, "EW", dict.fromkeys(milling_types(3, "EW"), 1.0))

@@ -13,7 +13,7 @@ import pytest
 from scipy.signal import lfilter
 
 from stagectl.config import Outer
-from stagectl.prefilter_file import read_prefilters, write_prefilters
+from stagectl.experiments.piezo.prefilter_file import read_prefilters, write_prefilters
 from stagectl.stage.bounded_fit import bounded_fit
 from stagectl.stage.design import Design, design
 from stagectl.stage.design_bounds import mistuned

@@ -6,11 +6,11 @@ from typing import NamedTuple
 from ctlblocks.recording import Recording
 from rigkit.config import load
 from rigkit.experiment.runner import Conduct, remembered
+from stagectl.experiments.trials.surroundings import simulated
+from stagectl.experiments.trials.trial import Trial, first_trial
+from stagectl.experiments.trials.trial_graph import TrialGraph
 from stagectl.link.tell import nobody
 from stagectl.robot.config import CellConfig
-from stagectl.trials.surroundings import simulated
-from stagectl.trials.trial import Trial, first_trial
-from stagectl.trials.trial_graph import TrialGraph
 
 SMALL = (
     "pocket.size=[14e-3, 14e-3]",

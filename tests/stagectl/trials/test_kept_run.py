@@ -20,9 +20,9 @@ from rigkit.experiment.again import replayed
 from rigkit.experiment.kept import records_of
 from rigkit.run_folder import read_events
 from stagectl.application import PROGRAM
+from stagectl.experiments.trials.done import BESIDE, DoneTrial
+from stagectl.experiments.trials.read_back import TRIALS, read_back
 from stagectl.robot.milling.milling_models import write_milling
-from stagectl.trials.done import BESIDE, DoneTrial
-from stagectl.trials.read_back import TRIALS, read_back
 from tests.stagectl.robot.milling.test_milling_models import models
 from tests.stagectl.trials.short_trial import SMALL
 from tests.until import until

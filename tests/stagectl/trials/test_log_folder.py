@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stagectl.experiments.trials.campaign import Learner
+from stagectl.experiments.trials.command import learn_from_logs, wanted_methods
+from stagectl.experiments.trials.log_folder import ANGLES, FORCES, POSITION, TORQUES, LogFolder, read_log, write_path
+from stagectl.experiments.trials.trial import Trial
 from stagectl.robot.milling.milling_models import MillingModels
 from stagectl.robot.milling.zero_phase import filtered
-from stagectl.trials.campaign import Learner
-from stagectl.trials.command import learn_from_logs, wanted_methods
-from stagectl.trials.log_folder import ANGLES, FORCES, POSITION, TORQUES, LogFolder, read_log, write_path
-from stagectl.trials.trial import Trial
 from tests.stagectl.robot.milling.test_milling_models import models
 from tests.stagectl.trials.short_trial import small
 

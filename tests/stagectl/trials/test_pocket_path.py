@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from stagectl.experiments.trials.pocket_path import pocket_path
+from stagectl.experiments.trials.rounded_path import rounded
+from stagectl.experiments.trials.tool_path import RATE, ToolPath, refuse_outside
 from stagectl.robot.pocket_config import Pocket
-from stagectl.trials.pocket_path import pocket_path
-from stagectl.trials.rounded_path import rounded
-from stagectl.trials.tool_path import RATE, ToolPath, refuse_outside
 
 
 @pytest.fixture(scope="module")

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from rigkit.experiment.runner import STOPPED, Conduct, repeated
+from stagectl.experiments.trials.done import DoneTrial
+from stagectl.experiments.trials.recorded import SLOW
+from stagectl.experiments.trials.signals import touched_block, touched_off
+from stagectl.experiments.trials.surroundings import recorded
+from stagectl.experiments.trials.trial import Trial
+from stagectl.experiments.trials.trial_graph import TrialGraph
 from stagectl.link.tell import nobody
-from stagectl.trials.done import DoneTrial
-from stagectl.trials.recorded import SLOW
-from stagectl.trials.signals import touched_block, touched_off
-from stagectl.trials.surroundings import recorded
-from stagectl.trials.trial import Trial
-from stagectl.trials.trial_graph import TrialGraph
 from tests.stagectl.trials.short_trial import Ran, ran, small
 
 

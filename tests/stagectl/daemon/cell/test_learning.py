@@ -12,13 +12,13 @@ from rigkit.experiment.again import replayed
 from rigkit.experiment.kept import create, records_of
 from rigkit.run_folder import CONFIG, RunFolder
 from rigkit.service.state import State
+from stagectl.experiments.trials.asked import Asked
+from stagectl.experiments.trials.bench import SimulatedBench
+from stagectl.experiments.trials.campaign import grouped
+from stagectl.experiments.trials.done import DoneTrial, done_trial
+from stagectl.experiments.trials.read_back import TRIALS, Files, read_back, task_of
+from stagectl.experiments.trials.trial import cell_for_task, first_trial
 from stagectl.robot.config import CellConfig
-from stagectl.trials.asked import Asked
-from stagectl.trials.bench import SimulatedBench
-from stagectl.trials.campaign import grouped
-from stagectl.trials.done import DoneTrial, done_trial
-from stagectl.trials.read_back import TRIALS, Files, read_back, task_of
-from stagectl.trials.trial import cell_for_task, first_trial
 from tests.stagectl.daemon.bench import Lab
 from tests.stagectl.daemon.cell.bench import cell_in
 from tests.until import until

@@ -14,12 +14,14 @@ from rigkit.config import ConfigError
 from rigkit.experiment.kept import records_of
 from rigkit.service.reload import Reach
 from rigkit.service.state import State
-from stagectl.daemon.cell.options import CellOptions, ForceOptions, MidrangeOptions
 from stagectl.daemon.kinds import CELL, STAGE, kind_of
+from stagectl.experiments.feed.options import ForceOptions
+from stagectl.experiments.feed.pocketed import Kept
+from stagectl.experiments.feed.pockets import Pockets
+from stagectl.experiments.feed.read_back import read_back
+from stagectl.experiments.midranging.options import MidrangeOptions
+from stagectl.experiments.toroid.options import CellOptions
 from stagectl.experiments.toroid.plan import SETUPS
-from stagectl.feed.pocketed import Kept
-from stagectl.feed.pockets import Pockets
-from stagectl.feed.read_back import read_back
 from stagectl.planning.pocket import PLANNERS
 from stagectl.robot.midranging.controllers import CONTROLLERS
 from tests.stagectl.daemon.bench import Lab

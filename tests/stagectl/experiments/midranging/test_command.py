@@ -19,8 +19,8 @@ from stagectl.experiments.midranging.read_back import MIDRANGING
 from stagectl.experiments.midranging.scenario import Scenario, scenario, scenarios
 from stagectl.experiments.midranging.schedule import simulate, without_lead
 from stagectl.link.bus import LinkError
-from stagectl.robot.midranging.config import MidrangeConfig
 from stagectl.robot.midranging.controllers import controller
+from stagectl.robot.midranging_config import MidrangeConfig
 
 
 def _run(*arguments: str) -> None:

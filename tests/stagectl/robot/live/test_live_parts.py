@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from rigkit.stop import Stopped
+from stagectl.experiments.trials.trial import tool_arm
 from stagectl.link.tell import nobody
 from stagectl.robot.config import CellConfig, Robot
 from stagectl.robot.force_config import ForceSensor
@@ -19,7 +20,6 @@ from stagectl.robot.live.person import Person
 from stagectl.robot.live.way import Room, room_of
 from stagectl.robot.live.wires import LiveWires
 from stagectl.robot.program import TorqueSignals
-from stagectl.trials.trial import tool_arm
 from stagectl.wire.force_sensor import Record, Status
 from stagectl.wire.tracker import Sample, Sighting, pack_sample
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stagectl.robot.milling.feed_config import ForceFeed
+from stagectl.robot.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force import PHASES, FeedForce
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
 

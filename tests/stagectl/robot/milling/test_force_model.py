@@ -8,7 +8,7 @@ import pytest
 
 from rigkit.model_file import ModelFile, ModelFileError, write_model_file
 from stagectl.robot.kinematics import jacobian
-from stagectl.robot.milling.config import ForceEstimation, Margin
+from stagectl.robot.learning_config import ForceEstimation, Margin
 from stagectl.robot.milling.force_estimate import estimate_force
 from stagectl.robot.milling.force_model import ForceEstimate
 from stagectl.robot.milling.friction_range import FrictionRange

@@ -1,0 +1,1 @@
+"""Commands of stagectl that are of no one experiment."""

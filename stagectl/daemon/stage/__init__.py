@@ -1,0 +1,1 @@
+"""The piezo stage under the daemon."""

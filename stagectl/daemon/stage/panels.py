@@ -1,0 +1,96 @@
+"""What the page draws of a run, twice a second: how the error is distributed, and its spectrum."""
+
+import numpy as np
+from scipy.signal import welch
+
+from rigkit.service.rig import Desk
+from rigkit.service.show import Axis, Curves, Trace
+from stagectl.daemon.stage.monitor import WINDOW, Monitor
+from stagectl.experiments.piezo.setup import Setup
+from stagectl.experiments.piezo.spectrum_plots import HIGHEST
+from stagectl.tracking import tracking
+
+PERIOD = 0.5
+"""s from one drawing to the next."""
+SEGMENT = 2_048
+"""Samples of a segment of a spectrum: lines 5 Hz apart."""
+BINS = 40
+"""Of a histogram, at most."""
+_STEP = 1e-12
+"""m: errors that differ by less are the same."""
+
+
+class Panels:
+    """Draws a run on a desk, and tells its progress.
+
+    Parameters
+    ----------
+    desk : Desk
+    made : Setup
+    monitor : Monitor
+    """
+
+    def __init__(self, desk: Desk, made: Setup, monitor: Monitor) -> None:
+        self._desk, self._made, self._monitor = desk, made, monitor
+
+    def draw(self) -> None:
+        """Draw the last second, and tell how far it has come."""
+        times, seen = self._made.timeline, self._monitor.seen - self._monitor.held
+        self._desk.progress(min(seen, times.total) / times.rate, times.total / times.rate, self._stands(seen))
+        error, axes = self._monitor.error(), self._made.config.stage.axes
+        if len(error):
+            self._desk.show("histogram", histogram(error, axes))
+        if len(error) >= SEGMENT:
+            self._desk.show("spectrum", spectrum(error, axes, times.rate))
+
+    def _stands(self, seen: int) -> str:
+        proper = self._made.timeline.proper
+        return "starting" if seen < proper.start else "following" if seen < proper.stop else "going to mid-travel"
+
+
+def histogram(error: np.ndarray, axes: tuple[str, ...]) -> Curves:
+    """Draw how the errors of each axis are distributed, with their mean absolute errors in the title.
+
+    Bins are whole numbers of the sensor's steps wide, where the errors show any, so that steps make no comb.
+
+    Parameters
+    ----------
+    error : array, shape (samples, axes), m
+        At least one sample.
+    axes : tuple of str
+    """
+    step = min(_step(column) for column in error.T)
+    largest = max(float(np.abs(error).max()), _STEP)
+    width = step * np.ceil(2 * largest / (BINS - 2) / step)
+    count = np.ceil(largest / width)
+    edges = width * np.arange(-count - 0.5, count + 1)
+    middle = (edges[:-1] + edges[1:]) / 2
+    columns = list(zip(axes, error.T, strict=True))
+    parts = (np.histogram(column, edges)[0] / len(column) for _, column in columns)
+    traces = tuple(Trace(axis, middle, part) for axis, part in zip(axes, parts, strict=True))
+    means = ", ".join(f"{axis} {1e6 * tracking(column).mae:.3f}" for axis, column in columns)
+    title = f"Error, last {WINDOW:g} s, MAE {means} µm"
+    return Curves(title, Axis("error", "m"), Axis("part of the samples", "1"), traces)
+
+
+def _step(error: np.ndarray) -> float:
+    """Return the smallest difference between two of the errors, m."""
+    gaps = np.diff(np.unique(np.round(error / _STEP)))
+    return _STEP * float(gaps.min()) if len(gaps) else _STEP
+
+
+def spectrum(error: np.ndarray, axes: tuple[str, ...], rate: float) -> Curves:
+    """Draw the amplitude spectral density of each axis' error.
+
+    Parameters
+    ----------
+    error : array, shape (samples, axes), m
+    axes : tuple of str
+    rate : float, samples/s
+    """
+    frequency, density = welch(error, rate, nperseg=min(SEGMENT, len(error)), axis=0)
+    shown = (frequency > 0) & (frequency <= HIGHEST)
+    size = np.sqrt(density[shown])
+    traces = tuple(Trace(axis, frequency[shown], column) for axis, column in zip(axes, size.T, strict=True))
+    ends = Axis("frequency", "Hz", "log"), Axis("error", "m/√Hz", "log")
+    return Curves(f"Spectrum of the error, last {WINDOW:g} s", *ends, traces)

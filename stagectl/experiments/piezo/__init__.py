@@ -1,0 +1,1 @@
+"""The piezo stage follows a reference: its run, recorded, measured, reported and replayed."""

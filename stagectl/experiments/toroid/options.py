@@ -1,0 +1,15 @@
+"""What the toroid may be begun with under the daemon."""
+
+from typing import Literal
+
+from rigkit.config import setting
+from stagectl.daemon.cell_options import Run
+
+
+class CellOptions(Run):
+    """The toroid in steel."""
+
+    setup: Literal["A", "B", "C", "C-fixed", "all"] = setting("C", "", "robot, tracker, stage: which of them correct")
+    stage: str = setting("", "", "the stage's own rig file in the data folder; empty for the usual stage")
+    live: bool = setting(False, "", "on robot, tracker and stage: the workpiece near the path, nobody in the cell")
+    accept: tuple[str, ...] = setting((), "", "keys that may differ from what the stage's models were measured with")

@@ -1,0 +1,39 @@
+"""Learning from the logs of one trial that was run elsewhere."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from stagectl.experiments.trials.campaign import Learner, determined
+from stagectl.experiments.trials.log_folder import LogFolder, write_path
+from stagectl.experiments.trials.trial import Trial
+from stagectl.robot.milling.trial_error import kinematic_error
+
+AIR, NEXT = "free", "next.csv"
+
+
+def learn_from_logs(folder: Path, first: Trial, learner: Learner, method: int) -> Path:
+    """Learn from the logs of one trial; write the path to send next into their folder, and return where.
+
+    Parameters
+    ----------
+    folder : Path
+        Logs of a trial in material; methods 2 and 3 need those of one in the air in its folder `free`, too.
+    first : Trial
+    learner : Learner
+    method : int
+    """
+    axes, kinematic = learner.models.robot["motors"].axes, None
+    done = LogFolder(folder, first, axes)
+    air = LogFolder(folder / AIR, first, axes) if (folder / AIR).is_dir() else None
+    if air is None and method != 1:
+        raise ValueError(f"{folder / AIR}/ is missing: method {method} needs the logs of a trial in the air")
+    if air is not None:
+        done.zero, done.apart = air.touch_off(), air.apart
+        kinematic = kinematic_error([air.signals(True, False)])
+    signals = done.signals(method == 1, method == 2)
+    if method == 3 and air is not None:
+        told = [determined(learner.forces, *each.torques, str(each.path)) for each in (done, air)]
+        signals = replace(signals, force=told[0] - told[1])
+    sent = learner.corrected(first, [signals], method, kinematic)
+    write_path(folder / NEXT, sent, first.path.joints(first.arm, sent))
+    return folder / NEXT
