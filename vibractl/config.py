@@ -9,6 +9,7 @@ from rigkit.config import Section, code, keywords, setting
 from rigkit.relay.config import Relay
 from rigkit.service.config import Daemon
 from vibractl.channel_map import collision
+from vibractl.reference_forms import choices
 
 Channels = tuple[int, ...]
 
@@ -81,9 +82,7 @@ class Limits(Section):
 class Reference(Section):
     """What the vibrator is to emit."""
 
-    signal: str = setting(
-        "chirp:40:90:5", "", "chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file", files=(".wav", ".csv")
-    )
+    signal: str = setting("chirp:40:90:5", "", choices("a WAV or CSV file"), files=(".wav", ".csv"))
     amplitude: float = setting(10.0, "m/s^2", "amplitude of a chirp or sine", gt=0, le=1e4)
     full_scale: float = setting(
         0.0,

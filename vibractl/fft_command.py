@@ -2,9 +2,6 @@
 
 import sys
 import time
-from typing import Annotated
-
-import typer
 
 from rigkit import atomic
 from rigkit import config as rig_file
@@ -14,14 +11,13 @@ from rigkit.stop import Stopped, stoppable
 from vibractl.config import RigConfig
 from vibractl.fft_measurement import measured
 from vibractl.fft_plans import Plans, user_wisdom
+from vibractl.reference_option import ReferenceOption
 from vibractl.setup import reference_of, transforms
 
 
 def plan_command(
     config: ConfigOption = None,
-    reference: Annotated[
-        str | None, typer.Option(help="chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file.")
-    ] = None,
+    reference: ReferenceOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:

@@ -1,6 +1,5 @@
 """What the vibrator is to emit: a chirp, a sine, or a recording."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -8,11 +7,10 @@ import numpy as np
 from scipy.signal.windows import tukey
 
 from rigkit.foreign_record import is_of_integers, read_signals
+from vibractl.reference_forms import FORMS, choices, written
 
 LONGEST = 60.0
 """s, longest reference of one shot."""
-ALIGNED = 1e-6
-"""Hz, how near a sine must be to a multiple of 1/T."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +54,7 @@ def reference_from(
     Parameters
     ----------
     text : str
-        `chirp:F0:F1:SECONDS`, `sine:F0:SECONDS`, or a WAV or CSV file of one channel (for all sides) or one per side.
+        One of `FORMS` with its numbers, or a WAV or CSV file of one channel (for all sides) or one per side.
     rate : float, samples/s
     amplitude : float, m/s^2, of a chirp or sine
     taper : float, 1, tapered part of a chirp or sine at each end
@@ -75,20 +73,20 @@ def reference_from(
     Sörnmo 2015, sec. 6.6; eq. (6.14) for the sine.
     """
     kind, _, rest = text.partition(":")
-    makers: dict[str, tuple[int, Callable[..., Reference]]] = {"chirp": (3, _chirp), "sine": (2, _sine)}
     if is_file(text):
         return _from_file(Path(text), text, rate, outputs, step, full_scale)
-    if kind not in makers:
-        raise ValueError(f"reference {text!r} is not chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a .wav or .csv file")
-    count, maker = makers[kind]
-    numbers = _numbers(text, rest, count, rate)
+    if kind not in FORMS:
+        raise ValueError(f"reference {text!r} is not {choices('a .wav or .csv file')}")
+    form, numbers = FORMS[kind], _numbers(text, kind, rest, rate)
     frames = round(numbers[-1] * rate)
     if frames % step:
         raise ValueError(f"reference {text}: {frames} samples, must be a multiple of {step} at {rate:g} samples/s")
-    time = np.arange(frames) / rate
-    shaped = maker(text, time, numbers)
-    signal = amplitude * shaped.signal * tukey(frames, 2 * taper)[:, None]
-    return Reference(text, np.repeat(signal, outputs, axis=1), shaped.root, taper)
+    try:
+        root = form.root(numbers)
+    except ValueError as fault:
+        raise ValueError(f"reference {text}: {fault}") from None
+    signal = amplitude * form.shape(np.arange(frames) / rate, numbers) * tukey(frames, 2 * taper)
+    return Reference(text, np.repeat(signal[:, None], outputs, axis=1), root, taper)
 
 
 def is_file(text: str) -> bool:
@@ -96,29 +94,15 @@ def is_file(text: str) -> bool:
     return Path(text).suffix.lower() in (".wav", ".csv")
 
 
-def _chirp(text: str, time: np.ndarray, numbers: list[float]) -> Reference:
-    first, last, seconds = numbers
-    phase = 2 * np.pi * (first * time + (last - first) / (2 * seconds) * time**2)
-    return Reference(text, np.sin(phase)[:, None])
-
-
-def _sine(text: str, time: np.ndarray, numbers: list[float]) -> Reference:
-    root, seconds = numbers
-    if abs(root * seconds - round(root * seconds)) > ALIGNED * seconds:
-        nearest = round(root * seconds) / seconds
-        raise ValueError(f"reference {text}: {root:g} Hz is no multiple of 1/{seconds:g} s; the nearest is {nearest:g}")
-    return Reference(text, np.sin(2 * np.pi * root * time)[:, None], root)
-
-
-def _numbers(text: str, rest: str, count: int, rate: float) -> list[float]:
-    form = {3: "chirp:F0:F1:SECONDS", 2: "sine:F0:SECONDS"}[count]
+def _numbers(text: str, kind: str, rest: str, rate: float) -> list[float]:
+    names = FORMS[kind].numbers
     try:
         numbers = [float(part) for part in rest.split(":")]
     except ValueError:
         numbers = []
-    if len(numbers) != count:
-        raise ValueError(f"reference {text!r} is not {form}")
-    for name, value in zip(("F0", "F1")[: count - 1], numbers, strict=False):
+    if len(numbers) != len(names):
+        raise ValueError(f"reference {text!r} is not {written(kind)}")
+    for name, value in zip(names[:-1], numbers, strict=False):
         if not 0 < value < rate / 2:
             raise ValueError(f"reference {text}: {name} is {value:g} Hz, must be above 0 and below {rate / 2:g}")
     if not 0.1 <= numbers[-1] <= LONGEST:

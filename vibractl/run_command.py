@@ -19,6 +19,7 @@ from vibractl.library.command import LibraryOption, TagOption, chosen_entry
 from vibractl.loudness import FitOption
 from vibractl.quality import Marks
 from vibractl.quality_table import floor_said, prefix_of
+from vibractl.reference_option import ReferenceOption
 from vibractl.report import run_report
 from vibractl.run_setup import create, resumed_setup
 from vibractl.session import Session
@@ -28,9 +29,7 @@ def run_command(
     out: Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make for a new run.")] = None,
     model: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file from `calibrate vibrator`.")] = None,
     config: ConfigOption = None,
-    reference: Annotated[
-        str | None, typer.Option(help="chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file.")
-    ] = None,
+    reference: ReferenceOption = None,
     shots: Annotated[int | None, typer.Option(help="Shots in all.")] = None,
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
     watch: Annotated[bool, typer.Option("--watch", help="Reidentify bands that diverge, while it goes on.")] = False,

@@ -1,5 +1,6 @@
 """References: what is asked for is what comes, and what cannot be is refused by name."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import soundfile
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from vibractl.reference import Reference, reference_from
+from vibractl.reference_forms import FORMS, Form, choices
 
 RATE = 44_100.0
 
@@ -94,3 +96,17 @@ def test_an_unusable_file_is_refused_with_what_it_should_be(tmp_path: Path) -> N
         made(wav(tmp_path / "d.wav", noise[:100, :1]))
     with pytest.raises(ValueError, match="silent"):
         made(wav(tmp_path / "e.wav", 0 * noise[:, :1]))
+
+
+def test_a_new_form_is_a_function_and_a_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(FORMS, "beat", Form(("F0", "F1", "SECONDS"), _beat))
+    made = reference_from("beat:40:43:2", 44_100.0, 10.0, 0.0, 2, 20)
+    assert made.root is None
+    assert made.signal[:, 1] == pytest.approx(10.0 * _beat(np.arange(88_200) / 44_100.0, (40.0, 43.0, 2.0)))
+    assert "beat:F0:F1:SECONDS" in choices("a file")
+    with pytest.raises(ValueError, match=r"'beat:40' is not beat:F0:F1:SECONDS"):
+        reference_from("beat:40", 44_100.0, 10.0, 0.0, 1, 20)
+
+
+def _beat(time: np.ndarray, numbers: Sequence[float]) -> np.ndarray:
+    return np.asarray(np.mean([np.sin(2 * np.pi * each * time) for each in numbers[:2]], axis=0))

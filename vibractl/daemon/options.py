@@ -1,6 +1,7 @@
 """What the vibrator's procedures may be begun with."""
 
 from rigkit.config import Section, setting
+from vibractl.reference_forms import choices
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$"
 _NAME_OR_NONE = r"^([A-Za-z0-9][A-Za-z0-9._-]{0,79})?$"
@@ -12,7 +13,7 @@ class RunOptions(Section):
     run: str = setting("", "", "name of its folder; empty for date and time", pattern=_NAME_OR_NONE)
     resume: bool = setting(False, "", "go on with the run of that name")
     model: str = setting("model.h5", "", "model file in the data folder", pattern=NAME)
-    reference: str = setting("", "", "chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a file in the data folder")
+    reference: str = setting("", "", choices("a file in the data folder"))
     shots: int = setting(0, "shots", "shots in all; 0 for session.shots", ge=0, le=100_000)
     watch: bool = setting(False, "", "reidentify bands that diverge, while it goes on")
     accept: tuple[str, ...] = setting((), "", "keys that may differ from what the model or the run was made with")

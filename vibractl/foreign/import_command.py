@@ -16,15 +16,13 @@ from vibractl.foreign.importing import Import, figures_of, write_import
 from vibractl.foreign.recorded import Scales
 from vibractl.foreign.tracks import parsed_map
 from vibractl.quality import Marks
+from vibractl.reference_option import ReferenceOption
 
 HEAD = ("shot", "recording", "begins, s", "correlation", "delay, samples", "clock, ppm", "polarity")
 
 DriveOption = Annotated[str, typer.Option(metavar="D.wav", help="What was played, or a pattern: a file a shot.")]
 ResponseOption = Annotated[str, typer.Option(metavar="R.wav", help="What was recorded, or a pattern: a file a shot.")]
 OutOption = Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make.")]
-ReferenceOption = Annotated[
-    str | None, typer.Option(help="chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file.")
-]
 ModelOption = Annotated[Path | None, typer.Option(metavar="FILE", help="Model file from `calibrate vibrator`.")]
 SilenceOption = Annotated[Path | None, typer.Option(metavar="S.wav", help="The same sensors without a drive.")]
 MapOption = Annotated[

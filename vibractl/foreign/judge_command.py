@@ -14,15 +14,14 @@ from vibractl.foreign.judge_report import judge_report
 from vibractl.foreign.judged import Verdict, judged
 from vibractl.foreign.signals import open_kind, responses_of
 from vibractl.judging import Judging
+from vibractl.reference_option import ReferenceOption
 
 HEAD = ("side", "worst line, dB over", "at, Hz", "worst 50 Hz band, dB over", "IAE, m/s^2", "error, dB", "THD, dB")
 
 
 def judge_command(
     recorded: Annotated[Path, typer.Argument(metavar="R.wav", help="The responses: WAV, FLAC or a table.")],
-    reference: Annotated[
-        str | None, typer.Option(help="chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file.")
-    ] = None,
+    reference: ReferenceOption = None,
     silence: Annotated[Path | None, typer.Option(metavar="S.wav", help="The same sensors without a drive.")] = None,
     config: ConfigOption = None,
     report: Annotated[Path | None, written_file("FILE", "Write an HTML page with the picture.")] = None,

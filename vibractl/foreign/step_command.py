@@ -21,6 +21,7 @@ from vibractl.foreign.step_state import StepState
 from vibractl.foreign.stepping import Stepped, Stepper
 from vibractl.loudness import FitOption
 from vibractl.reference import is_file
+from vibractl.reference_option import ReferenceOption
 from vibractl.run_setup import MODEL, UNCHANGED, create, settings_of, setup_of
 
 WAY_OUT = "go back to what it began with, or begin anew with another --state"
@@ -33,9 +34,7 @@ def step_command(
     response: Annotated[Path | None, typer.Option(metavar="R.wav", help="The response that was recorded.")] = None,
     model: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file from `calibrate vibrator`.")] = None,
     config: ConfigOption = None,
-    reference: Annotated[
-        str | None, typer.Option(help="chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file.")
-    ] = None,
+    reference: ReferenceOption = None,
     fit_amplitude: FitOption = False,
     bits: Annotated[int, typer.Option(help=f"Of a sample: {', '.join(map(str, BITS))}; 32 and 64 are floats.")] = 64,
     accept: AcceptOption = None,

@@ -26,6 +26,7 @@ from vibractl.library.folder import Candidate, Library, user_library
 from vibractl.library.of_run import entry_of
 from vibractl.library.tags import parsed
 from vibractl.quality import PASS
+from vibractl.reference_option import ReferenceOption
 from vibractl.run_setup import refuse_changed
 from vibractl.setup import reference_of
 
@@ -153,9 +154,7 @@ def remove_command(name: NameArgument, library: LibraryOption = None, json: Json
 @library_app.command("nearest")
 def nearest_command(
     config: ConfigOption = None,
-    reference: Annotated[
-        str | None, typer.Option(help="chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file.")
-    ] = None,
+    reference: ReferenceOption = None,
     tag: TagOption = None,
     library: LibraryOption = None,
     settings: SetOption = None,

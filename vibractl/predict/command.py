@@ -16,15 +16,14 @@ from vibractl.model_file import read_far_field
 from vibractl.model_origin import model_for
 from vibractl.predict.prediction import RUNS, Prediction, predict
 from vibractl.predict.report import drive_table, reason_table, shots_text, write_report
+from vibractl.reference_option import ReferenceOption
 from vibractl.setup import setup
 
 
 def predict_command(
     model: Annotated[Path, typer.Option(metavar="FILE", help="Model file from `calibrate vibrator`.")],
     config: ConfigOption = None,
-    reference: Annotated[
-        str | None, typer.Option(help="chirp:F0:F1:SECONDS, sine:F0:SECONDS, or a WAV or CSV file.")
-    ] = None,
+    reference: ReferenceOption = None,
     shots: Annotated[int | None, typer.Option(help="Shots of each simulated run.")] = None,
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
     law: Annotated[str | None, typer.Option(help="kalman, or thesis for the text's own law.")] = None,
