@@ -24,8 +24,9 @@ from rigkit.provenance import now
 from rigkit.run_folder import RunFolder
 from rigkit.stop import StopRequest
 from stagectl.experiments.trials.bench import SimulatedBench
-from stagectl.experiments.trials.campaign import Learner, carried_out, learn_pocket
+from stagectl.experiments.trials.campaign import carried_out, learn_pocket
 from stagectl.experiments.trials.done import DoneTrial
+from stagectl.experiments.trials.laws import Learner
 from stagectl.experiments.trials.learner import wanted_methods
 from stagectl.experiments.trials.runner import Runner
 from stagectl.experiments.trials.trial import Trial, cell_for_task

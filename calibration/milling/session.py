@@ -21,10 +21,11 @@ from rigkit import config as rig_file
 from rigkit.agreement import GOING_ON
 from rigkit.disk_space import require
 from rigkit.run_folder import CONFIG, RunFolder
-from stagectl.experiments.trials.campaign import FIRST, Forces, Learner, carried_out, learn_free_space
+from stagectl.experiments.trials.campaign import FIRST, carried_out, learn_free_space
 from stagectl.experiments.trials.done import DoneTrial
 from stagectl.experiments.trials.experiment import room
 from stagectl.experiments.trials.joint_speeds import refuse_unknown_speeds
+from stagectl.experiments.trials.laws import Forces, Learner
 from stagectl.experiments.trials.signals import tracker_late
 from stagectl.experiments.trials.tool_path import RATE
 from stagectl.experiments.trials.trial import Trial, first_trial, in_the_air

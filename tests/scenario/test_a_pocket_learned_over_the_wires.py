@@ -18,8 +18,9 @@ from ctlblocks.recording import Recording
 from firmware_sim.robot_cell import cell_cut
 from rigkit.experiment.runner import STOPPED, Conduct, never, remembered, repeated
 from rigkit.stop import StopRequest
-from stagectl.experiments.trials.campaign import Learner, carried_out, learn_free_space, learn_pocket
+from stagectl.experiments.trials.campaign import carried_out, learn_free_space, learn_pocket
 from stagectl.experiments.trials.done import DoneTrial
+from stagectl.experiments.trials.laws import Learner
 from stagectl.experiments.trials.log_folder import LogFolder, write_logs
 from stagectl.experiments.trials.recorded import SLOW
 from stagectl.experiments.trials.signals import tracker_late

@@ -13,9 +13,10 @@ from rigkit.experiment.command import CommandLine, refuse_given
 from rigkit.experiment.kept import ended_early, records_of
 from rigkit.experiment.runner import STOPPED
 from stagectl.experiments.trials.asked import Asked
-from stagectl.experiments.trials.campaign import Learner, grouped
+from stagectl.experiments.trials.campaign import grouped
 from stagectl.experiments.trials.experiment import Milling
 from stagectl.experiments.trials.from_logs import AIR, learn_from_logs
+from stagectl.experiments.trials.laws import Learner
 from stagectl.experiments.trials.learner import ALL, learner_of, wanted_methods
 from stagectl.experiments.trials.motions import steps
 from stagectl.experiments.trials.read_back import TRIALS, Files, asked_of, read_back, task_of, was_live

@@ -109,7 +109,8 @@ def done_trial(name: str, records: Mapping[str, Recording], first: Trial) -> Don
     about, sent = told.provenance, np.array(first.path.wanted)
     played = told.select(SENT.channels).data
     sent[: len(played)] = played[: len(sent)]
-    places = {key: np.array([float(each) for each in about[key].split()]) for key in ("zero", "block") if key in about}
-    late = float(about.get("late", "0"))
-    trial = Trial(first.cell, first.path, int(about["number"]), sent, about["milled"] == "1", **places, late=late)
+    zero, block = (np.array(about[key].split(), float) if key in about else None for key in ("zero", "block"))
+    late, foreseen = (float(about.get(key, "0")) for key in ("late", "foreseen"))
+    is_milled = about["milled"] == "1"
+    trial = Trial(first.cell, first.path, int(about["number"]), sent, is_milled, zero, block, late, foreseen)
     return DoneTrial(name, trial, own)

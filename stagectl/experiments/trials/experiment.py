@@ -11,8 +11,9 @@ from rigkit.experiment.kind import Records
 from rigkit.experiment.part import Part
 from rigkit.experiment.runner import never
 from stagectl.experiments.trials.bench import Bench, SimulatedBench
-from stagectl.experiments.trials.campaign import Learner, grouped, learn, names_of
+from stagectl.experiments.trials.campaign import grouped, learn, names_of
 from stagectl.experiments.trials.done import DoneTrial, trials_in
+from stagectl.experiments.trials.laws import Learner
 from stagectl.experiments.trials.log_folder import write_logs
 from stagectl.experiments.trials.report import figures, trial_report
 from stagectl.experiments.trials.runner import summary
@@ -106,6 +107,7 @@ class Milling:
         LinkError, Stopped : as of the bench.
         """
         assert self._learner is not None
+        self._learner.note = self._noting(tell)
         steps, came = learn(self.first, self._learner, self.methods, self.iterations), None
         while True:
             try:
@@ -123,6 +125,13 @@ class Milling:
             if trial.zero is not None:
                 self._say(summary(came))
         self._bench.leave(tell, stopped)
+
+    def _noting(self, tell: Tell) -> Callable[[str], object]:
+        def note(text: str) -> None:
+            tell("turned_back", {"text": text})
+            self._say(text)
+
+        return note
 
     def again(self, records: Records) -> Iterator[Part]:
         """Give a part for each trial that is recorded, its sensors as they were."""

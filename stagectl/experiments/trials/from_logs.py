@@ -3,7 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
-from stagectl.experiments.trials.campaign import Learner, determined
+from stagectl.experiments.trials.laws import Learner, determined
 from stagectl.experiments.trials.log_folder import LogFolder, write_path
 from stagectl.experiments.trials.trial import Trial
 from stagectl.robot.milling.trial_error import kinematic_error
@@ -34,6 +34,6 @@ def learn_from_logs(folder: Path, first: Trial, learner: Learner, method: int) -
     if method == 3 and air is not None:
         told = [determined(learner.forces, *each.torques, str(each.path)) for each in (done, air)]
         signals = replace(signals, force=told[0] - told[1])
-    sent = learner.corrected(first, [signals], method, kinematic)
+    sent = learner.corrected(first, [signals], method, kinematic).sent
     write_path(folder / NEXT, sent, first.path.joints(first.arm, sent))
     return folder / NEXT

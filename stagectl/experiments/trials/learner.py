@@ -3,8 +3,8 @@
 from collections.abc import Callable, Collection
 from pathlib import Path
 
-from stagectl.experiments.trials.campaign import Learner
 from stagectl.experiments.trials.joint_speeds import refuse_unknown_speeds
+from stagectl.experiments.trials.laws import Learner
 from stagectl.experiments.trials.tool_path import RATE
 from stagectl.experiments.trials.trial import Trial
 from stagectl.models.model_origin import refuse_other_wiring

@@ -17,8 +17,8 @@ from stagectl.robot.milling.trial_error import METHODS
 AXES = ("x", "y", "z")
 ACCURACY = 75e-6
 """m, of the tracker, at the most [Sörnmo 2015, sec. 5.3]."""
-HEAD = ("trial", "x, µm", "y, µm", "z, µm", "MAE norm, µm", "true MAE norm, µm")
-TABLE_HEAD = ("", "iteration 0", "last iteration", "ratio", "reduced by", "true, reduced by")
+HEAD = ("trial", "x, µm", "y, µm", "z, µm", "MAE norm, µm", "foreseen, µm", "true MAE norm, µm")
+TABLE_HEAD = ("", "iteration 0", "best iteration", "ratio", "reduced by", "true, reduced by")
 MAGNIFIED = 3.0
 """Times by which errors are drawn beside the path."""
 
@@ -38,10 +38,12 @@ def method_rows(learned: Learned) -> list[tuple[str, ...]]:
     """Return a row a method under `TABLE_HEAD`: Table 5.1."""
     rows: list[tuple[str, ...]] = []
     for method, done in learned.items():
-        first, *_, last = norms(done)
+        sizes_of = norms(done)
+        first, best = sizes_of[0], int(np.argmin(sizes_of))
+        last = sizes_of[best]
         truths = [None if each.true_mae is None else float(np.linalg.norm(each.true_mae)) for each in done]
-        true = "-" if truths[0] is None or truths[-1] is None else _reduced(truths[0], truths[-1])
-        sizes = f"{1e6 * first:.1f}", f"{1e6 * last:.1f}", f"{first / last:.1f}"
+        true = "-" if truths[0] is None or truths[best] is None else _reduced(truths[0], truths[best] or 0.0)
+        sizes = f"{1e6 * first:.1f}", f"{1e6 * last:.1f} ({best})", f"{first / last:.1f}"
         rows.append((f"method {method}", *sizes, _reduced(first, last), true))
     return rows
 
@@ -65,7 +67,7 @@ def trial_report(free: Sequence[DoneTrial], learned: Learned, source: Path) -> R
         The run's folder.
     """
     facts = tuple(
-        Fact(f"MAE norm, method {method}", f"{1e6 * norms(done)[0]:.0f} to {1e6 * norms(done)[-1]:.0f} µm")
+        Fact(f"MAE norm, method {method}", f"{1e6 * norms(done)[0]:.0f} to {1e6 * min(norms(done)):.0f} µm")
         for method, done in learned.items()
     )
     with styled():
@@ -138,11 +140,14 @@ def _along(done: Sequence[DoneTrial]) -> Plot:
 
 def _errors(done: DoneTrial) -> tuple[str, ...]:
     true = "-" if done.true_mae is None else f"{1e6 * np.linalg.norm(done.true_mae):.1f}"
-    return (*(f"{1e6 * each:.1f}" for each in done.mae), f"{1e6 * np.linalg.norm(done.mae):.1f}", true)
+    foreseen = f"{1e6 * done.trial.foreseen:.1f}" if done.trial.foreseen else "-"
+    return (*(f"{1e6 * each:.1f}" for each in done.mae), f"{1e6 * np.linalg.norm(done.mae):.1f}", foreseen, true)
 
 
 def _figures(done: DoneTrial) -> dict[str, Any]:
-    found = {"mae": done.mae.tolist(), "norm": float(np.linalg.norm(done.mae))}
+    found: dict[str, Any] = {"mae": done.mae.tolist(), "norm": float(np.linalg.norm(done.mae))}
+    if done.trial.foreseen:
+        found["foreseen"] = done.trial.foreseen
     if done.true_mae is not None:
         found |= {"true_mae": done.true_mae.tolist(), "true_norm": float(np.linalg.norm(done.true_mae))}
     return found

@@ -42,6 +42,8 @@ class Trial:
         Where the simulated workpiece's origin is in the base: it is touched off with the tool as the arm bends.
     late : float, s
         By how much later than the motors the tracker has the tool.
+    foreseen : float, m
+        Norm of its errors as the trial before has it foreseen; 0 where nothing was.
     """
 
     cell: CellConfig
@@ -52,6 +54,7 @@ class Trial:
     zero: np.ndarray | None = None
     block: np.ndarray | None = None
     late: float = 0.0
+    foreseen: float = 0.0
 
     @cached_property
     def arm(self) -> Arm:
@@ -68,14 +71,16 @@ class Trial:
         """Where the tracker sees the workpiece's origin, shape (3,), m."""
         return self.path.origin(self.arm) if self.zero is None else self.zero
 
-    def again(self, sent: np.ndarray, is_milled: bool) -> "Trial":
+    def again(self, sent: np.ndarray, is_milled: bool, foreseen: float = 0.0) -> "Trial":
         """Return the next one, with another path."""
-        return replace(self, number=self.number + 1, sent=sent, is_milled=is_milled)
+        return replace(self, number=self.number + 1, sent=sent, is_milled=is_milled, foreseen=foreseen)
 
     @property
     def about(self) -> dict[str, str]:
         """What is to be known of it beside its recordings, and `trial_of` reads: provenance of theirs."""
         told = {"number": str(self.number), "milled": str(int(self.is_milled)), "late": repr(self.late)}
+        if self.foreseen:
+            told["foreseen"] = repr(self.foreseen)
         for name, place in (("zero", self.zero), ("block", self.block)):
             if place is not None:
                 told[name] = " ".join(repr(float(each)) for each in place)

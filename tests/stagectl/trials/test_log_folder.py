@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stagectl.experiments.trials.campaign import Learner
 from stagectl.experiments.trials.command import learn_from_logs, wanted_methods
+from stagectl.experiments.trials.laws import Learner
 from stagectl.experiments.trials.log_folder import ANGLES, FORCES, POSITION, TORQUES, LogFolder, read_log, write_path
 from stagectl.experiments.trials.trial import Trial
 from stagectl.robot.milling.milling_models import MillingModels

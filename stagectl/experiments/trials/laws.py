@@ -1,0 +1,190 @@
+"""The models of a cell that mills, and the laws that follow from them, method by method."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from stagectl.experiments.trials.done import DoneTrial
+from stagectl.experiments.trials.lookback import Step
+from stagectl.experiments.trials.signals import torque_log
+from stagectl.experiments.trials.tool_path import RATE, refuse_large, refuse_outside
+from stagectl.experiments.trials.trial import Trial
+from stagectl.robot.config import CellConfig
+from stagectl.robot.milling.convergence import Contraction, Doubt, cautious, contraction
+from stagectl.robot.milling.learning import LearningLaw, ProcessModel, predicted, update
+from stagectl.robot.milling.measured_cut import MeasuredCut
+from stagectl.robot.milling.milling_models import MillingModels
+from stagectl.robot.milling.step_size import heeding
+from stagectl.robot.milling.trial_error import TrialSignals, kinematic_error, measured_cut, tool_position
+from stagectl.robot.milling.witness import refuse_other_compliance, refuse_other_robot
+
+Forces = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""From motor angles (rad) and torques (N m), shapes (N, 6), to the force on the tool, shape (N, 3), N; NaN in a gap."""
+SIDE = {None: "tool", 1: "tool", 2: "motors", 3: "motors"}
+"""Which G_R a method inverts: the one to what its error is made of; None is free space."""
+BY_FORCE = (2, 3)
+"""Methods that know of the tool's place by the force on it."""
+FORCE = {1: "measured", 2: "measured", 3: "estimated"}
+"""Which force the process model of a method belongs to."""
+
+
+@dataclass(eq=False)
+class Learner:
+    """The models, the laws that follow from them, and what is known of free space.
+
+    Parameters
+    ----------
+    cell : CellConfig
+    models : MillingModels
+    forces : Forces or None
+        Method 3 needs it.
+    note : callable(str)
+        Told where learning turns back, or ends early.
+    """
+
+    cell: CellConfig
+    models: MillingModels
+    forces: Forces | None = None
+    free: list[DoneTrial] = field(default_factory=list)
+    note: Callable[[str], object] = lambda _: None
+
+    def law(self, method: int | None) -> LearningLaw:
+        """Return the law of a method, or of free space, as cautious as the doubt about its models asks for."""
+        learning = self.cell.learning
+        whole = LearningLaw(
+            self.models.robot[SIDE[method]].axes, self._process(method), learning.cutoff, learning.highest,
+            learning.gain, learning.inverse, learning.epsilon,
+        )  # fmt: skip
+        return cautious(whole, self._doubt(method))
+
+    def contraction(self, method: int | None) -> Contraction:
+        """Return by what errors shrink under a method, for all that the models may be instead."""
+        return contraction(self.law(method), self._doubt(method))
+
+    def _process(self, method: int | None) -> ProcessModel | None:
+        if method is None:
+            return None
+        if FORCE[method] not in self.models.process:
+            raise ValueError(f"method {method} needs G_M and G_K of the {FORCE[method]} force, the model has none")
+        return self.models.process[FORCE[method]].model
+
+    def _cut(
+        self, trial: TrialSignals, method: int | None, process: ProcessModel | None, kinematic: np.ndarray | None
+    ) -> MeasuredCut | None:
+        """Return how the cut answered along a trial; None where the law goes by G_M, or by no process."""
+        if method is None or process is None or kinematic is None or self.cell.learning.cut == "model":
+            return None
+        return measured_cut(trial, method, RATE, process, kinematic)
+
+    def _doubt(self, method: int | None) -> Doubt:
+        return self.models.doubt(SIDE[method], None if method is None else FORCE[method])
+
+    def refuse_other_robot(self, free: DoneTrial) -> None:
+        """Refuse, by ValueError, a G_R by which the robot has not gone in the air."""
+        signals = free.signals
+        refuse_other_robot(signals.sent, signals.joints, self.models.robot["motors"].axes, free.name)
+
+    def refuse_other_compliance(self, milled: DoneTrial, method: int) -> None:
+        """Refuse, by ValueError, force and G_K of a method that do not make what the tracker has seen."""
+        signals, process = self.signals(milled, method), self._process(method)
+        kinematic, inside = kinematic_error([each.signals for each in self.free]), milled.trial.path.milled
+        assert signals.seen is not None
+        assert signals.force is not None
+        assert process is not None
+        bent = (signals.seen - signals.joints - kinematic)[inside]
+        refuse_other_compliance(bent, process.deflection(signals.force, RATE)[inside], RATE, milled.name)
+
+    def next_path(self, done: Sequence[DoneTrial], method: int | None) -> Step:
+        """Return the path of the next trial, and where it is foreseen to take the tool.
+
+        Parameters
+        ----------
+        done : sequence of DoneTrial
+            The trials so far: the last one is learned from, the one before tells how much of a correction proves right.
+        method : int or None
+            None for free space.
+
+        Raises
+        ------
+        ValueError : a law that may diverge, a signal that is missing, a path that leaves the workpiece.
+        """
+        kinematic = None if method is None else kinematic_error([each.signals for each in self.free])
+        return self.corrected(done[-1].trial, [self.signals(each, method) for each in done], method, kinematic)
+
+    def corrected(
+        self, trial: Trial, signals: Sequence[TrialSignals], method: int | None, kinematic: np.ndarray | None
+    ) -> Step:
+        """Return the path of the trial after those with these signals, and where it is foreseen to take the tool.
+
+        Parameters
+        ----------
+        trial : Trial
+            The last one.
+        signals : sequence of TrialSignals
+        method : int or None
+        kinematic : array, shape (N, 3), m, or None
+            d_e; methods 2 and 3 need it, and 1 to see how the cut answers place by place: else it goes by G_M.
+
+        Raises
+        ------
+        ValueError : as `next_path`.
+        """
+        self.contraction(method).refuse_divergence()
+        law, process = self.law(method), self._process(method)
+        where = [tool_position(each, method or 1, RATE, process, kinematic) for each in signals]
+        cuts = [self._cut(each, method, process, kinematic) for each in signals[-2:]]
+        law = heeding(law, [each.sent for each in signals], where, cuts[0])
+        sent = update(signals[-1].sent, trial.path.wanted - where[-1], law, cuts[-1])
+        come = predicted(where[-1], sent - signals[-1].sent, law)
+        refuse_outside(trial.path.pocket, trial.path.wanted, come, self.cell.learning.stray)
+        refuse_large(trial.path.wanted, sent, self.cell.learning.correction)
+        return Step(signals[-1].sent, sent, where[-1], come, trial.path.wanted, trial.path.milled)
+
+    def signals(self, done: DoneTrial, method: int | None) -> TrialSignals:
+        """Return a trial's signals, with the force that a method has."""
+        if method != 3:
+            return done.signals
+        return replace(done.signals, force=self.estimated(done))
+
+    def estimated(self, done: DoneTrial) -> np.ndarray:
+        """Return the force on the tool from the motors' torques, less what the same path takes in the air: (N, 3), N.
+
+        Parameters
+        ----------
+        done : DoneTrial
+
+        Raises
+        ------
+        ValueError : no model of the torques, or a force that is not determined somewhere.
+        """
+        told = [
+            determined(self.forces, *torque_log(each.trial, each.records), each.name) for each in (done, *self.free)
+        ]
+        return np.asarray(told[0] - np.mean(told[1:], axis=0))
+
+
+def determined(forces: Forces | None, angle: np.ndarray, torque: np.ndarray, name: str) -> np.ndarray:
+    """Return the force on the tool from motors' torques in every sample of a trial, shape (N, 3), N.
+
+    Parameters
+    ----------
+    forces : Forces or None
+    angle, torque : arrays, shape (N, 6), rad and N m
+    name : str
+        Of the trial, for what is refused.
+
+    Raises
+    ------
+    ValueError : no model of the torques, or a sample in which the force is not determined.
+    """
+    if forces is None:
+        raise ValueError("method 3 needs gravity and friction of the joints, the model has none")
+    estimate = forces(angle, torque)
+    lost = np.flatnonzero(~np.isfinite(estimate).all(axis=1))
+    if len(lost):
+        raise ValueError(
+            f"{name}: the force is not determined at {lost[0] / RATE:.4g} s: torques are missing there, or a joint is "
+            "faster than its friction is known"
+        )
+    return estimate

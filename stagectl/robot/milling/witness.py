@@ -1,0 +1,135 @@
+"""What was measured held against what models make of it: whether they are of this robot, and logs what they are called.
+
+A model that is of another robot, a force whose sign is reversed, a log in other units: each makes a learned path worse
+than the one it began with, and none is seen in what is learned from.  So one signal is foreseen from others, and has
+to go with what was measured of it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stagectl.robot.milling.alignment import shift
+from stagectl.robot.milling.axis_model import AxisModel, robot_response
+from stagectl.robot.milling.zero_phase import filtered, low_pass
+
+CUTOFF = 5.0
+"""Hz, up to which signals are held against each other: above is noise."""
+ALIKE = 0.5
+"""Correlation from which on a slope tells something."""
+FOLLOWS = 0.85, 1.18
+"""Slopes of a motor's path on what G_R makes of the path that was sent, between which they are of one robot."""
+BENDS = 0.55, 1.8
+"""Slopes of what the tracker saw bent on G_K times the force, likewise."""
+LATE = 0.3
+"""s by which signals are looked for apart; and that part of it is told."""
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How what was measured goes with what was foreseen.
+
+    Parameters
+    ----------
+    slope : float, 1
+        Of the former on the latter, by least squares over all axes, without their means.
+    correlation : float, 1
+    measured, foreseen : float
+        Their standard deviations, in their unit.
+    """
+
+    slope: float
+    correlation: float
+    measured: float
+    foreseen: float
+
+
+def agreement(measured: np.ndarray, foreseen: np.ndarray, rate: float) -> Agreement:
+    """Hold a signal against another up to `CUTOFF`.
+
+    Parameters
+    ----------
+    measured, foreseen : arrays, shape (N, width), any unit
+    rate : float, samples/s
+    """
+    one, other = (_smooth(each, rate) for each in (measured, foreseen))
+    one, other = one - one.mean(axis=0), other - other.mean(axis=0)
+    power, cross = float(np.sum(other**2)), float(np.sum(one * other))
+    own, tiny = float(np.sum(one**2)), np.finfo(float).tiny
+    sizes = (float(np.sqrt(each / one.size)) for each in (own, power))
+    return Agreement(cross / max(power, tiny), cross / max(np.sqrt(own * power), tiny), *sizes)
+
+
+def refuse_other_robot(sent: np.ndarray, joints: np.ndarray, axes: tuple[AxisModel, ...], source: str) -> None:
+    """Refuse, by ValueError, a G_R that is not of the robot that has gone along a path in the air.
+
+    Parameters
+    ----------
+    sent, joints : arrays, shape (N, 3), m
+        u, and y_r.
+    axes : three AxisModel
+        G_R to the motors' angles.
+    source : str
+        What is told of: "free-0".
+    """
+    rate = axes[0].rate
+    foreseen = filtered(sent, rate, lambda frequency: robot_response(axes, frequency))
+    for number, axis in enumerate("xyz"):
+        found = agreement(joints[:, [number]], foreseen[:, [number]], rate)
+        if found.foreseen == 0.0 or FOLLOWS[0] <= found.slope <= FOLLOWS[1]:
+            continue
+        raise ValueError(
+            f"{source}: along {axis} the motors went {found.slope:.3g} times as far as G_R has it, must be "
+            f"{FOLLOWS[0]:g} to {FOLLOWS[1]:g}: {_why(found, 'the path', 'G_R')}"
+        )
+
+
+def refuse_other_compliance(bent: np.ndarray, foreseen: np.ndarray, rate: float, source: str) -> None:
+    """Refuse, by ValueError, a force and a G_K that do not make what the tracker saw.
+
+    Parameters
+    ----------
+    bent : array, shape (N, 3), m
+        y_n - y_r - d_e, where the tool is in the material.
+    foreseen : array, shape (N, 3), m
+        G_K f.
+    rate : float, samples/s
+    source : str
+        What is told of: "milled-0".
+    """
+    found = agreement(bent, foreseen, rate)
+    if found.foreseen < LEAST_BENT:
+        raise ValueError(
+            f"{source}: the force bends the tool by {1e6 * found.foreseen:.2g} µm rms, where the tracker saw "
+            f"{1e6 * found.measured:.0f}: no force is measured, is its line connected?"
+        )
+    if BENDS[0] <= found.slope <= BENDS[1]:
+        return
+    raise ValueError(
+        f"{source}: the tracker saw the tool bent by {found.slope:.3g} times what G_K makes of the force, must be "
+        f"{BENDS[0]:g} to {BENDS[1]:g}: {_why(found, 'the force', 'G_K')}"
+    )
+
+
+LEAST_BENT = 1e-6
+"""m rms: less than that is no force at all."""
+
+
+def late(measured: np.ndarray, foreseen: np.ndarray, rate: float) -> float:
+    """Return by how much a signal is late beside what was foreseen of it, s, within `LATE`."""
+    return shift(foreseen, measured, rate, LATE)
+
+
+def _why(found: Agreement, signal: str, model: str) -> str:
+    """Return in words what the likely reason is."""
+    told = f"correlation {found.correlation:.2f}"
+    if abs(found.correlation) < ALIKE:
+        return f"they have little in common ({told}): other axes, another clock, or {model} of another robot"
+    if found.slope < 0:
+        return f"{signal}'s sign looks reversed ({told}), or {model} is of another robot: calibrate again"
+    return f"another unit of {signal}, or {model} of another robot ({told}): calibrate again"
+
+
+def _smooth(signal: np.ndarray, rate: float) -> np.ndarray:
+    width = signal.shape[1]
+    return filtered(signal, rate, lambda frequency: low_pass(frequency, CUTOFF)[:, None, None] * np.eye(width))
