@@ -46,7 +46,9 @@ class TorqueFit:
     combinations : int
         Of the links' moments that the sweep tells.
     inertia : array, shape (6,), kg m^2
-        Of each joint, from all motions.
+        Of each joint, from all motions; 0 where they do not tell it.
+    untold : tuple of int
+        Joints, from 1, whose inertia they do not tell: these gain speed too slowly.
     """
 
     fit: np.ndarray
@@ -54,6 +56,17 @@ class TorqueFit:
     residual: np.ndarray
     combinations: int
     inertia: np.ndarray
+    untold: tuple[int, ...] = ()
+
+    @property
+    def note(self) -> str:
+        """What is to be said of it; nothing where all is told."""
+        if not self.untold:
+            return ""
+        return (
+            f"the sweep does not tell the inertia of joints {', '.join(map(str, self.untold))}, which gain speed too "
+            "slowly: it is taken for 0, and forces from motor torques count it as force while these gain speed"
+        )
 
 
 def friction_and_gravity(recorded: Recording, arm: Arm, settings: Friction) -> tuple[FrictionRange, Gravity, TorqueFit]:
@@ -69,7 +82,7 @@ def friction_and_gravity(recorded: Recording, arm: Arm, settings: Friction) -> t
 
     Raises
     ------
-    SweepError : too little steady motion, a joint that does not turn both ways, or whose inertia does not show.
+    SweepError : too little steady motion, or a joint that does not turn both ways.
 
     Source
     ------
@@ -94,14 +107,10 @@ def friction_and_gravity(recorded: Recording, arm: Arm, settings: Friction) -> t
     low, high = _ranges(smooth[fitted], speed[fitted], knots, settings.left_out)
     found = FrictionRange(knots, low, high, covariance, settings.smoothing)
     inertia = joint_inertia(angle, friction, knots, recorded.rate)
-    small = np.flatnonzero(~(inertia > 0))
-    if len(small):
-        raise SweepError(
-            f"joint {small[0] + 1} seems to have an inertia of {inertia[small[0]]:.3g} kg m^2, must be > 0: it gains "
-            "speed too slowly"
-        )
+    untold = tuple((np.flatnonzero(~(inertia > 0)) + 1).tolist())
+    inertia = np.maximum(inertia, 0.0)
     judged = _fit(found, gravity.torque(arm, angle[held]), torque[held], smooth[held], speed[held], slides[held])
-    return found, gravity, TorqueFit(*judged, combinations, inertia)
+    return found, gravity, TorqueFit(*judged, combinations, inertia, untold)
 
 
 def known_speeds(angle: np.ndarray, rate: float, smoothing: float) -> np.ndarray:

@@ -18,10 +18,11 @@ from stagectl.experiments.trials.experiment import Milling
 from stagectl.experiments.trials.from_logs import AIR, learn_from_logs
 from stagectl.experiments.trials.laws import Learner
 from stagectl.experiments.trials.learner import ALL, learner_of, wanted_methods
+from stagectl.experiments.trials.log_folder import SENT, write_path
 from stagectl.experiments.trials.motions import steps
 from stagectl.experiments.trials.read_back import TRIALS, Files, asked_of, read_back, task_of, was_live
 from stagectl.experiments.trials.report import HEAD, TABLE_HEAD, method_rows, trial_rows
-from stagectl.experiments.trials.trial import TASKS, cell_for_task, first_trial
+from stagectl.experiments.trials.trial import TASKS, Trial, cell_for_task, first_trial
 from stagectl.experiments.trials.wired import bench
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_needless_yes, refuse_unattended
@@ -44,6 +45,12 @@ MethodOption = Annotated[
 IterationsOption = Annotated[
     int | None, typer.Option(help=f"Trials in material after the first one.  [default: {ITERATIONS}]", min=1, max=50)
 ]
+LogsOption = Annotated[
+    Path | None, typer.Option("--from", metavar="LOGDIR", help="Learn from the logs of one trial; run nothing.")
+]
+PlayOption = Annotated[
+    Path | None, typer.Option("--path", metavar="LOGDIR", help="Write the path to play first, sent.csv; run nothing.")
+]
 
 
 def ilc(
@@ -55,9 +62,8 @@ def ilc(
     is_live: Annotated[bool, typer.Option("--live", help="The robot of [robot]; else the simulated cell.")] = False,
     is_sure: Annotated[bool, typer.Option("--yes", help="Live: go on from trial to trial without asking.")] = False,
     dry: Annotated[bool, typer.Option("--dry-run", help="Print every motion of a live run, and make none.")] = False,
-    logs: Annotated[
-        Path | None, typer.Option("--from", metavar="LOGDIR", help="Learn from the logs of one trial; run nothing.")
-    ] = None,
+    logs: LogsOption = None,
+    play: PlayOption = None,
     config: ConfigOption = None,
     model: Annotated[Path | None, typer.Option(metavar="FILE", help="Models; else learning.model.")] = None,
     png: PngOption = None,
@@ -68,8 +74,8 @@ def ilc(
     """Learn to mill a pocket: free space first, then trials in material; errors as in Table 5.1, paths, a report.
 
     Method 1 learns from what the tracker sees, 2 from motor angles and the force sensor, 3 from motor angles and the
-    force estimated from motor torques.  With --from it reads the logs of a trial that was run elsewhere, and writes
-    the path to send next into that folder.
+    force estimated from motor torques.  For a trial that is run elsewhere --path writes what to play, and --from reads
+    its logs and writes the path to send next into that folder.
 
     Live, it asks before each trial: for no block, or for a fresh one.  Ctrl-C in a trial lifts the tool out.  Stopped
     or killed, --resume goes on with the trial that was under way; with --iterations or --method a run goes further.
@@ -89,7 +95,9 @@ def ilc(
     refuse_needless_yes(is_sure, is_live)
     cell = cell_for_task(rig_file.load(config, CellConfig, settings or []), task or TASK)
     files = Files(task or TASK, model or Path(cell.learning.model))
-    if dry:
+    if play is not None:
+        _say_path(play, first_trial(cell, files.task), json)
+    elif dry:
         _say_steps(cell, files.task, 1 + some * len(methods))
     elif logs is not None:
         _say_next(logs, cell, files, methods, accept or [], json)
@@ -168,6 +176,19 @@ def _say_how_long(made: Milling, line: CommandLine) -> None:
 def _refuse_with_logs(given: dict[str, bool]) -> None:
     for name in (name for name, is_given in given.items() if is_given):
         raise ValueError(f"{name} and --from are given, must be one of them: nothing is run, LOGDIR gets the path")
+
+
+def _say_path(folder: Path, first: Trial, json: str | None) -> None:
+    """Write the path as it is wanted, for who plays and logs it: as learning begins with it, in the air and cut."""
+    if (folder / SENT).exists():
+        raise ValueError(f"{folder / SENT} is there already, must be another folder: its logs belong to that path")
+    folder.mkdir(parents=True, exist_ok=True)
+    write_path(folder / SENT, first.sent, first.joints)
+    text = (
+        f"{folder / SENT}: {first.path.samples} samples, {first.path.seconds:g} s at 250 a second: play it and log it"
+    )
+    print(text, file=words(json))  # noqa: T201
+    write_json(json, {"path": str(folder / SENT), "samples": first.path.samples})
 
 
 def _say_next(

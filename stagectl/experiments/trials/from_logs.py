@@ -3,16 +3,21 @@
 from dataclasses import replace
 from pathlib import Path
 
-from stagectl.experiments.trials.laws import Learner, determined
-from stagectl.experiments.trials.log_folder import LogFolder, write_path
+from stagectl.experiments.trials.laws import BY_FORCE, Learner, determined
+from stagectl.experiments.trials.log_folder import FORCE, ROBOT, TRACKER, LogFolder, write_path
+from stagectl.experiments.trials.tool_path import RATE
 from stagectl.experiments.trials.trial import Trial
 from stagectl.robot.milling.trial_error import kinematic_error
+from stagectl.robot.milling.witness import refuse_other_axes, refuse_other_robot
 
 AIR, NEXT = "free", "next.csv"
 
 
 def learn_from_logs(folder: Path, first: Trial, learner: Learner, method: int) -> Path:
     """Learn from the logs of one trial; write the path to send next into their folder, and return where.
+
+    What the logs say is held against the models, and against each other: a force whose sign is reversed, or none, other
+    units, swapped axes and clocks apart are refused by their likely reason.
 
     Parameters
     ----------
@@ -21,6 +26,10 @@ def learn_from_logs(folder: Path, first: Trial, learner: Learner, method: int) -
     first : Trial
     learner : Learner
     method : int
+
+    Raises
+    ------
+    ValueError : logs that are missing or refused, or as of `Learner.corrected`.
     """
     axes, kinematic = learner.models.robot["motors"].axes, None
     done = LogFolder(folder, first, axes)
@@ -30,10 +39,15 @@ def learn_from_logs(folder: Path, first: Trial, learner: Learner, method: int) -
     if air is not None:
         done.zero, done.apart = air.touch_off(), air.apart
         kinematic = kinematic_error([air.signals(True, False)])
-    signals = done.signals(method == 1, method == 2)
+    signals = done.signals(method == 1 or (folder / TRACKER).is_file(), method == 2)
+    refuse_other_robot(signals.sent, signals.joints, axes, str(folder / ROBOT))
+    if signals.seen is not None:
+        refuse_other_axes(signals.seen, signals.joints, RATE, str(folder / TRACKER))
     if method == 3 and air is not None:
         told = [determined(learner.forces, *each.torques, str(each.path)) for each in (done, air)]
         signals = replace(signals, force=told[0] - told[1])
+    if method in BY_FORCE and kinematic is not None:
+        learner.refuse_other_force(signals, kinematic, method, first.path.milled, str(folder / FORCE))
     sent = learner.corrected(first, [signals], method, kinematic).sent
     write_path(folder / NEXT, sent, first.path.joints(first.arm, sent))
     return folder / NEXT

@@ -17,7 +17,8 @@ from stagectl.robot.milling.measured_cut import MeasuredCut
 from stagectl.robot.milling.milling_models import MillingModels
 from stagectl.robot.milling.step_size import heeding
 from stagectl.robot.milling.trial_error import TrialSignals, kinematic_error, measured_cut, tool_position
-from stagectl.robot.milling.witness import refuse_other_compliance, refuse_other_robot
+from stagectl.robot.milling.witness import refuse_other_compliance, refuse_other_force, refuse_other_robot
+from stagectl.robot.milling.zero_phase import filtered
 
 Forces = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """From motor angles (rad) and torques (N m), shapes (N, 6), to the force on the tool, shape (N, 3), N; NaN in a gap."""
@@ -87,13 +88,36 @@ class Learner:
 
     def refuse_other_compliance(self, milled: DoneTrial, method: int) -> None:
         """Refuse, by ValueError, force and G_K of a method that do not make what the tracker has seen."""
-        signals, process = self.signals(milled, method), self._process(method)
-        kinematic, inside = kinematic_error([each.signals for each in self.free]), milled.trial.path.milled
-        assert signals.seen is not None
-        assert signals.force is not None
+        kinematic = kinematic_error([each.signals for each in self.free])
+        inside = milled.trial.path.milled
+        self.refuse_other_force(self.signals(milled, method), kinematic, method, inside, milled.name)
+
+    def refuse_other_force(
+        self, signals: TrialSignals, kinematic: np.ndarray, method: int, inside: np.ndarray, source: str
+    ) -> None:
+        """Refuse, by ValueError, a force that does not go with G_K and the tracker, or without a tracker with G_M.
+
+        Parameters
+        ----------
+        signals : TrialSignals
+            Of a trial in material.
+        kinematic : array, shape (N, 3), m
+            d_e.
+        method : int, of `BY_FORCE`
+        inside : array, shape (N,)
+            Which samples are in the material.
+        source : str
+            What is told of.
+        """
+        process = self._process(method)
         assert process is not None
-        bent = (signals.seen - signals.joints - kinematic)[inside]
-        refuse_other_compliance(bent, process.deflection(signals.force, RATE)[inside], RATE, milled.name)
+        assert signals.force is not None
+        bent = process.deflection(signals.force, RATE)
+        if signals.seen is not None:
+            refuse_other_compliance((signals.seen - signals.joints - kinematic)[inside], bent[inside], RATE, source)
+            return
+        foreseen = filtered(signals.joints + kinematic + bent, RATE, process.force.frequency_response)
+        refuse_other_force(signals.force[inside], foreseen[inside], RATE, source)
 
     def next_path(self, done: Sequence[DoneTrial], method: int | None) -> Step:
         """Return the path of the next trial, and where it is foreseen to take the tool.

@@ -7,7 +7,7 @@ import numpy as np
 from stagectl.experiments.trials.done import DoneTrial
 from stagectl.robot.milling.trial_error import mae
 
-WORSE = 1.15
+WORSE = 1.2
 """Times the least error so far, from which on a trial has made it worse: trials of one path differ by less."""
 PARTS = (1.0, 0.5, 0.25)
 """Of a step: each time that one has made it worse the next part is tried, from the best path; then learning ends."""

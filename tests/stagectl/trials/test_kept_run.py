@@ -10,8 +10,10 @@ import shutil
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ctlblocks import recording
@@ -148,3 +150,26 @@ def test_a_folder_of_the_version_before_is_reported_and_replayed(
     assert "made again: milled-0-tracker" in capsys.readouterr().err
     with pytest.raises(ValueError, match="is of version 0.1.0, must be begun anew"):
         _run("ilc", "--resume", str(old))
+
+
+def test_a_model_of_another_robot_is_refused_before_anything_is_milled(tmp_path: Path) -> None:
+    right = models()
+    robot = {
+        side: replace(each, axes=tuple(replace(axis, numerator=3.0 * np.asarray(axis.numerator)) for axis in each.axes),
+                      response=3.0 * each.response)
+        for side, each in right.robot.items()
+    }  # fmt: skip
+    write_milling(tmp_path / "models.h5", replace(right, robot=robot), {})
+    with pytest.raises(ValueError, match=r"free-0: along x the motors went 0.33\d* times as far as G_R has it"):
+        _run(*_new(tmp_path / "models.h5", tmp_path / "run"))
+    assert [each.name for each in _trials(tmp_path / "run")] == ["free-0"]
+    assert (tmp_path / "run/report.html").is_file()
+
+
+def test_the_path_to_play_first_is_that_of_a_run(tmp_path: Path, whole: Path) -> None:
+    words = ("ilc", "--path", str(tmp_path / "logs"), "--task", "pocket", *SETTINGS)
+    _run(*words)
+    written = (tmp_path / "logs/sent.csv").read_text()
+    assert written == (whole / "logs/free-0/sent.csv").read_text()
+    with pytest.raises(ValueError, match="sent.csv is there already, must be another folder"):
+        _run(*words)
