@@ -64,7 +64,7 @@ class Killed:
 
 
 def kills(kind: str, place: Path, times: int, seed: int) -> Iterator[Killed]:
-    """Kill runs at moments drawn evenly over the length of a whole one; AssertionError where one leaves less.
+    """Kill runs at moments drawn evenly over what a whole one takes to record; AssertionError where one leaves less.
 
     Parameters
     ----------
@@ -79,8 +79,9 @@ def kills(kind: str, place: Path, times: int, seed: int) -> Iterator[Killed]:
     (place / "pocket.json").write_text(json.dumps(POCKET))
     program, begun = _begun(kind, place, place / "whole")
     assert program.wait() == 0, f"{kind}: the run itself ends with {program.returncode}"
-    length = time.monotonic() - begun
-    drawn = np.random.default_rng([seed, len(kind)]).uniform(0.0, 1.02 * length, times)
+    now = time.time() - time.monotonic()
+    length = max(file.stat().st_mtime for file in (place / "whole").glob("*.wav")) - (begun + now)
+    drawn = np.random.default_rng([seed, len(kind)]).uniform(0.0, 1.05 * length, times)
     for number, after in enumerate(drawn.tolist()):
         path = place / f"run-{number}"
         program, begun = _begun(kind, place, path)
