@@ -10,7 +10,7 @@ import time
 from collections import Counter
 from pathlib import Path
 
-from tests.stagectl.experiment_kills import COMMANDS, kills
+from tests.stagectl.experiments.experiment_kills import COMMANDS, kills
 
 
 def main() -> None:

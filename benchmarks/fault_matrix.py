@@ -21,7 +21,7 @@ from stagectl.experiments.piezo.cell import Cell, Seen, kept_in, memory, simulat
 from stagectl.experiments.piezo.reference import wanted_position
 from stagectl.experiments.piezo.setup import Setup, setup
 from tests.stagectl.daemon.bench import CHOSEN
-from tests.stagectl.simulated_models import write_models
+from tests.stagectl.experiments.piezo.simulated_models import write_models
 from tests.vibractl.test_faults_on_purpose import learned, loudest
 
 FAULTS = KINDS[1:]

@@ -33,8 +33,8 @@ from stagectl.experiments.piezo.session import error_of
 from stagectl.experiments.piezo.setup import Setup, setup
 from stagectl.models.model_file import write_model
 from stagectl.tracking import Tracking, tracking
-from tests.stagectl.linear_stage import lagging, sampled
-from tests.stagectl.simulated_models import LAG
+from tests.stagectl.experiments.piezo.linear_stage import lagging, sampled
+from tests.stagectl.experiments.piezo.simulated_models import LAG
 
 FOLDER = Path("runs/stage-chain")
 SEEDS, HAND_MADE_SEEDS = range(1, 6), range(1, 21)

@@ -21,8 +21,8 @@ from stagectl.stage.axis_record import AXIS
 from stagectl.stage.controller import StageController
 from stagectl.stage.design import design
 from stagectl.stage.loop import Stage, inner_loops
-from tests.stagectl.linear_stage import RATE
-from tests.stagectl.simulated_models import simulated_model
+from tests.stagectl.experiments.piezo.linear_stage import RATE
+from tests.stagectl.experiments.piezo.simulated_models import simulated_model
 
 FRAMES = (1, 10, 1_000)
 SAMPLES = 200_000

@@ -15,7 +15,7 @@ from stagectl.experiments.piezo.reference import wanted_position
 from stagectl.experiments.piezo.setup import setup
 from tests.contract.conformance import CHECKS, Example
 from tests.contract.source_tree import ROOT
-from tests.stagectl.simulated_models import write_models
+from tests.stagectl.experiments.piezo.simulated_models import write_models
 
 PAGE = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 LONGEST = 32

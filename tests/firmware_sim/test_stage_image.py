@@ -12,7 +12,7 @@ from stagectl.stage.servo import Servo
 from stagectl.stage.state_feedback import StateFeedback
 from stagectl.wire.messages import Drive, Fault
 from stagectl.wire.parameters import pack_parameters, unpack_parameters
-from tests.stagectl.linear_stage import model
+from tests.stagectl.experiments.piezo.linear_stage import model
 
 CONFIG = StageConfig(
     limits=Limits(voltage=(0.0, 1000.0), voltage_slew=1.5e5, extension=(2e-6, 92e-6)),

@@ -18,7 +18,7 @@ from stagectl.stage.hysteresis import HysteresisModel
 from stagectl.stage.hysteresis_file import read_hysteresis, write_hysteresis
 from tests.fuzz.judge import is_accepted
 from tests.fuzz.mutation import mutated, of_bytes
-from tests.stagectl.simulated_models import simulated_model
+from tests.stagectl.experiments.piezo.simulated_models import simulated_model
 from vibractl import model_file as vibrator_file
 from vibractl.library.entry import TOLD, UNITS, Entry, EntryError, read_entry, write_entry
 from vibractl.transfer_matrix import TransferMatrix

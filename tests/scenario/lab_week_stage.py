@@ -30,11 +30,11 @@ from tests.scenario.lab import (
     unfinished,
 )
 from tests.stagectl.daemon.cell.bench import QUICK as TRIALS
+from tests.stagectl.experiments.feed.small_pocket import QUICK as POCKET
+from tests.stagectl.experiments.piezo.simulated_models import simulated_model
+from tests.stagectl.experiments.piezo.test_session import QUICK
 from tests.stagectl.experiments.toroid.short_cell import SHORT
-from tests.stagectl.feed.small_pocket import QUICK as POCKET
 from tests.stagectl.robot.milling.test_milling_models import models
-from tests.stagectl.simulated_models import simulated_model
-from tests.stagectl.test_session import QUICK
 
 TASK = "pocket"
 MODELS = ("--model", "x.h5", "--model", "y.h5", "--model", "z.h5")

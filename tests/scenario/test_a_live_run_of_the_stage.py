@@ -24,7 +24,7 @@ from stagectl.experiments.piezo.report import run_report
 from stagectl.experiments.piezo.run_setup import setup_of
 from stagectl.link.stage_link import StageLink
 from tests.contract.source_tree import ROOT
-from tests.stagectl.simulated_models import write_models
+from tests.stagectl.experiments.piezo.simulated_models import write_models
 from tests.until import EVER
 
 PATIENT = "link.silence=10"

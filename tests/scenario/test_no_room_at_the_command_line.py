@@ -13,10 +13,10 @@ from stagectl.robot.milling.milling_models import write_milling
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
 from tests.rigkit.test_disk_space import leave
 from tests.stagectl.daemon.cell.bench import QUICK as TRIALS
+from tests.stagectl.experiments.feed.small_pocket import QUICK as POCKET
+from tests.stagectl.experiments.piezo.simulated_models import write_models
 from tests.stagectl.experiments.toroid.short_cell import SHORT
-from tests.stagectl.feed.small_pocket import QUICK as POCKET
 from tests.stagectl.robot.milling.test_milling_models import models
-from tests.stagectl.simulated_models import write_models
 from tests.vibractl.linear_rig import SETTINGS, linear_model
 from vibractl.audio import Line
 

@@ -9,7 +9,7 @@ import pytest
 from rigkit import config as rig_file
 from stagectl.__main__ import main
 from stagectl.config import StageConfig
-from tests.stagectl.simulated_models import write_models
+from tests.stagectl.experiments.piezo.simulated_models import write_models
 
 QUICK = ["--set", "session.recording=wav", "--set", "session.lead=0.6", "--set", "outer.mistuning=0.0"]
 

@@ -22,7 +22,7 @@ from stagectl.stage import design_refinement
 from stagectl.stage.design import design
 from stagectl.stage.piezo_pid import pid
 from stagectl.stage.weights import chosen_weights
-from tests.stagectl.linear_stage import model as stage_model
+from tests.stagectl.experiments.piezo.linear_stage import model as stage_model
 
 RECORDED = ("above-000", "approach-000", "chirp-000", "chirp-001", "chirp-002", "scout-000")
 QUICK = ("stage.rate=5000", *(f"characterisation.{text}" for text in ("band=[2, 150]", "seconds=2", "settle=0.5")))

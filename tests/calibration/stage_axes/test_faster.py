@@ -7,7 +7,7 @@ from scipy.signal import chirp
 
 from calibration.stage_axes.faster import at_rate, control_at_rate, stack_at_rate
 from calibration.state_space.model import InnovationModel
-from tests.stagectl.linear_stage import RATE, model
+from tests.stagectl.experiments.piezo.linear_stage import RATE, model
 
 THIN = 1000.0
 

@@ -14,7 +14,7 @@ from stagectl.config import Outer, StageConfig
 from stagectl.stage.allowed_gains import AllowedGains, frequencies_above
 from stagectl.stage.design import NoLoop, design
 from stagectl.stage.design_refinement import designed
-from tests.stagectl.linear_stage import model
+from tests.stagectl.experiments.piezo.linear_stage import model
 
 AT_REST = abs(model("z").frequency_response(np.zeros(1))[0, 0, 0])
 

@@ -14,7 +14,7 @@ from rigkit.service.state import State
 from stagectl.config import StageConfig
 from stagectl.daemon.stage.rig import PiezoStage
 from tests.rigkit.service.told_once import check_told_once
-from tests.stagectl.simulated_models import write_models
+from tests.stagectl.experiments.piezo.simulated_models import write_models
 from tests.until import until
 
 CHOSEN = {

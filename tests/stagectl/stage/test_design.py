@@ -14,7 +14,7 @@ from stagectl.stage.kalman import kalman_gain
 from stagectl.stage.sensitivity import robustness
 from stagectl.stage.state_space import plant_of
 from stagectl.stage.weights import loops
-from tests.stagectl.linear_stage import RATE, mechanics, model, two_near_one_another
+from tests.stagectl.experiments.piezo.linear_stage import RATE, mechanics, model, two_near_one_another
 
 
 def test_a_design_keeps_ms_with_the_extra_delay_and_with_frequencies_off_either_way() -> None:

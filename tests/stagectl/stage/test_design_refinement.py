@@ -8,7 +8,7 @@ from stagectl.stage import design_refinement
 from stagectl.stage.allowed_gains import configured
 from stagectl.stage.design import NoLoop, Search, design
 from stagectl.stage.design_refinement import designed, refined
-from tests.stagectl.linear_stage import RATE, model
+from tests.stagectl.experiments.piezo.linear_stage import RATE, model
 
 
 def test_it_leaves_less_error_within_the_same_bounds(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,7 @@ from stagectl.stage.hysteresis import HysteresisModel
 from stagectl.stage.hysteresis_compensation import HysteresisCompensation
 from stagectl.stage.loop import Stage, inner_loops, stage_controller
 from stagectl.stage.state_feedback import StateFeedback
-from tests.stagectl.linear_stage import INNER, LIMITS, Bench, LinearStage, model
+from tests.stagectl.experiments.piezo.linear_stage import INNER, LIMITS, Bench, LinearStage, model
 
 CONFIG = StageConfig(inner=INNER, limits=LIMITS, outer=Outer(mistuning=0.0))
 NOISE_STEP = 0.02

@@ -17,7 +17,7 @@ from stagectl.stage.disturbance import disturbance
 from stagectl.stage.measured_response import SMALL, MeasuredResponse, near
 from stagectl.stage.prefilter import Prefilter, prefilter, refuse_unfit
 from stagectl.stage.state_space import plant_of
-from tests.stagectl.linear_stage import AXES, RATE, RATIO, lagging, model, sampled
+from tests.stagectl.experiments.piezo.linear_stage import AXES, RATE, RATIO, lagging, model, sampled
 from tests.stagectl.stage.test_prefilter import LATE, deflection
 
 CELLS = np.arange(2.0, 800.0)

@@ -16,7 +16,7 @@ from stagectl.stage.servo import servo
 from stagectl.stage.state_feedback import StateFeedback, linear_quadratic
 from stagectl.stage.state_space import plant_of
 from stagectl.stage.weights import chosen_weights
-from tests.stagectl.linear_stage import (
+from tests.stagectl.experiments.piezo.linear_stage import (
     INNER,
     LIMITS,
     RATE,

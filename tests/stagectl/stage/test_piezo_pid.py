@@ -8,7 +8,7 @@ from ctlblocks import Graph
 from stagectl.config import Limits
 from stagectl.stage.controller import PiezoController
 from stagectl.stage.piezo_pid import Pid, pid, robust_pid
-from tests.stagectl.linear_stage import INNER, LAG, LIMITS, RATE, VOLTS, Given
+from tests.stagectl.experiments.piezo.linear_stage import INNER, LAG, LIMITS, RATE, VOLTS, Given
 
 WIDE = Limits(voltage=(-1e4, 1e4), voltage_slew=1e8, extension=(-1.0, 1.0), extension_slew=100.0, ramp=1e-3)
 

@@ -21,7 +21,7 @@ from stagectl.stage.disturbance import Disturbance, disturbance
 from stagectl.stage.prefilter import LARGEST, Prefilter, prefilter, refuse_unfit
 from stagectl.stage.prefiltered_reference import PrefilteredReference
 from stagectl.stage.state_space import StateSpace, plant_of
-from tests.stagectl.linear_stage import RATE, model
+from tests.stagectl.experiments.piezo.linear_stage import RATE, model
 
 LATE = 5e-4
 

@@ -12,7 +12,7 @@ from stagectl.stage.kalman import kalman_gain
 from stagectl.stage.servo import servo
 from stagectl.stage.state_feedback import StateFeedback, linear_quadratic, ramp_feedforward
 from stagectl.stage.state_space import plant_of
-from tests.stagectl.linear_stage import RATE, model
+from tests.stagectl.experiments.piezo.linear_stage import RATE, model
 
 
 def loop(outer: Outer, bandwidth: float = 60.0, axis: str = "x") -> StateFeedback:

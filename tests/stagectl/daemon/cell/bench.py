@@ -7,8 +7,8 @@ from stagectl.daemon.cell.rig import RobotCell
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.milling_models import write_milling
 from tests.stagectl.daemon.bench import Lab, lab_of
+from tests.stagectl.experiments.trials.short_trial import SMALL
 from tests.stagectl.robot.milling.test_milling_models import models
-from tests.stagectl.trials.short_trial import SMALL
 
 QUICK = (*SMALL, "pocket.feed=25e-3", "learning.free=1")
 

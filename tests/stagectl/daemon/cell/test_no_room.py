@@ -8,8 +8,8 @@ import pytest
 from rigkit.service.state import State
 from tests.rigkit.test_disk_space import leave
 from tests.stagectl.daemon.cell.bench import cell_in
+from tests.stagectl.experiments.feed.small_pocket import QUICK
 from tests.stagectl.experiments.toroid.short_cell import SHORT
-from tests.stagectl.feed.small_pocket import QUICK
 
 SETTINGS = {"calibrate-milling": ["pocket.feed=6e-3"]}
 OPTIONS: dict[str, dict[str, Any]] = {

@@ -24,9 +24,9 @@ from tests.scenario.test_mid_ranging_over_both_wires import MIDRANGING
 from tests.scenario.test_the_toroid_over_the_wires import SETTINGS as TOROID_SETTINGS
 from tests.stagectl.daemon.bench import Lab, lab_of
 from tests.stagectl.daemon.cell.bench import cell_in
+from tests.stagectl.experiments.feed.small_pocket import QUICK
+from tests.stagectl.experiments.feed.test_command import POCKET
 from tests.stagectl.experiments.toroid.short_cell import SHORT
-from tests.stagectl.feed.small_pocket import QUICK
-from tests.stagectl.feed.test_command import POCKET
 from tests.stagectl.link.stand_in import PATIENT, link_to, running
 from tests.until import until
 

@@ -26,9 +26,9 @@ from stagectl.planning.pocket import PLANNERS
 from stagectl.robot.midranging.controllers import CONTROLLERS
 from tests.stagectl.daemon.bench import Lab
 from tests.stagectl.daemon.cell.bench import cell_in, edit
+from tests.stagectl.experiments.feed.small_pocket import QUICK
+from tests.stagectl.experiments.feed.test_command import POCKET
 from tests.stagectl.experiments.toroid.short_cell import SHORT
-from tests.stagectl.feed.small_pocket import QUICK
-from tests.stagectl.feed.test_command import POCKET
 from tests.until import until
 
 

@@ -12,8 +12,8 @@ from rigkit.run_folder import CONFIG
 from stagectl.__main__ import main
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.milling_models import write_milling
+from tests.stagectl.experiments.piezo.simulated_models import write_models
 from tests.stagectl.robot.milling.test_milling_models import models
-from tests.stagectl.simulated_models import write_models
 
 SHORT = {
     "cell runs": "cell --setup A --set toroid.lead=1.0 --set toroid.turn=0.005 --set toroid.ramp=0.1",

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.stagectl.experiment_kills import COMMANDS, kills
+from tests.stagectl.experiments.experiment_kills import COMMANDS, kills
 
 
 @pytest.mark.slow

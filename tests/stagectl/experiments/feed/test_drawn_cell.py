@@ -13,7 +13,7 @@ from stagectl.planning.problem import Pocket
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.feed_force import PHASES
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
-from tests.stagectl.feed.small_pocket import milled
+from tests.stagectl.experiments.feed.small_pocket import milled
 
 
 def drawn(seed: int, family: str) -> FeedPlan:

@@ -15,12 +15,12 @@ import numpy as np
 from rigkit.experiment.kept import told
 from rigkit.growing_wav import GROWING
 from stagectl.robot.milling.milling_models import write_milling
+from tests.stagectl.experiments.feed.small_pocket import QUICK
+from tests.stagectl.experiments.feed.test_command import POCKET
+from tests.stagectl.experiments.piezo.simulated_models import write_models
 from tests.stagectl.experiments.toroid.short_cell import SHORT
-from tests.stagectl.feed.small_pocket import QUICK
-from tests.stagectl.feed.test_command import POCKET
+from tests.stagectl.experiments.trials.short_trial import SMALL
 from tests.stagectl.robot.milling.test_milling_models import models
-from tests.stagectl.simulated_models import write_models
-from tests.stagectl.trials.short_trial import SMALL
 
 LATE = 0.5
 """s before a kill up to which all that was recorded must be there."""

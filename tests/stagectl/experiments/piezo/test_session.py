@@ -22,7 +22,7 @@ from stagectl.experiments.piezo.run_setup import setup_of
 from stagectl.experiments.piezo.scenario import scenario_settings
 from stagectl.models.model_file import read_model, write_model
 from tests.rigkit.test_disk_space import leave
-from tests.stagectl.simulated_models import write_models
+from tests.stagectl.experiments.piezo.simulated_models import write_models
 
 QUICK = ["session.recording=wav", "session.lead=0.6", "outer.mistuning=0.0"]
 

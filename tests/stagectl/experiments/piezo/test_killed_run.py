@@ -11,7 +11,7 @@ from stagectl.experiments.piezo.replay import replay
 from stagectl.experiments.piezo.run_setup import setup_as_run
 from stagectl.experiments.piezo.session import read_recording
 from stagectl.experiments.piezo.streamed import RECORDING
-from tests.stagectl.simulated_models import write_models
+from tests.stagectl.experiments.piezo.simulated_models import write_models
 from tests.until import until
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from stagectl.__main__ import main
 from stagectl.experiments.feed.job import RATES
-from tests.stagectl.feed.small_pocket import QUICK
+from tests.stagectl.experiments.feed.small_pocket import QUICK
 
 POCKET = {"rows": 3, "cols": 13, "G": 3, "feeds": "EW", "rate": RATES, "v_lift": 50.0}
 WORDS = [word for setting in QUICK for word in ("--set", setting)]

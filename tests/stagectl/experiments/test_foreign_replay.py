@@ -14,7 +14,7 @@ from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit.export.parquet_file import write_recording
 from stagectl import __main__ as stagectl
-from tests.stagectl.test_session import finished
+from tests.stagectl.experiments.piezo.test_session import finished
 
 RATE = 250.0
 

@@ -11,8 +11,8 @@ from stagectl.experiments.trials.log_folder import ANGLES, FORCES, POSITION, TOR
 from stagectl.experiments.trials.trial import Trial
 from stagectl.robot.milling.milling_models import MillingModels
 from stagectl.robot.milling.zero_phase import filtered
+from tests.stagectl.experiments.trials.short_trial import small
 from tests.stagectl.robot.milling.test_milling_models import models
-from tests.stagectl.trials.short_trial import small
 
 RATE = 250.0
 OFFSET = np.array([2e-4, -1e-4, 3e-4])

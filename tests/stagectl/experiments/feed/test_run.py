@@ -10,7 +10,7 @@ from stagectl.experiments.feed.process_run import channel
 from stagectl.experiments.feed.recorded import made
 from stagectl.experiments.feed.surroundings import recorded
 from stagectl.robot.milling.feed_force import PHASES
-from tests.stagectl.feed.small_pocket import LENGTH, milled, small
+from tests.stagectl.experiments.feed.small_pocket import LENGTH, milled, small
 
 
 @pytest.fixture(scope="module")

@@ -25,8 +25,8 @@ from stagectl.application import PROGRAM
 from stagectl.experiments.trials.done import BESIDE, DoneTrial
 from stagectl.experiments.trials.read_back import TRIALS, read_back
 from stagectl.robot.milling.milling_models import write_milling
+from tests.stagectl.experiments.trials.short_trial import SMALL
 from tests.stagectl.robot.milling.test_milling_models import models
-from tests.stagectl.trials.short_trial import SMALL
 from tests.until import until
 
 SETTINGS = [word for each in (*SMALL, "pocket.feed=25e-3", "learning.free=1") for word in ("--set", each)]

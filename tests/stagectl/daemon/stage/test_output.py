@@ -11,7 +11,7 @@ from calibration.stage_axes.bench import Bench
 from rigkit.service.snapshot import snapshot
 from tests.rigkit.service.outputs import is_measured_while_it_runs
 from tests.stagectl.daemon.bench import Lab, lab_in
-from tests.stagectl.daemon.test_live import bench_in
+from tests.stagectl.daemon.stage.test_live import bench_in
 from tests.stagectl.link.stand_in import PATIENT
 from tests.until import until
 

@@ -22,8 +22,8 @@ from stagectl.application import PROGRAM
 from stagectl.experiments.feed.job import Job
 from stagectl.experiments.feed.pockets import Pockets
 from stagectl.experiments.feed.read_back import FORCE, Files, read_back
-from tests.stagectl.feed.small_pocket import small
-from tests.stagectl.feed.test_command import POCKET, WORDS
+from tests.stagectl.experiments.feed.small_pocket import small
+from tests.stagectl.experiments.feed.test_command import POCKET, WORDS
 from tests.until import until
 
 

@@ -13,7 +13,7 @@ from stagectl.experiments.trials.surroundings import recorded
 from stagectl.experiments.trials.trial import Trial
 from stagectl.experiments.trials.trial_graph import TrialGraph
 from stagectl.link.tell import nobody
-from tests.stagectl.trials.short_trial import Ran, ran, small
+from tests.stagectl.experiments.trials.short_trial import Ran, ran, small
 
 
 @pytest.fixture(scope="module")

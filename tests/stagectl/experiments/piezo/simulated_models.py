@@ -7,7 +7,7 @@ import numpy as np
 from calibration.state_space.model import InnovationModel
 from stagectl.models.model_file import write_model
 from stagectl.stage.measured_response import MeasuredResponse
-from tests.stagectl.linear_stage import lagging, sampled
+from tests.stagectl.experiments.piezo.linear_stage import lagging, sampled
 
 MODES = {
     "x": [(57.2, 0.0101, 3.638), (95.8, 0.0184, 0.469), (130.8, 0.0122, 0.835)],

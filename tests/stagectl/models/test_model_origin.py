@@ -11,7 +11,7 @@ from rigkit.agreement import DisagreementError
 from stagectl.config import StageConfig
 from stagectl.models.model_file import read_model
 from stagectl.models.model_origin import refuse_foreign
-from tests.stagectl.test_session import write_models
+from tests.stagectl.experiments.piezo.test_session import write_models
 
 
 @pytest.fixture
