@@ -90,8 +90,8 @@ def milling_command(
 
 
 def _report(found: Calibrated, out: Path, png: Path | None, json: str | None) -> None:
-    if found.torques.note:
-        print(found.torques.note, file=words(json))  # noqa: T201
+    for note in found.notes:
+        print(note, file=words(json))  # noqa: T201
     report = milling_report(found, str(out))
     report.write(out.with_suffix(".html"))
     if png is not None:

@@ -96,8 +96,8 @@ class MillingProcedure:
             swept = self._swept(folder.path / SWEEP)
             self._trials = TrialRunner(self._conductor, folder, self._first.cell, 1, total, self._show)
             found = calibrate(self._cell, self._task, self._trials, swept, self._writes.provenance)
-        if found.torques.note:
-            desk.event("note", {"text": found.torques.note})
+        for note in found.notes:
+            desk.event("note", {"text": note})
         desk.progress(total, total, "writing models and report")
         write_milling(self._out, found.models, UNITS)
         self._writes.finish()

@@ -62,6 +62,8 @@ class Calibrated:
         From motors' torques, by these.
     free : list of DoneTrial
     milled : DoneTrial
+    notes : tuple of str
+        What is to be said: what could not be found, and what that means.
     """
 
     models: MillingModels
@@ -71,6 +73,7 @@ class Calibrated:
     forces: Forces
     free: list[DoneTrial]
     milled: DoneTrial
+    notes: tuple[str, ...] = ()
 
 
 def output_of(
@@ -169,15 +172,26 @@ def robot_model(fits: list[AxisFit]) -> RobotModel:
     )
 
 
-def fit_milling(learner: Learner, milled: DoneTrial) -> dict[str, ProcessFit]:
-    """Fit G_M and G_K, with the force as measured, and as estimated where torques are known."""
+def fit_milling(learner: Learner, milled: DoneTrial, note: Callable[[str], object]) -> dict[str, ProcessFit]:
+    """Fit G_M and G_K, with the force as measured, and as estimated where torques tell it.
+
+    Parameters
+    ----------
+    learner : Learner
+    milled : DoneTrial
+    note : callable(str)
+        Told why the latter is left out.
+    """
     signals = milled.signals
     assert signals.seen is not None
     assert signals.force is not None
     deflection = signals.seen - signals.joints - kinematic_error([each.signals for each in learner.free])
     forces = {FORCES[0]: signals.force}
     if learner.forces is not None:
-        forces[FORCES[1]] = learner.estimated(milled)
+        try:
+            forces[FORCES[1]] = learner.estimated(milled)
+        except ValueError as fault:
+            note(f"there are no models of the force that torques tell, method 3 cannot be learned by: {fault}")
     inside = milled.trial.path.milled
     return {name: fit_process(signals.seen, deflection, force, inside, RATE) for name, force in forces.items()}
 
@@ -218,9 +232,10 @@ def calibrate(
 
     learner = Learner(cell, models, told)
     milled = run(FIRST, carried_out(learn_free_space(first, learner), run))
-    processes = fit_milling(learner, milled)
+    notes = [torques.note] if torques.note else []
+    processes = fit_milling(learner, milled, notes.append)
     whole = replace(models, process={name: each.process for name, each in processes.items()})
-    return Calibrated(whole, axes, processes, torques, told, learner.free, milled)
+    return Calibrated(whole, axes, processes, torques, told, learner.free, milled, tuple(notes))
 
 
 def refuse_unfit_path(cell: CellConfig, first: Trial) -> None:
