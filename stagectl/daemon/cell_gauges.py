@@ -66,6 +66,14 @@ def felt(watch: Watch, most: float) -> Iterator[Gauge]:
         yield Gauge("force", "Force on the tool", size, "N", high=most)
 
 
+def milling(watch: Watch, motion: Motion, cell: CellConfig) -> Iterator[Gauge]:
+    """Give, of a trial, where the tool is, how fast the joints turn, when it was seen, and the force on it."""
+    yield from motion.gauges(watch)
+    yield from sighted(watch, cell)
+    yield from felt(watch, max(cell.force_sensor.range_force))
+    yield from timed(watch)
+
+
 def timed(watch: Watch) -> Iterator[Gauge]:
     """Give how a simulation in real time keeps to the clock."""
     if watch.pace is not None:

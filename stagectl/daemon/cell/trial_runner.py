@@ -5,7 +5,7 @@ from collections.abc import Callable
 from rigkit.experiment.runner import Conduct
 from rigkit.run_folder import RunFolder
 from rigkit.service.show import Gauge
-from stagectl.daemon.cell_gauges import Motion, felt, sighted, timed
+from stagectl.daemon.cell_gauges import Motion, milling
 from stagectl.daemon.conductor import Conductor
 from stagectl.experiments.trials.bench import SimulatedBench
 from stagectl.experiments.trials.done import DoneTrial
@@ -72,9 +72,7 @@ class TrialRunner:
 
     def gauges(self) -> list[Gauge]:
         """Return where the tool is, how fast the joints turn, when it was seen, and the force on it."""
-        cell, motion, watch = self._cell, self._motion, self._conductor.watch
-        strongest = max(cell.force_sensor.range_force)
-        return [*motion.gauges(watch), *sighted(watch, cell), *felt(watch, strongest), *timed(watch)]
+        return list(milling(self._conductor.watch, self._motion, self._cell))
 
     def _between(self, name: str) -> None:
         self._conductor.between({"before": name})

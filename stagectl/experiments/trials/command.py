@@ -10,17 +10,16 @@ from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
 from rigkit.experiment.command import CommandLine, refuse_given
-from rigkit.experiment.kept import ended_early, records_of
+from rigkit.experiment.kept import ended_early
 from rigkit.experiment.runner import STOPPED
 from stagectl.experiments.trials.asked import Asked
-from stagectl.experiments.trials.campaign import grouped
 from stagectl.experiments.trials.experiment import Milling
 from stagectl.experiments.trials.from_logs import AIR, learn_from_logs
 from stagectl.experiments.trials.laws import Learner
 from stagectl.experiments.trials.learner import ALL, learner_of, wanted_methods
 from stagectl.experiments.trials.log_folder import SENT, write_path
 from stagectl.experiments.trials.motions import steps
-from stagectl.experiments.trials.read_back import TRIALS, Files, asked_of, read_back, task_of, was_live
+from stagectl.experiments.trials.read_back import TRIALS, Files, asked_of, task_of, was_live
 from stagectl.experiments.trials.report import HEAD, TABLE_HEAD, method_rows, trial_rows
 from stagectl.experiments.trials.trial import TASKS, Trial, cell_for_task, first_trial
 from stagectl.experiments.trials.wired import bench
@@ -156,11 +155,10 @@ def _go_on(
 
 def _tell(reasons: dict[str, str], found: dict[str, Any], path: Path, line: CommandLine) -> None:
     """Print the tables; raise ValueError where a fault has ended a trial."""
-    stream, records = words(line.json), records_of(path)
-    free, learned = grouped(read_back(path, records).whole(records))
-    print_table(f"{path}: errors of every trial", HEAD, trial_rows(free, learned), stream)
-    if learned:
-        print_table(f"{path}: as Table 5.1", TABLE_HEAD, method_rows(learned), stream)
+    stream = words(line.json)
+    print_table(f"{path}: errors of every trial", HEAD, trial_rows(found), stream)
+    if found["methods"]:
+        print_table(f"{path}: as Table 5.1", TABLE_HEAD, method_rows(found), stream)
     write_json(line.json, found)
     line.end(reasons)
     for name, reason in reasons.items():

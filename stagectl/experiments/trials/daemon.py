@@ -10,7 +10,7 @@ from rigkit.experiment.watch import Watch
 from rigkit.service.paths import data_file, run_path
 from rigkit.service.rig import Desk
 from rigkit.service.show import Gauge, Panel
-from stagectl.daemon.cell_gauges import REFERENCE, Motion, felt, sighted, timed
+from stagectl.daemon.cell_gauges import REFERENCE, Motion, milling
 from stagectl.devices.signals import AXES
 from stagectl.experiments.trials.asked import Asked
 from stagectl.experiments.trials.bench import SimulatedBench
@@ -77,11 +77,7 @@ class _View:
 
     def gauges(self, watch: Watch) -> Iterator[Gauge]:
         """Give where the tool is, how fast the joints turn, when it was seen, and the force on it."""
-        cell = self._first.cell
-        yield from self._motion.gauges(watch)
-        yield from sighted(watch, cell)
-        yield from felt(watch, max(cell.force_sensor.range_force))
-        yield from timed(watch)
+        return milling(watch, self._motion, self._first.cell)
 
     def lately(self, watch: Watch) -> Iterator[tuple[str, Panel]]:
         """Draw the last seconds."""

@@ -10,7 +10,7 @@ from rigkit.service.show import Axis, Curves, Panel, Table, Trace
 from stagectl.devices.signals import AXES
 from stagectl.experiments.trials.campaign import FIRST, grouped
 from stagectl.experiments.trials.done import DoneTrial
-from stagectl.experiments.trials.report import ACCURACY, HEAD, trial_rows
+from stagectl.experiments.trials.report import ACCURACY, HEAD, figures, trial_rows
 from stagectl.experiments.trials.signals import rest, torque_log
 from stagectl.experiments.trials.tool_path import RATE
 from stagectl.robot.milling.torque_file import read_force_model
@@ -31,7 +31,7 @@ def panels(trials: Sequence[DoneTrial], model: Path) -> dict[str, Panel]:
     """
     (free, learned), done = grouped(trials), trials[-1]
     found: dict[str, Panel] = {"path": path(done), "error": along(done)}
-    found["trials"] = Table("Trials", HEAD, tuple(trial_rows(free, learned)))
+    found["trials"] = Table("Trials", HEAD, tuple(trial_rows(figures(free, learned))))
     if free:
         found["free_space"] = errors("Free space", dict(enumerate(free)))
     if done.trial.is_milled:

@@ -26,23 +26,23 @@ Learned = Mapping[int, Sequence[DoneTrial]]
 """Trials of each method, iteration 0 first."""
 
 
-def trial_rows(free: Sequence[DoneTrial], learned: Learned) -> list[tuple[str, ...]]:
-    """Return the errors of every trial, as text under `HEAD`."""
-    shown = [(f"free space {k}", each) for k, each in enumerate(free)]
-    for method, done in learned.items():
+def trial_rows(found: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    """Return the errors of every trial, from `figures`, as text under `HEAD`."""
+    shown = [(f"free space {k}", each) for k, each in enumerate(found["free"])]
+    for method, done in found["methods"].items():
         shown += [(f"method {method}, iteration {k}", each) for k, each in enumerate(done)]
     return [(name, *_errors(each)) for name, each in shown]
 
 
-def method_rows(learned: Learned) -> list[tuple[str, ...]]:
-    """Return a row a method under `TABLE_HEAD`: Table 5.1."""
+def method_rows(found: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    """Return a row a method, from `figures`, under `TABLE_HEAD`: Table 5.1."""
     rows: list[tuple[str, ...]] = []
-    for method, done in learned.items():
-        sizes_of = norms(done)
+    for method, done in found["methods"].items():
+        sizes_of = [each["norm"] for each in done]
         first, best = sizes_of[0], int(np.argmin(sizes_of))
         last = sizes_of[best]
-        truths = [None if each.true_mae is None else float(np.linalg.norm(each.true_mae)) for each in done]
-        true = "-" if truths[0] is None or truths[best] is None else _reduced(truths[0], truths[best] or 0.0)
+        truths = [each.get("true_norm") for each in done]
+        true = "-" if truths[0] is None or truths[best] is None else _reduced(truths[0], truths[best])
         sizes = f"{1e6 * first:.1f}", f"{1e6 * last:.1f} ({best})", f"{first / last:.1f}"
         rows.append((f"method {method}", *sizes, _reduced(first, last), true))
     return rows
@@ -76,8 +76,9 @@ def trial_report(free: Sequence[DoneTrial], learned: Learned, source: Path) -> R
 
 def _sections(free: Sequence[DoneTrial], learned: Learned) -> Iterator[Section]:
     about = ". ".join(f"Method {method}: {METHODS[method]}" for method in learned)
-    tables = [Table(TABLE_HEAD, tuple(method_rows(learned)))] if learned else []
-    tables.append(Table(HEAD, tuple(trial_rows(free, learned))))
+    found = figures(free, learned)
+    tables = [Table(TABLE_HEAD, tuple(method_rows(found)))] if learned else []
+    tables.append(Table(HEAD, tuple(trial_rows(found))))
     yield Section("Errors", f"{about}." if learned else "", tables=tuple(tables))
     if learned:
         yield Section("Iterations", plots=(_iterations(learned),))
@@ -138,10 +139,9 @@ def _along(done: Sequence[DoneTrial]) -> Plot:
     return Plot(figure, "What is wanted less where the tool was, in the first trial and in the last.")
 
 
-def _errors(done: DoneTrial) -> tuple[str, ...]:
-    true = "-" if done.true_mae is None else f"{1e6 * np.linalg.norm(done.true_mae):.1f}"
-    foreseen = f"{1e6 * done.trial.foreseen:.1f}" if done.trial.foreseen else "-"
-    return (*(f"{1e6 * each:.1f}" for each in done.mae), f"{1e6 * np.linalg.norm(done.mae):.1f}", foreseen, true)
+def _errors(found: Mapping[str, Any]) -> tuple[str, ...]:
+    further = (f"{1e6 * found[key]:.1f}" if key in found else "-" for key in ("foreseen", "true_norm"))
+    return (*(f"{1e6 * each:.1f}" for each in found["mae"]), f"{1e6 * found['norm']:.1f}", *further)
 
 
 def _figures(done: DoneTrial) -> dict[str, Any]:
