@@ -15,11 +15,11 @@ import numpy as np
 from calibration.guided_arm import arm_with_tool
 from calibration.joint_clamping import advice_table
 from calibration.joint_clamping.full_stiffness import as_told
-from calibration.joint_clamping.requests import Requests
 from calibration.joint_clamping.results import WAYS, Clamped, of_recording
-from calibration.joint_clamping.session import measure, simulated_robot
+from calibration.joint_clamping.session import Desk, measure, simulated_robot
 from calibration.joint_clamping.several_poses import experiment, whole_arm
 from rigkit.config import load
+from rigkit.run_folder import RunFolder
 from stagectl.robot.config import CellConfig
 from stagectl.wire.egm import RATE
 
@@ -51,8 +51,8 @@ def one_arm(seed: int, clamp: tuple[str, ...]) -> list[tuple[str, float, float, 
     """Return by way: errors of both stiffnesses (1) and of the backlash (rad)."""
     joint = seed % 6
     cell = load(None, CellConfig, [f"simulator.options.seed={seed}", "clamping.cycles=3", *clamp])
-    with tempfile.TemporaryDirectory() as folder:
-        recorded, way = measure(cell, (joint,), Path(folder), lambda _: None, Requests())
+    with tempfile.TemporaryDirectory() as place, RunFolder.create(Path(place) / "raw", "") as folder:
+        recorded, way = measure(cell, (joint,), folder, Desk(lambda _: None))
     clamped = Clamped(arm_with_tool(cell), np.radians(cell.clamping.pose), cell.clamping.environment)
     result, real = of_recording(recorded[joint], way, joint, clamped), truth(cell)[:, joint]
     return [
@@ -93,8 +93,8 @@ def several_poses(seed: int, count: int) -> None:
     for pose in poses:
         clamping = cell.clamping.model_copy(update={"pose": tuple(map(float, pose))})
         there = cell.model_copy(update={"clamping": clamping})
-        with tempfile.TemporaryDirectory() as folder:
-            recorded, way = measure(there, range(6), Path(folder), lambda _: None, Requests())
+        with tempfile.TemporaryDirectory() as place, RunFolder.create(Path(place) / "raw", "") as folder:
+            recorded, way = measure(there, range(6), folder, Desk(lambda _: None))
         clamped = Clamped(arm, np.radians(pose), cell.clamping.environment)
         for joint in range(6):
             result = of_recording(recorded[joint], way, joint, clamped)

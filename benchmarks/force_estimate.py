@@ -30,7 +30,8 @@ from ctlblocks.replay import Record, Replay
 from firmware_sim.guided_robot import GuidedRobot
 from firmware_sim.milling_blocks import PocketCut
 from rigkit.config import load
-from rigkit.stop import StopRequest
+from rigkit.experiment.runner import Conduct
+from rigkit.run_folder import RunFolder
 from stagectl.robot.config import CellConfig
 from stagectl.robot.kinematics import forward
 from stagectl.robot.learning_config import Margin
@@ -89,8 +90,8 @@ def milled(cell: CellConfig, seed: int, noise: float) -> dict[str, np.ndarray]:
 def swept(cell: CellConfig) -> ForceModel:
     """Sweep the simulated arm, and fit what a force model needs."""
     arm = arm_with_tool(cell)
-    with tempfile.TemporaryDirectory() as folder:
-        recorded = sweep(cell, False, Path(folder) / "sweep.wav", lambda _: None, StopRequest())
+    with tempfile.TemporaryDirectory() as place, RunFolder.create(Path(place) / "raw", "") as folder:
+        recorded = sweep(cell, False, folder, lambda _: None, Conduct())
     friction, gravity, fit = friction_and_gravity(recorded, arm, cell.friction)
     print(f"fit on held-back motions {fit.fit.round(3)}, friction in its range {fit.inside.round(3)}", flush=True)
     print(f"inertia {fit.inertia.round(3)} kg m^2", flush=True)

@@ -22,7 +22,6 @@ from rigkit.config import load
 from rigkit.experiment.runner import Conduct
 from rigkit.provenance import now
 from rigkit.run_folder import RunFolder
-from rigkit.stop import StopRequest
 from stagectl.experiments.trials.bench import SimulatedBench
 from stagectl.experiments.trials.campaign import carried_out, learn_pocket
 from stagectl.experiments.trials.done import DoneTrial
@@ -43,7 +42,7 @@ def one_seed(
     cell = cell_for_task(load(None, CellConfig, [*drawn, *settings]), task)
     with tempfile.TemporaryDirectory() as place, RunFolder.create(Path(place) / "run", "") as folder:
         run = Runner(folder, SimulatedBench(), Conduct())
-        swept = sweep(cell, False, folder.path / "sweep.wav", lambda _: None, StopRequest())
+        swept = sweep(cell, False, folder, lambda _: None, Conduct())
         found = calibrate(cell, task, run, swept, provenance(cell, now(), {}))
         learner = Learner(cell, found.models, found.forces, found.free)
         free = ", ".join(_size(each) for each in (*found.free[:2], found.free[-1]))

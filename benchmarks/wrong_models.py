@@ -22,7 +22,6 @@ from firmware_sim.population.cell_population import CELLS
 from rigkit import config as rig_file
 from rigkit.experiment.runner import Conduct
 from rigkit.run_folder import RunFolder
-from rigkit.stop import StopRequest
 from rigkit.toml_text import value_text
 from stagectl.experiments.trials.bench import SimulatedBench
 from stagectl.experiments.trials.campaign import carried_out, learn
@@ -107,7 +106,7 @@ def _one_seed(seed: int, models: Sequence[str], methods: Sequence[int], settings
     drawn = [f"{key}={value_text(value)}" for key, value in CELLS.draw(seed).keys.items()]
     cell = cell_for_task(rig_file.load(None, CellConfig, [*drawn, *SMALL, *settings]), "pocket")
     with tempfile.TemporaryDirectory() as place, RunFolder.create(Path(place) / "raw", "") as folder:
-        swept = sweep(cell, False, folder.path / "sweep.wav", lambda _: None, StopRequest())
+        swept = sweep(cell, False, folder, lambda _: None, Conduct())
         found = calibrate(cell, "pocket", Runner(folder, SimulatedBench(), Conduct()), swept, {})
     return [_run(cell, found, model, method) for model in models for method in methods]
 

@@ -1,21 +1,22 @@
 """An arm over its wires for an experiment: guided motion, the program beside it, torque signals, tracked links."""
 
-import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
-from ctlblocks import Graph
+from ctlblocks import Block, Graph
+from rigkit.experiment.part import Part
 from rigkit.priority import undisturbed
 from stagectl.link.bus import LinkError
-from stagectl.link.clock import run_linked
+from stagectl.link.clock import Linked
 from stagectl.robot.arm import Arm
 from stagectl.robot.clamp_port import GuidedArm
 from stagectl.robot.clamp_program import ClampProgram
 from stagectl.robot.clamp_tracker import TrackedLinks
 from stagectl.robot.config import CellConfig
+from stagectl.robot.live.led import led_by
 from stagectl.robot.port import RobotPort, arm_of
 from stagectl.robot.program import RobotProgram, TorqueSignals, begin_motion
 
@@ -66,24 +67,58 @@ def wired_arm(cell: CellConfig, track: bool, tell: Callable[[str], None]) -> Ite
         yield GuidedArm(port, program, signals, links)
 
 
-def lead(arm: GuidedArm, graph: Graph, over: Callable[[], bool]) -> None:
-    """Let the robot follow a graph's references, tick by tick with its reports, until `over`; then it is held.
+@contextmanager
+def led_arm(
+    cell: CellConfig, track: bool, tell: Callable[[str], None], make: Callable[[Block], Part]
+) -> Iterator[Part]:
+    """Give a part on the arm behind its wires, as `wired_arm` opens them: its reports beat it, and hold its faults.
+
+    Parameters
+    ----------
+    cell, track, tell
+        As of `wired_arm`.
+    make : callable(Block) -> Part
+        Makes it on the arm, with a retreat.
 
     Raises
     ------
-    LinkError : a fault; the text is its reason.
+    ValueError, LinkError : as of `wired_arm`.
     """
-    with undisturbed():
+    with wired_arm(cell, track, tell) as robot, undisturbed():
+        yield led_by(robot.port, make(robot), ArmClock(robot.port))
+
+
+class ArmClock:
+    """Ticks a graph once for each report of a robot, which follows from the first tick on, until its port latches.
+
+    Parameters
+    ----------
+    port : RobotPort, open
+    """
+
+    def __init__(self, port: RobotPort) -> None:
+        self._port, self._beats = port, Linked(port)
+        self._has_begun = False
+
+    def run(self, graph: Graph, ticks: int, over: Callable[[], bool]) -> int:
+        """Tick so many times, or until `over` or a fault of the port; return the ticks run.
+
+        Raises
+        ------
+        LinkError : the robot cannot be led, before the first tick; or it is not heard and nothing has latched.
+        """
+        port, before = self._port, graph.ticks
+        if not self._has_begun:
+            port.wait(port.skip() + 1, port.patience)  # it may have been missed while garbage was collected
+            port.start()
+            self._has_begun = True
         try:
-            arm.port.wait(arm.port.skip() + 1, arm.port.patience)  # it may have been missed while garbage was collected
-            arm.port.start()
-            run_linked(graph, arm.port, sys.maxsize, over)
+            return self._beats.run(graph, ticks, over)
         except LinkError as fault:
-            raise LinkError(arm.port.reason or str(fault)) from fault
-        finally:
-            arm.port.stop()
-    if arm.port.reason:
-        raise LinkError(arm.port.reason)
+            port.hold(str(fault))
+            if not port.reason:
+                raise
+            return graph.ticks - before
 
 
 def refuse_haste(cell: CellConfig, arm: Arm, speeds: Mapping[str, Sequence[float]]) -> None:

@@ -5,7 +5,7 @@ from scipy.fft import rfft
 
 from vibractl.learning.clipping import Clipping, found_cut
 from vibractl.learning.decision import Decision, tidy
-from vibractl.learning.law import strong_lines
+from vibractl.learning.laws import strong_lines
 from vibractl.learning.shot import Shot
 from vibractl.setup import Setup, judged_lines
 from vibractl.spectrum import Decimator

@@ -1,7 +1,7 @@
 """The marine vibrator's rig file: one model a table, every key with unit, range and default."""
 
 from itertools import pairwise
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -9,9 +9,14 @@ from rigkit.config import Section, code, keywords, setting
 from rigkit.relay.config import Relay
 from rigkit.service.config import Daemon
 from vibractl.channel_map import collision
+from vibractl.learning.kinds_of_law import KINDS
 from vibractl.reference_forms import choices
 
 Channels = tuple[int, ...]
+if TYPE_CHECKING:
+    LawName = str
+else:
+    LawName = Literal[tuple(KINDS)]
 
 
 class Rig(Section):
@@ -104,9 +109,7 @@ class Shot(Section):
 class Learning(Section):
     """Frequency-domain iterative learning control, (6.9)-(6.19)."""
 
-    law: Literal["kalman", "thesis"] = setting(
-        "kalman", "", "kalman follows G from shot to shot, see [adaptation]; thesis keeps the model"
-    )
+    law: LawName = setting("kalman", "", "kalman follows G from shot to shot, see [adaptation]; thesis keeps the model")
     side: int = setting(0, "", "the one side that is driven and controlled; 0 for all", ge=0, le=64)
     band: tuple[float, float] = setting((15.0, 650.0), "Hz", "f_ILC: lines that are learned")
     gains: tuple[float, ...] = setting(

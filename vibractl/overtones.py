@@ -5,7 +5,7 @@ from scipy.signal import hilbert
 from scipy.signal.windows import blackmanharris
 
 from vibractl.decibels import FAINT, decibels, rms
-from vibractl.learning.law import SIGNIFICANT
+from vibractl.learning.laws import SIGNIFICANT
 
 OVERTONES = 4
 PERIODS = 5.0

@@ -8,7 +8,7 @@ from rigkit.agreement import CHANNELS, DisagreementError
 from vibractl.decibels import rms
 from vibractl.learning.algorithm import Algorithm
 from vibractl.learning.changed_rig import Change, change_of, mismatch, unexplained
-from vibractl.learning.law import strong_lines
+from vibractl.learning.laws import strong_lines
 from vibractl.learning.shot import Shot
 from vibractl.setup import Setup
 from vibractl.spectrum import Decimator

@@ -12,19 +12,21 @@ from calibration.guided_arm import arm_with_tool
 from calibration.joint_clamping import advice_table
 from calibration.joint_clamping.full_stiffness import ArmStiffness
 from calibration.joint_clamping.joints_file import write_joints
-from calibration.joint_clamping.measurement import missing
 from calibration.joint_clamping.poses import in_poses
+from calibration.joint_clamping.recorded_joints import missing
 from calibration.joint_clamping.recorded_map import recorded_map
 from calibration.joint_clamping.report import HEAD, figures, joints_report, rows
 from calibration.joint_clamping.requests import requests
 from calibration.joint_clamping.results import CLAMP, LINK, RAW, TOOL, Clamped, JointResult, of_recording
-from calibration.joint_clamping.session import KEPT, KIND, measure
+from calibration.joint_clamping.session import KEPT, KIND, Desk, measure
 from calibration.joint_clamping.several_poses import experiment, stiffest, whole_arm
 from calibration.names import raw_folder, refuse_inputs, refuse_taken
 from calibration.output import AgainOption, Output, RecomputeOption, Wish, output
+from calibration.raw_run import raw_run
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, laid_over, print_table, words, write_json
+from rigkit.experiment.runner import Conduct
 from rigkit.provenance import now, software
 from rigkit.written import made_folder, written_file
 from stagectl.robot.clamp_config import clamp_procedure
@@ -158,12 +160,13 @@ def _measured(
     _tell(stream, f"pid {os.getpid()}: SIGUSR1 pauses, SIGUSR2 goes on, Ctrl-C aborts")
     results, experiments = [], []
     with writes.begun(), requests() as asked:
+        desk = Desk(lambda text: _tell(stream, text), Conduct(lambda: asked.stop), lambda: asked.pause)
         for number, each in enumerate(cells, start=1):
             if several:
                 _tell(stream, f"pose {number} of {len(cells)}")
             place = writes.part(place_of(writes.raw, number, True).name, each, accept, KEPT) if several else writes.raw
-            tell, only = (lambda text: _tell(stream, text)), writes.is_recomputed
-            recorded, way = measure(each, joints, place, tell, asked, only_recorded=only)
+            with raw_run(place, each) as folder:
+                recorded, way = measure(each, joints, folder, desk, writes.is_recomputed)
             pose = clamp_procedure(each.clamping, arm, joints).pose
             clamped = Clamped(arm, pose, each.clamping.environment, number if several else 0)
             for joint in joints:

@@ -1,6 +1,7 @@
-"""The clamping procedure run on a robot block: what each joint showed while it was moved to and fro, saved raw."""
+"""The clamping procedure on a robot block as a part of an experiment, told of and drawn as it goes."""
 
-from collections.abc import Callable, Sequence
+import sys
+from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from functools import partial
 from pathlib import Path
@@ -9,95 +10,96 @@ from typing import Any
 import numpy as np
 
 from calibration.joint_clamping.maps_page import draw_map
-from calibration.joint_clamping.requests import Requests
+from calibration.joint_clamping.recorded_joints import SEEN
 from calibration.joint_clamping.samples import Samples
-from ctlblocks import Block, Graph, recording
-from ctlblocks.room import bytes_of
-from rigkit.disk_space import require
-from rigkit.stop import Stopped
+from ctlblocks import Block, Graph
+from ctlblocks.taps import Tap
+from rigkit.experiment.part import Part, Phase, Retreat, Track
 from stagectl.robot.clamp_search import ClampSearch
 from stagectl.wire.egm import RATE
 
-SEEN = {"angle": "rad", "torque": "N m", "link": "rad", "pose": "1", "frames": "1"}
-"""What is kept of the robot's outputs, and their units; the last three only where it has them."""
-APPROACH = "approach.wav"
-"""The way to the clamp: from it the axes are found about which the tracked links turn."""
-
-A_JOINT = 600.0
-"""s of a joint's record, as a rule at most: the search for its limits, and its cycles."""
-CHANNELS = 32
-"""Of it, at most."""
+WATCHED = ("softened", "clamped", "fault")
+"""What is recorded of the robot beside `SEEN`: with angle and torque all that the procedure goes by."""
+MADE = ("reference", "soft", "clamp", "joint")
+"""What the procedure asks for."""
+BACK = 60.0
+"""s in which references are back where there was little torque, at most."""
+MAPPED = {"angle": "rad", "torque": "N m"}
 
 Tell = Callable[[str], None]
 
 
-def unwatched(run: "ClampRun") -> None:  # noqa: ARG001 (an observer's own argument)
-    """Look at nothing."""
-
-
-class ClampAborted(ValueError):
-    """The procedure was aborted; the text says why, and where the arm stands."""
-
-
-def recording_name(joint: int) -> str:
-    """Return how the recording of a joint, from 0, is called."""
-    return f"joint-{joint + 1}.wav"
-
-
-class ClampRun:
-    """A robot block under the procedure, in a graph that somebody ticks, and what is kept of it.
+class GrowingMaps:
+    """Torque-position maps drawn into a folder as they grow.
 
     Parameters
     ----------
-    robot : Block
-        With the ports of `ClampSearch`, the other way round.
-    search : ClampSearch
-    rate : float, samples/s
     folder : Path
-        Gets `joint-1.wav` ..., the way to the clamp, and the maps as they grow.
+    work : Executor
+        Draws: what would make the clock wait is done elsewhere.
+    every_cycle : bool
+        Whether one is drawn as each cycle ends; else as each joint does.
+    """
+
+    def __init__(self, folder: Path, work: Executor, every_cycle: bool) -> None:
+        self.every_cycle = every_cycle
+        self._folder, self._work = folder, work
+        self._drawn: list[Future[Any]] = []
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether all that was asked for is drawn."""
+        return all(each.done() for each in self._drawn)
+
+    def draw(self, joint: int, angle: np.ndarray, torque: np.ndarray, cycles: int) -> None:
+        """Draw a joint's map anew: shape (samples,) each, rad and N m."""
+        self._drawn = [each for each in self._drawn if not each.done() or each.result()]
+        self._drawn.append(self._work.submit(partial(draw_map, self._folder, joint, angle, torque, cycles)))
+
+    def finish(self) -> None:
+        """Wait for what is being drawn."""
+        for each in self._drawn:
+            each.result()
+
+
+class ClampRun:
+    """The procedure on a robot block, from its first tick to where the arm holds.
+
+    Parameters
+    ----------
+    name : str
+        Of the part, and of its recording.
+    search : ClampSearch
     tell : callable(str)
         Told each step in words as it begins, each pause and each cycle.
-    asked : Requests
-    work : Executor
-        Writes and draws; what would make the clock wait is done elsewhere.
-    every_cycle : bool
-        Whether maps are drawn as each cycle ends; else as each joint does.
-    watch : callable(ClampRun)
-        Called after every tick.
+    pauses : callable() -> bool
+        Whether it is to stay where it is; asked in every tick.
+    maps : GrowingMaps
     """
 
     def __init__(
-        self, robot: Block, search: ClampSearch, rate: float, folder: Path, tell: Tell, asked: Requests,
-        work: Executor, every_cycle: bool, watch: Callable[["ClampRun"], object],
-    ) -> None:  # fmt: skip
-        self.graph, self.search = _graph(robot, search, rate), search
-        self._folder, self._tell, self._asked, self._work = folder, tell, asked, work
-        self._every_cycle, self._watch = every_cycle, watch
-        seen = {port.name for port in robot.outputs} & set(SEEN)
-        self._samples = Samples({name: self.graph.signal(f"robot.{name}") for name in SEEN if name in seen}, SEEN)
-        self._joint, self._reference = self.graph.signal("search.joint"), self.graph.signal("search.reference")
-        self._before, self._cycles, self._step, self._paused = -1, 0, -1, False
-        self._last_reference = self._reference.copy()
-        self._written: list[Future[Any]] = []
-        self._drawn: Future[Any] | None = None
+        self, name: str, search: ClampSearch, tell: Tell, pauses: Callable[[], bool], maps: GrowingMaps
+    ) -> None:
+        self.name, self.search, self.graph, self.tell = name, search, Graph(RATE), tell
+        self._pauses, self._maps = pauses, maps
+        self._before, self._cycles, self._step = -1, 0, -1
+        self._is_paused = self._is_stopped = False
+        self._last_reference: np.ndarray | None = None
 
-    def look(self) -> bool:
-        """Keep what the last tick showed, do as a person asks; return whether the run is over.
-
-        After a torque too large it is over once the references are back where there was little.
-        """
-        if self.graph.ticks == 0:
-            return False
-        self._watch(self)
-        if self.search.cause is not None:
-            rests = bool((self._reference == self._last_reference).all())
-            self._last_reference[:] = self._reference
-            return rests
-        self._last_reference[:] = self._reference
-        self._ask()
-        self._keep()
-        self._say()
-        return self.search.done or self._asked.stop
+    def part(self, robot: Block) -> Part:
+        """Return it on a robot: a block with the ports of `ClampSearch`, the other way round."""
+        graph = self.graph
+        graph.add("robot", robot)
+        graph.add("search", self.search)
+        for port in self.search.inputs:
+            graph.connect(f"robot.{port.name}", f"search.{port.name}")
+        for name in ("reference", "soft", "clamp"):
+            graph.connect(f"search.{name}", f"robot.{name}", delayed=True)
+        seen = [port.name for port in robot.outputs if port.name in (*SEEN, *WATCHED)]
+        taps = (*(Tap(name, f"robot.{name}") for name in seen), *(Tap(name, f"search.{name}") for name in MADE))
+        phase = Phase("procedure", sys.maxsize, self._begin, every=1, look=self._look)
+        retreat = Retreat(self._fault, self._hold, round(BACK * RATE), every=1, look=self._rests)
+        return Part(self.name, graph, (Track(self.name, taps, frozenset(MADE)),), (phase,), retreat=retreat)
 
     def growing(self) -> tuple[int, int, np.ndarray, np.ndarray] | None:
         """Return what is known of the joint that is moved now, from any thread; None where none is.
@@ -111,68 +113,64 @@ class ClampRun:
         joint, cycles = self._before, self._cycles
         if joint < 0 or not len(self._samples):
             return None
-        angle, torque = self._map(joint)
-        return joint, cycles, angle, torque
-
-    def finish(self) -> None:
-        """Wait for the files, and say how it ended.
-
-        Raises
-        ------
-        ClampAborted : something went wrong; what was recorded is kept.
-        Stopped : it was asked to.
-        """
-        for each in self._written:
-            each.result()
-        if self.search.cause is not None:
-            raise ClampAborted(f"{self.search.cause}; {self.where}")
-        if not self.search.done:
-            self.search.abort("stopped by a person")
-            raise Stopped(f"stopped in step {self.search.step + 1}: the arm holds; joints that were done are kept")
+        return joint, cycles, *self._map(joint)
 
     @property
     def where(self) -> str:
-        """Where the arm stands after an abort, in words."""
-        return f"the arm holds in step {self.search.step + 1}, soft servo and clamp stay"
+        """In which step it is, in words."""
+        return f"step {self.search.step + 1}"
+
+    def _begin(self) -> None:
+        self._samples = Samples({name: self.graph.signal(f"robot.{name}") for name in MAPPED}, MAPPED)
+        self._joint = self.graph.signal("search.joint")
+        self._say()
+
+    def _look(self) -> bool:
+        """Keep what the last tick showed, do as a person asks; return whether all steps are done."""
+        if self.search.cause is not None:
+            return False
+        self._ask()
+        self._keep()
+        self._say()
+        return self.search.done
+
+    def _fault(self) -> str:
+        cause = self.search.cause
+        return "" if cause is None or self._is_stopped else cause
+
+    def _hold(self, reason: str) -> None:
+        self._is_stopped = self.search.cause is None
+        self.search.abort(reason)
+
+    def _rests(self) -> bool:
+        """Whether references stand still: after a torque too large they go back to where there was little."""
+        reference, last = self.graph.signal("search.reference").copy(), self._last_reference
+        self._last_reference = reference
+        return last is not None and bool((reference == last).all())
 
     def _ask(self) -> None:
-        if self._asked.pause != self._paused:
-            self._paused = self._asked.pause
-            if self._paused:
-                self.search.pause()
-            else:
-                self.search.resume()
-            self._tell(f"{self._time()}  {'paused: the arm holds' if self._paused else 'goes on'}")
+        if self._pauses() == self._is_paused:
+            return
+        self._is_paused = not self._is_paused
+        if self._is_paused:
+            self.search.pause()
+        else:
+            self.search.resume()
+        self.tell(f"{self._time()}  {'paused: the arm holds' if self._is_paused else 'goes on'}")
 
     def _keep(self) -> None:
         now = int(self._joint[0, 0]) - 1
-        approaches = self.search.step == 0
         if self._before >= 0 and now != self._before:
-            self._end_joint()
-        elif not approaches and self._before < 0 and len(self._samples):
-            self._write(APPROACH)
-        if now >= 0 or approaches:
+            self._maps.draw(self._before, *self._map(self._before), self._cycles)
+            self._samples.clear()
+            self._cycles = 0
+        if now >= 0:
             self._samples.keep()
-        if now >= 0 and self.search.cycles > self._cycles:
-            self._cycles = self.search.cycles
-            if self._every_cycle and (self._drawn is None or self._drawn.done()):
-                self._draw(now)
+            if self.search.cycles > self._cycles:
+                self._cycles = self.search.cycles
+                if self._maps.every_cycle and self._maps.is_idle:
+                    self._maps.draw(now, *self._map(now), self._cycles)
         self._before = now
-
-    def _end_joint(self) -> None:
-        self._draw(self._before)
-        self._write(recording_name(self._before))
-        self._cycles = 0
-
-    def _write(self, name: str) -> None:
-        made = self._samples.recording(self.graph.rate)
-        self._written.append(self._work.submit(recording.write, self._folder / name, made))
-        self._samples.clear()
-
-    def _draw(self, joint: int) -> None:
-        angle, torque = self._map(joint)
-        self._drawn = self._work.submit(partial(draw_map, self._folder, joint, angle, torque, self._cycles))
-        self._written.append(self._drawn)
 
     def _map(self, joint: int) -> tuple[np.ndarray, np.ndarray]:
         made = self._samples.recording(self.graph.rate)
@@ -182,37 +180,8 @@ class ClampRun:
     def _say(self) -> None:
         if self.search.step != self._step and not self.search.done:
             for each in self.search.steps[self._step + 1 : self.search.step + 1]:
-                self._tell(f"{self._time()}  {each.words}")
+                self.tell(f"{self._time()}  {each.words}")
             self._step = self.search.step
 
     def _time(self) -> str:
         return f"{self.graph.ticks / self.graph.rate:7.1f} s"
-
-
-def _graph(robot: Block, search: ClampSearch, rate: float) -> Graph:
-    graph = Graph(rate)
-    graph.add("robot", robot)
-    graph.add("search", search)
-    for port in search.inputs:
-        graph.connect(f"robot.{port.name}", f"search.{port.name}")
-    for name in ("reference", "soft", "clamp"):
-        graph.connect(f"search.{name}", f"robot.{name}", delayed=True)
-    graph.prepare()
-    return graph
-
-
-def require_room(folder: Path, joints: int) -> None:
-    """Refuse, by a `DiskFault`, to begin on so many joints where the disk has no room for them.
-
-    Parameters
-    ----------
-    folder : Path
-    joints : int
-    """
-    needed = joints * bytes_of(round(A_JOINT * RATE), CHANNELS, "float32", "wav")
-    require(folder, needed, f"{joints} joints")
-
-
-def missing(folder: Path, joints: Sequence[int]) -> tuple[int, ...]:
-    """Return the joints, from 0, that have no recording in a folder yet."""
-    return tuple(joint for joint in joints if not (folder / recording_name(joint)).exists())

@@ -1,24 +1,26 @@
 """The joints' calibration as the daemon begins it: the same as `calibrate joints` in one pose, told to a desk."""
 
 from collections.abc import Iterator
-from concurrent.futures import Executor
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
 from calibration.guided_arm import arm_with_tool
-from calibration.joint_clamping.aside import Here, aside
+from calibration.joint_clamping.aside import Here
 from calibration.joint_clamping.command import WAY_OF, joint_numbers
 from calibration.joint_clamping.joints_file import write_joints
 from calibration.joint_clamping.live_map import LiveMap
 from calibration.joint_clamping.maps_page import nothing
-from calibration.joint_clamping.measurement import ClampRun, missing, require_room
+from calibration.joint_clamping.measurement import ClampRun
+from calibration.joint_clamping.recorded_joints import missing, require_room
 from calibration.joint_clamping.report import HEAD, joints_report, rows
-from calibration.joint_clamping.requests import Requests
 from calibration.joint_clamping.results import RAW, Clamped, of_recording
-from calibration.joint_clamping.session import KEPT, KIND, measure
+from calibration.joint_clamping.session import KEPT, KIND, beside, measure
+from calibration.joint_clamping.session import Desk as Conducted
 from calibration.names import raw_folder
 from calibration.output import Wish, output
+from calibration.raw_run import raw_run
+from rigkit.experiment.runner import Conduct
 from rigkit.experiment.strips import PERIOD
 from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
@@ -66,7 +68,7 @@ class JointsProcedure:
             raise ValueError(f"{self._folder}/ has no recording of joint {left[0] + 1}, and nothing is to be measured")
         self._steps = len(clamp_procedure(config.clamping, self._arm, left).steps()) if left else 0
         require_room(self._folder, len(left))
-        self._asked, self._motion = Requests(), Motion(config, idle=None if config.clamping.live else 0.0)
+        self._motion = Motion(config, idle=None if config.clamping.live else 0.0)
         self._run: ClampRun | None = None
 
     def stop(self) -> None:
@@ -90,7 +92,7 @@ class JointsProcedure:
         Raises
         ------
         Stopped : the desk said that it is to end; the arm holds.
-        ClampAborted, LinkError : something went wrong; the arm holds.
+        PartEnded, LinkError : something went wrong; the arm holds.
         """
         desk, cell = self._desk, self._cell
         desk.progress(0, self._steps, "getting ready")
@@ -99,10 +101,11 @@ class JointsProcedure:
         with (
             self._writes.begun(),
             self._recording(),
-            self._beside() as work,
+            beside(cell, nothing) as work,
             Regularly(partial(self._draw, LiveMap(desk, work)), PERIOD),
+            raw_run(self._folder, cell) as folder,
         ):
-            recorded, way = measure(cell, self._joints, self._folder, self._told, self._asked, self._look)
+            recorded, way = measure(cell, self._joints, folder, self._conducted())
         desk.progress(self._steps, self._steps, "extracting the models")
         clamped = Clamped(self._arm, self._pose, cell.clamping.environment)
         chosen = WAY_OF[self._options.compensate]
@@ -119,9 +122,9 @@ class JointsProcedure:
         said = {f"joint_{each.joint + 1}": each.best[1].backlash_said for each in results}
         desk.event("calibrated", {"model": self._out.name, **said})
 
-    def _beside(self) -> AbstractContextManager[Executor]:
-        """Give what fits models: a process of its own where a robot waits for this one."""
-        return aside(nothing) if self._cell.clamping.live else nullcontext(Here())
+    def _conducted(self) -> Conducted:
+        watch = self._conductor.watch
+        return Conducted(self._told, Conduct(self._conductor.ending, watch, watch.look), begun=self._begun)
 
     @contextmanager
     def _recording(self) -> Iterator[None]:
@@ -133,12 +136,8 @@ class JointsProcedure:
             self._run = None
             self._conductor.watch.forget()
 
-    def _look(self, run: ClampRun) -> None:
-        """See what a tick has done, and ask for a stop where one is wanted."""
+    def _begun(self, run: ClampRun) -> None:
         self._run = run
-        self._conductor.watch.look(run.graph)
-        if self._conductor.ending():
-            self._asked.stopping.made = True
 
     def _told(self, text: str) -> None:
         time, _, words = text.partition(" s  ")

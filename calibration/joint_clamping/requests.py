@@ -11,7 +11,7 @@ from rigkit.stop import StopRequest, handled, stoppable
 
 @dataclass(eq=False)
 class Requests:
-    """What has been asked for; the procedure looks at it in every tick.
+    """What has been asked for; a procedure looks at it in every tick.
 
     Parameters
     ----------

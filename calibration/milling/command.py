@@ -9,7 +9,6 @@ import typer
 from calibration.milling.live import live_steps, refuse_unfit
 from calibration.milling.report import FIT_HEAD, figures, fit_rows, milling_report
 from calibration.milling.session import (
-    SWEEP,
     Calibrated,
     calibrate,
     dry_run,
@@ -18,7 +17,7 @@ from calibration.milling.session import (
     raw_trials,
     require_room,
 )
-from calibration.milling.sweep_session import sweep, sweep_steps
+from calibration.milling.sweep_session import is_swept, sweep, sweep_steps
 from calibration.output import AgainOption, Output, RecomputeOption, Wish
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
@@ -109,11 +108,11 @@ def _measured(writes: Output[CellConfig], task: str, is_live: bool, is_sure: boo
     with raw_trials(writes) as folder, stoppable() as stop:
         conduct = Conduct(lambda: stop.made)
         person = Person(tell, not is_sure) if is_live else None
-        if person is not None and not (folder.path / SWEEP).exists():
+        if person is not None and not is_swept(folder):
             what = f"the sweep, {len(sweep_steps(cell))} motions: no block, nobody in the cell"
             person.confirm(what, conduct.stopped)
         try:
-            swept, made = sweep(cell, is_live, folder.path / SWEEP, tell, stop), bench(cell, person)
+            swept, made = sweep(cell, is_live, folder, tell, conduct), bench(cell, person)
             found = calibrate(cell, task, Runner(folder, made, conduct, tell), swept, about)
             made.leave(folder.event, conduct.stopped)
             return found

@@ -3,17 +3,17 @@
 from pathlib import Path
 
 from calibration.milling.report import FIT_HEAD, fit_rows, milling_report
-from calibration.milling.session import CHIRPS, SWEEP, calibrate, output_of, raw_trials, refuse_unfit_path, require_room
+from calibration.milling.session import CHIRPS, calibrate, output_of, raw_trials, refuse_unfit_path, require_room
 from calibration.milling.sweep_session import sweep, sweep_steps
 from calibration.output import Wish
-from ctlblocks import Graph
 from ctlblocks.recording import Recording
+from rigkit.experiment.runner import Conduct
 from rigkit.experiment.strips import PERIOD, strip
 from rigkit.experiment.watch import WINDOW
+from rigkit.run_folder import RunFolder
 from rigkit.service.regularly import Regularly
 from rigkit.service.rig import Desk
 from rigkit.service.show import Axis, Gauge, Table
-from rigkit.stop import StopRequest
 from stagectl.daemon.cell.options import MillingOptions
 from stagectl.daemon.cell.trial_runner import TrialRunner
 from stagectl.daemon.cell_gauges import Motion, timed
@@ -66,7 +66,6 @@ class MillingProcedure:
         self._trials: TrialRunner | None = None
         self._first = first
         self._free: list[DoneTrial] = []
-        self._request = StopRequest()
 
     def stop(self) -> None:
         """Lift the tool out of the material; in the sweep, hold the arm."""
@@ -86,14 +85,14 @@ class MillingProcedure:
         Raises
         ------
         Stopped : the desk said that it is to end.
-        SweepAborted, TrialEnded : a fault.
+        PartEnded : a fault.
         """
         desk, total = self._desk, self._total
         desk.progress(0, total, "getting ready")
         for note in self._writes.notes:
             desk.event("note", {"text": note})
         with raw_trials(self._writes) as folder, Regularly(self._draw, PERIOD):
-            swept = self._swept(folder.path / SWEEP)
+            swept = self._swept(folder)
             self._trials = TrialRunner(self._conductor, folder, self._first.cell, 1, total, self._show)
             found = calibrate(self._cell, self._task, self._trials, swept, self._writes.provenance)
         for note in found.notes:
@@ -105,7 +104,7 @@ class MillingProcedure:
         desk.show("fits", Table("Fits on what was held back, %", FIT_HEAD, tuple(fit_rows(found))))
         desk.event("calibrated", {"model": self._out.name, "fits": {row[0]: row[1:] for row in fit_rows(found)}})
 
-    def _swept(self, file: Path) -> Recording:
+    def _swept(self, folder: RunFolder) -> Recording:
         def tell(text: str) -> None:
             self._moves += 1
             words = f"sweep, motion {self._moves}: {text.strip()}"
@@ -113,15 +112,10 @@ class MillingProcedure:
 
         self._desk.recording(True)
         try:
-            return sweep(self._cell, False, file, tell, self._request, self._look)
+            return sweep(self._cell, False, folder, tell, Conduct(self._sweeping.ending, self._sweeping.watch))
         finally:
             self._desk.recording(False)
             self._sweeping.watch.forget()
-
-    def _look(self, graph: Graph) -> None:
-        """See what a tick of the sweep has done, and ask for a stop where one is wanted."""
-        self._sweeping.watch.look(graph)
-        self._request.made = self._sweeping.ending()
 
     def _show(self, done: DoneTrial) -> None:
         self._desk.show("error", along(done))

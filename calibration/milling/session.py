@@ -14,13 +14,12 @@ from calibration.milling.sweep_session import sweep_path
 from calibration.milling.torque_fit import TorqueFit, friction_and_gravity, known_speeds
 from calibration.names import raw_folder
 from calibration.output import Output, Wish, output
+from calibration.raw_run import raw_run
 from ctlblocks.recording import Recording
 from ctlblocks.room import bytes_of
-from rigkit import atomic
-from rigkit import config as rig_file
 from rigkit.agreement import GOING_ON
 from rigkit.disk_space import require
-from rigkit.run_folder import CONFIG, RunFolder
+from rigkit.run_folder import RunFolder
 from stagectl.experiments.trials.campaign import FIRST, carried_out, learn_free_space
 from stagectl.experiments.trials.done import DoneTrial
 from stagectl.experiments.trials.experiment import room
@@ -35,7 +34,7 @@ from stagectl.robot.milling.milling_models import FORCES, SIDES, MillingModels, 
 from stagectl.robot.milling.torque_file import torque_arrays
 from stagectl.robot.milling.trial_error import kinematic_error
 
-CHIRPS, SWEEP = "chirps", "sweep.wav"
+CHIRPS = "chirps"
 LIVE, SIMULATED = "live", "simulated"
 KEPT = GOING_ON.without(
     "clamping", "midranging", "toroid", "feedback", "segments", "feed_plants", "force", "force_estimate", "link"
@@ -102,16 +101,8 @@ def output_of(
 @contextmanager
 def raw_trials(writes: Output[CellConfig]) -> Iterator[RunFolder]:
     """Make the folder of a model file's raw recordings, or take it up again; one in which nothing came goes again."""
-    with writes.begun():
-        is_new = not (writes.raw / CONFIG).exists()
-        if is_new:
-            atomic.write(writes.raw / CONFIG, rig_file.dump(writes.config))
-        with RunFolder.open(writes.raw) as folder:
-            try:
-                yield folder
-            finally:
-                if is_new and not any(writes.raw.rglob("*.wav")):
-                    folder.withdraw()
+    with writes.begun(), raw_run(writes.raw, writes.config) as folder:
+        yield folder
 
 
 def require_room(out: Path, cell: CellConfig, task: str) -> None:

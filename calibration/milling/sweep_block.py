@@ -29,7 +29,16 @@ class Sweep(Block):
     def prepare(self, rate: float, frames: int) -> None:
         """Begin anew."""
         self._at, self._reference, self._most = -1, np.full(6, np.nan), self._approach / rate
-        self.is_faulty = False
+        self.is_faulty = self._is_held = False
+
+    def hold(self) -> None:
+        """Stay where it is from the next sample on (between ticks)."""
+        self._is_held = True
+
+    @property
+    def is_there(self) -> bool:
+        """Whether the path has begun."""
+        return self._at >= 0
 
     @property
     def done(self) -> bool:
@@ -53,9 +62,11 @@ class Sweep(Block):
                 self._reference[:] = angle[n]
             self.is_faulty = self.is_faulty or fault[n, 0] >= 1.0 or bool(np.isnan(angle[n]).any())
             step[n, 0] = 0.0
-            if not self.is_faulty and self._at < 0:
+            if self.is_faulty or self._is_held:
+                pass
+            elif self._at < 0:
                 self._come_near()
-            elif not self.is_faulty and not self.done:
+            elif not self.done:
                 self._reference[:] = self._path[self._at]
                 step[n, 0] = self._steps[self._at]
                 self._at += 1

@@ -1,38 +1,39 @@
-"""A sweep run on the simulated arm or over the wires, and its record kept raw."""
+"""A sweep run on the simulated arm or over the wires, recorded as it goes."""
 
-from collections.abc import Callable
-from pathlib import Path
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 
-from calibration.guided_arm import LATE_TICKS, arm_with_tool, lead, refuse_haste, wired_arm
-from calibration.joint_clamping.samples import Samples
+from calibration.guided_arm import LATE_TICKS, arm_with_tool, led_arm, refuse_haste
 from calibration.joint_clamping.session import simulated_robot
 from calibration.milling.sweep_block import Sweep
 from calibration.milling.sweep_plan import SweepBox, SweepStep, path_of, plan_sweep
-from ctlblocks import Block, Graph, recording
+from ctlblocks import Block, Graph, Port
 from ctlblocks.recording import Recording
-from rigkit.stop import Stopped, StopRequest
-from stagectl.link.bus import LinkError
+from ctlblocks.taps import Tap
+from rigkit.experiment.kept import records_of
+from rigkit.experiment.once import Once
+from rigkit.experiment.part import Part, Phase, Retreat, Track
+from rigkit.experiment.runner import Conduct
+from rigkit.run_folder import RunFolder
 from stagectl.robot.arm import Arm
 from stagectl.robot.config import CellConfig
 from stagectl.wire.egm import RATE
 
-SEEN = {"angle": "rad", "torque": "N m", "step": "1"}
-"""What is kept, and its units."""
+NAME = "sweep"
+"""Of the part, and of its recording."""
+SEEN, MADE = ("angle", "torque", "fault"), ("reference", "step")
+"""What is recorded of the robot, and of the block that moves it."""
 APPROACH = 0.05
 """rad/s, of the fastest joint on the way to the sweep's first pose."""
+LONGEST_WAY = 600.0
+"""s there, at most."""
+HELD = 0.5
+"""s that are recorded of an arm that is held before the sweep's end."""
 
 Tell = Callable[[str], None]
-Watch = Callable[[Graph], object]
-
-
-def unwatched(graph: Graph) -> None:  # noqa: ARG001 (an observer's own argument)
-    """Look at nothing."""
-
-
-class SweepAborted(ValueError):
-    """The sweep was aborted; the text says why, and where the arm stands."""
 
 
 def sweep_steps(cell: CellConfig) -> list[SweepStep]:
@@ -50,49 +51,48 @@ def sweep_path(cell: CellConfig) -> np.ndarray:
     return path_of(sweep_steps(cell), _start(cell), RATE)[0]
 
 
-def sweep(
-    cell: CellConfig, live: bool, file: Path, tell: Tell, stop: StopRequest, watch: Watch = unwatched
-) -> Recording:
-    """Run the sweep, write its record, and return it; a record that is there already is read.
+def sweep(cell: CellConfig, live: bool, folder: RunFolder, tell: Tell, conduct: Conduct) -> Recording:
+    """Run the sweep, recorded as it goes, and return what is recorded of its motions; one that is there is read.
 
     Parameters
     ----------
     cell : CellConfig
     live : bool
         The robot behind the wires of [robot]; else the simulated one.
-    file : Path
-        Of the record, `.wav`.
+    folder : RunFolder
+        Of the raw recordings.
     tell : callable(str)
         Told each motion in words as it begins.
-    stop : StopRequest
-    watch : callable(Graph)
-        Called after every tick.
+    conduct : Conduct
 
     Raises
     ------
     ValueError : limits that do not fit to the arm; before anything moves.
     LinkError : a wire that cannot be had.
-    SweepAborted : a fault; what was recorded until then is kept as `file` with `.aborted.wav`.
-    Stopped : it was asked to.
+    PartEnded, Stopped : a fault, or a person, ended it: the arm holds; what was recorded until then is kept.
     """
-    if file.exists():
-        return recording.read(file)
-    steps = sweep_steps(cell)
-    path, numbers = path_of(steps, _start(cell), RATE)
-    block = Sweep(path, numbers, APPROACH)
+    once = Once(folder, conduct)
+    if not once.has(NAME):
+        steps = sweep_steps(cell)
+        path, numbers = path_of(steps, _start(cell), RATE)
+        once.run(NAME, _made(cell, live, SweepRun(Sweep(path, numbers, APPROACH), steps, len(path), tell)))
+    record = records_of(folder.path, NAME)[NAME]
+    return replace(record, data=record.data[record.select(["step_1"]).data[:, 0] > 0])
+
+
+def is_swept(folder: RunFolder) -> bool:
+    """Whether there is a sweep in a folder that has come to its end."""
+    return Once(folder, Conduct()).has(NAME)
+
+
+@contextmanager
+def _made(cell: CellConfig, live: bool, run: "SweepRun") -> Iterator[Part]:
     if not live:
-        run, cause = _SweepRun(simulated_robot(cell), block, steps, tell, stop, watch), ""
-        while not run.look():
-            run.graph.tick()
-        return run.finish(file, cause)
-    _refuse_haste(cell, arm_with_tool(cell), path)
-    with wired_arm(cell, False, tell) as robot:
-        run, cause = _SweepRun(robot, block, steps, tell, stop, watch), ""
-        try:
-            lead(robot, run.graph, run.look)
-        except LinkError as fault:
-            cause = str(fault)
-        return run.finish(file, cause)
+        yield run.part(simulated_robot(cell))
+        return
+    _refuse_haste(cell, arm_with_tool(cell))
+    with led_arm(cell, False, run.tell, run.part) as part:
+        yield part
 
 
 def _box(cell: CellConfig) -> SweepBox:
@@ -105,51 +105,64 @@ def _start(cell: CellConfig) -> np.ndarray:
     return np.radians(cell.clamping.leave)
 
 
-def _refuse_haste(cell: CellConfig, arm: Arm, path: np.ndarray) -> None:
-    fastest = np.abs(np.diff(path, axis=0)).max(axis=0) * RATE
+def _refuse_haste(cell: CellConfig, arm: Arm) -> None:
+    fastest = np.abs(np.diff(sweep_path(cell), axis=0)).max(axis=0) * RATE
     refuse_haste(cell, arm, {"the sweep": list(fastest), "its approach": [APPROACH] * arm.joints})
 
 
-class _SweepRun:
-    """A sweep in a graph that somebody ticks, and what is kept of it."""
+class SweepRun:
+    """A sweep as a part of an experiment, told of as it goes.
 
-    def __init__(
-        self, robot: Block, block: Sweep, steps: list[SweepStep], tell: Tell, stop: StopRequest, watch: Watch
-    ) -> None:
-        self.graph, self.block = Graph(RATE), block
-        self.graph.add("robot", robot)
-        self.graph.add("sweep", block)
+    Parameters
+    ----------
+    block : Sweep
+    steps : list of SweepStep
+    samples : int
+        Of its path.
+    tell : callable(str)
+    """
+
+    def __init__(self, block: Sweep, steps: list[SweepStep], samples: int, tell: Tell) -> None:
+        self.tell = tell
+        self._block, self._steps, self._samples, self._said = block, steps, samples, 0
+        self._graph = Graph(RATE)
+
+    def part(self, robot: Block) -> Part:
+        """Return it on a robot: a block with the ports of `Sweep`, the other way round, and torques."""
+        graph = self._graph
+        graph.add("robot", robot)
+        graph.add("sweep", self._block)
         for name in ("angle", "fault"):
-            self.graph.connect(f"robot.{name}", f"sweep.{name}")
+            graph.connect(f"robot.{name}", f"sweep.{name}")
         for name in ("reference", "soft", "clamp"):
-            self.graph.connect(f"sweep.{name}", f"robot.{name}", delayed=True)
-        self.graph.prepare()
-        self._steps, self._tell, self._stop, self._watch, self._said = steps, tell, stop, watch, 0
-        self._step = self.graph.signal("sweep.step")
-        signals = {"angle": "robot.angle", "torque": "robot.torque", "step": "sweep.step"}
-        self._samples = Samples({name: self.graph.signal(signal) for name, signal in signals.items()}, SEEN)
+            graph.connect(f"sweep.{name}", f"robot.{name}", delayed=True)
+        taps = [*(Tap(name, f"robot.{name}") for name in SEEN), *(Tap(name, f"sweep.{name}") for name in MADE)]
+        phases = (
+            Phase("way", round(LONGEST_WAY * RATE), every=1, look=lambda: self._block.is_there),
+            Phase("motions", self._samples, every=1, look=self._look),
+        )
+        track = Track(NAME, tuple(taps), frozenset(MADE), channels=_numbered)
+        return Part(NAME, graph, (track,), phases, retreat=Retreat(self._fault, self._hold, round(HELD * RATE)))
 
-    def look(self) -> bool:
-        """Keep what the last tick showed; return whether the run is over."""
-        step = int(self._step[0, 0])
-        if self.graph.ticks:
-            self._watch(self.graph)
-        if step > 0:
-            self._samples.keep()
+    def _look(self) -> bool:
+        """Tell of each motion as it begins; return whether the path has ended."""
+        step = int(self._graph.signal("sweep.step")[0, 0])
         if step > self._said:
             self._said = step
-            self._tell(f"{self.graph.ticks / RATE:7.1f} s  {self._steps[step - 1].words}")
-        return self.block.done or self.block.is_faulty or self._stop.made
+            self.tell(f"{self._graph.ticks / RATE:7.1f} s  {self._steps[step - 1].words}")
+        return self._block.done
 
-    def finish(self, file: Path, cause: str) -> Recording:
-        """Write what was kept, and say how it ended; a `cause` is why it was aborted from outside."""
-        cause = cause or ("the robot is at fault" if self.block.is_faulty else "")
-        if len(self._samples) and (cause or not self.block.done):
-            recording.write(file.with_suffix(".aborted.wav"), self._samples.recording(RATE))
-        where = f"in motion {max(self._said, 1)} of {len(self._steps)}: the arm holds"
-        if cause:
-            raise SweepAborted(f"{cause}; {where}")
-        if not self.block.done:
-            raise Stopped(f"stopped {where}")
-        recording.write(file, self._samples.recording(RATE))
-        return recording.read(file)
+    def _fault(self) -> str:
+        return f"the robot is at fault; {self._where}" if self._block.is_faulty else ""
+
+    def _hold(self, _: str) -> None:
+        self._block.hold()
+        self.tell(f"{self._graph.ticks / RATE:7.1f} s  {self._where}")
+
+    @property
+    def _where(self) -> str:
+        return f"in motion {max(self._said, 1)} of {len(self._steps)}: the arm holds"
+
+
+def _numbered(port: Port) -> tuple[str, ...]:
+    return tuple(f"{port.name}_{number}" for number in range(1, port.width + 1))

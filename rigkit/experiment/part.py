@@ -154,6 +154,10 @@ class Part:
         """How far it is, in the unit in which its experiment tells its length."""
         return self.seconds if self.progress is None else self.progress()
 
+    def fault(self) -> str:
+        """Return what has latched, or nothing."""
+        return "" if self.retreat is None else self.retreat.fault()
+
     def attach(self, sink_of: Callable[[Track], Block], name: str = "recorder") -> None:
         """Add a sink for each track to the graph, under a name and a number."""
         for number, track in enumerate(self.tracks):

@@ -54,7 +54,8 @@ class GuidedArm(Block):
         self._command.prepare(rate, frames)
         self._none = np.zeros((frames, 6))
         self._first = True
-        self._silent, self._offered = 0, 0
+        self._silent, self._offered, self._losses = 0, 0, self.signals.losses
+        self._newest = np.zeros(13)
         self._most = round(self.port.robot.lag * RATE)
 
     def process(
@@ -77,7 +78,9 @@ class GuidedArm(Block):
             self._command.process(reference, self._none)
         self.program.want(bool(soft[-1, 0] >= 1.0), bool(clamp[-1, 0] >= 1.0))
         newest = self.signals.newest
-        angle[:], torque[:] = newest[1:7], newest[7:]
+        if math.isfinite(newest.sum()):  # a line that is down says so by its fault
+            self._newest[:] = newest
+        angle[:], torque[:] = self._newest[1:7], self._newest[7:]
         frames[:] = 0.0 if self.links is None else self.links.poses.reshape(-1)
         softened[:], clamped[:] = self.program.is_soft, self.program.is_clamped
         fault[:] = 1.0 if self._is_silent() else 0.0
@@ -87,7 +90,7 @@ class GuidedArm(Block):
         offered = self.signals.samples.offered
         self._silent = self._silent + 1 if offered == self._offered else 0
         self._offered = offered
-        if math.isnan(self.signals.newest[0]):
+        if self.signals.losses > self._losses:  # also where it is back already: what it said meanwhile is lost
             self.port.hold("the torque signals have stopped: their line is down")
             return True
         if self._silent > self._most:

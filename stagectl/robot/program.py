@@ -98,10 +98,15 @@ class TorqueSignals:
     robot : Robot
     host : str, the controller's address
     now : callable() -> float, s, a monotonic clock
+
+    Attributes
+    ----------
+    garbled, losses : int
+        Lines that were none, and times that the connection went down.
     """
 
     def __init__(self, robot: Robot, host: str, now: Callable[[], float]) -> None:
-        self.garbled = 0
+        self.garbled = self.losses = 0
         self.samples = Ring(13, _KEPT)
         self.newest = np.full(13, np.nan)
         self._rest = b""
@@ -134,6 +139,7 @@ class TorqueSignals:
     def lose(self) -> None:
         """Begin a new line when it is back."""
         self._rest, self.newest = b"", np.full(13, np.nan)
+        self.losses += 1
 
     def _read(self, line: bytes) -> None:
         try:

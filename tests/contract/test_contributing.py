@@ -1,9 +1,11 @@
-"""CONTRIBUTING.md's plant is one: a Block as every other, that a stage's graph takes by its name in the rig file."""
+"""CONTRIBUTING.md's plant and its learning law are what they are said to be: a Block as every other, and a law."""
 
 import sys
+import textwrap
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 
 from ctlblocks import Block
@@ -16,19 +18,31 @@ from stagectl.experiments.piezo.setup import setup
 from tests.contract.conformance import CHECKS, Example
 from tests.contract.source_tree import ROOT
 from tests.stagectl.experiments.piezo.simulated_models import write_models
+from tests.vibractl.learning.line_plant import LinePlant, law_of, matrix_of, modal
+from vibractl.config import Adaptation, Watch
+from vibractl.learning.algorithm import Algorithm
+from vibractl.learning.gains import Gains
+from vibractl.learning.kinds_of_law import KINDS, KindOfLaw
 
 PAGE = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 LONGEST = 32
-"""Lines of the page's plant."""
+"""Lines of a module of the page."""
+
+
+def from_page(name: str) -> ModuleType:
+    """Make the page's module of that name."""
+    parts = [textwrap.dedent(part.split("```")[0]) for part in PAGE.split("```python\n")]
+    source = next(part for part in parts if part.startswith(f'"""{name}'))
+    assert len(source.splitlines()) <= LONGEST
+    module = ModuleType(name)
+    exec(source, module.__dict__)  # noqa: S102 (the page's own code)
+    return module
 
 
 @pytest.fixture
 def plant(monkeypatch: pytest.MonkeyPatch) -> type[Block]:
     """Import the page's plant as `own_plant`."""
-    source = next(part.split("```")[0] for part in PAGE.split("```python\n") if part.startswith('"""own_plant'))
-    assert len(source.splitlines()) <= LONGEST
-    module = ModuleType("own_plant")
-    exec(source, module.__dict__)  # noqa: S102 (the page's own code)
+    module = from_page("own_plant")
     monkeypatch.setitem(sys.modules, "own_plant", module)
     made: type[Block] = module.LaggingStage
     return made
@@ -48,3 +62,19 @@ def test_a_stage_is_run_on_it(tmp_path: Path) -> None:
     cell.run(lambda _: None, never)
     position = kept.recording().select(["position_1", "position_2", "position_3"]).data
     assert position.std(axis=0).min() > 1e-5  # m: the voltages have risen to rest, and it has followed them
+
+
+def test_the_law_learns_but_for_what_it_lets_fade(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a model that is right, U = 0.99 U + 0.5 G^+ (R - G U) leaves E = 0.01 / 0.51 of R."""
+    half = Gains((0.5,), ())
+    monkeypatch.setitem(KINDS, "thesis", KindOfLaw(from_page("leaky_law").LeakyLaw(), half, half))
+    true = modal(2, 2)
+    law = law_of(matrix_of(true), law="thesis", epsilon=0.0, floor=0.0)
+    algorithm, plant = Algorithm(law, Adaptation(), Watch(on=False), -40.0), LinePlant(true, law, 1e-12)
+    error = np.zeros(0)
+    for _ in range(30):
+        shot = plant.shot(algorithm.lines)
+        error = law.reference - shot.response
+        algorithm.step(shot)
+    left = 0.01 / 0.51 * np.abs(law.reference).max()
+    assert np.abs(error).max() == pytest.approx(left, rel=1e-3)

@@ -14,10 +14,10 @@ import pytest
 
 from calibration.milling.session import calibrate
 from calibration.milling.sweep_session import sweep
+from calibration.raw_run import raw_run
 from ctlblocks.recording import Recording
 from firmware_sim.robot_cell import cell_cut
 from rigkit.experiment.runner import STOPPED, Conduct, never, remembered, repeated
-from rigkit.stop import StopRequest
 from stagectl.experiments.trials.campaign import carried_out, learn_free_space, learn_pocket
 from stagectl.experiments.trials.done import DoneTrial
 from stagectl.experiments.trials.laws import Learner
@@ -165,7 +165,8 @@ def test_models_are_found_over_the_wires(tmp_path: Path) -> None:
     }
     with SteppedCell(cell_cut, **settings) as cell:
         made = Laboratory(cell)
-        swept = sweep(cell.config, False, tmp_path / "sweep.wav", lambda _: None, StopRequest())
+        with raw_run(tmp_path / "raw", cell.config) as folder:
+            swept = sweep(cell.config, False, folder, lambda _: None, Conduct())
         found = calibrate(cell.config, "pocket", made.run, swept, {"rig": "cell"})
     assert min(found.models.robot["motors"].fresh) > 80.0
     assert min(found.models.robot["tool"].fresh) > 75.0

@@ -15,11 +15,12 @@ import pytest
 from calibration.joint_clamping import session
 from calibration.joint_clamping.aside import Here
 from calibration.joint_clamping.extraction import extract
-from calibration.joint_clamping.measurement import ClampAborted
-from calibration.joint_clamping.requests import Requests
 from calibration.joint_clamping.results import map_of, seen_tool, slope_over
-from calibration.joint_clamping.session import measure
+from calibration.joint_clamping.session import Desk, measure
 from calibration.joint_clamping.tracked_links import link_motion, tracked_axis
+from calibration.raw_run import raw_run
+from rigkit.experiment.once import PartEnded
+from rigkit.experiment.runner import Conduct
 from rigkit.stop import Stopped
 from tests.scenario.stepped_cell import SteppedCell
 
@@ -47,14 +48,13 @@ def here(_: object) -> Iterator[Executor]:
 
 @pytest.mark.slow
 def test_a_joint_is_measured_and_a_pause_holds_the_arm(tmp_path: Path) -> None:
-    asked, told = Requests(), []
+    told = [""]
 
-    def tell(text: str) -> None:
-        told.append(text)
-        asked.pause = "clamp check" in text  # until the next step, or that it is paused, is told
+    def pauses() -> bool:
+        return "clamp check" in told[-1]  # until the next step, or that it is paused, is told
 
-    with SteppedCell(clamping=QUICK) as cell:
-        recorded, way = measure(cell.config, (2,), tmp_path, tell, asked)
+    with SteppedCell(clamping=QUICK) as cell, raw_run(tmp_path, cell.config) as folder:
+        recorded, way = measure(cell.config, (2,), folder, Desk(told.append, pauses=pauses))
         joints = cell.bench.controller.plant.joints
         assert not cell.bench.controller.plant.tripped
     assert [text.split("  ")[-1] for text in told if "paused" in text or "goes on" in text] == [
@@ -101,20 +101,21 @@ def test_what_goes_wrong_is_named_and_the_robot_is_held(
             if "2 cycles" in text and mishap == "signals":
                 cell.mishaps.append(cell.bench.signals.hang_up)
 
-        with pytest.raises(ClampAborted, match=f"{reason}.*; the arm holds in step"):
-            measure(cell.config, (2,), tmp_path, tell, Requests())
+        with (
+            raw_run(tmp_path, cell.config) as folder,
+            pytest.raises(PartEnded, match=f"{reason}.*; the arm holds in step"),
+        ):
+            measure(cell.config, (2,), folder, Desk(tell))
     assert not (tmp_path / "joint-3.wav").exists()
 
 
 def test_a_stop_holds_the_arm_and_says_where_it_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(session, "aside", here)
-    asked = Requests()
-
-    def tell(text: str) -> None:
-        asked.stopping.made = "soft servo on" in text
-
+    told = [""]
+    conduct = Conduct(lambda: "soft servo on" in told[-1])
     with (
         SteppedCell(clamping=QUICK | {"track": False}) as cell,
+        raw_run(tmp_path, cell.config) as folder,
         pytest.raises(Stopped, match="stopped in step 2: the arm holds"),
     ):
-        measure(cell.config, (2,), tmp_path, tell, asked)
+        measure(cell.config, (2,), folder, Desk(told.append, conduct))

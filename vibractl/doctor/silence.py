@@ -9,7 +9,7 @@ from scipy.signal.windows import blackmanharris
 
 from vibractl.config import RigConfig
 from vibractl.decibels import FAINT, decibels
-from vibractl.learning.law import SIGNIFICANT
+from vibractl.learning.laws import SIGNIFICANT
 from vibractl.setup import reference_of
 
 MAINS = (50.0, 60.0)

@@ -8,7 +8,7 @@ from itertools import combinations, permutations, product
 import numpy as np
 
 from vibractl.foreign.search import correlations
-from vibractl.learning.law import SIGNIFICANT
+from vibractl.learning.laws import SIGNIFICANT
 
 SURE = 0.99
 """Confidence from which something is taken for so."""

@@ -9,6 +9,7 @@ from vibractl.learning.daring import Daring
 from vibractl.learning.decision import Decision, tidy
 from vibractl.learning.kinds_of_law import KINDS
 from vibractl.learning.law import Law, reference_level
+from vibractl.learning.laws import Heard
 from vibractl.learning.lookout import Lookout
 from vibractl.learning.rollback import Rollback
 from vibractl.learning.shot import Shot
@@ -51,7 +52,9 @@ class Algorithm:
         rising: np.ndarray | None = None,
     ) -> None:
         self.law, self._known, self._rising, self._objective = law, known, rising, objective
-        self._parts = adaptation if KINDS[law.settings.law].follows else adaptation.model_copy(update=_NOTHING)
+        kind = KINDS[law.settings.law]
+        self._law = kind.law
+        self._parts = adaptation if kind.follows else adaptation.model_copy(update=_NOTHING)
         self._watching = watch
         self._limit = float(reference_level(law.reference).min()) * 10 ** (objective / 20)
         update(law.start, law.inverse, np.zeros_like(law.reference), 0.0)  # compiles, before a stream is opened
@@ -176,7 +179,7 @@ class Algorithm:
     def _improved(self, shot: Shot, error: np.ndarray, pace: float) -> np.ndarray:
         """Return the drive that takes of the error (lines, outputs) of a shot what is dared; keep the shot."""
         self.daring.choose(self.belief, shot, error, pace)
-        lines = self.belief.next_drive(shot.drive, error, self.daring.gain, self.daring.is_open)
+        lines = self._law.next(self.belief, Heard(shot.drive, error, self.daring.gain, self.daring.is_open))
         self.belief.keep(shot)
         return lines
 

@@ -4,7 +4,7 @@ from collections import deque
 
 import numpy as np
 
-from vibractl.learning.law import strong_lines
+from vibractl.learning.laws import strong_lines
 
 QUIET_REACH = 15
 """Bins to each side over which the noise in the silence is a median: hum is left out."""

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from vibractl.learning.kinds_of_law import KINDS
-from vibractl.learning.law import Law, starts_by_inverse
+from vibractl.learning.law import Law, first_law
+from vibractl.learning.laws import ByInverse
 from vibractl.learning.variation import Variation, solved
 
 
@@ -21,7 +22,7 @@ def with_edges(law: Law, edge: float, rest: float, importance: np.ndarray | floa
         How much a line counts where one is better only as another is worse.
     """
     law = replace(law, edge=edge, rest=rest, importance=importance)
-    if law.is_tonal or not KINDS[law.settings.law].follows or not starts_by_inverse(law.settings):
+    if law.is_tonal or not KINDS[law.settings.law].follows or type(first_law(law.settings)) is not ByInverse:
         return law
     variation = Variation(law.matrix.frequency, edge, rest, None)
     start = solved(law.matrix.response, variation, law.inverse, law.reference, law.weight)

@@ -6,7 +6,8 @@ import numpy as np
 
 from vibractl.far_field import FarField
 from vibractl.fft_plans import Plans
-from vibractl.learning.law import Law, bounded_inverse, first_drive
+from vibractl.learning.law import Law, bounded_inverse, first_law
+from vibractl.learning.laws import Plant
 from vibractl.place import Place
 from vibractl.spectrum import LineSpectrum
 from vibractl.transfer_matrix import TransferMatrix
@@ -44,7 +45,7 @@ def far_field_law(law: Law, matrix: TransferMatrix, far: FarField, place: Place,
     spectrum = LineSpectrum(len(place.reference), len(place.sensors), rate, band, plans)
     wanted = spectrum.lines(law.window * place.reference)
     inverse = bounded_inverse(product, law.settings)
-    start = first_drive(law.settings, plant, inverse, wanted) * law.active[:, None]
+    start = first_law(law.settings).first(Plant(product, inverse, wanted)) * law.active[:, None]
     return replace(law, matrix=plant, inverse=inverse, reference=wanted, start=start)
 
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from vibractl.learning.gains import CHIRP_GAINS, KALMAN_GAINS, SINE_GAINS, Gains
+from vibractl.learning.laws import ByInverse, ByScaledReference, VibratorLaw
 
 
 @dataclass(frozen=True)
@@ -11,26 +12,26 @@ class KindOfLaw:
 
     Parameters
     ----------
+    law : VibratorLaw
+        Its first drive where `learning.start` leaves that to the law, and the next ones.
     gains, tonal_gains : Gains
         Of its updates where the settings give none; of one frequency and its overtones.
     follows : bool
         Whether it follows the plant by the parts of [adaptation], and allows for the ends of a shot; else all of them
         are off.
-    by_inverse : bool
-        Whether its first drive is G^+ R where `learning.start` leaves that to the law; else the reference, scaled.
     decentralised : bool
         Whether it takes `learning.structure` "decentralised".
     """
 
+    law: VibratorLaw
     gains: Gains
     tonal_gains: Gains
-    follows: bool
-    by_inverse: bool
-    decentralised: bool
+    follows: bool = False
+    decentralised: bool = False
 
 
 KINDS = {
-    "kalman": KindOfLaw(KALMAN_GAINS, KALMAN_GAINS, follows=True, by_inverse=True, decentralised=False),
-    "thesis": KindOfLaw(CHIRP_GAINS, SINE_GAINS, follows=False, by_inverse=False, decentralised=True),
+    "kalman": KindOfLaw(ByInverse(), KALMAN_GAINS, KALMAN_GAINS, follows=True),
+    "thesis": KindOfLaw(ByScaledReference(), CHIRP_GAINS, SINE_GAINS, decentralised=True),
 }
 """Every value that `learning.law` may have."""

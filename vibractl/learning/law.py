@@ -9,14 +9,13 @@ from vibractl.config import Learning
 from vibractl.fft_plans import Plans
 from vibractl.learning.gains import Gains
 from vibractl.learning.kinds_of_law import KINDS
+from vibractl.learning.laws import SIGNIFICANT, ByInverse, ByScaledReference, Plant, VibratorLaw
 from vibractl.reference import Reference
 from vibractl.spectrum import Decimator, LineSpectrum
 from vibractl.transfer_matrix import TransferMatrix, line_weights, regularized_inverse
 
 SETTLED = 0.1
 """Part of a sine, beside its taper and at each end, that is not looked at: only its steady state is learned."""
-SIGNIFICANT = 0.5
-"""A line belongs to the reference's own band where its spectrum is above this part of the largest."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +111,7 @@ def learning_law(settings: Learning, matrix: TransferMatrix, reference: Referenc
         settings = settings.model_copy(update={"weights": tuple(settings.weights[output] for output in outputs)})
     weighted = settings if settings.sensors == "accelerometers" else settings.model_copy(update={"weights": ()})
     inverse = bounded_inverse(used.response, weighted)
-    start = first_drive(settings, used, inverse, wanted)
+    start = first_law(settings).first(Plant(used.response, inverse, wanted))
     active = np.ones(len(lines.frequency))
     if reference.root is not None:
         active = _overtones(lines.frequency, reference.root, settings.overtones)
@@ -121,30 +120,11 @@ def learning_law(settings: Learning, matrix: TransferMatrix, reference: Referenc
     return Law(used, inverse, settings, wanted, start, gains, active, outputs, spread, window)
 
 
-def first_drive(settings: Learning, matrix: TransferMatrix, inverse: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """Return the drive to begin with, as the settings say.
-
-    Parameters
-    ----------
-    settings : Learning
-    matrix : TransferMatrix, from the inputs learned to the sensors
-    inverse : complex array, shape (lines, inputs, sensors), V per unit of the sensors
-    wanted : complex array, shape (lines, sensors), unit of the sensors times s
-
-    Returns
-    -------
-    complex array, shape (lines, inputs), V s
-    """
-    if starts_by_inverse(settings):
-        solved: np.ndarray = (inverse @ wanted[..., None])[..., 0]
-        return solved
-    return _scaled_reference(matrix, wanted)
-
-
-def starts_by_inverse(settings: Learning) -> bool:
-    """Say whether the drive to begin with is G^+ R."""
-    by_law = settings.start in ("by-law", "library")  # what the library has is checked first, and may be refused
-    return settings.start == "inverse" or (by_law and KINDS[settings.law].by_inverse)
+def first_law(settings: Learning) -> VibratorLaw:
+    """Return the law that gives the drive to begin with, as the settings say."""
+    if settings.start in ("by-law", "library"):  # what the library has is checked first, and may be refused
+        return KINDS[settings.law].law
+    return ByInverse() if settings.start == "inverse" else ByScaledReference()
 
 
 def bounded_inverse(response: np.ndarray, settings: Learning) -> np.ndarray:
@@ -185,13 +165,6 @@ def settled_window(reference: Reference, frames: int) -> np.ndarray | float:
     return settled
 
 
-def strong_lines(reference: np.ndarray) -> np.ndarray:
-    """Return which lines are the reference's own, bool (lines,): large at any of its outputs, (lines, outputs)."""
-    size = np.abs(reference).max(axis=1)
-    strong: np.ndarray = size > SIGNIFICANT * size.max()
-    return strong
-
-
 def reference_level(lines: np.ndarray) -> np.ndarray:
     """Return the level (outputs,) of a reference's lines (lines, outputs), m/s^2 s: rms of the significant ones."""
     size = np.abs(lines)
@@ -224,15 +197,6 @@ def _as_driven(matrix: TransferMatrix, outputs: tuple[int, ...], spread: np.ndar
 def _lines(settings: Learning, reference: Reference, rate: float, plans: Plans) -> LineSpectrum:
     frames, width = reference.signal.shape
     return LineSpectrum(frames // settings.decimation, width, rate / settings.decimation, settings.band, plans)
-
-
-def _scaled_reference(matrix: TransferMatrix, wanted: np.ndarray) -> np.ndarray:
-    """Scale the reference by the plant's typical size in the reference's band: no model of its shape is used."""
-    band = strong_lines(wanted)
-    typical = np.median(np.linalg.norm(matrix.response[band], axis=1), axis=0)
-    share = wanted if matrix.inputs == wanted.shape[1] else wanted.mean(axis=1, keepdims=True)
-    start: np.ndarray = share / typical
-    return start
 
 
 def _overtones(frequency: np.ndarray, root: float, overtones: int) -> np.ndarray:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibractl.learning.law import strong_lines
+from vibractl.learning.laws import strong_lines
 
 ORDER = 2
 """By which power of the level that part of a drive rises which makes up for distortion, and an error as well."""

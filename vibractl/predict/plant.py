@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.signal import hilbert
 
-from vibractl.learning.law import SIGNIFICANT, Law, reference_level
+from vibractl.learning.law import Law, reference_level
+from vibractl.learning.laws import SIGNIFICANT
 from vibractl.spectrum import LineSpectrum
 from vibractl.transfer_matrix import TransferMatrix
 

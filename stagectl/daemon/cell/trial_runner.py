@@ -53,7 +53,7 @@ class TrialRunner:
         Raises
         ------
         Stopped : the desk said that it is to end.
-        TrialEnded : a fault ended the trial; the tool has left the material, or the robot is held.
+        PartEnded : a fault ended the trial; the tool has left the material, or the robot is held.
         """
         is_there = self._runner.has(name)
         if trial.cell is not self._cell:

@@ -8,8 +8,9 @@ from typing import TypeVar
 import numpy as np
 
 from stagectl.experiments.trials.done import DoneTrial
-from stagectl.experiments.trials.laws import BY_FORCE, Learner
+from stagectl.experiments.trials.laws import Learner
 from stagectl.experiments.trials.lookback import WORSE, Lookback, size
+from stagectl.experiments.trials.methods import FREE_SPACE, method_of
 from stagectl.experiments.trials.signals import touched_block, touched_off, tracker_late
 from stagectl.experiments.trials.trial import Trial
 
@@ -30,7 +31,7 @@ def learn_free_space(first: Trial, learner: Learner) -> Generator[tuple[str, Tri
     learner : Learner
         Gets the trials.
     """
-    trial, least = first, np.inf
+    trial, least = replace(first, sent=FREE_SPACE.law.first(first.path)), np.inf
     for number in range(learner.cell.learning.free):
         done = yield f"{FREE}-{number}", trial
         if number == 0:  # where the tool rests is where the tracker has the workpiece, and where that is clamped
@@ -81,7 +82,7 @@ def learn_pocket(first: DoneTrial, learner: Learner, method: int, iterations: in
     ------
     ValueError : as `Learner.next_path`; force and G_K, of methods that need both, that are not of this robot.
     """
-    if method in BY_FORCE:
+    if method_of(method).is_by_force:
         learner.refuse_other_compliance(first, method)
     back = Lookback(first)
     for iteration in range(1, iterations + 1):

@@ -3,8 +3,9 @@
 from dataclasses import replace
 from pathlib import Path
 
-from stagectl.experiments.trials.laws import BY_FORCE, Learner, determined
+from stagectl.experiments.trials.laws import Learner, determined
 from stagectl.experiments.trials.log_folder import FORCE, ROBOT, TRACKER, LogFolder, write_path
+from stagectl.experiments.trials.methods import method_of
 from stagectl.experiments.trials.tool_path import RATE
 from stagectl.experiments.trials.trial import Trial
 from stagectl.robot.milling.trial_error import kinematic_error
@@ -46,7 +47,7 @@ def learn_from_logs(folder: Path, first: Trial, learner: Learner, method: int) -
     if method == 3 and air is not None:
         told = [determined(learner.forces, *each.torques, str(each.path)) for each in (done, air)]
         signals = replace(signals, force=told[0] - told[1])
-    if method in BY_FORCE and kinematic is not None:
+    if method_of(method).is_by_force and kinematic is not None:
         learner.refuse_other_force(signals, kinematic, method, first.path.milled, str(folder / FORCE))
     sent = learner.corrected(first, [signals], method, kinematic).sent
     write_path(folder / NEXT, sent, first.path.joints(first.arm, sent))

@@ -7,27 +7,21 @@ import numpy as np
 
 from stagectl.experiments.trials.done import DoneTrial
 from stagectl.experiments.trials.lookback import Step
+from stagectl.experiments.trials.methods import Milled, method_of
 from stagectl.experiments.trials.signals import torque_log
 from stagectl.experiments.trials.tool_path import RATE, refuse_large, refuse_outside
 from stagectl.experiments.trials.trial import Trial
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.convergence import Contraction, Doubt, cautious, contraction
-from stagectl.robot.milling.learning import LearningLaw, ProcessModel, predicted, update
+from stagectl.robot.milling.learning import PathLaw, ProcessModel, predicted
 from stagectl.robot.milling.measured_cut import MeasuredCut
 from stagectl.robot.milling.milling_models import MillingModels
-from stagectl.robot.milling.step_size import heeding
 from stagectl.robot.milling.trial_error import TrialSignals, kinematic_error, measured_cut, tool_position
 from stagectl.robot.milling.witness import refuse_other_compliance, refuse_other_force, refuse_other_robot
 from stagectl.robot.milling.zero_phase import filtered
 
 Forces = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """From motor angles (rad) and torques (N m), shapes (N, 6), to the force on the tool, shape (N, 3), N; NaN in a gap."""
-SIDE = {None: "tool", 1: "tool", 2: "motors", 3: "motors"}
-"""Which G_R a method inverts: the one to what its error is made of; None is free space."""
-BY_FORCE = (2, 3)
-"""Methods that know of the tool's place by the force on it."""
-FORCE = {1: "measured", 2: "measured", 3: "estimated"}
-"""Which force the process model of a method belongs to."""
 
 
 @dataclass(eq=False)
@@ -50,11 +44,11 @@ class Learner:
     free: list[DoneTrial] = field(default_factory=list)
     note: Callable[[str], object] = lambda _: None
 
-    def law(self, method: int | None) -> LearningLaw:
+    def law(self, method: int | None) -> PathLaw:
         """Return the law of a method, or of free space, as cautious as the doubt about its models asks for."""
         learning = self.cell.learning
-        whole = LearningLaw(
-            self.models.robot[SIDE[method]].axes, self._process(method), learning.cutoff, learning.highest,
+        whole = PathLaw(
+            self.models.robot[method_of(method).side].axes, self._process(method), learning.cutoff, learning.highest,
             learning.gain, learning.inverse, learning.epsilon,
         )  # fmt: skip
         return cautious(whole, self._doubt(method))
@@ -66,9 +60,10 @@ class Learner:
     def _process(self, method: int | None) -> ProcessModel | None:
         if method is None:
             return None
-        if FORCE[method] not in self.models.process:
-            raise ValueError(f"method {method} needs G_M and G_K of the {FORCE[method]} force, the model has none")
-        return self.models.process[FORCE[method]].model
+        force = method_of(method).force
+        if force not in self.models.process:
+            raise ValueError(f"method {method} needs G_M and G_K of the {force} force, the model has none")
+        return self.models.process[force].model
 
     def _cut(
         self, trial: TrialSignals, method: int | None, process: ProcessModel | None, kinematic: np.ndarray | None
@@ -79,7 +74,8 @@ class Learner:
         return measured_cut(trial, method, RATE, process, kinematic)
 
     def _doubt(self, method: int | None) -> Doubt:
-        return self.models.doubt(SIDE[method], None if method is None else FORCE[method])
+        how = method_of(method)
+        return self.models.doubt(how.side, how.force or None)
 
     def refuse_other_robot(self, free: DoneTrial) -> None:
         """Refuse, by ValueError, a G_R by which the robot has not gone in the air."""
@@ -103,7 +99,8 @@ class Learner:
             Of a trial in material.
         kinematic : array, shape (N, 3), m
             d_e.
-        method : int, of `BY_FORCE`
+        method : int
+            That knows of the tool's place by the force.
         inside : array, shape (N,)
             Which samples are in the material.
         source : str
@@ -158,8 +155,8 @@ class Learner:
         law, process = self.law(method), self._process(method)
         where = [tool_position(each, method or 1, RATE, process, kinematic) for each in signals]
         cuts = [self._cut(each, method, process, kinematic) for each in signals[-2:]]
-        law = heeding(law, [each.sent for each in signals], where, cuts[0])
-        sent = update(signals[-1].sent, trial.path.wanted - where[-1], law, cuts[-1])
+        milled = Milled(trial.path.wanted, [each.sent for each in signals], where, cuts)
+        sent = method_of(method).law.next(law, milled)
         come = predicted(where[-1], sent - signals[-1].sent, law)
         refuse_outside(trial.path.pocket, trial.path.wanted, come, self.cell.learning.stray)
         refuse_large(trial.path.wanted, sent, self.cell.learning.correction)

@@ -3,18 +3,12 @@
 from collections.abc import Callable
 
 from rigkit.experiment.kept import records_of
-from rigkit.experiment.resumed import ended_well, set_aside
+from rigkit.experiment.once import Once
 from rigkit.experiment.runner import Conduct
-from rigkit.experiment.succession import recorded
 from rigkit.run_folder import RunFolder
-from rigkit.stop import Stopped
 from stagectl.experiments.trials.bench import Bench
 from stagectl.experiments.trials.done import BESIDE, DoneTrial, done_trial
 from stagectl.experiments.trials.trial import Trial
-
-
-class TrialEnded(ValueError):
-    """A trial that a fault has ended; the text says which, and that the tool has left the material or stands."""
 
 
 class Runner:
@@ -33,32 +27,23 @@ class Runner:
         self, folder: RunFolder, bench: Bench, conduct: Conduct, say: Callable[[str], object] = lambda _: None
     ) -> None:
         self.folder, self._bench, self._conduct, self._say = folder, bench, conduct, say
+        self._once = Once(folder, conduct, trial_of)
 
     def has(self, name: str) -> bool:
         """Whether a trial of that name has come to its end."""
-        path = self.folder.path
-        return (path / f"{name}-{BESIDE}.csv").is_file() or (
-            name in ended_well(path) and (path / f"{name}-trial.wav").is_file()
-        )
+        return (self.folder.path / f"{name}-{BESIDE}.csv").is_file() or self._once.has(name)
 
     def __call__(self, name: str, trial: Trial) -> DoneTrial:
         """Run a trial, recorded as it goes; or read it.
 
         Raises
         ------
-        Stopped, TrialEnded : a person, or a fault, ended it; what was recorded until then is kept.
+        Stopped, PartEnded : a person, or a fault, ended it; what was recorded until then is kept.
         ValueError, LinkError : as of the bench, before it begins.
         """
-        path, conduct = self.folder.path, self._conduct
         if self.has(name):
             return self._read(name, trial)
-        set_aside(path, [each for each in _names(self.folder) if each != name], trial_of)
-        conduct.between(name)
-        with self._bench.part(name, trial, self.folder.event, conduct.stopped) as part:
-            reason = recorded(self.folder, part, {}, conduct)
-        if reason:
-            text = f"{name}: {reason}; what is recorded is in {path}/"
-            raise Stopped(text) if conduct.stopped() else TrialEnded(text)
+        self._once.run(name, self._bench.part(name, trial, self.folder.event, self._conduct.stopped))
         done = self._read(name, trial)
         if trial.zero is not None and trial.path.milled.any():
             self._say(summary(done))
@@ -77,7 +62,3 @@ def summary(done: DoneTrial) -> str:
 def trial_of(track: str) -> str:
     """Return the name of the trial that a recording is of."""
     return track.rpartition("-")[0]
-
-
-def _names(folder: RunFolder) -> set[str]:
-    return {trial_of(file.stem) for file in folder.path.iterdir() if file.suffix in (".wav", ".csv")}

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ctlblocks.clock import Clock
 from rigkit.experiment.part import Part, Retreat
 from rigkit.priority import real_time, undisturbed
 from stagectl.link.tell import Tell
@@ -16,6 +17,7 @@ from stagectl.robot.live.guide import Guide
 from stagectl.robot.live.person import Person
 from stagectl.robot.live.way import Room
 from stagectl.robot.live.wires import LiveWires
+from stagectl.robot.port import RobotPort
 from stagectl.wire.egm import RATE
 
 
@@ -78,10 +80,9 @@ class LedRobot:
         self._guide.bring(work.what, work.has_block, work.room, work.goal, tell, stopped)
         with undisturbed(), real_time(), LiveWires(work.cell, tell, work.tracks, self._guide.clock) as wires:
             made = work.make(wires, wires.unless_told(tell))
-            assert made.retreat is not None
-            held, every = _Held(made.retreat, wires), round(made.graph.rate / RATE)
-            yield replace(made, clock=ReportClock(wires, every), retreat=held.retreat, rest=wires.port.stop)
-            is_whole = made.graph.ticks > 0 and not held.fault()
+            led = led_by(wires.port, made, ReportClock(wires, round(made.graph.rate / RATE)))
+            yield led
+            is_whole = made.graph.ticks > 0 and not led.fault()
         if is_whole:
             self._guide.finished(work.room)
 
@@ -90,11 +91,25 @@ class LedRobot:
         self._guide.leave(tell, stopped)
 
 
+def led_by(port: RobotPort, part: Part, clock: Clock) -> Part:
+    """Return a part that a robot's reports beat: held where it is once its port has latched, and when all is over.
+
+    Parameters
+    ----------
+    port : RobotPort
+    part : Part
+        With a retreat.
+    clock : Clock
+    """
+    assert part.retreat is not None
+    return replace(part, clock=clock, retreat=_Held(part.retreat, port).retreat, rest=port.stop)
+
+
 class _Held:
     """The retreat of a graph, which is none where the robot's wire has latched: then it is held where it is."""
 
-    def __init__(self, within: Retreat, wires: LiveWires) -> None:
-        self._within, self._port = within, wires.port
+    def __init__(self, within: Retreat, port: RobotPort) -> None:
+        self._within, self._port = within, port
         self.retreat = replace(within, fault=self.fault, begin=self._begin)
 
     def fault(self) -> str:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stagectl.robot.milling.axis_model import diagonal
-from stagectl.robot.milling.learning import AXES, LearningLaw
+from stagectl.robot.milling.learning import AXES, PathLaw
 
 LINES = 400
 """Frequencies looked at."""
@@ -89,7 +89,7 @@ class Contraction:
             )
 
 
-def contraction(law: LearningLaw, doubt: Doubt | None = None) -> Contraction:
+def contraction(law: PathLaw, doubt: Doubt | None = None) -> Contraction:
     """Hold a law against the models, and against all that they might be instead.
 
     Looked at are frequencies at which at least a hundredth of an error is learned; where it is less, errors stay as
@@ -97,7 +97,7 @@ def contraction(law: LearningLaw, doubt: Doubt | None = None) -> Contraction:
 
     Parameters
     ----------
-    law : LearningLaw
+    law : PathLaw
     doubt : Doubt, optional
         None for models that are exact.
 
@@ -121,19 +121,19 @@ def contraction(law: LearningLaw, doubt: Doubt | None = None) -> Contraction:
     return Contraction(frequency, factor, factor if doubt is None else _bound(law, doubt, frequency, np.ones(1))[0])
 
 
-def cautious(law: LearningLaw, doubt: Doubt) -> LearningLaw:
+def cautious(law: PathLaw, doubt: Doubt) -> PathLaw:
     """Return a law with its Q lowered wherever errors shrink more with less of it, for all that the models may be.
 
     Of G_K G_M it undoes the part with which errors up to the cut-off shrink most.
 
     Parameters
     ----------
-    law : LearningLaw
+    law : PathLaw
     doubt : Doubt
 
     Returns
     -------
-    LearningLaw
+    PathLaw
         Its Q is still without phase.  Where nothing would make errors shrink, nothing is learned.
     """
     frequency = np.linspace(0.0, law.highest, LINES)
@@ -147,7 +147,7 @@ def cautious(law: LearningLaw, doubt: Doubt) -> LearningLaw:
     return min(found, key=lambda each: each[:2])[2]
 
 
-def _bound(law: LearningLaw, doubt: Doubt, frequency: np.ndarray, parts: np.ndarray) -> np.ndarray:
+def _bound(law: PathLaw, doubt: Doubt, frequency: np.ndarray, parts: np.ndarray) -> np.ndarray:
     """Return the worst factor at each frequency with parts of the law's Q, shape (parts, bins)."""
     step = law.step(frequency)
     robot, spread = doubt.robot_at(frequency)

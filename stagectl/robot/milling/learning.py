@@ -60,7 +60,7 @@ class ProcessModel:
 
 
 @dataclass(frozen=True, eq=False)
-class LearningLaw:
+class PathLaw:
     """u_{k+1} = u_k + Q L (I - G_K G_M) e_k.
 
     Without a process it is the law of free space (5.8), with one that of milling (5.11).  Methods 1 to 3 share it and
@@ -111,7 +111,7 @@ class LearningLaw:
         passed = self.gain * low_pass(frequency, self.cutoff, highest=self.highest)
         return passed if self.caution is None else passed * np.interp(frequency, *self.caution)
 
-    def more_cautious(self, frequency: np.ndarray, part: np.ndarray) -> "LearningLaw":
+    def more_cautious(self, frequency: np.ndarray, part: np.ndarray) -> "PathLaw":
         """Return a law whose Q is multiplied by `part` at most, both of shape (bins,), Hz rising and 1."""
         before = 1.0 if self.caution is None else np.interp(frequency, *self.caution)
         return replace(self, caution=(frequency, np.minimum(part, before)))
@@ -137,7 +137,7 @@ class LearningLaw:
         return self.process.coupling(frequency)
 
 
-def update(sent: np.ndarray, error: np.ndarray, law: LearningLaw, cut: MeasuredCut | None = None) -> np.ndarray:
+def update(sent: np.ndarray, error: np.ndarray, law: PathLaw, cut: MeasuredCut | None = None) -> np.ndarray:
     """Return the path to send in the next trial, u_{k+1}, shape (N, 3), m.
 
     Parameters
@@ -146,7 +146,7 @@ def update(sent: np.ndarray, error: np.ndarray, law: LearningLaw, cut: MeasuredC
         u_k, the path sent in this one.
     error : array, shape (N, 3), m
         e_k, sample by sample beside it.
-    law : LearningLaw
+    law : PathLaw
     cut : MeasuredCut, optional
         Stands for G_K G_M of the law.
 
@@ -160,13 +160,13 @@ def update(sent: np.ndarray, error: np.ndarray, law: LearningLaw, cut: MeasuredC
     return np.asarray(sent + correction(error, law, cut))
 
 
-def correction(error: np.ndarray, law: LearningLaw, cut: MeasuredCut | None = None) -> np.ndarray:
+def correction(error: np.ndarray, law: PathLaw, cut: MeasuredCut | None = None) -> np.ndarray:
     """Return Q L (I - G_K G_M) e, shape (N, 3), m.
 
     Parameters
     ----------
     error : array, shape (N, 3), m
-    law : LearningLaw
+    law : PathLaw
     cut : MeasuredCut, optional
         Stands for G_K G_M of the law.
     """
@@ -176,7 +176,7 @@ def correction(error: np.ndarray, law: LearningLaw, cut: MeasuredCut | None = No
     return filtered(error - cut.deflection(error, rate), rate, replace(law, process=None).step)
 
 
-def predicted(position: np.ndarray, change: np.ndarray, law: LearningLaw) -> np.ndarray:
+def predicted(position: np.ndarray, change: np.ndarray, law: PathLaw) -> np.ndarray:
     """Return where the tool is to go in the next trial, shape (N, 3), m, by (5.10).
 
     Parameters
@@ -185,6 +185,6 @@ def predicted(position: np.ndarray, change: np.ndarray, law: LearningLaw) -> np.
         y_n of this trial, measured or estimated.
     change : array, shape (N, 3), m
         u_{k+1} - u_k.
-    law : LearningLaw
+    law : PathLaw
     """
     return np.asarray(position + filtered(change, law.axes[0].rate, law.plant))

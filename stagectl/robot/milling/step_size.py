@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.fft import rfft, rfftfreq
 
-from stagectl.robot.milling.learning import LearningLaw, correction
+from stagectl.robot.milling.learning import PathLaw, correction
 from stagectl.robot.milling.measured_cut import MeasuredCut
 
 LINES = 400
@@ -18,8 +18,8 @@ FLOOR = 0.05
 
 
 def heeding(
-    law: LearningLaw, sent: Sequence[np.ndarray], come: Sequence[np.ndarray], cut: MeasuredCut | None = None
-) -> LearningLaw:
+    law: PathLaw, sent: Sequence[np.ndarray], come: Sequence[np.ndarray], cut: MeasuredCut | None = None
+) -> PathLaw:
     """Return a law whose Q is no more than the part that the last change of the path has proved right.
 
     From the last trial but one to the last the tool came by dy, for which the law would have asked for a change of the
@@ -30,7 +30,7 @@ def heeding(
 
     Parameters
     ----------
-    law : LearningLaw
+    law : PathLaw
     sent, come : sequences of arrays, shape (N, 3), m
         The paths sent so far, and where the tool came: the same number of both.  After one trial the law stays.
     cut : MeasuredCut, optional
@@ -38,7 +38,7 @@ def heeding(
 
     Returns
     -------
-    LearningLaw
+    PathLaw
         Its Q is still without phase, and nowhere above the law's: where errors shrank by the models, they still do.
     """
     if len(sent) < 2:

@@ -8,20 +8,23 @@ import pytest
 from calibration.__main__ import main
 from calibration.joint_clamping.command import joint_numbers
 from calibration.joint_clamping.joints_file import read_joints
-from calibration.joint_clamping.measurement import ClampAborted
 from calibration.joint_clamping.report import HEAD, rows
-from calibration.joint_clamping.requests import Requests
 from calibration.joint_clamping.results import LINK, RAW, TOOL, of_map
-from calibration.joint_clamping.session import KEPT, KIND, measure
+from calibration.joint_clamping.session import KEPT, KIND, Desk, measure
 from calibration.joint_clamping.torque_map import TorqueMap
 from calibration.names import OutputError
 from calibration.output import Wish, output
+from calibration.raw_run import raw_run
 from rigkit.config import load
+from rigkit.experiment.kept import records_of
+from rigkit.experiment.once import PartEnded
+from rigkit.experiment.runner import Conduct
 from rigkit.model_file import ModelFileError
 from rigkit.stop import Stopped
 from stagectl.robot.config import CellConfig
 from tests.calibration.joint_clamping.clamped_arm import RATE, ClampedArm, random_joints, to_and_fro
 
+STOPPED = Desk(print, Conduct(lambda: True))
 QUICK = ("clamping.cycles=2", f"clamping.speed=[{', '.join(['0.05'] * 6)}]", "clamping.settle=0.04")
 
 
@@ -77,7 +80,8 @@ def test_the_simulated_arm_is_measured_from_the_command_line_and_not_twice(
     assert (tmp_path / "joints.raw" / "maps.html").exists()
     before = (tmp_path / "joints.raw" / "joint-3.wav").stat().st_mtime_ns
     config = load(None, CellConfig, QUICK)
-    measure(config, (2,), tmp_path / "joints.raw", print, stopped())
+    with raw_run(tmp_path / "joints.raw", config) as folder:
+        measure(config, (2,), folder, STOPPED)
     assert (tmp_path / "joints.raw" / "joint-3.wav").stat().st_mtime_ns == before
     with pytest.raises(OutputError, match=r"joints.h5: was measured on .* and is finished; --again"):
         output(tmp_path / "joints.h5", KIND, config, Wish(), use=KEPT)
@@ -86,18 +90,19 @@ def test_the_simulated_arm_is_measured_from_the_command_line_and_not_twice(
     assert (tmp_path / "joints.raw" / "joint-3.wav").stat().st_mtime_ns == before
 
 
-def stopped() -> Requests:
-    made = Requests()
-    made.stopping.made = True
-    return made
-
-
 def test_an_abort_says_why_and_a_stop_where_it_stands(tmp_path: Path) -> None:
     slipping = CellConfig.model_validate({"simulator": {"slip": 40.0}})
-    with pytest.raises(ClampAborted, match=r"(slips|is it clamped).*; the arm holds in step 4"):
-        measure(slipping, (0,), tmp_path / "one", lambda _: None, Requests())
-    with pytest.raises(Stopped, match="stopped in step 1: the arm holds"):
-        measure(CellConfig(), (0,), tmp_path / "two", lambda _: None, stopped())
+    with (
+        raw_run(tmp_path / "one", slipping) as folder,
+        pytest.raises(PartEnded, match=r"(slips|is it clamped).*; the arm holds in step 4"),
+    ):
+        measure(slipping, (0,), folder, Desk(lambda _: None))
+    assert records_of(tmp_path / "one")["clamping-1"].data.any()
+    with (
+        raw_run(tmp_path / "two", CellConfig()) as folder,
+        pytest.raises(Stopped, match="stopped in step 1: the arm holds"),
+    ):
+        measure(CellConfig(), (0,), folder, STOPPED)
 
 
 @pytest.mark.sample(1)
@@ -110,8 +115,8 @@ def test_an_abort_says_why_and_a_stop_where_it_stands(tmp_path: Path) -> None:
 )
 def test_what_cannot_begin_leaves_no_folder(tmp_path: Path, settings: tuple[str, ...], message: str) -> None:
     cell = load(None, CellConfig, ["robot.commands=0", "robot.signals=0", *settings])
-    with pytest.raises(ValueError, match=message):
-        measure(cell, (0,), tmp_path / "raw", print, Requests())
+    with pytest.raises(ValueError, match=message), raw_run(tmp_path / "raw", cell) as folder:
+        measure(cell, (0,), folder, Desk(print))
     assert not (tmp_path / "raw").exists()
 
 

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from calibration.milling.session import SWEEP
+from rigkit.experiment.kept import told
+from rigkit.experiment.runner import STOPPED
 from rigkit.service.state import State
 from tests.calibration.milling.test_command import SETTINGS
 from tests.stagectl.daemon.cell.bench import cell_in
@@ -24,12 +25,13 @@ def test_a_calibration_is_stopped_goes_on_and_its_models_are_learned_with(tmp_pa
     lab.control.stop("Ada", "smoke")
     lab.ended()
     raw = lab.data / "milling.raw"
-    assert not (raw / SWEEP).exists()
-    assert (raw / SWEEP).with_suffix(".aborted.wav").is_file()
+    assert told(raw, "ended")["sweep"]["reason"] == STOPPED
+    assert (raw / "sweep.wav").is_file()
     lab.control.arm(lab.key, "a test")
     lab.control.begin(lab.key, "calibrate-milling", {"task": "pocket"}, "")
     until(lambda: lab.control.settle() or not lab.control.machine.busy)
     assert lab.state is State.ARMED, lab.why
+    assert (raw / "before-1" / "sweep.wav").is_file()
     assert {"torque", "error", "path", "free_space", "fits"} <= set(lab.control.board.revisions())
     assert (lab.data / "milling.html").is_file()
     lab.begin("ilc", task="pocket", iterations=1)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from calibration.guided_arm import arm_with_tool
-from calibration.milling.sweep_session import SweepAborted, sweep, sweep_steps
+from calibration.milling.sweep_session import is_swept, sweep, sweep_steps
 from calibration.milling.torque_fit import SweepError, TorqueFit, friction_and_gravity
+from calibration.raw_run import raw_run
 from ctlblocks.recording import Recording
 from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.plants.robot_joint_kernel import (
@@ -20,7 +21,10 @@ from firmware_sim.plants.robot_joint_kernel import (
     VISCOUS,
 )
 from rigkit.config import load
-from rigkit.stop import Stopped, StopRequest
+from rigkit.experiment.kept import records_of
+from rigkit.experiment.once import PartEnded
+from rigkit.experiment.runner import Conduct
+from rigkit.stop import Stopped
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.friction_range import FrictionRange
 from stagectl.robot.milling.gravity import Gravity
@@ -32,11 +36,11 @@ CELL = load(None, CellConfig, QUICK)
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory: pytest.TempPathFactory) -> Recording:
     """Return the record of a short sweep of arm 1."""
-    file = tmp_path_factory.mktemp("sweep") / "sweep.wav"
     said: list[str] = []
-    made = sweep(CELL, False, file, said.append, StopRequest())
-    assert len(said) == len(sweep_steps(CELL)) == 15
-    assert sweep(CELL, False, file, said.append, StopRequest()).data.tobytes() == made.data.tobytes()
+    with raw_run(tmp_path_factory.mktemp("sweep"), CELL) as folder:
+        made = sweep(CELL, False, folder, said.append, Conduct())
+        assert len(said) == len(sweep_steps(CELL)) == 15
+        assert sweep(CELL, False, folder, said.append, Conduct()).data.tobytes() == made.data.tobytes()
     assert len(said) == 15
     return made
 
@@ -124,11 +128,19 @@ def test_motions_are_within_limits_and_said_before_any_is_made() -> None:
 
 
 def test_a_fault_and_a_stop_keep_what_was_recorded(tmp_path: Path) -> None:
-    stop = StopRequest()
-    stop.made = True
-    with pytest.raises(Stopped, match="stopped in motion 1 of 15: the arm holds"):
-        sweep(CELL, False, tmp_path / "one.wav", lambda _: None, stop)
+    said = [""]
+    with (
+        raw_run(tmp_path / "one", CELL) as folder,
+        pytest.raises(Stopped, match="sweep: stopped by its user; what is recorded is in"),
+    ):
+        sweep(CELL, False, folder, said.append, Conduct(lambda: "to and fro" in said[-1]))
+    assert said[-1].endswith("in motion 2 of 15: the arm holds")
+    assert records_of(tmp_path / "one")["sweep"].data.any()
     heavy = load(None, CellConfig, [*QUICK, "simulator.options.payload=60"])
-    with pytest.raises(SweepAborted, match="the robot is at fault; in motion"):
-        sweep(heavy, False, tmp_path / "two.wav", lambda _: None, StopRequest())
-    assert not (tmp_path / "two.wav").exists()
+    with (
+        raw_run(tmp_path / "two", heavy) as folder,
+        pytest.raises(PartEnded, match="sweep: the robot is at fault; in motion"),
+    ):
+        sweep(heavy, False, folder, lambda _: None, Conduct())
+    with raw_run(tmp_path / "two", heavy) as folder:
+        assert not is_swept(folder)

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 
 from stagectl.robot.milling.convergence import Doubt, cautious, contraction
-from stagectl.robot.milling.learning import LearningLaw, predicted, update
+from stagectl.robot.milling.learning import PathLaw, predicted, update
 from stagectl.robot.milling.trial_error import TrialSignals, kinematic_error, tool_position
 from stagectl.robot.milling.zero_phase import filtered
 from tests.stagectl.robot.milling.trial_models import RATE, axis, process, square
 
 
-def law(**changes) -> LearningLaw:  # type: ignore[no-untyped-def]
-    return LearningLaw((axis(2), axis(3, 0.3), axis(2, -0.5)), **changes)
+def law(**changes) -> PathLaw:  # type: ignore[no-untyped-def]
+    return PathLaw((axis(2), axis(3, 0.3), axis(2, -0.5)), **changes)
 
 
-def milled(sent: np.ndarray, by: LearningLaw) -> np.ndarray:
+def milled(sent: np.ndarray, by: PathLaw) -> np.ndarray:
     return filtered(sent, RATE, by.plant)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stagectl.robot.milling.learning import LearningLaw, correction, update
+from stagectl.robot.milling.learning import PathLaw, correction, update
 from stagectl.robot.milling.measured_cut import MeasuredCut, cutting_gain, velocity
 from stagectl.robot.milling.trial_error import TrialSignals, measured_cut
 from tests.stagectl.robot.milling.trial_models import RATE, axis, process, square
@@ -11,7 +11,7 @@ from tests.stagectl.robot.milling.trial_models import RATE, axis, process, squar
 PATH = square()
 SLOT = np.array([[-2e3, 9e2, 0.0], [-9e2, -2e3, 0.0], [0.0, 0.0, 0.0]])
 """Force over velocity, N s/m: against the way, and to its side."""
-LAW = LearningLaw((axis(2), axis(3, 0.3), axis(2, -0.5)), process())
+LAW = PathLaw((axis(2), axis(3, 0.3), axis(2, -0.5)), process())
 MOVES = np.linalg.norm(velocity(PATH, RATE), axis=1) > 8e-3
 
 
@@ -46,7 +46,7 @@ def test_a_law_that_goes_by_a_measured_cut_is_that_of_free_space_where_nothing_i
     cut = MeasuredCut(np.zeros((len(PATH), 3, 3)), process().compliance)
     error = 1e-4 * np.random.default_rng(1).standard_normal(PATH.shape)
     np.testing.assert_allclose(
-        update(PATH, error, LAW, cut), update(PATH, error, LearningLaw(LAW.axes)), rtol=0, atol=1e-15
+        update(PATH, error, LAW, cut), update(PATH, error, PathLaw(LAW.axes)), rtol=0, atol=1e-15
     )
 
 
@@ -56,8 +56,7 @@ def test_a_law_by_a_cut_as_the_model_has_it_is_the_law_by_the_model() -> None:
     cut = MeasuredCut(np.broadcast_to(flat.real, (len(PATH), 3, 3)), process().compliance)
     error = 1e-4 * np.sin(2 * np.pi * 0.5 * np.arange(len(PATH)) / RATE)[:, None] * [1.0, -0.5, 0.8]
     by_cut, by_model, in_air = (
-        correction(error, law, given)[500:-500]
-        for law, given in ((LAW, cut), (LAW, None), (LearningLaw(LAW.axes), None))
+        correction(error, law, given)[500:-500] for law, given in ((LAW, cut), (LAW, None), (PathLaw(LAW.axes), None))
     )
     assert np.abs(by_cut - by_model).max() < 0.2 * np.abs(in_air - by_model).max()
 

@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from stagectl.robot.milling.learning import LearningLaw, predicted, update
+from stagectl.robot.milling.learning import PathLaw, predicted, update
 from stagectl.robot.milling.step_size import FLOOR, heeding
 from tests.stagectl.robot.milling.trial_models import RATE, axis, process, square
 
-LAW = LearningLaw((axis(2), axis(3, 0.3), axis(2, -0.5)), process())
+LAW = PathLaw((axis(2), axis(3, 0.3), axis(2, -0.5)), process())
 SENT = [square() + 1e-4 * np.random.default_rng(seed).standard_normal(square().shape) for seed in (1, 2, 3)]
 HEARD = np.array([0.5, 1.0, 2.0, 4.0, 8.0])
 """Hz."""
 
 
-def part(come: list[np.ndarray], law: LearningLaw = LAW) -> np.ndarray:
+def part(come: list[np.ndarray], law: PathLaw = LAW) -> np.ndarray:
     return heeding(law, SENT[: len(come)], come).passed(HEARD) / law.passed(HEARD)
 
 
@@ -64,6 +64,6 @@ def test_an_error_under_a_cut_that_answers_threefold_shrinks_where_it_would_have
 
 
 def test_what_was_cautious_before_stays_so() -> None:
-    cautious = LearningLaw(LAW.axes, LAW.process, caution=(np.array([0.0, 25.0]), np.array([0.5, 0.5])))
+    cautious = PathLaw(LAW.axes, LAW.process, caution=(np.array([0.0, 25.0]), np.array([0.5, 0.5])))
     np.testing.assert_allclose(part(answered(1.0), cautious), 1.0)
     np.testing.assert_allclose(part(answered(4.0), cautious), 0.5, rtol=0.03)
