@@ -19,6 +19,7 @@ PROGRAM = Program(
         "replay": "stagectl.commands.replay_command:replay_command",
         "report": "stagectl.commands.report_command:report_command",
         "export": "stagectl.commands.export:export",
+        "doctor": "stagectl.doctor.command:doctor_command",
         "prune": "rigkit.retention_command:prune_command",
         "acknowledge": "stagectl.commands.acknowledge_command:acknowledge_command",
         "daemon": ("stagectl.daemon.command:daemon_command", "rigkit.service.daemon_command:daemon_command"),

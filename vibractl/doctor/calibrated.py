@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from rigkit.verdict import Verdict
 from vibractl.doctor.coils import Answers
-from vibractl.doctor.verdict import Verdict
 from vibractl.learning.changed_rig import change_of, unexplained
 from vibractl.transfer_matrix import TransferMatrix
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rigkit.verdict import Verdict, unmeasured
 from vibractl import alignment, loopback
 from vibractl.audio import GuardLatched, ShotAbandoned
 from vibractl.audio_stream import AudioError, channels
@@ -25,7 +26,6 @@ from vibractl.doctor.opinion import (
     recordings_verdict,
 )
 from vibractl.doctor.silence import Hum, Level, hum, noise, reference_level
-from vibractl.doctor.verdict import Verdict, unmeasured
 from vibractl.proof import LARGEST_ROUND_TRIP
 from vibractl.transfer_matrix import TransferMatrix
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from rigkit.verdict import Grade, Verdict, graded, unmeasured
 from vibractl.config import RigConfig
 from vibractl.decibels import decibels
 from vibractl.doctor.chain import Cable, Clock
 from vibractl.doctor.coils import Answers, assignment, polarity
 from vibractl.doctor.silence import Hum
-from vibractl.doctor.verdict import Grade, Verdict, graded, unmeasured
 from vibractl.loopback import TRUST
 from vibractl.proof import SLIP
 

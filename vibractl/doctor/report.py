@@ -10,11 +10,11 @@ from matplotlib.figure import Figure
 from rigkit.figure_style import styled
 from rigkit.provenance import now, software
 from rigkit.report import Fact, Plot, Report, Section, Table
+from rigkit.verdict import Verdict
 from vibractl.decibels import FAINT, decibels
 from vibractl.doctor.examination import Examination
 from vibractl.doctor.opinion import WANTED
 from vibractl.doctor.silence import line_density
-from vibractl.doctor.verdict import Verdict
 from vibractl.proof import SLIP
 
 

@@ -41,6 +41,8 @@ class Work:
         Whether tracker and torque signals are listened to.
     make : callable(LiveWires, Tell) -> Part
         Makes it, its graph with what is behind the wires, and told of faults.
+    feels : bool
+        Whether the force sensor is listened to, and the torque signals where `tracks`.
     """
 
     what: str
@@ -50,6 +52,7 @@ class Work:
     goal: np.ndarray
     tracks: bool
     make: Callable[[LiveWires, Tell], Part]
+    feels: bool = True
 
 
 class LedRobot:
@@ -78,7 +81,11 @@ class LedRobot:
         ValueError, LinkError, Stopped : as of `Guide.bring`, before it begins.
         """
         self._guide.bring(work.what, work.has_block, work.room, work.goal, tell, stopped)
-        with undisturbed(), real_time(), LiveWires(work.cell, tell, work.tracks, self._guide.clock) as wires:
+        with (
+            undisturbed(),
+            real_time(),
+            LiveWires(work.cell, tell, work.tracks, self._guide.clock, work.feels) as wires,
+        ):
             made = work.make(wires, wires.unless_told(tell))
             led = led_by(wires.port, made, ReportClock(wires, round(made.graph.rate / RATE)))
             yield led

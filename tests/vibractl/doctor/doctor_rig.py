@@ -10,10 +10,10 @@ import soundfile
 
 from firmware_sim.audio import SteppedStream, Stream
 from firmware_sim.laboratory import Laboratory
+from rigkit.verdict import Verdict
 from tests.vibractl.audio_rig import RATE
 from vibractl.config import Audio, RigConfig, Simulator
 from vibractl.doctor.examination import Examination, examine
-from vibractl.doctor.verdict import Verdict
 from vibractl.transfer_matrix import TransferMatrix
 
 SIDES = np.array([[10.0, 1.0], [1.0, 8.0]])

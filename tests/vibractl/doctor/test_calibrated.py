@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from rigkit import config as rig_file
+from rigkit.verdict import Verdict
 from tests.vibractl.doctor.doctor_rig import SIDES, measured, verdict, wired
 from vibractl.__main__ import main
 from vibractl.doctor.calibrated import MODEL
 from vibractl.doctor.examination import examine
-from vibractl.doctor.verdict import Verdict
 from vibractl.model_file import write_model
 
 

@@ -100,6 +100,18 @@ def in_motor_units(rows: np.ndarray) -> None:
     rows[:, 7:] *= 1e3
 
 
+def reversed_signs(rows: np.ndarray) -> None:
+    rows[:, 7:] *= -1.0
+
+
+def one_sign(rows: np.ndarray) -> None:
+    rows[:, 8] *= -1.0
+
+
+def no_torques(rows: np.ndarray) -> None:
+    rows[:, 7:] = 0.0
+
+
 def back(rows: np.ndarray) -> None:
     rows[17, 0] = rows[15, 0]
 
@@ -121,6 +133,9 @@ def far(rows: np.ndarray) -> None:
     [
         (radians, "log.csv: all angles are within +-6.28, are they in deg or in rad? Say --angles deg or rad"),
         (in_motor_units, "N m off what holds the arm up, its friction is at most 8 N m: torques must be in N m"),
+        (reversed_signs, "the torque's sign looks reversed, of joint 2, 3, 4, 5, 6: it is -"),
+        (one_sign, "the torque's sign looks reversed, of joint 2: it is -"),
+        (no_torques, "times what holds the arm up: there are none, or they are in other units"),
         (back, "log.csv: row 18: time goes from 3.064 to 3.06 s, must rise"),
         (uneven, "log.csv: row 21: time goes on by 0.006 s, must by whole samples of 0.004 s"),
         (late, "log.csv: row 21: a gap of 12 s, must be <= 10 s; split the log there"),

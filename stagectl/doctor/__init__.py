@@ -1,0 +1,1 @@
+"""A look at the machine before something is led by it."""

@@ -1,0 +1,52 @@
+"""The command `stagectl doctor`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rigkit import config as rig_file
+from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.progress import progress
+from stagectl.config import StageConfig
+from stagectl.doctor.examination import examined
+from stagectl.doctor.wake_up import is_real_time_granted, wake_ups
+from stagectl.robot.config import CellConfig
+
+PERIOD = 1e-3
+"""s between two moments that are waited for: the stage's frames."""
+
+
+def doctor_command(
+    config: ConfigOption = None,
+    stage: Annotated[Path | None, typer.Option(metavar="FILE", help="Rig file of the stage.")] = None,
+    seconds: Annotated[float, typer.Option(help="Of waiting; let what usually runs beside it run.")] = 10.0,
+    settings: SetOption = None,
+    json: JsonOption = None,
+) -> None:
+    """See how late this machine wakes, against what silence robot and stage allow, before it leads them.
+
+    Nothing is opened, and nothing moves.  `--config` and `--set` are of the cell's file.  The exit status is 1 if a
+    verdict fails.
+
+    Example: `stagectl doctor --config cell.toml --stage stage.toml`
+    """
+    if not 0.5 <= seconds <= 3600.0:
+        raise ValueError(f"--seconds is {seconds:g}, must be 0.5 to 3600")
+    cell = rig_file.load(config, CellConfig, settings or [])
+    its_stage = rig_file.load(stage, StageConfig, [])
+    with progress("waking up, again and again", seconds) as meter:
+        seen = wake_ups(PERIOD, seconds, meter.show)
+    found = examined(seen, cell, its_stage, is_real_time_granted())
+    rows = [[each.check, each.grade, each.measured, each.limit] for each in found]
+    print_table(f"this machine, {seconds:g} s", ["check", "verdict", "measured", "wanted"], rows, words(json))
+    for each in found:
+        if each.advice:
+            words(json).write(f"{each.check}: {each.advice}\n")
+    failed = any(each.grade == "fail" for each in found)
+    write_json(
+        json,
+        {"verdict": "fail" if failed else "pass", "seconds": seconds, "checks": [each.figures() for each in found]},
+    )
+    if failed:
+        raise typer.Exit(1)
