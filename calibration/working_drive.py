@@ -7,7 +7,7 @@ import numpy as np
 from calibration.multisine import crest_phases, lines_to_time, low_crest
 from vibractl.config import RigConfig
 from vibractl.fft_plans import Plans
-from vibractl.learning.law import learning_law
+from vibractl.learning.law_of_run import learning_law
 from vibractl.setup import reference_of
 from vibractl.transfer_matrix import TransferMatrix
 

@@ -9,7 +9,8 @@ from vibractl.config import Limits, Quality
 from vibractl.decibels import FAINT, decibels, rms
 from vibractl.judging import Judged
 from vibractl.learning.disturbance import noise_power, noise_reach
-from vibractl.learning.law import reference_level, settled_window
+from vibractl.learning.law import reference_level
+from vibractl.learning.law_of_run import settled_window
 from vibractl.learning.laws import strong_lines
 from vibractl.mains import Hum, Mains
 from vibractl.overtones import Overtones

@@ -12,7 +12,8 @@ from vibractl.learner import Learner, Timeline, silences, timeline
 from vibractl.learning.algorithm import Algorithm
 from vibractl.learning.edges import with_edges
 from vibractl.learning.far_field_law import far_field_law, shared_text
-from vibractl.learning.law import Law, learning_law
+from vibractl.learning.law import Law
+from vibractl.learning.law_of_run import learning_law
 from vibractl.learning.warm_start import KnownDrive
 from vibractl.library.entry import Entry
 from vibractl.library.fit import misfit

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator
 
 GAPS = "gaps"
 """Word of a model's provenance."""
@@ -131,6 +130,8 @@ class TransferMatrix:
                 f"lines {frequency.min():g} to {frequency.max():g} Hz are wanted, the model has no value from "
                 f"{first:g} to {last:g} Hz: {reason}"
             )
+        from scipy.interpolate import Akima1DInterpolator  # noqa: PLC0415 (not needed where lines are given)
+
         parts = np.stack([self.response.real, self.response.imag], axis=-1)
         parts = Akima1DInterpolator(self.frequency, parts, method="makima")(frequency)
         place = np.interp(frequency, self.frequency, np.arange(len(self.frequency)))

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
-from scipy.signal.windows import tukey
 
 from vibractl.learning.shot import Shot
 
@@ -137,6 +136,8 @@ def probe(
     place = (frequency - centre) / half_width
     inside = np.abs(place) <= 1
     shape = np.zeros(len(frequency))
+    from scipy.signal.windows import tukey  # noqa: PLC0415 (takes half a second, and few runs come here)
+
     shape[inside] = tukey(int(inside.sum()) + 2, EDGE)[1:-1]
     # The group delay rises from a tenth to nine tenths of the shot, 1 / spacing, over the band.
     phase = -2 * np.pi * half_width / spacing * (0.5 * place + 0.2 * place**2)

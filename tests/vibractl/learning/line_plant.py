@@ -4,7 +4,8 @@ import numpy as np
 
 from vibractl.config import Learning
 from vibractl.fft_plans import Plans
-from vibractl.learning.law import Law, learning_law
+from vibractl.learning.law import Law
+from vibractl.learning.law_of_run import learning_law
 from vibractl.learning.shot import Shot
 from vibractl.reference import reference_from
 from vibractl.transfer_matrix import TransferMatrix

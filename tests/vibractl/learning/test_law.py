@@ -5,7 +5,8 @@ import pytest
 
 from tests.vibractl.learning.line_plant import FREQUENCY, law_of, matrix_of, modal
 from vibractl.learning.gains import CHIRP_GAINS, KALMAN_GAINS, SINE_GAINS
-from vibractl.learning.law import reference_level, settled_window
+from vibractl.learning.law import reference_level
+from vibractl.learning.law_of_run import settled_window
 from vibractl.learning.laws import SIGNIFICANT
 from vibractl.reference import reference_from
 from vibractl.transfer_matrix import norm, regularized_inverse
