@@ -168,6 +168,8 @@ class FrequencyDomainILC:
 class KalmanILC(FrequencyDomainILC):
     """The program's own law: it follows G from trial to trial by a Kalman filter, and dares what that promises.
 
+    Parameters: those of `FrequencyDomainILC`.
+
     Examples
     --------
     >>> lines = np.arange(1.0, 40.0)
@@ -184,6 +186,8 @@ class KalmanILC(FrequencyDomainILC):
 
 class ThesisILC(FrequencyDomainILC):
     """U <- U + K G^+ E with the model as it was measured, from the scaled reference.
+
+    Parameters: those of `FrequencyDomainILC`.
 
     Source
     ------
