@@ -12,7 +12,7 @@ STUDIES = $(basename $(notdir $(wildcard studies/*.toml)))
 TABLES := identification measured_pairs planning force_control
 KEY = $(shell cat pyproject.toml | sha256sum | cut -c1-16) $(CURDIR)
 
-.PHONY: run test check soak bench studies peers mutants setup packages docs site clean help
+.PHONY: run test check soak bench studies peers mutants setup packages docs site dist clean help
 
 help:            ## this list
 	@grep -hE '^[a-z]+: .*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 10
@@ -76,6 +76,10 @@ docs: setup      ## regenerate what is generated: docs/*.toml, docs/config-refer
 	$(BIN)/python -m tests.commands.experiments_page > docs/experiments.md
 	$(BIN)/python -c 'import sys; from stagectl.wire.dbc import dbc_text; sys.stdout.write(dbc_text())' > stagectl/stage.dbc
 	$(BIN)/python -c 'import sys; from rigkit.relay.frame import dbc_text; sys.stdout.write(dbc_text())' > rigkit/relay/relay.dbc
+
+dist: setup      ## dist/: source distribution and wheel
+	@$(BIN)/pip install --quiet --disable-pip-version-check build
+	rm -rf dist && $(BIN)/python -m build --outdir dist .
 
 site: setup      ## build/site/: the pages of docs/, tutorials, a gallery that is run, references; a warning fails it
 	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[site]'

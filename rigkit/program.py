@@ -3,7 +3,7 @@
 import ast
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import Any
 
 import typer
 
+from rigkit.code_name import resolve
 from rigkit.command import application, run
 
 
@@ -26,15 +27,26 @@ class Program:
         By name, "package.module:function", or a `Typer` of several; where the help stands elsewhere, that as well.
     packages : tuple of str
         As of `rigkit.command.run`.
+    programs : mapping of str to str
+        Other programs, "package.module:PROGRAM", that are called by a word ahead of their commands.
     """
 
     purpose: str
     commands: Mapping[str, str | tuple[str, str]]
     packages: tuple[str, ...]
+    programs: Mapping[str, str] = field(default_factory=dict)
+
+    def part(self, purpose: str, *names: str) -> "Program":
+        """Return a program of some of its commands."""
+        return Program(purpose, {name: self.commands[name] for name in names}, self.packages)
 
     def run(self) -> int:
         """Run the command line that this process was called with, and return its exit status."""
         called = next(iter(sys.argv[1:]), "")
+        if called in self.programs:
+            sys.argv[:2] = [f"{Path(sys.argv[0]).name} {called}"]
+            program: Program = resolve(self.programs[called])
+            return program.run()
         return run(self.only(called) if called in self.commands else self.described(), *self.packages)
 
     def only(self, *names: str) -> typer.Typer:
@@ -54,6 +66,8 @@ class Program:
         app = application(self.purpose)
         for name in self.commands:
             app.command(name)(_described(help_of(self._places(name)[1])))
+        for name, place in self.programs.items():
+            app.command(name)(_described(resolve(place).purpose))
         return app
 
     def _places(self, name: str) -> tuple[str, str]:

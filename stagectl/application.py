@@ -28,3 +28,18 @@ PROGRAM = Program(
     },
     ("stagectl", "firmware_sim"),
 )
+_BOTH = ("replay", "report", "export", "doctor", "prune", "daemon", "status", "stop")
+STAGE = PROGRAM.part("The piezo stage.", "example-config", "run", "acknowledge", *_BOTH)
+CELL = PROGRAM.part(
+    "The robot cell.",
+    "example-cell",
+    "example-pocket",
+    "cell",
+    "midrange",
+    "step",
+    "ilc",
+    "force",
+    "plan",
+    "estimate-force",
+    *_BOTH,
+)

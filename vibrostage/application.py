@@ -1,9 +1,16 @@
-"""The command line `vibrostage`: groups of commands that belong to no single rig."""
+"""The command line `vibrostage`: all programs under one name, and commands that belong to no single rig."""
 
 from rigkit.program import Program
 
 PROGRAM = Program(
-    "What goes beyond one rig: studies over many machines, on every core or a cluster.",
-    {"study": "vibrostage.study_command:study_app"},
-    ("vibrostage", "calibration", "vibractl", "stagectl"),
+    "Learning control for marine vibrators, piezo stages and the robots beside them: every program by a word.",
+    {"plan": "stagectl.commands.plan_command:plan", "study": "vibrostage.study_command:study_app"},
+    ("vibrostage", "calibration", "vibractl", "stagectl", "firmware_sim"),
+    {
+        "vibrator": "vibractl.application:PROGRAM",
+        "stage": "stagectl.application:STAGE",
+        "cell": "stagectl.application:CELL",
+        "calibrate": "calibration.application:PROGRAM",
+        "sim": "firmware_sim.application:PROGRAM",
+    },
 )

@@ -1,8 +1,10 @@
 """What a wheel holds: every file of every package, types and data files among them, and nothing beside."""
 
+import os
 import shutil
 import subprocess
 import sys
+import tomllib
 import zipfile
 from email.parser import HeaderParser
 from pathlib import Path
@@ -12,6 +14,9 @@ import pytest
 from tests.contract.source_tree import PACKAGES, ROOT
 
 BESIDE = ("pyproject.toml", "README.md", "LICENSE")
+SCRIPTS: dict[str, str] = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"]
+EXAMPLES = {"vibractl": (("example-config",),), "stagectl": (("example-cell",), ("example-pocket",))}
+"""What reads the package's own data."""
 BUILD = "from setuptools.build_meta import build_wheel; build_wheel('dist')"
 
 
@@ -40,6 +45,35 @@ def test_a_package_says_to_type_checkers_that_it_is_typed(package: str, wheel: z
     assert f"{package}/py.typed" in wheel.namelist()
     about = next(name for name in wheel.namelist() if name.endswith(".dist-info/METADATA"))
     assert "Typing :: Typed" in HeaderParser().parsestr(wheel.read(about).decode()).get_all("Classifier", [])
+
+
+@pytest.fixture(scope="module")
+def installed(wheel: zipfile.ZipFile, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Unpack it outside of the checkout, as an installer does with one that has only Python in it."""
+    place = tmp_path_factory.mktemp("installed")
+    wheel.extractall(place)
+    return place
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_each_program_works_outside_of_the_checkout(script: str, installed: Path, tmp_path: Path) -> None:
+    module, _, function = SCRIPTS[script].partition(":")
+    code = (
+        f"import sys, {module} as program; assert program.__file__.startswith({str(installed)!r}), program.__file__; "
+        f"sys.argv = [{script!r}, *sys.argv[1:]]; sys.exit(program.{function}())"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(installed)}
+    for words in (("--version",), ("--help",), *EXAMPLES.get(script, ())):
+        done = subprocess.run(
+            [sys.executable, "-c", code, *words],
+            cwd=tmp_path,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        assert done.stdout
 
 
 def _files(package: Path) -> list[Path]:
