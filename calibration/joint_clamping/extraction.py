@@ -9,6 +9,7 @@ with F Dahl's friction, from -1 to 1.  b is free to be negative: where there is 
 zero, and its interval says how much could have been missed.
 """
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +22,10 @@ from calibration.joint_clamping.joint_model import CONFIDENCE, Estimate, JointMo
 from calibration.joint_clamping.torque_map import Branches, TorqueMap, TorqueMapError, branches
 from calibration.one_thread import on_one_thread
 
+FEWEST = 50
+"""Samples that a fit takes."""
+MIDDLE_TORQUE = (0.5, 0.35)
+"""Of the largest torque, within which the backlash is found once more."""
 SETTLED = 0.03
 """Part of the span after a reversal that does not count: there friction turns round, and the motor may stick."""
 
@@ -114,10 +119,29 @@ def extract(joint: TorqueMap, spring: Spring | None = None) -> JointModel:
 def _judged(fit: _Fit, data: _Data) -> JointModel:
     """Return the model; without backlash where leaving it out costs less than `WORTH` of the residual's variance."""
     model = _model(fit, data)
+    model = replace(model, backlash=_widened(model.backlash, data))
     without = _fitted(data, fit.smooth, NO_BACKLASH)
     if model.backlash.is_significant and fit.cost < (1 - WORTH) * without.cost:
         return model
     return replace(_model(without, data), backlash=model.backlash, has_backlash=False)
+
+
+def _widened(backlash: Estimate, data: _Data) -> Estimate:
+    """Return the backlash, its interval wider by how far it is elsewhere where only the middle of the torque is fitted.
+
+    What gives way behind the gear, and other motors that slide a little, bend the flanks as no noise does: the scatter
+    of strokes does not show it, but the backlash then depends on how far out a flank is fitted.
+    """
+    torque = np.abs(data.torque - np.median(data.torque))
+    off = 0.0
+    for share in MIDDLE_TORQUE:
+        inner = replace(data, used=data.used & (torque < share * torque.max()))
+        if inner.used.sum() < FEWEST:
+            continue
+        with suppress(TorqueMapError):
+            found = _fitted(inner, False, MOST_BACKLASH).parameters[BACKLASH] * data.span
+            off = max(off, abs(float(found) - backlash.value))
+    return replace(backlash, error=backlash.error + off / backlash.reach)
 
 
 def _data(joint: TorqueMap) -> _Data:
@@ -127,8 +151,8 @@ def _data(joint: TorqueMap) -> _Data:
     middle = float(thin.angle.min()) + span / 2
     scale = float(np.ptp(thin.torque)) / 2
     used = (cut.number > 0) & (cut.since > SETTLED * span)
-    if used.sum() < 50:
-        raise TorqueMapError(f"{used.sum()} samples are away from reversals, must be >= 50")
+    if used.sum() < FEWEST:
+        raise TorqueMapError(f"{used.sum()} samples are away from reversals, must be >= {FEWEST}")
     time = np.linspace(-1.0, 1.0, len(thin.angle))
     return _Data((thin.angle - middle) / span, thin.torque / scale, time, cut, used, span, middle, scale)
 

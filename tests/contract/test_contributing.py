@@ -67,7 +67,7 @@ def test_a_stage_is_run_on_it(tmp_path: Path) -> None:
 def test_the_law_learns_but_for_what_it_lets_fade(monkeypatch: pytest.MonkeyPatch) -> None:
     """With a model that is right, U = 0.99 U + 0.5 G^+ (R - G U) leaves E = 0.01 / 0.51 of R."""
     half = Gains((0.5,), ())
-    monkeypatch.setitem(KINDS, "thesis", KindOfLaw(from_page("leaky_law").LeakyLaw(), half, half))
+    monkeypatch.setitem(KINDS, "thesis", KindOfLaw("", from_page("leaky_law").LeakyLaw(), half, half))
     true = modal(2, 2)
     law = law_of(matrix_of(true), law="thesis", epsilon=0.0, floor=0.0)
     algorithm, plant = Algorithm(law, Adaptation(), Watch(on=False), -40.0), LinePlant(true, law, 1e-12)
@@ -78,3 +78,20 @@ def test_the_law_learns_but_for_what_it_lets_fade(monkeypatch: pytest.MonkeyPatc
         algorithm.step(shot)
     left = 0.01 / 0.51 * np.abs(law.reference).max()
     assert np.abs(error).max() == pytest.approx(left, rel=1e-3)
+
+
+def test_bounds_of_the_law_hold(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a model that is right: what fades of the drive counts."""
+    half = Gains((0.5,), ())
+    monkeypatch.setitem(KINDS, "thesis", KindOfLaw("", from_page("leaky_law").LeakyLaw(), half, half))
+    true = modal(2, 2)
+    law = law_of(matrix_of(true), law="thesis", epsilon=0.0, floor=0.0)
+    algorithm, plant = Algorithm(law, Adaptation(), Watch(on=False), -40.0), LinePlant(true, law, 1e-12)
+    inside = []
+    for number in range(12):
+        shot = plant.shot(algorithm.lines)
+        error = np.linalg.norm(law.reference - shot.response, axis=1)
+        if number:
+            inside.append(float(np.mean(error <= algorithm.daring.computed_bound + 1e-9)))
+        algorithm.step(shot)
+    assert min(inside) > 0.98

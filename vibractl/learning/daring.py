@@ -4,6 +4,7 @@ import numpy as np
 
 from vibractl.learning.belief import Belief
 from vibractl.learning.disturbance import smoothed
+from vibractl.learning.kinds_of_law import KINDS
 from vibractl.learning.law import Law
 from vibractl.learning.pace import Pace
 from vibractl.learning.shot import Shot
@@ -52,11 +53,12 @@ class Daring:
 
     def __init__(self, law: Law, is_cautious: bool, belief: Belief) -> None:
         self._law, self._is_cautious, self._learned = law, is_cautious, law.active > 0
+        self._by = KINDS[law.settings.law].law
         self.updates, self._widened, self._pace = 0, 1.0, Pace(len(law.active))
         self.is_open = law.active.copy()
         self.nominal = law.gains.at(0)
         self.gain = self.nominal * law.active
-        self.certificate = contraction(belief.response, belief.variance, belief.inverse, self.gain, DEVIATIONS)
+        self.certificate = self._certificate(belief)
         self.error_bound = self.certificate * np.linalg.norm(law.reference, axis=1)
 
     @property
@@ -97,10 +99,19 @@ class Daring:
         if self._is_cautious:
             self.gain = self.gain * self._caution(belief, shot, error)
         coming = belief.disturbance(shot, self.gain[:, None] * error)
-        self.certificate = contraction(belief.response, belief.variance, belief.inverse, self.gain, DEVIATIONS)
+        self.certificate = self._certificate(belief)
         size = np.linalg.norm(error, axis=1)
+        left = self.certificate * size
+        if self._by.keep != 1.0:  # what fades of the drive is missing from the response
+            left = left + abs(1.0 - self._by.keep) * np.linalg.norm(shot.response, axis=1)
         self._widened = self._outcome(size) if self.updates else 1.0
-        self.error_bound = self._widened * (self.certificate * size + DEVIATIONS * np.sqrt(coming))
+        self.error_bound = self._widened * (left + DEVIATIONS * np.sqrt(coming))
+
+    def _certificate(self, belief: Belief) -> np.ndarray:
+        """Return the bound on the error map of the coming update, (lines,), 1."""
+        learns = self._by.learns(belief)
+        bound: np.ndarray = contraction(belief.response, belief.variance, learns, self.gain, DEVIATIONS)
+        return bound
 
     def _caution(self, belief: Belief, shot: Shot, error: np.ndarray) -> np.ndarray:
         """Return the part of the schedule's gain that is dared at each line, (lines,).

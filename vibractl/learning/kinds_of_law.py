@@ -12,6 +12,8 @@ class KindOfLaw:
 
     Parameters
     ----------
+    about : str
+        What tells it from others, behind its name.
     law : VibratorLaw
         Its first drive where `learning.start` leaves that to the law, and the next ones.
     gains, tonal_gains : Gains
@@ -23,6 +25,7 @@ class KindOfLaw:
         Whether it takes `learning.structure` "decentralised".
     """
 
+    about: str
     law: VibratorLaw
     gains: Gains
     tonal_gains: Gains
@@ -31,7 +34,9 @@ class KindOfLaw:
 
 
 KINDS = {
-    "kalman": KindOfLaw(ByInverse(), KALMAN_GAINS, KALMAN_GAINS, follows=True),
-    "thesis": KindOfLaw(ByScaledReference(), CHIRP_GAINS, SINE_GAINS, decentralised=True),
+    "kalman": KindOfLaw(
+        "follows G from shot to shot, see [adaptation]", ByInverse(), KALMAN_GAINS, KALMAN_GAINS, follows=True
+    ),
+    "thesis": KindOfLaw("keeps the model", ByScaledReference(), CHIRP_GAINS, SINE_GAINS, decentralised=True),
 }
 """Every value that `learning.law` may have."""

@@ -1,7 +1,7 @@
 """The laws of the vibrator: by which drive each begins, and how the next one follows from a shot."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -55,8 +55,19 @@ class Heard:
     is_open: np.ndarray
 
 
-VibratorLaw = LearningLaw[Plant, "Belief", Heard, np.ndarray]
-"""Asks for drives: complex array, shape (lines, inputs), V s."""
+class VibratorLaw(LearningLaw[Plant, "Belief", Heard, np.ndarray], Protocol):
+    """Asks for drives, complex array of shape (lines, inputs), V s: U <- Q1 U + Q2 L E, by which bounds are computed.
+
+    Attributes
+    ----------
+    keep : float, 1
+        Q1.
+    """
+
+    keep: float
+
+    def learns(self, belief: "Belief") -> np.ndarray:
+        """Return L, complex, shape (lines, inputs, outputs), V per m/s^2."""
 
 
 class ByInverse:
@@ -67,6 +78,8 @@ class ByInverse:
     Sörnmo 2015, eq. (6.16).
     """
 
+    keep = 1.0
+
     def first(self, model: Plant) -> np.ndarray:
         """Return G^+ R, shape (lines, inputs), V s."""
         solved: np.ndarray = (model.inverse @ model.reference[..., None])[..., 0]
@@ -75,6 +88,10 @@ class ByInverse:
     def next(self, belief: "Belief", trial: Heard) -> np.ndarray:
         """Return U + Q2 G^+ E, shape (lines, inputs), V s, with what the modes will do until then."""
         return belief.next_drive(trial.drive, trial.error, trial.gain, trial.is_open)
+
+    def learns(self, belief: "Belief") -> np.ndarray:
+        """Return G^+, shape (lines, inputs, outputs), V per m/s^2."""
+        return belief.inverse
 
 
 class ByScaledReference(ByInverse):

@@ -19,7 +19,7 @@ def test_the_setting_has_the_laws_of_the_registry() -> None:
 def test_a_law_is_another_line_of_the_registry(monkeypatch: pytest.MonkeyPatch) -> None:
     """One that starts by the inverse, keeps the model, and has one gain: with a model twice too large, 3/4 are left."""
     half = Gains((0.5,), ())
-    monkeypatch.setitem(KINDS, "thesis", KindOfLaw(ByInverse(), half, half))
+    monkeypatch.setitem(KINDS, "thesis", KindOfLaw("", ByInverse(), half, half))
     true = modal(2, 2)
     law = law_of(matrix_of(2.0 * true), law="thesis", epsilon=0.0, floor=0.0)
     algorithm, plant = Algorithm(law, Adaptation(), Watch(on=False), -40.0), LinePlant(true, law, 1e-12)
