@@ -31,6 +31,10 @@ Untrained = Annotated[
     bool, typer.Option("--untrained", help=f"The planner does not know the rates: {', '.join(UNTRAINED)}.")
 ]
 Learn = Annotated[Path | None, typer.Option(metavar="SEGMENTS.csv", help="Learn from recorded segments first.")]
+PriorFile = Annotated[
+    Path | None,
+    written_file("FILE", "uncertain keeps in FILE how far rates were off, and learns its scales.", "--prior"),
+]
 Record = Annotated[Path | None, written_file("SEGMENTS.csv", "Write every finished segment.")]
 Seed = Annotated[int, typer.Option(min=0, help="Of what the planner draws.")]
 Out = Annotated[Path | None, written_file("PATH.json", "Write the path of the last pocket.")]
@@ -52,6 +56,7 @@ def plan(
     pockets: Count = 1,
     untrained_planner: Untrained = False,
     learn: Learn = None,
+    prior: PriorFile = None,
     record: Record = None,
     seed: Seed = 0,
     out: Out = None,
@@ -75,7 +80,9 @@ def plan(
     if path_file is not None:
         _check(pocket, path_file, json)
         return
-    made = untrained(planner_name, pocket) if untrained_planner else planner(planner_name, pocket, seed)
+    if untrained_planner and prior is not None:
+        raise ValueError(f"--untrained knows no rates that could be off, must be left out with --prior {prior}")
+    made = untrained(planner_name, pocket) if untrained_planner else planner(planner_name, pocket, seed, prior)
     for segment in read_segments(learn, pocket) if learn is not None else ():
         made.learn(segment)
     cell_file = rig_file.load(config, CellConfig, settings or []) if simulate else None

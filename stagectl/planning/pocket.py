@@ -1,12 +1,15 @@
 """A pocket, the paths that planners make for it, and whether a path is one."""
 
+from pathlib import Path
+
 from stagectl.planning.exact import ExactPlanner
 from stagectl.planning.features import FeaturesPlanner
 from stagectl.planning.milling import Planner, mill
 from stagectl.planning.pocket_check import Verdict, check
 from stagectl.planning.problem import Pocket, PocketFault
 from stagectl.planning.qlearning import QLearningPlanner
-from stagectl.planning.rate_belief import measured, unknown
+from stagectl.planning.rate_belief import BELIEVED, believed, measured, unknown
+from stagectl.planning.rate_scales import Scales
 from stagectl.planning.sequential import SequentialPlanner, trained
 from stagectl.planning.uncertain import UncertainPlanner
 
@@ -18,10 +21,30 @@ UNTRAINED = ("sequential", "uncertain")
 """Those that can do without."""
 
 
-def planner(name: str, pocket: Pocket, seed: int = 0) -> Planner:
-    """Make a planner by name, which knows what is believed of a pocket; `seed` is of what it draws."""
+def planner(name: str, pocket: Pocket, seed: int = 0, prior: Path | None = None) -> Planner:
+    """Make a planner by name, which knows what is believed of a pocket.
+
+    Parameters
+    ----------
+    name : str
+        Of `PLANNERS`.
+    pocket : Pocket
+    seed : int
+        Of what it draws.
+    prior : Path, optional
+        The file in which `uncertain` keeps how far rates were off, from which it estimates the scales of its prior.
+
+    Raises
+    ------
+    PocketFault : there is no such planner, or it has no prior.
+    ValueError, OSError : as of `Scales`.
+    """
     if name not in PLANNERS:
         raise PocketFault(f"planner is {name!r}, must be one of {', '.join(PLANNERS)}")
+    if prior is not None:
+        if name != "uncertain":
+            raise PocketFault(f"planner is {name!r}, must be uncertain to keep a prior in {prior}")
+        return UncertainPlanner(pocket, believed(pocket), Scales(BELIEVED, prior))
     if name == "sequential":
         return SequentialPlanner(pocket, trained(pocket))
     if name == "qlearning":

@@ -48,8 +48,30 @@ class Prior:
 
 MEASURED = Prior(common=0.05, side=0.3, feed=0.05, type=0.05, own=0.05)
 """Rates that were measured; a side may have become slow."""
+BELIEVED = Prior(common=0.1, side=0.1, feed=0.1, type=0.1, own=0.1, optimism=0.5)
+"""Rates that may all be off by a fifth; with these scales begins who learns them (docs/planning.md)."""
 UNKNOWN = Prior(common=3.0, side=0.05, feed=0.1, type=0.25, own=0.05, optimism=0.5)
 """Nothing was measured."""
+
+
+def shared_covariance(types: np.ndarray, sides: np.ndarray, prior: Prior) -> np.ndarray:
+    """Return the covariance of the logarithms of the rates of strips, before anything was milled.
+
+    Parameters
+    ----------
+    types, sides : array of str, shape (strips,)
+        Of each strip: its milling type, which begins with the feed, and the side off which it is milled.  No two strips
+        have both in common.
+    prior : Prior
+
+    Returns
+    -------
+    array, shape (strips, strips), 1
+    """
+    covariance = prior.common**2 + prior.own**2 * np.eye(len(types))
+    for deviation, shared in ((prior.side, sides), (prior.feed, types.astype("U1")), (prior.type, types)):
+        covariance += deviation**2 * (shared[:, None] == shared)
+    return np.asarray(covariance)
 
 
 class RateBelief:
@@ -67,14 +89,9 @@ class RateBelief:
         cuts = [Cut(way, k) for way in range(len(rate)) for k in range(1, pocket.G + 1)]
         self.prior = prior
         self.mean = np.log(rate).ravel()
-        self.covariance = prior.common**2 + prior.own**2 * np.eye(len(cuts))
-        for deviation, names in (
-            (prior.side, [cut.side for cut in cuts]),
-            (prior.feed, [cut.feed for cut in cuts]),
-            (prior.type, [cut.name(pocket.G) for cut in cuts]),
-        ):
-            shared = np.array(names)
-            self.covariance += deviation**2 * (shared[:, None] == shared)
+        self.covariance = shared_covariance(
+            np.array([cut.name(pocket.G) for cut in cuts]), np.array([cut.side for cut in cuts]), prior
+        )
 
     @property
     def deviation(self) -> np.ndarray:
@@ -95,6 +112,11 @@ class RateBelief:
 def measured(pocket: Pocket) -> RateBelief:
     """Return the belief that begins with the pocket's rates."""
     return RateBelief(pocket, costs(pocket).rate, MEASURED)
+
+
+def believed(pocket: Pocket) -> RateBelief:
+    """Return the belief that begins with the pocket's rates where all may be off: its scales are to be learned."""
+    return RateBelief(pocket, costs(pocket).rate, BELIEVED)
 
 
 def unknown(pocket: Pocket) -> RateBelief:

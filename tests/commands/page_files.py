@@ -7,7 +7,20 @@ from typing import Any
 from tests.commands.dry_parse import Parsed
 
 WRITTEN = frozenset(
-    ("--out", "--json", "--png", "--report", "--record", "--gcode", "--rapid", "--log", "--path", "--folder", "--state")
+    (
+        "--out",
+        "--json",
+        "--png",
+        "--report",
+        "--record",
+        "--gcode",
+        "--rapid",
+        "--log",
+        "--path",
+        "--folder",
+        "--state",
+        "--prior",
+    )
 )
 """Options whose files a command makes."""
 SUFFIXES = frozenset((".toml", ".csv", ".h5", ".json", ".wav"))

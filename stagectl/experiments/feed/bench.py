@@ -10,13 +10,22 @@ from stagectl.experiments.feed.plan import FeedPlan
 from stagectl.experiments.feed.pocket_part import pocket_part
 from stagectl.experiments.feed.surroundings import simulated
 from stagectl.link.tell import Tell
+from stagectl.planning.beside import PATIENCE
 from stagectl.planning.milling import Planner
 
 Stopped = Callable[[], bool]
 
 
 class Bench(Protocol):
-    """What pockets are milled on, one after another."""
+    """What pockets are milled on, one after another.
+
+    Attributes
+    ----------
+    patience : float, s, or None
+        For which a tick waits for the planner's choice: as of `PlannerBeside`.
+    """
+
+    patience: float | None
 
     def part(self, plan: FeedPlan, planner: Planner, tell: Tell, stopped: Stopped) -> AbstractContextManager[Part]:
         """Give a pocket to be milled, its devices open.
@@ -36,7 +45,16 @@ class Bench(Protocol):
 
 
 class SimulatedBench:
-    """The simulated cell: each pocket in a piece of its own."""
+    """The simulated cell: each pocket in a piece of its own.
+
+    Parameters
+    ----------
+    is_paced : bool
+        Whether it runs in real time: then it does not wait for the planner.
+    """
+
+    def __init__(self, is_paced: bool = False) -> None:
+        self.patience = PATIENCE if is_paced else None
 
     @contextmanager
     def part(self, plan: FeedPlan, planner: Planner, tell: Tell, stopped: Stopped) -> Iterator[Part]:  # noqa: ARG002

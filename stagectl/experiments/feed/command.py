@@ -13,6 +13,8 @@ from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, laid_over, print_table, words, write_json
 from rigkit.experiment.command import CommandLine, refuse_png_alone
 from rigkit.experiment.runner import STOPPED
+from rigkit.written import written_file
+from stagectl.experiments.feed.bench import SimulatedBench
 from stagectl.experiments.feed.job import POCKETS, PROCESS, Job, pocket_of
 from stagectl.experiments.feed.plan import feed_plan
 from stagectl.experiments.feed.process import process_rows
@@ -31,6 +33,9 @@ Model = Annotated[Path | None, typer.Option(metavar="FILE", help="The robot's ve
 Name = Annotated[str, typer.Option("--planner", metavar="NAME", help=f"{', '.join(PLANNERS)}.")]
 Untrained = Annotated[
     bool, typer.Option("--untrained", help=f"The planner does not know the rates: {', '.join(UNTRAINED)}.")
+]
+PriorFile = Annotated[
+    Path | None, written_file("FILE", "uncertain keeps how far rates were off in FILE: see `stagectl plan`.", "--prior")
 ]
 Count = Annotated[int, typer.Option("--pockets", min=1, max=20, help="How many, each in a piece of wood of its own.")]
 Compares = Annotated[
@@ -51,6 +56,7 @@ def force(
     model: Model = None,
     planner_name: Name = "sequential",
     is_untrained: Untrained = False,
+    prior: PriorFile = None,
     pockets: Count = 1,
     compares: Compares = False,
     seed: Seed = 0,
@@ -72,7 +78,9 @@ def force(
     """
     cell = rig_file.load(config, CellConfig, laid_over(settings, {"force.force": newtons}))
     refuse_png_alone(png, out)
-    job = Job(task, pocket_of(task, cell.segments), planner_name, is_untrained, pockets, seed, compares)
+    job = Job(
+        task, pocket_of(task, cell.segments), planner_name, is_untrained, pockets, seed, compares, str(prior or "")
+    )
     files = Files(job, model)
     if dry:
         _say_steps(cell, files)
@@ -130,7 +138,7 @@ def _run(cell: CellConfig, files: Files, way: Way, out: Path | None, png: Path |
     def say(text: str) -> None:
         print(text, file=words(json), flush=True)  # noqa: T201
 
-    bench = WiredBench(cell, Person(say, not way.is_sure)) if way.is_live else None
+    bench = WiredBench(cell, Person(say, not way.is_sure)) if way.is_live else SimulatedBench(way.is_paced)
     has_pocket, pace = files.job.pocket is not None, clock.Paced() if way.is_paced else clock.Offline()
     title, unit = ("cells milled", "cells") if has_pocket else ("force control", "s")
     line = CommandLine(title, way.is_live, out, png, json, pace, unit)

@@ -10,6 +10,7 @@ from rigkit.service.paths import data_file, run_path
 from rigkit.service.rig import Desk
 from rigkit.service.show import Gauge, Panel
 from stagectl.daemon.cell_gauges import REFERENCE, Motion, timed
+from stagectl.experiments.feed.bench import SimulatedBench
 from stagectl.experiments.feed.job import POCKETS, Job, pocket_of
 from stagectl.experiments.feed.options import ForceOptions
 from stagectl.experiments.feed.panels import cutting, lately, tables
@@ -55,7 +56,7 @@ def procedure(config: CellConfig, options: ForceOptions, desk: Desk) -> Experime
     for note in files.refuse_foreign(config, options.accept):
         desk.event("note", {"text": note})
     job.make()  # a planner that cannot be is refused before there is a folder
-    made = Pockets(cell, job, files.velocity)
+    made = Pockets(cell, job, files.velocity, SimulatedBench(options.paced))
     folder = create(run_path(data, options.run), FORCE, cell, made, files.take_into, sorted(options.accept))
     title = f"{wanted:g} N wanted"
     return ExperimentProcedure(FORCE, title, folder, made, _View(made), desk, is_paced=options.paced)

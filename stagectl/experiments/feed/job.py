@@ -1,6 +1,7 @@
 """What `stagectl force` is asked to do, as a file of the run's folder: task, pocket, planner, and how many."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from stagectl.planning.pocket import planner, untrained
 from stagectl.planning.pocket_file import read_pocket
 from stagectl.planning.problem import Pocket
 from stagectl.planning.strips import Cut, Standing
+from stagectl.planning.zigzag import ZigzagPlanner
 from stagectl.robot.segment_config import SegmentTask
 
 PROCESS = "fig-7.5"
@@ -41,6 +43,8 @@ class Job:
         Of what the planner draws.
     compares : bool
         Whether the last pocket is milled once more by position control.
+    prior : str
+        The file of the prior that the planner keeps, or nothing.
     """
 
     task: str
@@ -50,13 +54,18 @@ class Job:
     pockets: int = 1
     seed: int = 0
     compares: bool = False
+    prior: str = ""
 
     def make(self) -> Planner:
         """Make the planner, for all pockets."""
         assert self.pocket is not None
         if self.is_untrained:
+            if self.prior:
+                raise ValueError(
+                    f"an untrained planner knows no rates that could be off, must have no prior {self.prior}"
+                )
             return untrained(self.planner, self.pocket)
-        return planner(self.planner, self.pocket, self.seed)
+        return planner(self.planner, self.pocket, self.seed, Path(self.prior) if self.prior else None)
 
     def text(self) -> str:
         """Return it as a file's text."""
@@ -66,7 +75,7 @@ class Job:
 def read_job(path: Path) -> Job:
     """Read what `text` has made; ValueError where it is something else."""
     given, names = read_json(path, dict), [each.name for each in fields(Job)]
-    if set(given) != set(names):
+    if {"prior", *given} != set(names):  # version 0.1.0 had none
         raise ValueError(f"{path}: has {', '.join(given) or 'nothing'}, must have {', '.join(names)}")
     pocket = given.pop("pocket")
     return Job(**given, pocket=None if pocket is None else Pocket.from_dict(pocket))
@@ -104,19 +113,20 @@ def pocket_of(task: str, segments: SegmentTask) -> Pocket | None:
 
 
 class Repeated:
-    """A planner that mills a pocket as it was milled before.
+    """A planner that mills a pocket as it was milled before, and on in the default order where that ends.
 
     Parameters
     ----------
     cuts : sequence of Cut
+    pocket : Pocket
     """
 
-    def __init__(self, cuts: list[Cut]) -> None:
-        self._cuts = iter(cuts)
+    def __init__(self, cuts: Sequence[Cut], pocket: Pocket) -> None:
+        self._cuts, self._beyond = iter(cuts), ZigzagPlanner(pocket)
 
     def choose(self, standing: Standing) -> Cut:
         """Return the next strip."""
-        return next(self._cuts)
+        return next(self._cuts, None) or self._beyond.choose(standing)
 
     def learn(self, milled: Milled) -> None:
         """Learn nothing."""

@@ -111,6 +111,13 @@ def retold(record: Recording, pocket: Pocket, path: Sequence[Sequence[Any]] | No
     return tuple(found)
 
 
+def chosen(record: Recording) -> list[Cut]:
+    """Return every strip that a recorded pocket took up, the last one finished or not."""
+    number = channel(record, "number")
+    taken = np.flatnonzero((np.diff(number, prepend=0.0) != 0.0) & (number > 0.0))
+    return [Cut(*each) for each in record.select(["cut_1", "cut_2"]).data[taken].astype(int).tolist()]
+
+
 def safe_feeds(milled: Iterable[Strip], types: Sequence[str]) -> dict[str, float]:
     """Return the feed of each type that position control can count on: the lowest that force control had, m/s.
 

@@ -1,7 +1,7 @@
 """Milling by force as an experiment: pocket after pocket, each in a piece of its own; the planner goes on learning."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from stagectl.devices.signals import ROBOT
 from stagectl.experiments.feed.bench import Bench, SimulatedBench
 from stagectl.experiments.feed.feed_graph import FeedGraph
 from stagectl.experiments.feed.job import Job, Repeated
-from stagectl.experiments.feed.measures import Strip, as_milled, figures, retold, safe_feeds, strips
+from stagectl.experiments.feed.measures import Strip, as_milled, chosen, figures, retold, safe_feeds, strips
 from stagectl.experiments.feed.plan import RATE, feed_plan, recorded_plan
 from stagectl.experiments.feed.pocket_part import LONGEST, pocket_part
 from stagectl.experiments.feed.pocketed import Kept, Pocketed
@@ -23,8 +23,10 @@ from stagectl.experiments.feed.recorded import FORCE, SLOW, TRUE, made
 from stagectl.experiments.feed.report import write_report
 from stagectl.experiments.feed.surroundings import plants_of, recorded
 from stagectl.link.tell import Tell, nobody
+from stagectl.planning.beside import PlannerBeside
 from stagectl.planning.milling import Milled, Planner
 from stagectl.planning.segment_file import write_segments
+from stagectl.planning.strips import Cut
 from stagectl.robot.config import CellConfig
 
 SEGMENTS = "segments.csv"
@@ -119,30 +121,43 @@ class Pockets:
         ValueError : a piece out of reach; no segment was controlled for long enough to tell a safe feed.
         LinkError, Stopped : as of the bench.
         """
-        planner, milled = self.job.make(), list[Strip]()
-        for piece in range(1, self.job.pockets + 1):
-            plan = feed_plan(self.cell, self.pocket, self._model, piece)
-            with self._bench.part(plan, planner, tell, stopped) as part:
-                kept = part.in_memory("kept")
-                yield part
-            record = kept()[plan.name]
-            done = Pocketed(record, retold(record, self.pocket), "")
-            milled += strips(done, self.cell)
-            tell("pocket", {"name": plan.name, "segments": len(done.segments)})
+        milled = list[Strip]()
+        with PlannerBeside(self.job.make(), self.pocket, tell, self._bench.patience) as planner:
+            for piece in range(1, self.job.pockets + 1):
+                plan = feed_plan(self.cell, self.pocket, self._model, piece)
+                with self._bench.part(plan, planner, tell, stopped) as part:
+                    kept = part.in_memory("kept")
+                    yield replace(part, counts=planner.counts)
+                record = kept()[plan.name]
+                done = Pocketed(record, retold(record, self.pocket), "")
+                milled += strips(done, self.cell)
+                tell("pocket", {"name": plan.name, "segments": len(done.segments)})
         if self.job.compares:
             feeds = safe_feeds(milled, self.pocket.types)
             plan = feed_plan(self.cell, self.pocket, self._model, self.job.pockets, feeds)
-            with self._bench.part(plan, Repeated([each.cut for each in done.segments]), tell, stopped) as part:
+            same = Repeated([each.cut for each in done.segments], self.pocket)
+            with self._bench.part(plan, same, tell, stopped) as part:
                 yield part
         self._bench.leave(tell, stopped)
 
     def again(self, records: Records) -> Iterator[Part]:
-        """Give a part for each pocket that is recorded, its sensors as they were; the planner learns again."""
-        planner, cuts = self.job.make(), []
+        """Give a part for each pocket that is recorded, its sensors and the strips that were chosen as they were.
+
+        Where version 0.1.0 has recorded it, without the strips, the planner chooses them again.
+        """
+        planner: Planner | None = None
+        cuts: list[Cut] = []
         for each in self.kept(records):
+            record = each.done.recording
+            same: Planner
             if each.plan.feeds is None:
                 cuts = [segment.cut for segment in each.done.segments]
-            same: Planner = planner if each.plan.feeds is None else Repeated(cuts)
+            if "cut_1" in record.names:
+                same = Repeated(chosen(record), self.pocket)
+            elif each.plan.feeds is not None:
+                same = Repeated(cuts, self.pocket)
+            else:
+                same = planner = planner or self.job.make()
             yield pocket_part(FeedGraph(each.plan, partial(_given, same), nobody, recorded(each.done.recording)))
 
     def kept(self, records: Records) -> list[Kept]:

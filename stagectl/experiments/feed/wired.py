@@ -15,6 +15,7 @@ from stagectl.experiments.feed.pocket_part import pocket_part
 from stagectl.experiments.feed.recorded import FORCE, SLOW
 from stagectl.experiments.feed.surroundings import Surroundings
 from stagectl.link.tell import Tell
+from stagectl.planning.beside import PATIENCE
 from stagectl.planning.milling import Planner
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.blocks import LiveForce, LiveReference, LiveRobot
@@ -26,6 +27,8 @@ from stagectl.robot.live.wires import LiveWires
 
 class WiredBench:
     """A robot with a force sensor, and a person beside it: as of `LedRobot`."""
+
+    patience: float | None = PATIENCE
 
     def __init__(self, cell: CellConfig, person: Person, clock: Callable[[], float] = time.monotonic) -> None:
         self._robot = LedRobot(cell, person, clock)

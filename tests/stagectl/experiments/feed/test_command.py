@@ -120,3 +120,26 @@ def test_figures_without_a_folder_go_nowhere(
 ) -> None:
     assert stagectl(monkeypatch, "force", "--task", "fig-7.5", "--png", str(tmp_path)) == 2
     assert "--png goes with --out RUN/" in capsys.readouterr().err
+
+
+def test_a_prior_is_kept_beside_a_run_and_learned_from_by_the_next_plan(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, pocket: str
+) -> None:
+    prior, run = tmp_path / "prior.json", tmp_path / "run"
+    words = ("--planner", "uncertain", "--prior", str(prior))
+    assert stagectl(monkeypatch, "force", "--task", pocket, *words, "--out", str(run), *WORDS) == 0
+    assert len(json.loads(prior.read_text())["lots"]) == 1
+    assert stagectl(monkeypatch, "plan", pocket, *words) == 0
+    assert len(json.loads(prior.read_text())["lots"]) == 2
+    before = prior.read_text()
+    assert stagectl(monkeypatch, "replay", str(run)) == 0
+    assert prior.read_text() == before
+
+
+def test_a_prior_of_rates_that_are_not_known_is_refused(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, pocket: str
+) -> None:
+    words = ("--planner", "uncertain", "--untrained", "--prior", str(tmp_path / "prior.json"))
+    for command in (("plan", pocket), ("force", "--task", pocket)):
+        assert stagectl(monkeypatch, *command, *words) != 0
+        assert "prior" in capsys.readouterr().err
