@@ -3,14 +3,16 @@
     python -m benchmarks.planning_beside [--seconds 10] [--write]
 
 Four directions, thirds.  A tick is from its beginning to that of the next one, with what is done between them and
-without the sleep.  For each planner the longest of the ticks after which a strip was chosen, with the planner in the
-tick (`patience` None) and beside it; and the longest of all others, which the computer is to blame for.
+without the sleep.  For each planner median and longest of the ticks after which a strip was chosen, with the planner in
+the tick (`patience` None) and beside it; and the longest of all others, which the computer is to blame for.
 """
 
 import argparse
 import time
 from collections.abc import Callable
 from dataclasses import replace
+
+import numpy as np
 
 from benchmarks.page_table import FLAG, put, table
 from ctlblocks import Graph
@@ -81,8 +83,8 @@ def _pocket(cell: CellConfig) -> Pocket:
     return replace(pocket, feeds="EWNS", rate={**RATES, **more})
 
 
-def longest(name: str, seconds: float, patience: float | None) -> tuple[float, float, int, dict[str, int]]:
-    """Return the longest tick with a choice, and of the others, s, how many choices there were, and their counts."""
+def ticks(name: str, seconds: float, patience: float | None) -> tuple[list[float], dict[str, int]]:
+    """Return median and longest tick with a choice and the longest of the others, s, and how choices came about."""
     cell = rig_file.load(None, CellConfig, QUICK)
     pocket = _pocket(cell)
     plan = feed_plan(cell, pocket, nominal_velocity(250.0))
@@ -91,7 +93,9 @@ def longest(name: str, seconds: float, patience: float | None) -> tuple[float, f
         part = pocket_part(FeedGraph(plan, lambda: marked, nobody, simulated))
         clock = _Watched(marked)
         remembered(part, Conduct(lambda: part.graph.ticks > seconds * RATE, clock))
-    return max(clock.choosing), max(clock.others), len(clock.choosing) - 1, beside.counts()
+    choices = clock.choosing[1:] or [float("nan")]
+    counts = {"choices": len(clock.choosing) - 1, **beside.counts()}
+    return [float(np.median(choices)), max(choices), max(clock.others)], counts
 
 
 def main() -> None:
@@ -101,13 +105,13 @@ def main() -> None:
     parser.add_argument(FLAG, action="store_true")
     chosen = parser.parse_args()
     rows = []
+    ticks(NAMES[0], 1.0, None)  # what is compiled is compiled
     for name in NAMES:
-        before, after = (longest(name, chosen.seconds, patience) for patience in (None, PATIENCE))
-        times = [f"{1e3 * each:.1f}" for each in (before[0], after[0], before[1], after[1])]
-        counts = after[3]
-        rows.append([name, *times, f"{after[2]}", f"{counts['planned_ahead']}", f"{counts['planned_late']}"])
-        print(rows[-1], flush=True)  # noqa: T201
-    head = ["planner", "in the tick, ms", "beside it, ms", "other ticks, ms", "and", "choices", "ahead", "late"]
+        for where, patience in (("in the tick", None), ("beside it", PATIENCE)):
+            times, counts = ticks(name, chosen.seconds, patience)
+            each = [counts[key] for key in ("choices", "planned_ahead", "planned_late")]
+            rows.append([f"`{name}`", where, *(f"{1e3 * time:.1f}" for time in times), *each])
+    head = ["planner", "planned", "median, ms", "longest, ms", "longest other tick, ms", "choices", "ahead", "late"]
     put(table(head, rows), "planning.md", "beside")
 
 

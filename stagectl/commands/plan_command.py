@@ -80,9 +80,7 @@ def plan(
     if path_file is not None:
         _check(pocket, path_file, json)
         return
-    if untrained_planner and prior is not None:
-        raise ValueError(f"--untrained knows no rates that could be off, must be left out with --prior {prior}")
-    made = untrained(planner_name, pocket) if untrained_planner else planner(planner_name, pocket, seed, prior)
+    made = _trained(planner_name, pocket, untrained_planner, seed, prior)
     for segment in read_segments(learn, pocket) if learn is not None else ():
         made.learn(segment)
     cell_file = rig_file.load(config, CellConfig, settings or []) if simulate else None
@@ -95,6 +93,14 @@ def plan(
         if file is not None:
             atomic.write(file, written(done[-1], pocket, cutting))
     _tell(done, pocket, planner_name, page, json)
+
+
+def _trained(name: str, pocket: Pocket, is_untrained: bool, seed: int, prior: Path | None) -> Planner:
+    if not is_untrained:
+        return planner(name, pocket, seed, prior)
+    if prior is not None:
+        raise ValueError(f"--untrained knows no rates that could be off, must be left out with --prior {prior}")
+    return untrained(name, pocket)
 
 
 def _milled(pocket: Pocket, made: Planner, pockets: int, cell: CellConfig | None) -> list[list[Milled]]:
