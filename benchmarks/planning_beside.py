@@ -5,6 +5,7 @@
 Four directions, thirds.  A tick is from its beginning to that of the next one, with what is done between them and
 without the sleep.  For each planner median and longest of the ticks after which a strip was chosen, with the planner in
 the tick (`patience` None) and beside it; and the longest of all others, which the computer is to blame for.
+The program has the priority that it has on a live robot, where that is granted.
 """
 
 import argparse
@@ -19,6 +20,7 @@ from ctlblocks import Graph
 from ctlblocks.clock import Offline
 from rigkit import config as rig_file
 from rigkit.experiment.runner import Conduct, remembered
+from rigkit.priority import undisturbed
 from stagectl.experiments.feed.feed_graph import FeedGraph
 from stagectl.experiments.feed.job import RATES, pocket_of
 from stagectl.experiments.feed.plan import RATE, feed_plan
@@ -88,7 +90,7 @@ def ticks(name: str, seconds: float, patience: float | None) -> tuple[list[float
     cell = rig_file.load(None, CellConfig, QUICK)
     pocket = _pocket(cell)
     plan = feed_plan(cell, pocket, nominal_velocity(250.0))
-    with PlannerBeside(planner(name, pocket), pocket, nobody, patience) as beside:
+    with undisturbed(), PlannerBeside(planner(name, pocket), pocket, nobody, patience) as beside:
         marked = _Marked(beside)
         part = pocket_part(FeedGraph(plan, lambda: marked, nobody, simulated))
         clock = _Watched(marked)

@@ -83,8 +83,7 @@ def plan(
     made = _trained(planner_name, pocket, untrained_planner, seed, prior)
     for segment in read_segments(learn, pocket) if learn is not None else ():
         made.learn(segment)
-    cell_file = rig_file.load(config, CellConfig, settings or []) if simulate else None
-    done = _milled(pocket, made, pockets, cell_file)
+    done = _milled(pocket, made, pockets, rig_file.load(config, CellConfig, settings or []) if simulate else None)
     if record is not None:
         write_segments(record, done)
     if out is not None:

@@ -17,8 +17,8 @@ class Segments(Block):
     """Say which segment is to be milled, and plan the next one when it is finished.
 
     `process` holds what is to be milled and takes note of a finished segment; `advance`, called between ticks, tells
-    the planner of it and asks for the next.  Planning takes from 0.1 to 200 ms, which no tick has: where the graph is in
-    real time, the planner is a `PlannerBeside`.
+    the planner of it and asks for the next.  Planning takes from 0.1 to 200 ms, which no tick has: where the graph is
+    in real time, the planner is a `PlannerBeside`.
 
     Ports
     -----
