@@ -1,5 +1,7 @@
 """A planner beside the tick: late, failing, or wrong, the tool goes on in the default order, and it is reported."""
 
+import subprocess
+import sys
 from collections.abc import Mapping
 from threading import Event
 from typing import Any
@@ -169,6 +171,22 @@ def test_an_end_in_the_midst_of_a_decision_does_not_wait_for_it_for_ever(monkeyp
         beside.choose(untouched(POCKET))
     assert beside._thread.daemon  # noqa: SLF001 (it dies with the program)
     held.go.set()
+
+
+HUNG = """
+from stagectl.planning import beside
+from stagectl.planning.strips import untouched
+from tests.stagectl.planning.test_beside import POCKET, _Held, _Heard
+
+beside.LAST = 0.01
+with beside.PlannerBeside(_Held(), POCKET, _Heard()) as planner:
+    planner.choose(untouched(POCKET))
+"""
+"""A program whose planner is at work for ever."""
+
+
+def test_a_planner_at_work_does_not_keep_the_program_from_its_end() -> None:
+    assert subprocess.run([sys.executable, "-c", HUNG], timeout=60.0, check=False).returncode == 0
 
 
 def test_the_default_order_goes_back_and_forth_off_one_side_in_strips_as_wide_as_can_be() -> None:
