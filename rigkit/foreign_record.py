@@ -5,9 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from ctlblocks.recording import Recording, RecordingError
-from rigkit import foreign_arrays, foreign_parquet, foreign_sound, foreign_table, os_fault
+from rigkit import foreign_arrays, foreign_mcap, foreign_parquet, foreign_sound, foreign_table, os_fault
 from rigkit.even_time import STEADY, seconds_of
 from rigkit.foreign_stream import Signals
+
+_CHOSEN = (*foreign_arrays.SUFFIXES, *foreign_mcap.SUFFIXES)
+"""Of files whose reader reads no other channels than those that are asked for."""
+SUFFIXES = (*foreign_sound.SUFFIXES, *foreign_table.SUFFIXES, *foreign_parquet.SUFFIXES, *_CHOSEN)
 
 
 def open_signals(
@@ -23,12 +27,12 @@ def open_signals(
     ----------
     path : Path
         A sound (.wav, also RF64; .flac), a table (.csv, .tsv, .txt, .dat: names first, or none; comma, semicolon, tab
-        or spaces between; .lvm; .parquet), arrays (.h5, .hdf5, .he5, .mat).
+        or spaces between; .lvm; .parquet), arrays (.h5, .hdf5, .he5, .mat), messages (.mcap).
     rate : float or None, samples/s
         None: what the file says: a sound's, a column of time, a first line of this program, an attribute "rate".
     channels : sequence of str or None
         Names, or numbers from 1, in the order that is wanted; in HDF5 the paths of datasets, with ":" and a column's
-        number where one has several.  None: all but a column of time.
+        number where one has several, in MCAP "/topic.field" or "/topic.field[2]".  None: all but a column of time.
     asked : str
         What an error says before `rate`.
     may_miss : bool
@@ -56,23 +60,19 @@ def open_signals(
             found = foreign_table.table_signals(path, rate, may_miss)
         elif kind in foreign_parquet.SUFFIXES:
             found = foreign_parquet.parquet_signals(path, rate)
+        elif kind in foreign_mcap.SUFFIXES:
+            found = foreign_mcap.mcap_signals(path, channels, rate)
         elif kind in foreign_sound.SUFFIXES:
             found = foreign_sound.sound_signals(path)
         else:
-            known = (
-                *foreign_sound.SUFFIXES,
-                *foreign_table.SUFFIXES,
-                *foreign_arrays.SUFFIXES,
-                *foreign_parquet.SUFFIXES,
-            )
-            raise RecordingError(f"{path}: suffix is {path.suffix!r}, must be one of {', '.join(known)}")
+            raise RecordingError(f"{path}: suffix is {path.suffix!r}, must be one of {', '.join(SUFFIXES)}")
     except OSError as fault:
         raise RecordingError(os_fault.told(fault)) from None
     found = replace(found, may_miss=may_miss)
     if rate is not None and not abs(found.rate - rate) <= STEADY * rate:
         raise RecordingError(f"{path}: {found.rate:.9g} samples/s, {asked} {rate:.9g}")
     if channels is not None:
-        return found if kind in foreign_arrays.SUFFIXES else found.select(channels)
+        return found if kind in _CHOSEN else found.select(channels)
     signals = [name for name in found.names if seconds_of(name, "1") is None]
     if not signals:
         raise RecordingError(f"{path}: holds nothing but {', '.join(found.names)}")

@@ -36,8 +36,8 @@ def replay_command(
     """Make every output of a run again from its recorded sensors; status 1 if one differs from the recorded one.
 
     With --set it tells what would have been made of the sensors as they were, and by how much that differs.  With
-    --from the run says what is controlled and how, and another program's log (CSV, WAV, HDF5, MAT, Parquet) is what
-    the sensors said: each channel that controllers read needs a column.
+    --from the run says what is controlled and how, and another program's log (CSV, WAV, HDF5, MAT, Parquet, MCAP) is
+    what the sensors said: each channel that controllers read needs a column.
 
     Examples: `stagectl replay RUN/`, `stagectl replay RUN/ --set midranging.valve.feed=1.0`,
     `stagectl replay RUN/ --from LOG.csv --map position=gauge*1e-6,control==0 --out MADE.csv`

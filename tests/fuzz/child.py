@@ -28,6 +28,7 @@ KINDS = {
     "can": "tests.fuzz.can_cases:cases",
     "wires": "tests.fuzz.wire_cases:cases",
     "hdf5": "tests.fuzz.hdf5_cases:cases",
+    "mcap": "tests.fuzz.mcap_cases:cases",
 }
 SECONDS, MEMORY = 1.0, 2**30
 MOST_FINDINGS = 20

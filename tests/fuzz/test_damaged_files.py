@@ -15,12 +15,12 @@ from tests.fuzz.child import MOST_FINDINGS
 QUICK = {
     "wav": 500, "growing": 100, "csv": 200, "foreign": 200, "sounds": 300, "tables": 225,
     "arrays": 60, "toml": 200, "json": 400, "can": 10_000, "wires": 2_000,
-    "hdf5": 20,
+    "hdf5": 20, "mcap": 200,
 }  # fmt: skip
 WHOLE = {
     "wav": 100_000, "growing": 10_000, "csv": 20_000, "foreign": 20_000, "sounds": 60_000, "tables": 60_000,
     "arrays": 40_000, "toml": 20_000, "json": 20_000,
-    "can": 1_000_000, "wires": 200_000, "hdf5": 5_000,
+    "can": 1_000_000, "wires": 200_000, "hdf5": 5_000, "mcap": 20_000,
 }  # fmt: skip
 PROCESSES = 20
 """In which the whole is done: what leaks would take more and more."""

@@ -14,6 +14,7 @@ from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit.export.parquet_file import write_recording
 from stagectl import __main__ as stagectl
+from tests.rigkit.mcap_logs import json_log, times
 from tests.stagectl.experiments.piezo.test_session import finished
 
 RATE = 250.0
@@ -81,6 +82,24 @@ def test_a_parquet_table_and_a_wav_give_it_bit_for_bit(
     mapped = ",".join(f"{name}={name}" for name in record.names)
     for log in (tmp_path / "log.parquet", run / "recording.wav"):
         assert set(replay(capsys, str(run), "--from", str(log), "--map", mapped).values()) == {0.0}
+
+
+def test_an_mcap_gives_it_bit_for_bit_and_in_micrometres(
+    run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    record = recorded(run)
+    assert main(["export", str(run), "--to", "mcap", "--out", str(tmp_path / "log.mcap")]) == 0
+    mapped = ",".join(f"{name}=/recording.{name}" for name in record.names)
+    words = (str(run), "--from", str(tmp_path / "log.mcap"), "--map")
+    assert set(replay(capsys, *words, mapped).values()) == {0.0}
+    data = record.data * [1e6 if unit == "m" else 1.0 for unit in record.units]
+    logged = [(time, {"all": row.tolist()}) for time, row in zip(times(len(data), RATE), data, strict=True)]
+    json_log(tmp_path / "log.mcap", {"/rig/pair": logged})
+    factors = ["*1e-6" if unit == "m" else "" for unit in record.units]
+    mapped = ",".join(f"{name}=/rig/pair.all[{n}]{factors[n]}" for n, name in enumerate(record.names))
+    assert max(replay(capsys, *words, mapped).values()) < 1e-15
+    assert main(["replay", *words, mapped.replace("all[1]", "all[99]")]) == 2
+    assert_said(capsys, "/rig/pair has no number all.99 in message 1; there are all.0, all.1")
 
 
 def test_outputs_need_no_column_and_a_channel_may_be_one_value(
