@@ -4,7 +4,7 @@ import numpy as np
 
 from ctlblocks.block import Block, Port
 from stagectl.robot.arm import Arm
-from stagectl.robot.cartesian_kernel import correct
+from stagectl.robot.cartesian_kernel import TOOL_ARM, correct
 from stagectl.robot.kinematics import NEAR_SINGULAR
 
 
@@ -35,16 +35,12 @@ class CartesianCorrection(Block):
     def __init__(self, arm: Arm, tool: float) -> None:
         if arm.joints != 6:
             raise ValueError(f"{arm.name} has {arm.joints} joints, must have 6")
-        self._chain = np.stack([arm.offset, arm.d, arm.a, arm.alpha], axis=1)
-        self._tool, self._length = tool, arm.reach + tool
-
-    def prepare(self, rate: float, frames: int) -> None:
-        """Allocate."""
-        self._work, self._pose = np.zeros((19, 6)), np.zeros((3, 4))
+        self._arm, length = np.zeros(1, TOOL_ARM), arm.reach + tool
+        self._arm["chain"] = np.stack([arm.offset, arm.d, arm.a, arm.alpha], axis=1)
+        self._arm["tool"], self._arm["length"], self._arm["least"] = tool, length, NEAR_SINGULAR * length
 
     def process(
         self, joint_angle: np.ndarray, translation: np.ndarray, rotation: np.ndarray, correction: np.ndarray
     ) -> None:
         """Fill one frame."""
-        sizes = self._tool, self._length, NEAR_SINGULAR * self._length
-        correct(joint_angle, translation, rotation, correction, self._chain, *sizes, self._work, self._pose)
+        correct(joint_angle, translation, rotation, correction, self._arm)

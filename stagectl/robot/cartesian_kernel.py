@@ -5,8 +5,22 @@ from numba import njit
 
 from stagectl.robot.guard_kernel import flange
 
-# `work` (19, 6): rows 0 to 5 the Jacobian, 6 to 11 the factor of the normal matrix, 12 to 17 that factor inverted,
-# 18 the right side.  `pose` (3, 4).
+TOOL_ARM = np.dtype(
+    [
+        ("chain", "f8", (6, 4)),  # of `guard_kernel.flange`
+        ("tool", "f8"),  # m, from the flange to the tool point
+        ("length", "f8"),  # m, which weighs rotations against translations
+        ("least", "f8"),  # m: smaller singular values of the so weighed Jacobian are damped
+        # room
+        ("jacobian", "f8", (6, 6)),
+        ("normal", "f8", (6, 6)),  # the factor of the normal matrix
+        ("inverse", "f8", (6, 6)),  # of that factor
+        ("right", "f8", 6),
+        ("pose", "f8", (3, 4)),
+    ],
+    align=True,
+)
+"""An arm of six joints with its tool."""
 
 
 @njit(cache=True, nogil=True)
@@ -15,37 +29,33 @@ def correct(
     translation: np.ndarray,
     rotation: np.ndarray,
     correction: np.ndarray,
-    chain: np.ndarray,
-    tool: float,
-    length: float,
-    least: float,
-    work: np.ndarray,
-    pose: np.ndarray,
+    arms: np.ndarray,
 ) -> None:
     """Fill `correction` (rad) from angles (rad), translations (m) and rotations (rad) of the tool, base axes.
 
-    `length` (m) weighs rotations against translations; singular values of the so weighed Jacobian below `least` (m) are
-    damped.
+    All are shape (frames, 6) or (frames, 3); `arms` is of one `TOOL_ARM`.
     """
+    arm = arms[0]
+    length, least, work, right, inverse = arm.length, arm.least, arm.jacobian, arm.right, arm.inverse
     for n in range(angle.shape[0]):
-        _jacobian(angle[n], chain, tool, work, pose)
+        _jacobian(angle[n], arm.chain, arm.tool, work, arm.pose)
         for r in range(3, 6):
             for c in range(6):
                 work[r, c] *= length
-        smallest = _factor(0.0, work)
+        smallest = _factor(0.0, work, arm.normal, inverse)
         if smallest < least:
-            _factor((least * (1.0 - (smallest / least) ** 2)) ** 2, work)
+            _factor((least * (1.0 - (smallest / least) ** 2)) ** 2, work, arm.normal, inverse)
         for c in range(6):
-            work[18, c] = 0.0
+            right[c] = 0.0
             for r in range(3):
-                work[18, c] += work[r, c] * translation[n, r] + work[3 + r, c] * length * rotation[n, r]
+                right[c] += work[r, c] * translation[n, r] + work[3 + r, c] * length * rotation[n, r]
         for i in range(6):
             correction[n, i] = 0.0
             for k in range(6):
                 along = 0.0
                 for j in range(k + 1):
-                    along += work[12 + k, j] * work[18, j]
-                correction[n, i] += work[12 + k, i] * along
+                    along += inverse[k, j] * right[j]
+                correction[n, i] += inverse[k, i] * along
 
 
 @njit(cache=True, nogil=True)
@@ -61,9 +71,8 @@ def _jacobian(angle: np.ndarray, chain: np.ndarray, tool: float, work: np.ndarra
 
 
 @njit(cache=True, nogil=True)
-def _factor(damping: float, work: np.ndarray) -> float:
+def _factor(damping: float, work: np.ndarray, normal: np.ndarray, inverse: np.ndarray) -> float:
     """Factor J'J + damping and invert the factor; return a lower bound of the smallest singular value, or 0."""
-    normal, inverse = work[6:12], work[12:18]
     for i in range(6):
         for j in range(i + 1):
             total = damping if i == j else 0.0

@@ -61,28 +61,18 @@ class ClampSearch(Block):
         self._targets = np.zeros((len(self.steps), joints))
         for place, step in enumerate(self.steps):
             self._targets[place] = step.target or 0.0
-        self._limits, self._times = np.zeros((8, joints)), np.zeros(5)
-        self._memory, self._state = np.zeros((7, joints)), np.zeros(13, np.int64)
+        self._joints, self._state = np.zeros(joints, kernel.JOINT), np.zeros(1, kernel.STATE)
 
     def prepare(self, rate: float, frames: int) -> None:
         """Begin with the first step."""
-        limits = self.procedure.limits
-        self._limits[:] = (
-            limits.speed / rate,
-            limits.torque,
-            limits.turn,
-            limits.proof,
-            limits.quiet,
-            limits.travel,
-            limits.reach,
-            limits.search_step,
-        )
-        samples = max(1, round(limits.settle * rate)), round(limits.patience * rate)
-        self._times[:] = limits.approach / rate, *samples, limits.rounds, 2 * limits.cycles + 1
-        self._memory.fill(0.0)
-        self._state.fill(0)
-        self._state[kernel.STEPS] = len(self.steps)
-        self._reason = ""
+        limits, joints, state = self.procedure.limits, self._joints, self._state
+        joints[:], state[:], self._reason = np.zeros(1, joints.dtype), np.zeros(1, state.dtype), ""
+        joints["speed"], joints["most"], joints["turn"] = np.divide(limits.speed, rate), limits.torque, limits.turn
+        joints["proof"], joints["quiet_below"], joints["travels"] = limits.proof, limits.quiet, limits.travel
+        joints["reaches"], joints["first_step"] = limits.reach, limits.search_step
+        state["steps"], state["rounds"], state["pushes"] = len(self.steps), limits.rounds, 2 * limits.cycles + 1
+        state["approach"], state["settle"] = limits.approach / rate, max(1, round(limits.settle * rate))
+        state["patience"] = round(limits.patience * rate)
 
     def process(
         self,
@@ -98,32 +88,31 @@ class ClampSearch(Block):
     ) -> None:
         """Go on for one frame."""
         seen, asked = (angle, torque, softened, clamped, fault), (reference, soft, clamp, joint)
-        settings = self._program, self._targets, self._limits, self._times
-        kernel.run(seen, asked, settings, self._memory, self._state)
+        kernel.run(seen, asked, self._program, self._targets, self._joints, self._state)
 
     def pause(self) -> None:
         """Stay where it is (between ticks); limits are watched on."""
-        self._state[kernel.PAUSED] = 1
+        self._state["paused"] = True
 
     def resume(self) -> None:
         """Go on after a pause (between ticks)."""
-        self._state[kernel.PAUSED] = 0
+        self._state["paused"] = False
 
     def abort(self, reason: str) -> None:
         """Hold, for a reason from outside (between ticks)."""
         if self.cause is None:
             self._reason = reason
-            kernel.abort(self._state, kernel.OUTSIDE, 0)
+            kernel.abort(self._state[0], kernel.OUTSIDE, 0)
 
     @property
     def step(self) -> int:
         """The step it is at, from 0; their number when all are done."""
-        return int(self._state[kernel.STEP])
+        return int(self._state["step"][0])
 
     @property
     def cycles(self) -> int:
         """How often the joint that is moved to and fro has gone both ways."""
-        return int(self._state[kernel.PART]) // 2 if self.step < len(self.steps) else 0
+        return int(self._state["part"][0]) // 2 if self.step < len(self.steps) else 0
 
     @property
     def done(self) -> bool:
@@ -133,7 +122,7 @@ class ClampSearch(Block):
     @property
     def cause(self) -> str | None:
         """Why it was aborted, or None."""
-        cause, place, limits = int(self._state[kernel.CAUSE]), int(self._state[kernel.JOINT]), self.procedure.limits
+        cause, place, limits = int(self._state["cause"][0]), int(self._state["joint"][0]), self.procedure.limits
         if cause == 0:
             return None
         number = min(place, self.procedure.arm.joints - 1)

@@ -5,6 +5,7 @@ import numpy as np
 from ctlblocks.block import Block, Port
 from stagectl.robot import tool_place_kernel as kernel
 from stagectl.robot.arm import Arm
+from stagectl.robot.cartesian_kernel import TOOL_ARM
 from stagectl.robot.kinematics import NEAR_SINGULAR, forward
 
 
@@ -35,20 +36,17 @@ class ToolPlace(Block):
         if arm.joints != 6:
             raise ValueError(f"{arm.name} has {arm.joints} joints, must have 6")
         arm.refuse_outside(np.asarray(home, float)[None])
-        self._home, self._origin = np.array(home, float), np.array(origin, float)
-        self._wanted = forward(arm.with_tool(tool), self._home)[:3, :3].copy()
-        self._chain = np.stack([arm.offset, arm.d, arm.a, arm.alpha], axis=1)
-        self._tool, self._length = tool, arm.reach + tool
+        self._home, self._way = np.array(home, float), np.zeros(1, kernel.WAY)
+        self._way["origin"] = origin
+        self._way["wanted"] = forward(arm.with_tool(tool), self._home)[:3, :3]
+        self._arm, length = np.zeros(1, TOOL_ARM), arm.reach + tool
+        self._arm["chain"] = np.stack([arm.offset, arm.d, arm.a, arm.alpha], axis=1)
+        self._arm["tool"], self._arm["length"], self._arm["least"] = tool, length, NEAR_SINGULAR * length
 
     def prepare(self, rate: float, frames: int) -> None:
         """Be at home."""
-        self._angle = self._home.copy()
-        self._work, self._pose, self._step = np.zeros((19, 6)), np.zeros((3, 4)), np.zeros((3, 6))
+        self._way["angle"] = self._home
 
     def process(self, place: np.ndarray, joint_angle: np.ndarray) -> None:
         """Fill one frame."""
-        sizes = self._tool, self._length, NEAR_SINGULAR * self._length
-        kernel.follow(
-            place, joint_angle, self._origin, self._wanted, self._angle, self._chain, *sizes, self._work, self._pose,
-            self._step,
-        )  # fmt: skip
+        kernel.follow(place, joint_angle, self._way, self._arm)

@@ -2,21 +2,23 @@
 
 import math
 
+import numpy as np
 from numba import njit
 
 from rigkit.flush_kernel import flushed
+from rigkit.record import Record
 from stagectl.stage.axis_record import CHANGE_MODEL, GO_ON, IDLE, START
 
 
 @njit(cache=True, nogil=True)
-def _limited(value, last, step, low, high):  # type: ignore[no-untyped-def]
+def _limited(value: float, last: float, step: float, low: float, high: float) -> float:
     """Return `value` within low ... high and within a step of `last`."""
     low, high = max(low, last - step), min(high, last + step)
     return min(max(value, low), high)
 
 
 @njit(cache=True, nogil=True)
-def _advanced(axis):  # type: ignore[no-untyped-def]
+def _advanced(axis: Record) -> float:
     """Move the reference's ramp by a sample and return the weight of the reference."""
     if axis.rising and axis.ramp_at < axis.ramp:
         axis.ramp_at += 1
@@ -28,7 +30,7 @@ def _advanced(axis):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _followed(axis, reference):  # type: ignore[no-untyped-def]
+def _followed(axis: Record, reference: float) -> float:
     """Return the reference to follow: within its limits, and ramped from and to `home`."""
     if math.isnan(reference):
         reference = axis.reference
@@ -41,11 +43,11 @@ def _followed(axis, reference):  # type: ignore[no-untyped-def]
     if weight == 1.0:
         axis.home = axis.rest
         return reference
-    return axis.home + weight * (reference - axis.home)
+    return float(axis.home + weight * (reference - axis.home))
 
 
 @njit(cache=True, nogil=True)
-def _begin(axis, position, extension):  # type: ignore[no-untyped-def]
+def _begin(axis: Record, position: float, extension: float) -> None:
     """Take where the axis stands for the zero of its model, so that the first output is what is there already."""
     for i in range(axis.states):
         axis.state[i] = 0.0
@@ -64,9 +66,9 @@ def _begin(axis, position, extension):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _outer_sum(axis, deviation):  # type: ignore[no-untyped-def]
+def _outer_sum(axis: Record, deviation: float) -> float:
     """Return (2.3): the extension asked for, before limits."""
-    extension = axis.extension_zero + axis.forward * deviation
+    extension: float = axis.extension_zero + axis.forward * deviation
     for i in range(axis.states):
         extension -= axis.feedback[i] * axis.state[i]
     for i in range(axis.servo_states):
@@ -75,7 +77,7 @@ def _outer_sum(axis, deviation):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _outer(axis, followed, position):  # type: ignore[no-untyped-def]
+def _outer(axis: Record, followed: float, position: float) -> float:
     """Return the extension reference of this sample and take filter and servo states to the next, (2.3)-(2.5)."""
     deviation, error = followed - axis.position_zero, followed - position
     if axis.command != GO_ON:
@@ -104,7 +106,7 @@ def _outer(axis, followed, position):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _inner(axis, extension):  # type: ignore[no-untyped-def]
+def _inner(axis: Record, extension: float) -> float:
     """Return the voltage asked for, (2.2) and feedforward, with tracking anti-windup."""
     error = axis.extension_reference - extension
     slope = flushed(axis.derivative_pole * axis.slope + axis.derivative * (error - axis.error))
@@ -120,7 +122,14 @@ def _inner(axis, extension):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def run(reference, position, extension, request, extension_reference, axes):  # type: ignore[no-untyped-def]
+def run(
+    reference: np.ndarray,
+    position: np.ndarray,
+    extension: np.ndarray,
+    request: np.ndarray,
+    extension_reference: np.ndarray,
+    axes: np.ndarray,
+) -> None:
     """Run one frame of every axis: shape (frames, axes) each, m and V."""
     for n in range(len(reference)):
         for number in range(axes.size):
@@ -138,7 +147,7 @@ def run(reference, position, extension, request, extension_reference, axes):  # 
 
 
 @njit(cache=True, nogil=True)
-def run_inner(extension_reference, extension, request, axes):  # type: ignore[no-untyped-def]
+def run_inner(extension_reference: np.ndarray, extension: np.ndarray, request: np.ndarray, axes: np.ndarray) -> None:
     """Run one frame of every axis' PID alone: shape (frames, axes) each, m and V."""
     for n in range(len(extension)):
         for number in range(axes.size):

@@ -34,47 +34,46 @@ class VoltageGuard(Block):
         self.outputs = (Port("voltage", "V", axes),)
         self._limits = limits
         self._reason = ""
-        self._bounds = np.zeros(4)
-        self._memory = np.zeros((4, axes))
-        self._state = np.zeros(8, np.int64)
+        self._guard = np.zeros(1, kernel.GUARD)
+        self._axes = np.zeros(axes, kernel.AXIS)
 
     def prepare(self, rate: float, frames: int) -> None:
         """Begin the ramp from the lowest voltage to rest, and count samples from zero.  A latch survives."""
-        limits, latched = self._limits, self.latched
-        self._bounds[:] = *limits.voltage, limits.voltage_slew / rate, limits.rest_voltage
-        self._memory.fill(limits.voltage[0])
-        self._memory[[kernel.LIMITED, kernel.APART]] = 0.0
-        self._state[[kernel.POSITION, kernel.COUNT, kernel.EASING]] = 0
-        self._state[kernel.RAMP] = max(1, round(limits.ramp * rate))
-        self._state[kernel.PHASE] = kernel.FADING if latched else kernel.RAMPING
+        limits, guard = self._limits, self._guard
+        guard["phase"] = kernel.FADING if self.latched else kernel.RAMPING
+        guard["ramp"] = max(1, round(limits.ramp * rate))
+        guard[["low", "high"]] = limits.voltage
+        guard["step"], guard["rest"] = limits.voltage_slew / rate, limits.rest_voltage
+        guard["position"] = guard["count"] = guard["easing"] = 0
+        self._axes[:] = limits.voltage[0], limits.voltage[0], 0.0, 0
 
     def process(self, request: np.ndarray, fault: np.ndarray, voltage: np.ndarray) -> None:
         """Let out, ramp or hold one frame."""
-        kernel.run(request, fault, voltage, self._bounds, self._memory, self._state)
+        kernel.run(request, fault, voltage, self._guard, self._axes)
 
     def open(self) -> None:
         """Let requests out from the next sample on (between ticks); ValueError unless it is shut and at rest."""
-        if self._state[kernel.PHASE] != kernel.SHUT:
+        if self._guard["phase"][0] != kernel.SHUT:
             state = "latched" if self.latched else "open" if self.is_open else "on its way to rest"
             raise ValueError(f"the guard is {state}, must be shut and at rest to be opened")
-        self._state[[kernel.PHASE, kernel.EASING]] = kernel.OPEN, 0
+        self._guard["phase"], self._guard["easing"] = kernel.OPEN, 0
 
     def ease_open(self) -> None:
         """As `open`, but let what the first request is off the voltage go along a raised cosine of `limits.ramp`."""
         self.open()
-        self._state[kernel.EASING] = 1
+        self._guard["easing"] = 1
 
     def close(self) -> None:
         """Ramp to rest and stay there (between ticks)."""
         if self.is_open:
-            self._memory[kernel.FROM] = self._memory[kernel.LAST]
-            self._state[[kernel.PHASE, kernel.POSITION]] = kernel.RAMPING, 0
+            self._axes["begin"] = self._axes["last"]
+            self._guard["phase"], self._guard["position"] = kernel.RAMPING, 0
 
     def trip(self, reason: str) -> None:
         """Go to rest and latch, for a reason from outside (between ticks)."""
         if not self.latched:
             self._reason = reason
-            kernel.trip(self._state, self._memory, kernel.OUTSIDE, 0)
+            kernel.trip(self._guard[0], self._axes, kernel.OUTSIDE, 0)
 
     def clear(self, by: str) -> str:
         """Re-arm a latched guard, shut, in the name of the person who looked (between ticks).
@@ -93,41 +92,41 @@ class VoltageGuard(Block):
         ------
         ValueError : nobody is named, nothing is latched, or the ramp to rest is not over.
         """
-        still = "goes to rest" if self._state[kernel.PHASE] == kernel.FADING else ""
+        still = "goes to rest" if self._guard["phase"][0] == kernel.FADING else ""
         cause = to_clear("the guard", self.cause, by, still)
-        self._state[kernel.PHASE] = kernel.SHUT
+        self._guard["phase"] = kernel.SHUT
         return cause
 
     @property
     def latched(self) -> bool:
         """Whether a fault has shut the guard (from the first sample of the ramp)."""
-        return bool(self._state[kernel.PHASE] >= kernel.FADING)
+        return bool(self._guard["phase"][0] >= kernel.FADING)
 
     @property
     def cause(self) -> str | None:
         """What latched it, or None."""
         if not self.latched:
             return None
-        axis = int(self._state[kernel.AXIS]) + 1
-        return _CAUSES[int(self._state[kernel.CAUSE])].format(axis=axis, reason=self._reason)
+        axis = int(self._guard["axis"][0]) + 1
+        return _CAUSES[int(self._guard["cause"][0])].format(axis=axis, reason=self._reason)
 
     @property
     def is_open(self) -> bool:
         """Whether requests are let out."""
-        return bool(self._state[kernel.PHASE] == kernel.OPEN)
+        return bool(self._guard["phase"][0] == kernel.OPEN)
 
     @property
     def at_rest(self) -> bool:
         """Whether the voltages are at rest and stay there: shut, or latched, with no ramp on its way."""
-        return bool(self._state[kernel.PHASE] in (kernel.SHUT, kernel.LATCHED))
+        return bool(self._guard["phase"][0] in (kernel.SHUT, kernel.LATCHED))
 
     @property
     def voltage(self) -> np.ndarray:
         """The last voltages let out, shape (axes,), V: a copy."""
-        now: np.ndarray = self._memory[kernel.LAST].copy()
+        now: np.ndarray = self._axes["last"].copy()
         return now
 
     @property
     def limited(self) -> tuple[int, ...]:
         """In how many samples a request was limited since `prepare`, a number an axis."""
-        return tuple(int(count) for count in self._memory[kernel.LIMITED])
+        return tuple(self._axes["limited"].tolist())

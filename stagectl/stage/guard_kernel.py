@@ -2,81 +2,109 @@
 
 import math
 
+import numpy as np
 from numba import njit
 
+from rigkit.record import Record
+
 SHUT, RAMPING, OPEN, FADING, LATCHED = range(5)
-PHASE, POSITION, RAMP, COUNT, CAUSE, SAMPLE, AXIS, EASING = range(8)
-"""Of `state`, whole numbers; cause 1: the sensor check, 2: a request that is no number, 3: somebody outside."""
+"""Of `phase`."""
 SENSOR, REQUEST, OUTSIDE = 1, 2, 3
-LOW, HIGH, STEP, REST = range(4)
-"""Of `bounds`, V."""
-LAST, FROM, LIMITED, APART = range(4)
-"""Rows of `memory`, an axis a column: last voltage, voltage where a ramp began, samples in which a limit was met, and
-how far the first request was off the voltage at which it was let out gently."""
+"""Of `cause`: the sensor check, a request that is no number, somebody outside."""
+
+GUARD = np.dtype(
+    [
+        ("phase", "i8"),
+        ("position", "i8"),  # samples into a ramp
+        ("ramp", "i8"),  # samples
+        ("count", "i8"),  # samples since prepare
+        ("cause", "i8"),
+        ("sample", "i8"),  # when it tripped
+        ("axis", "i8"),  # at which it tripped
+        ("easing", "i8"),  # samples into letting out gently, from 1; 0: no more
+        # V; the step is per sample
+        ("low", "f8"),
+        ("high", "f8"),
+        ("step", "f8"),
+        ("rest", "f8"),
+    ],
+    align=True,
+)
+AXIS = np.dtype(
+    [
+        ("last", "f8"),  # V
+        ("begin", "f8"),  # V, where a ramp began
+        ("apart", "f8"),  # V, how far the first request was off the voltage at which it was let out gently
+        ("limited", "i8"),  # samples in which a limit was met
+    ],
+    align=True,
+)
 
 
 @njit(cache=True, nogil=True)
-def trip(state, memory, cause, axis):  # type: ignore[no-untyped-def]
+def trip(guard: Record, axes: np.ndarray, cause: int, axis: int) -> None:
     """Begin to fade, unless it does or is latched already."""
-    if state[PHASE] == FADING or state[PHASE] == LATCHED:
+    if guard.phase == FADING or guard.phase == LATCHED:
         return
-    state[PHASE], state[POSITION], state[CAUSE], state[SAMPLE], state[AXIS] = FADING, 0, cause, state[COUNT], axis
-    memory[FROM, :] = memory[LAST, :]
+    guard.phase, guard.position, guard.cause, guard.sample, guard.axis = FADING, 0, cause, guard.count, axis
+    for number in range(axes.size):
+        axes[number].begin = axes[number].last
 
 
 @njit(cache=True, nogil=True)
-def _let_out(request, memory, bounds, axis):  # type: ignore[no-untyped-def]
+def _let_out(request: float, guard: Record, axis: Record) -> float:
     """Return the request within its limits."""
-    low = max(bounds[LOW], memory[LAST, axis] - bounds[STEP])
-    high = min(bounds[HIGH], memory[LAST, axis] + bounds[STEP])
+    low: float = max(guard.low, axis.last - guard.step)
+    high: float = min(guard.high, axis.last + guard.step)
     if low <= request <= high:
         return request
-    memory[LIMITED, axis] += 1.0
+    axis.limited += 1
     return min(max(request, low), high)
 
 
 @njit(cache=True, nogil=True)
-def _advance(state):  # type: ignore[no-untyped-def]
+def _advance(guard: Record) -> float:
     """Move a ramp by a sample, and return how far it is: 0 to 1."""
-    state[POSITION] += 1
-    if state[POSITION] >= state[RAMP]:
-        state[PHASE] = LATCHED if state[PHASE] == FADING else SHUT
+    position = guard.position + 1
+    guard.position = position
+    if position >= guard.ramp:
+        guard.phase = LATCHED if guard.phase == FADING else SHUT
         return 1.0
-    return 0.5 - 0.5 * math.cos(math.pi * state[POSITION] / state[RAMP])
+    return 0.5 - 0.5 * math.cos(math.pi * position / guard.ramp)
 
 
 @njit(cache=True, nogil=True)
-def _ease(request, memory, state):  # type: ignore[no-untyped-def]
+def _ease(request: np.ndarray, guard: Record, axes: np.ndarray) -> float:
     """Return how much of what is apart is left, 1 to 0, and find out at first what is."""
-    if state[EASING] == 1:
-        for axis in range(request.size):
-            memory[APART, axis] = memory[LAST, axis] - request[axis]
-    state[EASING] += 1
-    if state[EASING] > state[RAMP]:
-        state[EASING] = 0
+    easing = guard.easing
+    if easing == 1:
+        for number in range(axes.size):
+            axes[number].apart = axes[number].last - request[number]
+    guard.easing = easing + 1 if easing < guard.ramp else 0
+    if easing >= guard.ramp:
         return 0.0
-    return 0.5 + 0.5 * math.cos(math.pi * (state[EASING] - 2) / state[RAMP])
+    return 0.5 + 0.5 * math.cos(math.pi * (easing - 1) / guard.ramp)
 
 
 @njit(cache=True, nogil=True)
-def run(request, fault, voltage, bounds, memory, state):  # type: ignore[no-untyped-def]
-    """Run one frame: shape (frames, axes) in and out, V; `fault` is shape (frames, 1)."""
+def run(request: np.ndarray, fault: np.ndarray, voltage: np.ndarray, guards: np.ndarray, axes: np.ndarray) -> None:
+    """Run one frame: shape (frames, axes) in and out, V; `fault` is shape (frames, 1), `guards` of one `GUARD`."""
+    guard = guards[0]
     for n in range(len(request)):
         if not fault[n, 0] < 1.0:  # NaN as well
-            trip(state, memory, SENSOR, 0)
-        if state[PHASE] == OPEN:
-            for axis in range(request.shape[1]):
-                if not math.isfinite(request[n, axis]):
-                    trip(state, memory, REQUEST, axis)
-        apart = _ease(request[n], memory, state) if state[PHASE] == OPEN and state[EASING] != 0 else 0.0
-        ramping = state[PHASE] == RAMPING or state[PHASE] == FADING
-        share = _advance(state) if ramping else 1.0
-        for axis in range(request.shape[1]):
+            trip(guard, axes, SENSOR, 0)
+        if guard.phase == OPEN:
+            for number in range(axes.size):
+                if not math.isfinite(request[n, number]):
+                    trip(guard, axes, REQUEST, number)
+        apart = _ease(request[n], guard, axes) if guard.phase == OPEN and guard.easing != 0 else 0.0
+        ramping = guard.phase == RAMPING or guard.phase == FADING
+        share = _advance(guard) if ramping else 1.0
+        for number in range(axes.size):
+            axis = axes[number]
             if ramping:
-                value = memory[FROM, axis] + share * (bounds[REST] - memory[FROM, axis])
-            elif state[PHASE] == OPEN:
-                value = _let_out(request[n, axis] + apart * memory[APART, axis], memory, bounds, axis)
-            else:
-                value = memory[LAST, axis]
-            voltage[n, axis] = memory[LAST, axis] = value
-        state[COUNT] += 1
+                axis.last = axis.begin + share * (guard.rest - axis.begin)
+            elif guard.phase == OPEN:
+                axis.last = _let_out(request[n, number] + apart * axis.apart, guard, axis)
+            voltage[n, number] = axis.last
+        guard.count += 1

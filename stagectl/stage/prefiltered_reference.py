@@ -27,19 +27,19 @@ class PrefilteredReference(Block):
         self.inputs, self.outputs = (Port("reference", "m", axes),), (Port("filtered", "m", axes),)
         lengths = [1 if each is None else len(each.taps) for each in filters]
         self._taps = np.zeros((axes, max(lengths, default=1)))
-        self._spacing = np.array([1 if each is None else each.spacing for each in filters])
-        self._count = np.array(lengths)
+        self._filters = np.zeros(axes, kernel.FILTER)
+        self._filters["count"] = lengths
+        self._filters["spacing"] = [1 if each is None else each.spacing for each in filters]
         for axis, each in enumerate(filters):
             self._taps[axis, : lengths[axis]] = 1.0 if each is None else each.taps
-        self._longest = int((self._spacing * (self._count + 1)).max(initial=1))
+        self._longest = int((self._filters["spacing"] * (self._filters["count"] + 1)).max(initial=1))
 
     def prepare(self, rate: float, frames: int) -> None:
         """Remember nothing."""
         axes = len(self._taps)
-        self._raw, self._means = np.zeros((2, self._longest, axes))
-        self._at, self._has_begun = np.zeros(1, np.int64), np.zeros(axes, np.bool_)
+        self._lines = np.zeros((self._longest, axes)), np.zeros((self._longest, axes))
+        self._at, self._filters["has_begun"] = np.zeros(1, np.int64), False
 
     def process(self, reference: np.ndarray, filtered: np.ndarray) -> None:
         """Filter one frame."""
-        filters, lines = (self._taps, self._count, self._spacing), (self._raw, self._means)
-        kernel.run(reference, filtered, filters, lines, self._at, self._has_begun)
+        kernel.run(reference, filtered, self._filters, self._taps, self._lines, self._at)

@@ -65,9 +65,9 @@ class SensorCheck(Block):
         self.inputs = (Port("position", "m", axes), Port("extension", "m", axes))
         self.outputs = (Port("valid_position", "m", axes), Port("valid_extension", "m", axes), Port("fault"))
         self._sensors = sensors
-        self._bounds = np.zeros((2, 5))
-        self._memory = np.zeros((2, axes, 5))
-        self._latch = np.zeros(9)
+        self._bounds = np.zeros(2, kernel.BOUNDS)
+        self._memory = np.zeros((2, axes), kernel.MEMORY)
+        self._latch = np.zeros(1, kernel.LATCH)
 
     def prepare(self, rate: float, frames: int) -> None:
         """Forget what was seen, and count samples from zero.  A latch survives: only `clear` ends it."""
@@ -78,7 +78,7 @@ class SensorCheck(Block):
         ):
             self._bounds[row] = low, high, speed / rate, max(1, round(sensors.stuck * rate)), sensors.tolerated
         self._forget()
-        self._latch[[kernel.COUNT, kernel.HELD]] = 0.0
+        self._latch["count"] = self._latch["held"] = 0
 
     def process(
         self,
@@ -93,23 +93,21 @@ class SensorCheck(Block):
 
     def clear(self) -> None:
         """Forget the fault (between ticks); if it is there still, it latches again."""
-        self._latch[kernel.KIND] = kernel.NONE
+        self._latch["kind"] = kernel.NONE
         self._forget()
 
     def _forget(self) -> None:
-        self._memory.fill(0.0)
-        self._memory[:, :, kernel.RAW] = np.nan
-        self._memory[:, :, kernel.GOOD] = self._bounds[:, :2].mean(axis=1)[:, np.newaxis]
+        middle = (self._bounds["low"] + self._bounds["high"]) / 2
+        self._memory["good"], self._memory["raw"] = middle[:, np.newaxis], np.nan
+        self._memory["repeats"] = self._memory["wrong"] = self._memory["seen"] = 0
 
     @property
     def fault(self) -> SensorFault | None:
         """What latched, or None."""
-        kind, sensor, axis, sample, value, low, high = self._latch[: kernel.COUNT].tolist()
-        if kind == kernel.NONE:
-            return None
-        return SensorFault(int(kind), _SENSORS[int(sensor)], int(axis), int(sample), value, low, high)
+        kind, sensor, axis, sample, value, low, high, _, _ = self._latch[0].tolist()
+        return SensorFault(kind, _SENSORS[sensor], axis, sample, value, low, high) if kind != kernel.NONE else None
 
     @property
     def held(self) -> int:
         """How many wrong samples were held off since `prepare`."""
-        return int(self._latch[kernel.HELD])
+        return int(self._latch["held"][0])

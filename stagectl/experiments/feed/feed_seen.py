@@ -27,11 +27,14 @@ class FeedSeen(Block):
     outputs = (Port("velocity", "m/s"), Port("along", "N", 2))
 
     def __init__(self, arm: Arm, tool: float) -> None:
-        self._chain, self._tool = np.stack([arm.offset, arm.d, arm.a, arm.alpha], axis=1), tool
+        self._seen = np.zeros(1, kernel.SEEN)
+        self._seen["chain"], self._seen["tool"] = np.stack([arm.offset, arm.d, arm.a, arm.alpha], axis=1), tool
 
     def prepare(self, rate: float, frames: int) -> None:
         """Have seen nothing."""
-        self._rate, self._pose, self._last = rate, np.zeros((3, 4)), np.zeros(kernel.CELLS)
+        self._seen["rate"] = rate
+        for name in ("x", "y", "report", "count"):
+            self._seen[name] = 0
 
     def process(
         self,
@@ -43,7 +46,4 @@ class FeedSeen(Block):
         along: np.ndarray,
     ) -> None:
         """Fill one frame."""
-        kernel.run(
-            report, motor_angle, force, direction, velocity, along,
-            self._chain, self._tool, self._rate, self._pose, self._last,
-        )  # fmt: skip
+        kernel.run(report, motor_angle, force, direction, velocity, along, self._seen)

@@ -43,15 +43,14 @@ class SegmentMove(Block):
     def prepare(self, rate: float, frames: int) -> None:
         """Stand over the middle."""
         task, pocket = self.task, self.pocket
-        self._settings = np.zeros(kernel.SETTINGS)
-        self._settings[:] = (
-            pocket.G, task.depth + task.lift, task.travel, task.plunge, task.step, task.acceleration, task.pause,
-            task.stationary, CONTROLLING, 1.0 / rate, task.cell,
-        )  # fmt: skip
-        self._state, self._places = np.zeros(kernel.CELLS), np.zeros((5, 3))
+        self._move = move = np.zeros(1, kernel.MOVE)
+        for name in ("travel", "plunge", "step", "acceleration", "pause", "stationary"):
+            move[name] = getattr(task, name)
+        move["wide"], move["lift"], move["side"] = pocket.G, task.depth + task.lift, task.cell
+        move["controlling"], move["period"] = CONTROLLING, 1.0 / rate
         middle = 0.5 * task.cell * np.array([pocket.cols, -pocket.rows, 0.0])
         middle[2] = task.depth + task.lift
-        self._places[[kernel.FROM, kernel.TO, kernel.HOME]] = middle
+        move["begin"] = move["end"] = move["home"] = middle
 
     def process(
         self,
@@ -72,18 +71,16 @@ class SegmentMove(Block):
         force_deviation: np.ndarray,
     ) -> None:
         """Move on for one frame."""
-        kernel.run(
-            number, start, stop, lift, feed, resultant, phase, holding,
-            place, direction, is_running, is_finished, is_resting, duration, force_deviation,
-            self._state, self._places, self._settings,
-        )  # fmt: skip
+        seen = number, start, stop, lift, feed, resultant, phase, holding
+        asked = place, direction, is_running, is_finished, is_resting, duration, force_deviation
+        kernel.run(seen, asked, self._move)
 
     @property
     def is_at_rest(self) -> bool:
         """Whether all is milled and the tool is away."""
-        return bool(self._state[kernel.PHASE] == kernel.WAITING and self._state[kernel.NUMBER] == 0.0)
+        return bool(self._move["phase"][0] == kernel.WAITING and self._move["number"][0] == 0.0)
 
     @property
     def milling(self) -> float:
         """How long the segment in hand has been milled, s."""
-        return float(self._state[kernel.TIME]) if self._state[kernel.PHASE] == kernel.MILLING else 0.0
+        return float(self._move["time"][0]) if self._move["phase"][0] == kernel.MILLING else 0.0

@@ -2,23 +2,55 @@
 
 import math
 
+import numpy as np
 from numba import njit
 
+from rigkit.record import Record
+
 WAITING, MOVING, PAUSING, MILLING, ENDED = range(5)
-"""Of `PHASE`."""
-(PHASE, NUMBER, LEG, TIME, LENGTH, PLACE, DURATION, CONTROLLED, COUNT, MEAN, SQUARES, HAS_BEGUN, CELLS) = range(13)
-"""Of `state`: segment, leg from 0, s in the leg or the segment, its length, m, m along it, s, s of force control,
-samples, N, N^2, 0 or 1."""
-(WIDE, LIFT, TRAVEL, PLUNGE, STEP, ACCELERATION, PAUSE, STATIONARY, CONTROLLING, PERIOD, SIDE, SETTINGS) = range(12)
-"""Of `settings`: G, cells; m; m/s three times; m/s^2; s; s; the phase of force control; s; m a cell."""
-FROM, TO, START, STOP, HOME = range(5)
-"""Rows of `places` (5, 3), m: the ends of the leg, and of the segment; above the pocket's middle."""
+"""Of `phase`."""
+MOVE = np.dtype(
+    [
+        ("phase", "i8"),
+        ("number", "f8"),  # of the segment
+        ("leg", "i8"),  # from 0
+        ("time", "f8"),  # s in the leg or the segment
+        ("length", "f8"),  # m, of it
+        ("place", "f8"),  # m along it
+        ("duration", "f8"),  # s, of the last segment
+        ("controlled", "f8"),  # s of force control
+        ("has_begun", "?"),
+        # the force where it is stationary
+        ("count", "i8"),  # samples
+        ("mean", "f8"),  # N
+        ("squares", "f8"),  # N^2
+        # settings
+        ("wide", "f8"),  # G, cells
+        ("lift", "f8"),  # m
+        ("travel", "f8"),  # m/s
+        ("plunge", "f8"),  # m/s
+        ("step", "f8"),  # m/s
+        ("acceleration", "f8"),  # m/s^2
+        ("pause", "f8"),  # s
+        ("stationary", "f8"),  # s
+        ("controlling", "f8"),  # the phase of force control
+        ("period", "f8"),  # s
+        ("side", "f8"),  # m a cell
+        # m: the ends of the leg, and of the segment; above the pocket's middle
+        ("begin", "f8", 3),
+        ("end", "f8", 3),
+        ("start", "f8", 3),
+        ("stop", "f8", 3),
+        ("home", "f8", 3),
+    ],
+    align=True,
+)
 NEAR = 5e-6
 """m before the end that are the end."""
 
 
 @njit(cache=True, nogil=True)
-def _leg_time(length, speed, acceleration):  # type: ignore[no-untyped-def]
+def _leg_time(length: float, speed: float, acceleration: float) -> float:
     """Return how long a leg takes, s, at `speed` (m/s), with raised-cosine ramps of the mean acceleration."""
     if length <= 0.0:
         return 0.0
@@ -28,7 +60,7 @@ def _leg_time(length, speed, acceleration):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _way(time, length, speed, acceleration):  # type: ignore[no-untyped-def]
+def _way(time: float, length: float, speed: float, acceleration: float) -> float:
     """Return how far along a leg the tool is, m, after `time`, s."""
     whole = _leg_time(length, speed, acceleration)
     if time >= whole:
@@ -44,128 +76,128 @@ def _way(time, length, speed, acceleration):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _begin_leg(state, places, settings, is_lifted):  # type: ignore[no-untyped-def]
+def _begin_leg(move: Record, is_lifted: bool) -> bool:
     """Lay out the leg to come; return False where there is none left.
 
     A lifted move goes up, across and down, another one straight.
     """
-    start, to = places[FROM], places[TO]
-    leg = int(state[LEG])
+    start, to = move.begin, move.end
+    leg = move.leg
     if leg > (2 if is_lifted else 0):
         return False
     for r in range(3):
-        start[r], to[r] = places[TO, r], places[START, r]
+        start[r], to[r] = move.end[r], move.start[r]
     if is_lifted and leg == 0:
-        to[0], to[1], to[2] = start[0], start[1], settings[LIFT]
+        to[0], to[1], to[2] = start[0], start[1], move.lift
     elif is_lifted and leg == 1:
-        to[2] = settings[LIFT]
+        to[2] = move.lift
     total = 0.0
     for r in range(3):
         total += (to[r] - start[r]) ** 2
-    state[LENGTH], state[TIME], state[PLACE] = math.sqrt(total), 0.0, 0.0
+    move.length, move.time, move.place = math.sqrt(total), 0.0, 0.0
     return True
 
 
 @njit(cache=True, nogil=True)
-def _move(state, places, settings, is_lifted):  # type: ignore[no-untyped-def]
+def _move(move: Record, is_lifted: bool) -> None:
     """Go on along the legs to where the segment starts."""
-    leg = int(state[LEG])
-    speed = settings[STEP]
+    leg = move.leg
+    speed = move.step
     if is_lifted:
-        speed = settings[PLUNGE] if leg == 2 else settings[TRAVEL]
-    state[TIME] += settings[PERIOD]
-    state[PLACE] = _way(state[TIME], state[LENGTH], speed, settings[ACCELERATION])
-    if state[PLACE] >= state[LENGTH]:
-        state[LEG] += 1.0
-        if not _begin_leg(state, places, settings, is_lifted):
-            state[PHASE], state[TIME] = PAUSING, 0.0
+        speed = move.plunge if leg == 2 else move.travel
+    move.time += move.period
+    move.place = _way(move.time, move.length, speed, move.acceleration)
+    if move.place >= move.length:
+        move.leg = leg + 1
+        if not _begin_leg(move, is_lifted):
+            move.phase, move.time = PAUSING, 0.0
 
 
 @njit(cache=True, nogil=True)
-def _note(state, settings, resultant, phase):  # type: ignore[no-untyped-def]
+def _note(move: Record, resultant: float, phase: float) -> None:
     """Take the force in where it is stationary, by Welford's method."""
-    state[CONTROLLED] = state[CONTROLLED] + settings[PERIOD] if phase == settings[CONTROLLING] else 0.0
-    if state[CONTROLLED] > settings[STATIONARY]:
-        state[COUNT] += 1.0
-        away = resultant - state[MEAN]
-        state[MEAN] += away / state[COUNT]
-        state[SQUARES] += away * (resultant - state[MEAN])
+    move.controlled = move.controlled + move.period if phase == move.controlling else 0.0
+    if move.controlled > move.stationary:
+        move.count += 1
+        away = resultant - move.mean
+        move.mean += away / move.count
+        move.squares += away * (resultant - move.mean)
 
 
 @njit(cache=True, nogil=True)
-def _mill(state, settings, feed):  # type: ignore[no-untyped-def]
+def _mill(move: Record, feed: float) -> bool:
     """Go on along the segment by a sample of `feed` (m/s), braking before its end; return whether that is reached."""
-    left = state[LENGTH] - state[PLACE]
-    most = math.sqrt(2.0 * settings[ACCELERATION] * max(left, 0.0))
-    state[PLACE] = max(state[PLACE] + settings[PERIOD] * min(feed, most), 0.0)
-    state[TIME] += settings[PERIOD]
-    if state[LENGTH] - state[PLACE] > NEAR:
+    left = move.length - move.place
+    most = math.sqrt(2.0 * move.acceleration * max(left, 0.0))
+    move.place = max(move.place + move.period * min(feed, most), 0.0)
+    move.time += move.period
+    if move.length - move.place > NEAR:
         return False
-    state[PLACE], state[PHASE], state[DURATION] = state[LENGTH], ENDED, state[TIME]
+    move.place, move.phase, move.duration = move.length, ENDED, move.time
     return True
 
 
 @njit(cache=True, nogil=True)
-def _take(number, start, stop, is_lifted, state, places, settings):  # type: ignore[no-untyped-def]
+def _take(number: float, start: np.ndarray, stop: np.ndarray, is_lifted: bool, move: Record) -> None:
     """Take up a segment: where its footprint starts and stops, cells, becomes places of the tool, m."""
-    half = 0.5 * settings[WIDE]
-    for row, ends in ((START, start), (STOP, stop)):
-        places[row, 0] = (ends[1] + half) * settings[SIDE]
-        places[row, 1] = -(ends[0] + half) * settings[SIDE]
-        places[row, 2] = 0.0
+    half = 0.5 * move.wide
+    for places, ends in ((move.start, start), (move.stop, stop)):
+        places[0] = (ends[1] + half) * move.side
+        places[1] = -(ends[0] + half) * move.side
+        places[2] = 0.0
     if number == 0.0:  # all is milled: away, above the middle
-        places[START], places[STOP] = places[HOME], places[HOME]
-    state[NUMBER], state[LEG], state[PHASE] = number, 0.0, MOVING
-    state[CONTROLLED] = state[COUNT] = state[MEAN] = state[SQUARES] = 0.0
-    _begin_leg(state, places, settings, is_lifted)
+        move.start[:], move.stop[:] = move.home, move.home
+    move.number, move.leg, move.phase = number, 0, MOVING
+    move.controlled, move.count, move.mean, move.squares = 0.0, 0, 0.0, 0.0
+    _begin_leg(move, is_lifted)
 
 
 @njit(cache=True, nogil=True)
-def _step(seen, start, stop, state, places, settings):  # type: ignore[no-untyped-def]
+def _step(seen: tuple[float, ...], start: np.ndarray, stop: np.ndarray, move: Record) -> bool:
     """Do a sample; return whether a segment has ended in it.
 
     `seen`: number, lift (1 or 0), feed (m/s), resultant force (N), phase of its control, whether it is held.
     """
     number, lift, feed, resultant, phase, holding = seen
-    if holding > 0.5 or state[HAS_BEGUN] == 0.0:  # whether it is held is not known in the first sample
-        state[HAS_BEGUN] = 1.0
+    if holding > 0.5 or not move.has_begun:  # whether it is held is not known in the first sample
+        move.has_begun = True
         return False
-    is_lifted = lift > 0.5 or state[NUMBER] <= 1.0
-    if number != state[NUMBER] and (state[PHASE] == WAITING or state[PHASE] == ENDED):
-        _take(number, start, stop, lift > 0.5 or number <= 1.0, state, places, settings)
-    elif state[PHASE] == MOVING:
-        _move(state, places, settings, is_lifted)
-    elif state[PHASE] == PAUSING:
-        state[TIME] += settings[PERIOD]
-        if state[TIME] >= settings[PAUSE]:
+    is_lifted = lift > 0.5 or move.number <= 1.0
+    if number != move.number and (move.phase == WAITING or move.phase == ENDED):
+        _take(number, start, stop, lift > 0.5 or number <= 1.0, move)
+    elif move.phase == MOVING:
+        _move(move, is_lifted)
+    elif move.phase == PAUSING:
+        move.time += move.period
+        if move.time >= move.pause:
             for r in range(3):
-                places[FROM, r], places[TO, r] = places[START, r], places[STOP, r]
-            state[LENGTH] = math.hypot(places[TO, 0] - places[FROM, 0], places[TO, 1] - places[FROM, 1])
-            state[PHASE], state[TIME], state[PLACE] = (MILLING if state[NUMBER] > 0.0 else WAITING), 0.0, 0.0
-    elif state[PHASE] == MILLING:
-        _note(state, settings, resultant, phase)
-        return _mill(state, settings, feed)
+                move.begin[r], move.end[r] = move.start[r], move.stop[r]
+            move.length = math.hypot(move.end[0] - move.begin[0], move.end[1] - move.begin[1])
+            move.phase, move.time, move.place = (MILLING if move.number > 0.0 else WAITING), 0.0, 0.0
+    elif move.phase == MILLING:
+        _note(move, resultant, phase)
+        return _mill(move, feed)
     return False
 
 
 @njit(cache=True, nogil=True)
-def run(  # type: ignore[no-untyped-def]
-    number, start, stop, lift, feed, resultant, phase, holding,
-    place, direction, is_running, is_finished, is_resting, duration, force_deviation, state, places, settings,
-):  # fmt: skip
-    """Run one frame; signals as the ports of `SegmentMove`."""
+def run(seen: tuple[np.ndarray, ...], asked: tuple[np.ndarray, ...], moves: np.ndarray) -> None:
+    """Run one frame; `seen` and `asked` are the ports in and out of `SegmentMove`, `moves` of one `MOVE`."""
+    number, start, stop, lift, feed, resultant, phase, holding = seen
+    place, direction, is_running, is_finished, is_resting, duration, force_deviation = asked
+    move = moves[0]
     for n in range(len(number)):
-        seen = number[n, 0], lift[n, 0], feed[n, 0], resultant[n, 0], phase[n, 0], holding[n, 0]
-        ended = _step(seen, start[n], stop[n], state, places, settings)
-        part = state[PLACE] / state[LENGTH] if state[LENGTH] > 0.0 else 0.0
+        now = number[n, 0], lift[n, 0], feed[n, 0], resultant[n, 0], phase[n, 0], holding[n, 0]
+        ended = _step(now, start[n], stop[n], move)
+        part = move.place / move.length if move.length > 0.0 else 0.0
         for r in range(3):
-            place[n, r] = places[FROM, r] + part * (places[TO, r] - places[FROM, r])
-        long = math.hypot(places[STOP, 0] - places[START, 0], places[STOP, 1] - places[START, 1])
+            place[n, r] = move.begin[r] + part * (move.end[r] - move.begin[r])
+        long = math.hypot(move.stop[0] - move.start[0], move.stop[1] - move.start[1])
         for r in range(2):
-            direction[n, r] = (places[STOP, r] - places[START, r]) / long if long > 0.0 else 1.0 - r
-        is_running[n, 0] = 1.0 if state[PHASE] == MILLING else 0.0
+            direction[n, r] = (move.stop[r] - move.start[r]) / long if long > 0.0 else 1.0 - r
+        is_running[n, 0] = 1.0 if move.phase == MILLING else 0.0
         is_finished[n, 0] = 1.0 if ended else 0.0
-        is_resting[n, 0] = 1.0 if state[PHASE] == WAITING else 0.0
-        duration[n, 0] = state[DURATION]
-        spread = state[SQUARES] / (state[COUNT] - 1.0) if state[COUNT] > 1.0 else 0.0
+        is_resting[n, 0] = 1.0 if move.phase == WAITING else 0.0
+        duration[n, 0] = move.duration
+        spread = move.squares / (move.count - 1.0) if move.count > 1.0 else 0.0
         force_deviation[n, 0] = math.sqrt(max(spread, 0.0))

@@ -1,12 +1,22 @@
 """The compiled kernel that takes the robot's deflection off a reference, a sample at a time."""
 
+import numpy as np
 from numba import njit
 
 from rigkit.flush_kernel import flushed
 
 
 @njit(cache=True, nogil=True)
-def run(wanted, absolute, position, reference, line, robot, at, pole):  # type: ignore[no-untyped-def]
+def run(
+    wanted: np.ndarray,
+    absolute: np.ndarray,
+    position: np.ndarray,
+    reference: np.ndarray,
+    line: np.ndarray,
+    robot: np.ndarray,
+    at: np.ndarray,
+    pole: float,
+) -> None:
     """Run one frame: shape (frames, axes) each, m; `line` holds the last positions, `at[0]` the oldest of them."""
     for n in range(len(wanted)):
         line[at[0]] = position[n]

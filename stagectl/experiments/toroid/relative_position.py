@@ -35,14 +35,17 @@ class RelativePosition(Block):
     def __init__(
         self, corner: Sequence[float], by_laser: Sequence[bool], delay: float, first: float, last: float
     ) -> None:
-        self._corner, self._by_laser, self._delay, self._times = corner, np.array(by_laser), delay, (first, last)
+        self._corner, self._delay, self._times = corner, delay, (first, last)
+        self._axes, self._clock = np.zeros(3, kernel.AXIS), np.zeros(1, kernel.CLOCK)
+        self._axes["by_laser"] = by_laser
 
     def prepare(self, rate: float, frames: int) -> None:
         """Forget what was seen."""
-        self._pole = np.exp(-2.0 * np.pi * np.array(self._corner) / rate)
         self._line = np.zeros((max(1, round(self._delay * rate)), 3))
-        self._memory, self._clock = np.zeros((4, 3)), np.zeros(1, np.int64)
-        self._first, self._last = (round(time * rate) for time in self._times)
+        self._axes["pole"] = np.exp(-2.0 * np.pi * np.array(self._corner) / rate)
+        for name in ("zero", "quick_zero", "smooth", "smoother"):
+            self._axes[name] = 0.0
+        self._clock[0] = 0, *(round(time * rate) for time in self._times)
 
     def process(
         self,
@@ -54,7 +57,5 @@ class RelativePosition(Block):
         deviation: np.ndarray,
     ) -> None:
         """Go on for one frame."""
-        kernel.run(
-            spindle, workpiece, wanted, position, absolute, deviation,
-            self._line, self._memory, self._clock, self._by_laser, self._pole, self._first, self._last,
-        )  # fmt: skip
+        seen, quick = (spindle, workpiece), (position, absolute)
+        kernel.run(seen, quick, wanted, deviation, self._line, self._axes, self._clock)

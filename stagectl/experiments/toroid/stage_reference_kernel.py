@@ -1,10 +1,19 @@
 """The compiled kernel that keeps the stage's reference within its travel, and counts how long it could not."""
 
+import numpy as np
 from numba import njit
 
 
 @njit(cache=True, nogil=True)
-def run(fast_reference, reference, limited, middle, reach, count, patience):  # type: ignore[no-untyped-def]
+def run(
+    fast_reference: np.ndarray,
+    reference: np.ndarray,
+    limited: np.ndarray,
+    middle: float,
+    reach: float,
+    count: np.ndarray,
+    patience: float,
+) -> int:
     """Run one frame, shape (frames, 3), m; return the axis that was at an end for more than `patience` samples, or -1.
 
     `count` (4,): samples at an end in a row, an axis each, and all of them together; `limited` gets the longest.
