@@ -32,7 +32,7 @@ class Optimum:
     """
 
     def __init__(self, cost: Costs) -> None:
-        rows, cols, _, _, ways = (int(each) for each in cost.size)
+        rows, cols, ways = (int(cost.pocket[name][0]) for name in ("rows", "cols", "ways"))
         rectangles = kernel.intervals(rows) * (kernel.intervals(cols) if ways == 8 else 1)
         if not rectangles * ways <= MOST_STATES:
             raise ValueError(f"{rows} x {cols} cells have {rectangles * ways} states, must be <= {MOST_STATES}")

@@ -74,7 +74,5 @@ class FeaturesPlanner:
 
     def _train(self, standing: Standing, episodes: int) -> None:
         for _ in range(episodes):
-            kernel.episode(
-                standing.way, tuple(standing.uncut), int(self._random.integers(1 << 30)), *self._belief,
-                self._scale, self.weights, LEARNING_RATE, DISCOUNT,
-            )  # fmt: skip
+            first, learning = int(self._random.integers(1 << 30)), (self._scale, LEARNING_RATE, DISCOUNT)
+            kernel.episode(standing.way, tuple(standing.uncut), first, *self._belief, self.weights, learning)

@@ -49,7 +49,7 @@ def time_plot(pockets: Sequence[Sequence[Milled]], optimum: float) -> Plot:
 
 
 def _draw(panel: Axes, segments: Sequence[Milled], pocket: Pocket) -> None:
-    size, half = costs(pocket).size, pocket.G / 2.0
+    size, half = costs(pocket).pocket, pocket.G / 2.0
     edge = "#888888" if pocket.closed else "#cccccc"
     panel.add_patch(Patch((0, 0), pocket.cols, pocket.rows, facecolor="#f4f4f4", edgecolor=edge))
     last: tuple[float, float] | None = None

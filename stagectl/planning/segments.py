@@ -118,6 +118,6 @@ class Segments(Block):
     def _ask(self) -> None:
         cut = self.planner.choose(self._standing)
         self._next = finished(cut, self._standing, self._costs)
-        row, col = strip_kernel.stop(cut.way, tuple(self._next.leaves().uncut), self._costs.size)
+        row, col = strip_kernel.stop(cut.way, tuple(self._next.leaves().uncut), self._costs.pocket)
         end = (row, self._next.col) if cut.feed in "NS" else (self._next.row, col)
         self._values[:] = len(self.done) + 1, self._next.row, self._next.col, *end, self._next.is_lifted, *cut

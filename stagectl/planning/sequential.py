@@ -98,7 +98,7 @@ class SequentialPlanner:
         """Return the strip to mill next."""
         cost, rectangle = self._costs, tuple(standing.uncut)
         rate, extra = self._told
-        way, k = kernel.decide(standing.way, rectangle, cost.size, rate, cost.begin, cost.moves, extra)
+        way, k = kernel.decide(standing.way, rectangle, cost.pocket, rate, cost.moves, extra)
         return Cut(way, k)
 
     def learn(self, milled: Milled) -> None:

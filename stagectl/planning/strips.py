@@ -64,25 +64,28 @@ class Costs(NamedTuple):
 
     Parameters
     ----------
-    size : int array, shape (5,), cells
-        Rows, columns, tool, whether closed, number of ways.
+    pocket : array of one `strip_kernel.POCKET`
+        Its size, and s a segment.
     rate : array, shape (ways, tool), s per cell
         By way and k - 1.
-    begin : float, s a segment
     moves : array, shape (2, rows + 2 tool, cols + 2 tool), s
         A move without and with a lift, by rows and columns between.
     """
 
-    size: np.ndarray
+    pocket: np.ndarray
     rate: np.ndarray
-    begin: float
     moves: np.ndarray
+
+    @property
+    def begin(self) -> float:
+        """What every segment takes, s."""
+        return float(self.pocket["begin"][0])
 
 
 def costs(pocket: Pocket) -> Costs:
     """Return the costs that `pocket` states."""
     ways = 4 if pocket.feeds == "EW" else 8
-    size = np.array([pocket.rows, pocket.cols, pocket.G, pocket.closed, ways])
+    size = np.array([(pocket.rows, pocket.cols, pocket.G, pocket.closed, ways, pocket.t_acc)], kernel.POCKET)
     rate = np.empty((ways, pocket.G))
     for way in range(ways):
         for k in range(1, pocket.G + 1):
@@ -93,7 +96,7 @@ def costs(pocket: Pocket) -> Costs:
     lifted = (
         np.full(distance.shape, pocket.t_lift) if pocket.v_lift is None else pocket.t_lift + distance / pocket.v_lift
     )
-    return Costs(size, rate, pocket.t_acc, np.stack([pocket.step * distance, lifted]))
+    return Costs(size, rate, np.stack([pocket.step * distance, lifted]))
 
 
 def untouched(pocket: Pocket) -> Standing:
@@ -107,7 +110,7 @@ def legal(standing: Standing, cost: Costs) -> Iterator[Cut]:
     uncut = tuple(standing.uncut)
     for way in range(ways):
         for k in range(1, tool + 1):
-            if kernel.is_legal(way, k, uncut, cost.size):
+            if kernel.is_legal(way, k, uncut, cost.pocket):
                 yield Cut(way, k)
 
 
@@ -125,8 +128,8 @@ def moving(cut: Cut, standing: Standing, cost: Costs) -> float:
     """Return for how long the tool moves to where the strip starts, s; 0 for the first one."""
     if standing.way == NO_WAY:
         return 0.0
-    row, col = kernel.start(cut.way, cut.k, tuple(standing.uncut), cost.size)
-    at_row, at_col = kernel.stop(standing.way, tuple(standing.uncut), cost.size)
+    row, col = kernel.start(cut.way, cut.k, tuple(standing.uncut), cost.pocket)
+    at_row, at_col = kernel.stop(standing.way, tuple(standing.uncut), cost.pocket)
     return float(cost.moves[int(is_lifted(cut, standing)), abs(row - at_row), abs(col - at_col)])
 
 
@@ -137,5 +140,5 @@ def after(cut: Cut, standing: Standing) -> Standing:
 
 def place(cut: Cut, standing: Standing, cost: Costs) -> tuple[int, int]:
     """Return row and column of the footprint where the strip starts, cells."""
-    row, col = kernel.start(cut.way, cut.k, tuple(standing.uncut), cost.size)
+    row, col = kernel.start(cut.way, cut.k, tuple(standing.uncut), cost.pocket)
     return int(row), int(col)

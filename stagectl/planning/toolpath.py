@@ -55,7 +55,7 @@ class Target(NamedTuple):
 
 def targets(segments: Sequence[Milled], pocket: Pocket, cutting: Cutting) -> Iterator[Target]:
     """Go through the moves of a path, from above its start to above its end."""
-    size = costs(pocket).size
+    size = costs(pocket).pocket
     at = (0.0, 0.0)
     for number, each in enumerate(segments):
         x, y = _centre(each.row, each.col, pocket, cutting)
