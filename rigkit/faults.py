@@ -50,7 +50,7 @@ class FaultTable:
     def __setstate__(self, state: Any) -> None:
         """Attach to the memory of another process."""
         self.names, self._raw = state
-        self.values = np.frombuffer(self._raw, np.float64).reshape(-1, 2)
+        self.values = np.frombuffer(self._raw, kernel.CHANNEL)
 
     def inject(self, name: str, kind: str) -> None:
         """Give the channel `name` a fault, or take it away by "none".
@@ -64,12 +64,12 @@ class FaultTable:
         if kind not in KINDS:
             raise ValueError(f"kind is {kind!r}, must be {' or '.join(KINDS)}")
         channel = self.names.index(name)
-        self.values[channel, kernel.PARTNER] = (channel + 1) % len(self.names)
-        self.values[channel, kernel.KIND] = KINDS.index(kind)
+        self.values["partner"][channel] = (channel + 1) % len(self.names)
+        self.values["kind"][channel] = KINDS.index(kind)
 
     def present(self) -> dict[str, str]:
         """Return the faults there are, by channel."""
-        kinds = {name: KINDS[int(row[kernel.KIND])] for name, row in zip(self.names, self.values, strict=True)}
+        kinds = {name: KINDS[int(kind)] for name, kind in zip(self.names, self.values["kind"], strict=True)}
         return {name: kind for name, kind in kinds.items() if kind != "none"}
 
 
@@ -92,30 +92,20 @@ class Faults(Block):
             raise ValueError(f"full_scale has {len(full_scale)} values, must be one for each of {width} channels")
         self.inputs, self.outputs = (Port("clean", unit, width),), (Port("faulty", unit, width),)
         self.table, self.full_scale = table, np.array(full_scale, dtype=float)
-        self._rate = 0.0
-        self._running = np.zeros(width, np.int64)
-        self._held, self._lag, self._ring = np.zeros(width), np.zeros(width), np.zeros((2, width))
-        self._place, self._random = np.zeros(1, np.int64), np.zeros(1, np.uint64)
+        self._states, self._ring, self._clock = (
+            np.zeros(width, kernel.STATE),
+            np.zeros((2, width)),
+            np.zeros(1, kernel.PROGRESS),
+        )
+        self._states["full"] = self.full_scale
 
     def prepare(self, rate: float, frames: int) -> None:
         """Forget what came before, and make room for the longest delay: a second's."""
-        self._rate = rate
+        self._clock[0] = 0, 0, rate
         self._ring = np.zeros((max(2, round(rate)), len(self.table.names)))
-        for state in (self._running, self._held, self._lag, self._place, self._random):
-            state.fill(0)
+        for name in ("running", "held", "lag"):
+            self._states[name] = 0
 
     def process(self, clean: np.ndarray, faulty: np.ndarray) -> None:
         """Spoil one frame."""
-        kernel.run(
-            clean,
-            faulty,
-            self.table.values,
-            self._running,
-            self._held,
-            self._lag,
-            self._ring,
-            self._place,
-            self._random,
-            self._rate,
-            self.full_scale,
-        )
+        kernel.run(clean, faulty, self.table.values, self._states, self._ring, self._clock)

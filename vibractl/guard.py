@@ -70,29 +70,28 @@ class Guard(Block):
         self.outputs = (Port("output", "V", width, last=True),)
         self.limits = limits
         self._latch = np.zeros(5)
-        self._state = np.zeros(4, np.int64)
-        self._memory = np.zeros((kernel.ROWS, width))
+        self._guard = np.zeros(1, kernel.GUARD)
+        self._channels = np.zeros(width, kernel.CHANNEL)
         self._gains = np.zeros(2)
-        self._bounds = np.zeros(5)
 
     def prepare(self, rate: float, frames: int) -> None:
         """Close, forget the RMS history and count samples from zero.  A latch survives: only `clear` ends it."""
-        self._gains, self._bounds = kernel.tables(self.limits, rate)
-        phase = kernel.LATCHED if self.latched else kernel.WORKING
-        self._state[:] = phase, 0, 0, 0
-        self._memory.fill(0.0)
+        self._gains = kernel.set_up(self._guard, self.limits, rate)
+        self._guard["phase"] = kernel.LATCHED if self.latched else kernel.WORKING
+        self._guard["opening"] = self._guard["position"] = self._guard["count"] = 0
+        self._channels[:] = 0.0
 
     def process(self, request: np.ndarray, output: np.ndarray) -> None:
         """Let out, ramp or fade one frame."""
-        kernel.run(request, output, self._gains, self._bounds, self._memory, self._state, self._latch)
+        kernel.run(request, output, self._gains, self._guard, self._channels, self._latch)
 
     def open(self) -> None:
         """Start the ramp up (between ticks).  A latched guard stays shut."""
-        self._state[kernel.OPENING] = 1
+        self._guard["opening"] = True
 
     def close(self) -> None:
         """Start the ramp down (between ticks)."""
-        self._state[kernel.OPENING] = 0
+        self._guard["opening"] = False
 
     def clear(self, by: str) -> Violation:
         """Re-arm a latched guard, closed, in the name of the person who looked (between ticks).
@@ -111,15 +110,15 @@ class Guard(Block):
         ------
         ValueError : nobody is named, nothing is latched, or the fade is not over.
         """
-        still = "fades to zero" if self._state[kernel.PHASE] == kernel.FADING else ""
+        still = "fades to zero" if self._guard["phase"][0] == kernel.FADING else ""
         violation = to_clear("the guard", self.violation, by, still)
-        self._state[[kernel.PHASE, kernel.OPENING, kernel.POSITION]] = kernel.WORKING, 0, 0
+        self._guard["phase"], self._guard["opening"], self._guard["position"] = kernel.WORKING, False, 0
         return violation
 
     @property
     def latched(self) -> bool:
         """Whether a violation has shut the guard (from the first sample of the fade)."""
-        return bool(self._state[kernel.PHASE] != kernel.WORKING)
+        return bool(self._guard["phase"][0] != kernel.WORKING)
 
     @property
     def violation(self) -> Violation | None:
@@ -134,15 +133,15 @@ class Guard(Block):
     @property
     def is_open(self) -> bool:
         """Whether the output is the request bit for bit."""
-        up = self._state[kernel.OPENING] and self._state[kernel.POSITION] == len(self._gains) - 1
+        up = self._guard["opening"][0] and self._guard["position"][0] == len(self._gains) - 1
         return not self.latched and bool(up)
 
     @property
     def is_closed(self) -> bool:
         """Whether the output is zero and stays so: closed and ramped down, or latched and faded."""
-        if self._state[kernel.PHASE] == kernel.WORKING:
-            return not self._state[kernel.OPENING] and self._state[kernel.POSITION] == 0
-        return bool(self._state[kernel.PHASE] == kernel.LATCHED)
+        if self._guard["phase"][0] == kernel.WORKING:
+            return bool(not self._guard["opening"][0] and self._guard["position"][0] == 0)
+        return bool(self._guard["phase"][0] == kernel.LATCHED)
 
 
 def as_violation(latch: np.ndarray) -> Violation:
@@ -170,13 +169,13 @@ def violation(drive: np.ndarray, limits: Limits, rate: float) -> Violation | Non
     >>> print(violation(np.full((3, 1), 0.1), Limits(peak=0.05), 44_100.0))
     drive 1 asks for 0.1 V at sample 0, limits.peak is 0.05 V
     """
-    gains, bounds = kernel.tables(limits, rate)
+    guard, latch = np.zeros(1, kernel.GUARD), np.zeros(5)
+    gains = kernel.set_up(guard, limits, rate)
+    guard["opening"], guard["position"] = True, len(gains) - 1
     whole = np.zeros((len(drive) + 1, drive.shape[1]))
     whole[:-1] = drive
-    state = np.array([kernel.WORKING, 1, len(gains) - 1, 0])
-    latch = np.zeros(5)
-    kernel.run(whole, np.empty_like(whole), gains, bounds, np.zeros((kernel.ROWS, drive.shape[1])), state, latch)
-    return None if state[kernel.PHASE] == kernel.WORKING else as_violation(latch)
+    kernel.run(whole, np.empty_like(whole), gains, guard, np.zeros(drive.shape[1], kernel.CHANNEL), latch)
+    return None if guard["phase"][0] == kernel.WORKING else as_violation(latch)
 
 
 def _refuse_short_ramp(limits: Limits) -> None:

@@ -67,7 +67,7 @@ def _whole(
 def decide(
     last: int, rectangle: Uncut, pocket: np.ndarray, rate: np.ndarray, moves: np.ndarray, extra: np.ndarray
 ) -> tuple[int, int]:
-    """Return way and k of the next strip: off the corner from which all that is left pocket, rate, moves least."""
+    """Return way and k of the next strip: off the corner from which all that is left costs least."""
     best, best_way, best_k = np.inf, -1, 0
     first = last ^ 1 if last >= 0 else TWO_DIRECTIONS - 1  # where the tool stands, which wins where all is equal
     for turn in range(TWO_DIRECTIONS):

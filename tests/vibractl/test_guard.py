@@ -269,4 +269,4 @@ def test_a_long_silence_leaves_no_mean_that_is_subnormal() -> None:
     guard = opened(Limits(peak=9.0, slew=1e6, rms=5.0, rms_seconds=1e-3, ramp=0.01))
     run(guard, tones(2_000))
     run(guard, np.zeros((40_000, 2)))
-    assert guard._memory.any() == 0.0  # noqa: SLF001
+    assert guard._channels.view(float).any() == 0.0  # noqa: SLF001
