@@ -28,7 +28,7 @@ def friction_shape(angle: np.ndarray, distance: float) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True)
-def _dahl(angle, distance):  # type: ignore[no-untyped-def]
+def _dahl(angle: np.ndarray, distance: float) -> np.ndarray:
     found = np.empty(len(angle))
     value, before = 0.0, angle[0]
     for n in range(len(angle)):

@@ -132,7 +132,7 @@ def branches(joint: TorqueMap) -> Branches:
 
 
 @njit(cache=True, nogil=True)
-def _turned(angle, least):  # type: ignore[no-untyped-def]
+def _turned(angle: np.ndarray, least: float) -> np.ndarray:
     """Return the samples at which the angle is extreme between two motions of at least `least`."""
     found = np.empty(len(angle), np.int64)
     count, direction = 0, 0

@@ -71,21 +71,25 @@ def differentiate(
     `state` and `filters`, shape (sections, 3 + inputs, 2), go on from one call to the next.  What an output does not
     depend on stays as it is, zero: an output's row of C and D in the derivatives of the others.
     """
-    outputs = jacobian.shape[1]
-    behind = len(values)
     for k in range(len(signals)):
         for b in range(len(sections)):
             if sections[b, 0] == 1:
-                _first_order(sections[b], values, state, filters[b], signals[k], jacobian[k], behind, outputs)
+                _first_order(sections[b], values, state, filters[b], signals[k], jacobian[k])
             else:
-                _second_order(
-                    sections[b], coupling[b], values, state, filters[b], signals[k], jacobian[k], behind, outputs
-                )
+                _second_order(sections[b], coupling[b], values, state, filters[b], signals[k], jacobian[k])
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _first_order(section, values, state, filters, signal, jacobian, behind, outputs):  # type: ignore[no-untyped-def]
+def _first_order(
+    section: np.ndarray,
+    values: np.ndarray,
+    state: np.ndarray,
+    filters: np.ndarray,
+    signal: np.ndarray,
+    jacobian: np.ndarray,
+) -> None:
     _, at, first, last, p = section
+    outputs, behind = jacobian.shape[0], len(values)
     width = last - first
     pole, x = values[p], state[at]
     c = p + 1 + width
@@ -107,8 +111,17 @@ def _first_order(section, values, state, filters, signal, jacobian, behind, outp
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _second_order(section, coupling, values, state, filters, signal, jacobian, behind, outputs):  # type: ignore[no-untyped-def]
+def _second_order(
+    section: np.ndarray,
+    coupling: float,
+    values: np.ndarray,
+    state: np.ndarray,
+    filters: np.ndarray,
+    signal: np.ndarray,
+    jacobian: np.ndarray,
+) -> None:
     _, at, first, last, p = section
+    outputs, behind = jacobian.shape[0], len(values)
     width = last - first
     sigma, bend = values[p], values[p + 1]
     x1, x2 = state[at], state[at + 1]

@@ -148,7 +148,7 @@ class InnovationModel:
         drive, response = self._signals(drive, response)
         predicted = np.empty_like(response)
         a, b, c, d, k = (matrix.T.copy() for matrix in (self.A, self.B, self.C, self.D, self.K))
-        model_kernel.one_step_ahead(a, b, c, d, k, drive, response, self._state(state), predicted)
+        model_kernel.one_step_ahead((a, b, c, d, k), drive, response, self._state(state), predicted)
         return predicted
 
     def initial_state(self, drive: ArrayLike | None, response: ArrayLike) -> np.ndarray:

@@ -11,7 +11,7 @@ from rigkit.flush_kernel import flushed
 
 
 @njit(cache=True, nogil=True)
-def _add_product(result, matrix, vector):  # type: ignore[no-untyped-def]
+def _add_product(result: np.ndarray, matrix: np.ndarray, vector: np.ndarray) -> None:
     """Add vector @ matrix to result."""
     for row in range(matrix.shape[0]):
         factor = vector[row]
@@ -20,7 +20,15 @@ def _add_product(result, matrix, vector):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def free_run(transition, inlet, outlet, direct, drive, state, response):  # type: ignore[no-untyped-def]
+def free_run(
+    transition: np.ndarray,
+    inlet: np.ndarray,
+    outlet: np.ndarray,
+    direct: np.ndarray,
+    drive: np.ndarray,
+    state: np.ndarray,
+    response: np.ndarray,
+) -> None:
     """Write the response, shape (N, p), to a drive, shape (N, m); `state` is left as it is after the last sample."""
     following = np.empty_like(state)
     for n in range(drive.shape[0]):
@@ -35,8 +43,14 @@ def free_run(transition, inlet, outlet, direct, drive, state, response):  # type
 
 
 @njit(cache=True, nogil=True)
-def one_step_ahead(transition, inlet, outlet, direct, gain, drive, measured, state, predicted):  # type: ignore[no-untyped-def]
-    """Write what is predicted of each sample, shape (N, p), from those before it; `state` is left after the last."""
+def one_step_ahead(
+    model: tuple[np.ndarray, ...], drive: np.ndarray, measured: np.ndarray, state: np.ndarray, predicted: np.ndarray
+) -> None:
+    """Write what is predicted of each sample, shape (N, p), from those before it; `state` is left after the last.
+
+    `model` is transition, inlet, outlet, direct and gain.
+    """
+    transition, inlet, outlet, direct, gain = model
     following = np.empty_like(state)
     innovation = np.empty(measured.shape[1])
     for n in range(drive.shape[0]):
@@ -53,7 +67,7 @@ def one_step_ahead(transition, inlet, outlet, direct, gain, drive, measured, sta
 
 
 @njit(cache=True, nogil=True)
-def transient(transition, rows, result):  # type: ignore[no-untyped-def]
+def transient(transition: np.ndarray, rows: np.ndarray, result: np.ndarray) -> None:
     """Write C, C A, C A^2 ... into result, shape (steps, p, n), and leave the next in `rows`, shape (p, n)."""
     following = np.empty_like(rows)
     for step in range(result.shape[0]):

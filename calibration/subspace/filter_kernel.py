@@ -1,12 +1,15 @@
 """The compiled bank of first-order complex filters that a system's modes are."""
 
+import numpy as np
 from numba import njit
 
 from rigkit.flush_kernel import flushed
 
 
 @njit(cache=True, nogil=True)
-def modal_responses(real, imaginary, drive, state, result):  # type: ignore[no-untyped-def]
+def modal_responses(
+    real: np.ndarray, imaginary: np.ndarray, drive: np.ndarray, state: np.ndarray, result: np.ndarray
+) -> None:
     """Write the response of every mode to every drive, before each sample is taken in, and advance `state`.
 
     f[t + 1] = (real + j imaginary) f[t] + drive[t].  `drive` has shape (N, drives), `state` (2, drives modes) and

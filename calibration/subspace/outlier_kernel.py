@@ -12,11 +12,20 @@ STANDS_OUT = 0.6
 
 
 @njit(cache=True, nogil=True)
-def _is_real(pushed, believed, cleaned, memory, scale, bound, n, channel, miss):  # type: ignore[no-untyped-def]
+def _is_real(
+    records: tuple[np.ndarray, np.ndarray, np.ndarray],
+    cleaned: np.ndarray,
+    memory: np.ndarray,
+    scale: np.ndarray,
+    bound: float,
+    place: tuple[int, int],
+    miss: float,
+) -> bool:
     """Return whether samples after n have heard of what was measured there, rather than of what was foretold.
 
     They are foretold with either of the two, `cleaned[n]` being what was foretold, and what that leaves is compared.
     """
+    (pushed, _, believed), (n, channel) = records, place
     lags, outputs = memory.shape[0], memory.shape[1]
     measured, foretold, most = 0.0, 0.0, bound * bound
     for later in range(1, min(lags, believed.shape[0] - 1 - n) + 1):
@@ -37,13 +46,22 @@ def _is_real(pushed, believed, cleaned, memory, scale, bound, n, channel, miss):
 
 
 @njit(cache=True, nogil=True)
-def far_off(pushed, measured, believed, memory, scale, bound, start, cleaned, found):  # type: ignore[no-untyped-def]
+def far_off(
+    records: tuple[np.ndarray, np.ndarray, np.ndarray],
+    memory: np.ndarray,
+    scale: np.ndarray,
+    bound: float,
+    start: int,
+    cleaned: np.ndarray,
+    found: np.ndarray,
+) -> None:
     """Write records without samples that are far off, and which those are, shapes (N, p), from sample `start` on.
 
-    `pushed` is the part of each sample that inputs foretell, `memory`, shape (lags, p, p), the weight of earlier
-    outputs (lag, of, for), `scale`, shape (N, p), the usual error, `believed` what is thought of samples that are still
-    to come.
+    `records` are the part of each sample that inputs foretell, what was measured, and what is thought of samples that
+    are still to come; `memory`, shape (lags, p, p), is the weight of earlier outputs (lag, of, for), `scale`, shape
+    (N, p), the usual error.
     """
+    pushed, measured, believed = records
     lags, outputs = memory.shape[0], memory.shape[1]
     told = np.empty(outputs)
     cleaned[:start] = believed[:start]
@@ -62,7 +80,7 @@ def far_off(pushed, measured, believed, memory, scale, bound, start, cleaned, fo
             if (
                 abs(miss) > bound * scale[n, output]
                 and away * miss > STANDS_OUT * miss * miss
-                and not _is_real(pushed, believed, cleaned, memory, scale, bound, n, output, miss)
+                and not _is_real(records, cleaned, memory, scale, bound, (n, output), miss)
             ):
                 found[n, output] = True
             else:

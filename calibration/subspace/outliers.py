@@ -75,7 +75,7 @@ class _Foreteller:
             return believed, found
         told = self.told(drive)
         clean, found[START:] = np.empty_like(measured), False
-        far_off(told, measured, believed, self.memory, self.usual(told, believed), BOUND, START, clean, found)
+        far_off((told, measured, believed), self.memory, self.usual(told, believed), BOUND, START, clean, found)
         around = [np.convolve(each, np.ones(2 * NEAR + 1), "same") for each in found.T.astype(float)]
         crowded = found & (np.stack(around, axis=1) > CROWD)
         return np.where(crowded, measured, clean), found & ~crowded

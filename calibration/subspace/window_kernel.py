@@ -5,7 +5,7 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
-def _lag_products(signals, start, stop, length, products):  # type: ignore[no-untyped-def]
+def _lag_products(signals: np.ndarray, start: int, stop: int, length: int, products: np.ndarray) -> None:
     """Write the sums over t of z[t] z[t + lag]' into products, shape (length, width, width)."""
     width = signals.shape[0]
     for late in range(width):
@@ -20,7 +20,7 @@ def _lag_products(signals, start, stop, length, products):  # type: ignore[no-un
 
 
 @njit(cache=True, nogil=True)
-def window_products(signals, start, stop, length, result):  # type: ignore[no-untyped-def]
+def window_products(signals: np.ndarray, start: int, stop: int, length: int, result: np.ndarray) -> None:
     """Add the sum of W W' over the windows W that begin at start, ..., stop - 1, upper triangle only.
 
     `signals` has shape (width, samples); a window is `length` samples of all signals, time first.  The sums for
