@@ -7,7 +7,7 @@ import numpy as np
 
 from ctlblocks.block import Block, Port
 from firmware_sim.plants.gear_error import draw_gear_error
-from firmware_sim.plants.guided_motion_kernel import guide
+from firmware_sim.plants.guided_motion_kernel import MOTION, guide
 from firmware_sim.plants.options import chosen, option
 from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.plants.robot_options import RobotOptions
@@ -75,8 +75,8 @@ class GuidedRobot(RobotOptions, Block):
         gears = draw_gear_error(self.seed, self.gear_error)
         self.plant.place(start + (gears[:, 0] * np.sin(gears[:, 1] * start + gears[:, 2])).sum(axis=0))
         line = np.tile(start, (max(1, round(self.delay * CYCLE * rate)), 1))
-        self._guided = line, np.zeros(1, np.int64), start.copy()
-        self._limits = np.exp(-2 * np.pi * self.filter / rate), GuidedMotion.speed / rate, gears
+        motion = np.array([(np.exp(-2 * np.pi * self.filter / rate), GuidedMotion.speed / rate, 0, start)], MOTION)
+        self._guided = line, gears, motion
         self._room = [np.zeros((frames, width)) for width in (6, 6, 6, 6, 6, 6, 6, 7)]
         self._cycle, self._period, self._done = round(CYCLE * rate), 1.0 / rate, 0
         self._last, self._reports, self._on, self._trips = np.zeros((3, 6)), 0.0, 1.0, round(self.trip * rate)
@@ -100,7 +100,7 @@ class GuidedRobot(RobotOptions, Block):
     ) -> None:
         """Go on for one frame."""
         driven, planned, error, wrench, angle, drive, link, pose = self._room
-        guide(reference, driven, planned, error, *self._guided, *self._limits)
+        guide(reference, driven, planned, error, *self._guided)
         wrench[:, :3], wrench[:, 3:] = force, moment
         n = 0
         while n < len(reference):  # from report to report

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from firmware_sim.plants.exciter_kernel import COLUMNS, LUGRE, run_exciter
+from firmware_sim.plants.exciter_kernel import AMPLIFIER, COLUMNS, LUGRE, run_exciter
 from firmware_sim.plants.mode_drift import Drift, ModeDrift
 from firmware_sim.plants.options import refuse_rate
 from firmware_sim.plants.reception import BLOCK, Receiver, Reception, in_blocks
@@ -92,7 +92,8 @@ class ExciterPlant:
         self._tables = turn, push, np.zeros((2 * forces + sensors, 2 * room)), np.zeros((sensors, forces))
         self._work = np.zeros(2 * forces + sensors), np.zeros(forces), np.zeros(2 * room)
         self._coils = coil_table(exciter.coils, rate)
-        self._amplifier = np.array([exciter.coils.gain, exciter.coils.clip, exciter.coils.sharpness])
+        numbers = exciter.coils.gain, exciter.coils.clip, exciter.coils.sharpness, 1.0 / rate
+        self._amplifier = np.array([numbers], AMPLIFIER)
         self._factor, self._drift = np.ones(modes), ModeDrift(exciter.drift, structure.poles, seed)
         self._receiver = Receiver(exciter.reception, rate, seed)
         self._done = 0
@@ -113,10 +114,8 @@ class ExciterPlant:
             self._state,
             self._memory,
             self._tables,
-            self._coils,
-            self._exciter.elements,
+            (self._coils, self._exciter.elements),
             self._amplifier,
-            1.0 / self._rate,
             self._work,
         )
         self._receiver.hear(heard)

@@ -13,6 +13,7 @@ from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
 from firmware_sim.plants.friction_kernel import dahl, lugre
+from firmware_sim.plants.record import Record
 
 FAST = {"reassoc", "contract", "nsz"}
 
@@ -25,6 +26,8 @@ CUBIC, SAG, COULOMB, TRAVEL, LUGRE, STIFFNESS, CONTACT, NEAR, FAR = 0, 1, 2, 3, 
 COLUMNS = 14
 # Rows of `memory`: a coil's current A (in the first columns), Dahl's strain, LuGre's bristles m.
 CURRENT, STRAIN, BRISTLE = range(3)
+AMPLIFIER = np.dtype([("gain", "f8"), ("clip", "f8"), ("sharpness", "i8"), ("step", "f8")], align=True)
+"""V/V, V, 1, and s of a step."""
 
 
 @njit(cache=True, nogil=True)
@@ -123,13 +126,11 @@ def _push_back(
 
 
 @njit(cache=True, nogil=True)
-def _pull(
-    drive: float, seen: np.ndarray, c: int, coils: np.ndarray, memory: np.ndarray, amplifier: np.ndarray
-) -> float:
+def _pull(drive: float, seen: np.ndarray, c: int, coils: np.ndarray, memory: np.ndarray, amplifier: Record) -> float:
     """Return the mean force of a coil over a step, N, and move its current on."""
     coil = coils[c]
     factor = force_factor(seen[c], coil)
-    voltage = amplified(drive, amplifier[0], amplifier[1], int(amplifier[2])) - factor * seen[coils.shape[0] + c]
+    voltage = amplified(drive, amplifier.gain, amplifier.clip, amplifier.sharpness) - factor * seen[coils.shape[0] + c]
     before = memory[CURRENT, c]
     memory[CURRENT, c] = flushed(coil[DECAY] * before + (1.0 - coil[DECAY]) * voltage / coil[RESISTANCE])
     pull: float = factor * 0.5 * (before + memory[CURRENT, c])
@@ -143,25 +144,24 @@ def run_exciter(
     state: np.ndarray,
     memory: np.ndarray,
     tables: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
-    coils: np.ndarray,
-    elements: np.ndarray,
-    amplifier: np.ndarray,
-    step: float,
+    parts: tuple[np.ndarray, np.ndarray],
+    amplifiers: np.ndarray,
     work: tuple[np.ndarray, np.ndarray, np.ndarray],
 ) -> None:
     """Fill `heard` (frames, sensors) m/s^2 from `drive` (frames, coils) V.
 
-    `state` (2 modes,) and `memory` (3, forces) are moved on; `tables` are turn, push, look and direct; `amplifier`
-    holds gain, clip and sharpness; `work` is room: what is seen, forces, and what they push.
+    `state` (2 modes,) and `memory` (3, forces) are moved on; `tables` are turn, push, look and direct, `parts`
+    coils and elements; `amplifiers` is of one `AMPLIFIER`; `work` is room: what is seen, forces, and what they push.
     """
     turn, push, look, direct = tables
+    (coils, elements), amplifier = parts, amplifiers[0]
     seen, forces, pushed = work
     count, first = coils.shape[0], 2 * forces.shape[0]
     for n in range(drive.shape[0]):
         _look(look, state, seen)
         for c in range(count):
             forces[c] = _pull(drive[n, c], seen, c, coils, memory, amplifier)
-        _push_back(seen, elements, memory, count, forces, step)
+        _push_back(seen, elements, memory, count, forces, amplifier.step)
         for s in range(heard.shape[1]):
             total = seen[first + s]
             for k in range(forces.shape[0]):

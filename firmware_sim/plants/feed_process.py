@@ -1,6 +1,6 @@
 """A tool fed into a workpiece whose kappa and beta change with time: the simulation of Sörnmo 2015, fig. 7.5."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from math import pi
 
 import numpy as np
@@ -98,15 +98,15 @@ class FeedProcess(FeedOptions):
         super().__post_init__()
         refuse_rate(self.rate, 50, 10_000, "the simulated feed")
         steps = max(1, int(np.ceil(1.0 / (self.rate * STEP))))
-        given = {each.name: getattr(self, each.name) for each in fields(FeedOptions)}
-        given |= {name: 2.0 * pi * given[name] for name in ("corner", "mode", "frequency")}
-        names = [
-            "corner", "mode", "damping", "stiffness", "force_noise", "position_noise",
-            "kappa", "kappa_swing", "kappa_step", "kappa_at", "beta", "beta_swing", "beta_step", "beta_at", "frequency",
-        ]  # fmt: skip
-        self._given = np.array([*(given[name] for name in names), 1.0 / (self.rate * steps), steps])
+        self._feed = feed = np.zeros(1, kernel.FEED)
+        for name in ("corner", "mode", "frequency"):
+            feed[name] = 2.0 * pi * getattr(self, name)
+        for name in ("damping", "stiffness", "force_noise", "position_noise"):
+            feed[name] = getattr(self, name)
+        feed["kappa"] = self.kappa, self.kappa_swing, self.kappa_step, self.kappa_at
+        feed["beta"] = self.beta, self.beta_swing, self.beta_step, self.beta_at
+        feed["period"], feed["steps"] = 1.0 / (self.rate * steps), steps
         self._noise = np.random.default_rng([self.seed, 75]).standard_normal((DRAWN, 3))
-        self._state = np.zeros(kernel.CELLS)
 
     def run(
         self,
@@ -130,4 +130,4 @@ class FeedProcess(FeedOptions):
         kappa, beta : arrays, shape (frames, 1), m/(N s) and 1, filled in place
             As they are.
         """
-        kernel.run(asked, velocity, force, true_force, kappa, beta, self._noise, self._state, self._given)
+        kernel.run(asked, velocity, force, true_force, kappa, beta, self._noise, self._feed)

@@ -65,7 +65,7 @@ class Stage(NamedTuple):
 
 
 @njit(cache=True, nogil=True, inline="always")
-def low_passed(state, before, now, pole, newest):  # type: ignore[no-untyped-def]
+def low_passed(state: float, before: float, now: float, pole: float, newest: float) -> float:
     """Return a first-order low-pass' state after a sample in which its input went straight from `before` to `now`."""
     return flushed(pole * state + (1.0 - pole - newest) * before + newest * now)
 
@@ -147,9 +147,15 @@ def _read(sensor: int, axis: int, value: float, stage: Stage) -> float:
 
 
 @njit(cache=True, nogil=True)
-def run(  # type: ignore[no-untyped-def]
-    voltage, force, base, extension, position, absolute, stage
-):
+def run(
+    voltage: np.ndarray,
+    force: np.ndarray,
+    base: np.ndarray,
+    extension: np.ndarray,
+    position: np.ndarray,
+    absolute: np.ndarray,
+    stage: Stage,
+) -> None:
     """Run one frame: `voltage` (V), `force` (N), `base` (m) in, the others (m) out, (frames, 3) each."""
     expansion, pushed = np.empty(3), np.empty(3)
     at, later = stage.ends[0], stage.ends[1]

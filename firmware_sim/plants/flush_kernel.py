@@ -7,7 +7,7 @@ LEAST = 1e-150
 
 
 @njit(cache=True, nogil=True, inline="always")
-def flushed(value):  # type: ignore[no-untyped-def]
+def flushed(value: float) -> float:
     """Return a state of a recursion; zero where it has died away, which no sum with a number of use would show.
 
     A decaying state is rounded to itself at the smallest number there is, and would stay there.

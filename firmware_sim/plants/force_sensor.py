@@ -1,7 +1,6 @@
 """A force sensor at a robot's wrist: what it makes of a wrench, and all that goes wrong with one."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -9,13 +8,42 @@ from numba import njit
 from firmware_sim.plants.flush_kernel import flushed
 from firmware_sim.plants.noise_kernel import NOISE_SCALE, four_uniforms
 from firmware_sim.plants.options import option, refuse_rate, refuse_wrong_options
+from firmware_sim.plants.record import Record
 
 NEVER = 1e9
 """s, when nothing happens."""
 GAGE_OUT_OF_RANGE, ERROR = 1 << 27, 1 << 31
 """Bits of its status, as ATI's: any error, and a strain gage at its end."""
-DONE, SAMPLE, NEXT, CELLS = range(4)
-"""Of `state`: samples of the plant, samples that it has sent, and at which of the plant the next is due."""
+GAGES = np.dtype(
+    [
+        ("mix", "f8", (6, 6)),  # crosstalk
+        # N and N m; the drift is a second's
+        ("bias", "f8", 6),
+        ("drift", "f8", 6),
+        ("noise", "f8", 6),
+        ("ends", "f8", 6),  # of the range
+        ("pole", "f8"),  # of the low-passes
+        ("rate", "f8"),  # samples/s of the plant
+        ("sample_rate", "f8"),  # samples/s of its own
+        # s, and N
+        ("silent", "f8"),
+        ("silent_for", "f8"),
+        ("stuck", "f8"),
+        ("stuck_for", "f8"),
+        ("step_at", "f8"),
+        ("step", "f8"),
+        # state
+        ("low", "f8", (2, 6)),  # of the low-passes
+        ("shown", "f8", 6),  # the record sent last: wrench,
+        ("status", "f8"),
+        ("number", "f8"),
+        ("done", "i8"),  # samples of the plant
+        ("sample", "i8"),  # samples that it has sent
+        ("next", "f8"),  # at which of the plant the next is due
+    ],
+    align=True,
+)
+"""A sensor."""
 
 
 @dataclass(eq=False, kw_only=True)
@@ -63,59 +91,49 @@ class ForceSensorOptions:
         refuse_wrong_options(self)
 
 
-class Gages(NamedTuple):
-    """All arrays of a sensor.
-
-    Crosstalk `mix` (6, 6); bias, its speed, noise and ends of the range (6,), N and N m, a second; low-passes (2, 6);
-    `shown` (8,), the record sent last: wrench, number, status; `state`, and that of its noise.
-    """
-
-    mix: np.ndarray
-    bias: np.ndarray
-    drift: np.ndarray
-    noise: np.ndarray
-    ends: np.ndarray
-    low: np.ndarray
-    shown: np.ndarray
-    state: np.ndarray
-    random: np.ndarray
-
-
 @njit(cache=True, nogil=True)
-def _tell(time: float, step: float, is_stuck: bool, gages: Gages) -> None:
+def _tell(time: float, step: float, is_stuck: bool, gages: Record, random: np.ndarray) -> None:
     """Measure once, `step` N beside it along y."""
-    gages.shown[7] = 0.0
+    gages.status = 0.0
     for r in range(6):
-        value = gages.bias[r] + gages.drift[r] * time + gages.noise[r] * NOISE_SCALE * four_uniforms(gages.random)
+        value = gages.bias[r] + gages.drift[r] * time + gages.noise[r] * NOISE_SCALE * four_uniforms(random)
         for c in range(6):
             value += gages.mix[r, c] * gages.low[1, c]
         if r == 1:
             value += step
         if is_stuck or abs(value) >= gages.ends[r]:
-            value, gages.shown[7] = (gages.ends[r] if value >= 0.0 else -gages.ends[r]), GAGE_OUT_OF_RANGE + ERROR
+            value, gages.status = (gages.ends[r] if value >= 0.0 else -gages.ends[r]), GAGE_OUT_OF_RANGE + ERROR
         gages.shown[r] = value
-    gages.shown[6] = gages.state[SAMPLE]
+    gages.number = gages.sample
 
 
 @njit(cache=True, nogil=True)
-def _run(wrench, measured, sample, status, events, pole, rate, sample_rate, gages):  # type: ignore[no-untyped-def]
-    """Run one frame; `events` (6,) has when it is silent, for how long, stuck, for how long, when it jumps, how far."""
-    low, state = gages.low, gages.state
+def _run(
+    wrench: np.ndarray,
+    measured: np.ndarray,
+    sample: np.ndarray,
+    status: np.ndarray,
+    sensor: np.ndarray,
+    random: np.ndarray,
+) -> None:
+    """Run one frame; `sensor` is of one `GAGES`, `random` (1,) the state of its noise."""
+    gages = sensor[0]
+    low, pole = gages.low, gages.pole
     for n in range(wrench.shape[0]):
         for r in range(6):
             low[0, r] = flushed(low[0, r] + pole * (wrench[n, r] - low[0, r]))
             low[1, r] = flushed(low[1, r] + pole * (low[0, r] - low[1, r]))
-        if state[DONE] >= state[NEXT]:
-            time = state[DONE] / rate
-            state[SAMPLE] += 1.0
-            state[NEXT] = np.ceil(state[SAMPLE] * rate / sample_rate)
-            if not events[0] <= time < events[0] + events[1]:
-                is_stuck = events[2] <= time < events[2] + events[3]
-                _tell(time, events[5] if time >= events[4] else 0.0, is_stuck, gages)
+        if gages.done >= gages.next:
+            time = gages.done / gages.rate
+            gages.sample += 1
+            gages.next = np.ceil(gages.sample * gages.rate / gages.sample_rate)
+            if not gages.silent <= time < gages.silent + gages.silent_for:
+                is_stuck = gages.stuck <= time < gages.stuck + gages.stuck_for
+                _tell(time, gages.step if time >= gages.step_at else 0.0, is_stuck, gages, random)
         for r in range(6):
             measured[n, r] = gages.shown[r]
-        sample[n, 0], status[n, 0] = gages.shown[6], gages.shown[7]
-        state[DONE] += 1.0
+        sample[n, 0], status[n, 0] = gages.number, gages.status
+        gages.done += 1
 
 
 @dataclass(eq=False)
@@ -150,17 +168,17 @@ class ForceSensorPlant(ForceSensorOptions):
         arm = np.repeat([1.0, 0.1], 3)
         size = np.repeat([self.bias, self.moment_bias], 3)
         self.range = np.array([1.0, 1.0, 2.0, 1.0, 1.0, 1.0]) * np.repeat([self.range_force, self.range_moment], 3)
-        self._pole = 1.0 - np.exp(-2 * np.pi * self.corner / self.rate)
-        self._gages = Gages(
-            mix=np.eye(6) + self.crosstalk * rng.standard_normal((6, 6)) * arm[:, None] / arm,
-            bias=size * rng.standard_normal(6), drift=self.drift / 60 * arm * rng.choice([-1.0, 1.0], 6),
-            noise=np.repeat([self.noise, self.moment_noise], 3), ends=self.range, low=np.zeros((2, 6)),
-            shown=np.zeros(8), state=np.zeros(CELLS), random=rng.integers(1, 2**63, 1, np.uint64),
-        )  # fmt: skip
+        self._gages = gages = np.zeros(1, GAGES)
+        gages["mix"] = np.eye(6) + self.crosstalk * rng.standard_normal((6, 6)) * arm[:, None] / arm
+        gages["bias"] = size * rng.standard_normal(6)
+        gages["drift"] = self.drift / 60 * arm * rng.choice([-1.0, 1.0], 6)
+        gages["noise"], gages["ends"] = np.repeat([self.noise, self.moment_noise], 3), self.range
+        gages["pole"] = 1.0 - np.exp(-2 * np.pi * self.corner / self.rate)
+        gages["rate"], gages["sample_rate"] = self.rate, self.sample_rate
+        self._random = rng.integers(1, 2**63, 1, np.uint64)
         if self.run_number:
-            self._gages.random[:] = np.random.default_rng([self.seed, 100, self.run_number]).integers(
-                1, 2**63, 1, np.uint64
-            )
+            rng = np.random.default_rng([self.seed, 100, self.run_number])
+            self._random = rng.integers(1, 2**63, 1, np.uint64)
 
     def run(self, wrench: np.ndarray, measured: np.ndarray, sample: np.ndarray, status: np.ndarray) -> None:
         """Go on for one frame.
@@ -173,5 +191,6 @@ class ForceSensorPlant(ForceSensorOptions):
         sample, status : arrays, shape (frames, 1), filled in place
             Its number, 0 before the first; 0 for healthy, else bits.
         """
-        events = np.array([self.silent, self.silent_for, self.stuck, self.stuck_for, self.step_at, self.step])
-        _run(wrench, measured, sample, status, events, self._pole, self.rate, self.sample_rate, self._gages)
+        for name in ("silent", "silent_for", "stuck", "stuck_for", "step_at", "step"):
+            self._gages[name] = getattr(self, name)
+        _run(wrench, measured, sample, status, self._gages, self._random)

@@ -79,7 +79,15 @@ class ImpulseResponsePlant:
 
 
 @njit(cache=True, nogil=True)
-def _head(drive, recent, head, tail, total, position, response):  # type: ignore[no-untyped-def]
+def _head(
+    drive: np.ndarray,
+    recent: np.ndarray,
+    head: np.ndarray,
+    tail: np.ndarray,
+    total: np.ndarray,
+    position: int,
+    response: np.ndarray,
+) -> None:
     """Convolve the newest taps directly and add the tail made when the last block ended."""
     frames, now = len(drive), BLOCK + position
     for source in range(head.shape[1]):
@@ -99,7 +107,7 @@ def _head(drive, recent, head, tail, total, position, response):  # type: ignore
 
 
 @njit(cache=True, nogil=True)
-def _tail(past, newest, partitions, product):  # type: ignore[no-untyped-def]
+def _tail(past: np.ndarray, newest: int, partitions: np.ndarray, product: np.ndarray) -> None:
     """Multiply the blocks of the past with their partitions: shape (outputs, lines)."""
     product[:, :] = 0.0
     for part in range(len(partitions)):

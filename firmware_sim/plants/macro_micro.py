@@ -8,6 +8,23 @@ from numba import njit
 from firmware_sim.plants.flush_kernel import flushed
 from firmware_sim.plants.options import option, refuse_wrong_options
 
+PAIR = np.dtype(
+    [
+        ("inner_gain", "f8"),  # 1/s
+        ("limit", "f8"),  # m/s
+        ("process_gain", "f8"),  # m a sample for m/s
+        ("pole", "f8"),  # of the macro manipulator
+        ("noise", "f8"),  # m
+        ("disturbed", "f8"),  # samples
+        ("disturbance", "f8"),  # m
+        # state
+        ("fast", "f8"),  # m
+        ("slow", "f8"),  # m
+        ("done", "i8"),  # samples
+    ],
+    align=True,
+)
+
 
 @dataclass(eq=False, kw_only=True)
 class MacroMicroOptions:
@@ -74,10 +91,10 @@ class MacroMicroPlant:
     def __init__(self, rate: float, **options: object) -> None:
         made = MacroMicroOptions(**options)  # type: ignore[arg-type]
         pole = np.exp(-1.0 / (made.time_constant * rate))
-        self._constants = np.array([made.inner_gain, made.limit, made.process_gain / rate, pole, made.noise])
+        disturbed = round(made.disturbed_at * rate), made.disturbance
+        numbers = made.inner_gain, made.limit, made.process_gain / rate, pole, made.noise, *disturbed, 0.0, 0.0, 0
+        self._pair = np.array([numbers], PAIR)
         self._changes = np.array([[round(time * rate), gain] for time, gain in made.gains]).reshape(-1, 2)
-        self._step = np.array([round(made.disturbed_at * rate), made.disturbance])
-        self._state = np.zeros(3)
         self._random = np.random.default_rng(made.seed)
 
     def run(
@@ -102,24 +119,32 @@ class MacroMicroPlant:
         position : array, shape (frames, 1), m
             Filled with the relative position itself at the end of each sample.
         """
-        _run(fast_reference[:, 0], slow_reference[:, 0], relative[:, 0], fast[:, 0], slow[:, 0], control[:, 0],
-             position[:, 0], self._constants, self._changes, self._step, self._state, self._random)  # fmt: skip
+        asked = fast_reference[:, 0], slow_reference[:, 0]
+        shown = relative[:, 0], fast[:, 0], slow[:, 0], control[:, 0], position[:, 0]
+        _run(asked, shown, self._changes, self._pair, self._random)
 
 
 @njit(cache=True, nogil=True)
-def _run(wanted, slow_wanted, relative, fast, slow, control, position, constants, changes, step, state, random):  # type: ignore[no-untyped-def]
-    inner_gain, limit, process_gain, pole, noise = constants
+def _run(
+    asked: tuple[np.ndarray, ...],
+    shown: tuple[np.ndarray, ...],
+    changes: np.ndarray,
+    pairs: np.ndarray,
+    random: np.random.Generator,
+) -> None:
+    (wanted, slow_wanted), (relative, fast, slow, control, position), pair = asked, shown, pairs[0]
+    limit, pole, noise = pair.limit, pair.pole, pair.noise
     for n in range(len(wanted)):
-        gain = process_gain
+        gain = pair.process_gain
         for row in range(len(changes)):
-            if state[2] >= changes[row, 0]:
-                gain = process_gain * changes[row, 1]
-        signal = inner_gain * (wanted[n] - state[0])
-        state[0] = flushed(state[0] + gain * min(max(signal, -limit), limit))
-        state[1] = flushed(pole * state[1] + (1.0 - pole) * slow_wanted[n])
-        state[2] += 1.0
-        position[n] = state[0] + state[1] + (step[1] if state[2] >= step[0] else 0.0)
+            if pair.done >= changes[row, 0]:
+                gain = pair.process_gain * changes[row, 1]
+        signal = pair.inner_gain * (wanted[n] - pair.fast)
+        pair.fast = flushed(pair.fast + gain * min(max(signal, -limit), limit))
+        pair.slow = flushed(pole * pair.slow + (1.0 - pole) * slow_wanted[n])
+        pair.done += 1
+        position[n] = pair.fast + pair.slow + (pair.disturbance if pair.done >= pair.disturbed else 0.0)
         control[n] = signal
         relative[n] = position[n] + noise * random.standard_normal()
-        fast[n] = state[0] + noise * random.standard_normal()
-        slow[n] = state[1] + noise * random.standard_normal()
+        fast[n] = pair.fast + noise * random.standard_normal()
+        slow[n] = pair.slow + noise * random.standard_normal()

@@ -115,17 +115,15 @@ class ManipulatorPairPlant:
         refuse_rate(rate, 10, 10_000, "the simulated pair")
         steps = max(1, int(np.ceil(1.0 / (rate * STEP) - 1e-9)))
         step, macro, micro = 1.0 / (rate * steps), pair.macro, pair.micro
-        given = np.array([
-            steps, step, np.exp(-2 * np.pi * macro.corner * step), macro.filters, macro.speed * step, micro.inner_gain,
-            micro.limit, micro.process_gain * step, np.exp(-step / micro.lag), micro.stop, micro.share,
-            round(disturbed_at * rate), disturbance,
-        ])  # fmt: skip
-        arm = _arm(macro, step)
+        own, arm = np.zeros(1, kernel.OWN), _arm(macro, step)
+        own["steps"], own["filter"], own["filters"] = steps, np.exp(-2 * np.pi * macro.corner * step), macro.filters
+        own["fastest"], own["inner"], own["limit"] = macro.speed * step, micro.inner_gain, micro.limit
+        own["process"], own["lag"], own["stop"] = micro.process_gain * step, np.exp(-step / micro.lag), micro.stop
+        own["share"], own["disturbed"], own["disturbance"] = micro.share, round(disturbed_at * rate), disturbance
+        own["mode"], own["noise"] = _mode(micro.mode, micro.damping, step), pair.noise
         self._arrays = kernel.Pair(
-            given=given, arm=arm, mode=_mode(micro.mode, micro.damping, step), noise=np.array(pair.noise),
-            gains=np.array([[round(time * rate), gain] for time, gain in gains]).reshape(-1, 2),
-            line=np.zeros(round(macro.dead_time / step) + 1), ends=np.zeros(1, np.int64),
-            state=np.zeros(kernel.STATES), moved=np.zeros(len(arm)), ringing=np.zeros(2),
+            own=own, arm=arm, gains=np.array([[round(time * rate), gain] for time, gain in gains]).reshape(-1, 2),
+            line=np.zeros(round(macro.dead_time / step) + 1), moved=np.zeros(len(arm)),
         )  # fmt: skip
         self._random = np.random.default_rng([pair.seed, 4])
 
@@ -151,8 +149,9 @@ class ManipulatorPairPlant:
         position : array, shape (frames, 1), m
             Filled with the relative position itself at the end of each sample.
         """
-        kernel.run(fast_reference[:, 0], slow_reference[:, 0], relative[:, 0], fast[:, 0], slow[:, 0], control[:, 0],
-                   position[:, 0], self._arrays, self._random)  # fmt: skip
+        asked = fast_reference[:, 0], slow_reference[:, 0]
+        shown = relative[:, 0], fast[:, 0], slow[:, 0], control[:, 0], position[:, 0]
+        kernel.run(asked, shown, self._arrays, self._random)
 
 
 def _arm(macro: Macro, step: float) -> np.ndarray:

@@ -6,50 +6,68 @@ import numpy as np
 from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
+from firmware_sim.plants.record import Record
 
-(STEPS, PERIOD, FILTER, FILTERS, FASTEST, INNER, LIMIT, PROCESS, LAG, STOP, SHARE, DISTURBED, DISTURBANCE,
- GIVEN) = range(14)  # fmt: skip
-"""Of `given`: steps a sample, s a step, a filter's pole, how many, m a step, 1/s, m/s, m a step for m/s, a lag's pole,
-m, 1, samples, m."""
-DONE, FILTERED, AGAIN, PLANNED, SPEED, PLACE, STATES = range(7)
-"""Of `state`: samples, m three times, m/s, m."""
+OWN = np.dtype(
+    [
+        ("steps", "i8"),  # a sample
+        ("filter", "f8"),  # a filter's pole
+        ("filters", "i8"),  # how many
+        ("fastest", "f8"),  # m a step
+        ("inner", "f8"),  # 1/s
+        ("limit", "f8"),  # m/s
+        ("process", "f8"),  # m a step for m/s
+        ("lag", "f8"),  # a lag's pole
+        ("stop", "f8"),  # m
+        ("share", "f8"),  # 1
+        ("disturbed", "f8"),  # samples
+        ("disturbance", "f8"),  # m
+        ("mode", "f8", (2, 3)),  # the micro's own, x' = A x + B u, as A and B
+        ("noise", "f8", 3),  # m, of relative, fast and slow
+        # state
+        ("done", "i8"),  # samples
+        ("at", "i8"),  # where the line is written
+        # m
+        ("filtered", "f8"),
+        ("again", "f8"),
+        ("planned", "f8"),
+        ("speed", "f8"),  # m/s
+        ("place", "f8"),  # m
+        ("ringing", "f8", 2),  # m and m/s
+    ],
+    align=True,
+)
+"""What every pair has."""
 
 
 class Pair(NamedTuple):
     """All arrays of a pair.
 
-    `given` (GIVEN,); `arm` (n, n + 2), the macro manipulator's x' = A x + B u, y = C x as A, B and C; `mode` (2, 3),
-    the micro's own as A and B; `noise` (3,), m of relative, fast and slow; `gains` (n, 2), samples and times; state:
-    `line` (dead time + 1,), m, `ends` (1,), where that is written, `state` (STATES,), `moved` (n,), `ringing` (2,), m
-    and m/s.
+    `own` of one `OWN`; `arm` (n, n + 2), the macro manipulator's x' = A x + B u, y = C x as A, B and C; `gains` (n, 2),
+    samples and times; state: `line` (dead time + 1,), m, and `moved` (n,).
     """
 
-    given: np.ndarray
+    own: np.ndarray
     arm: np.ndarray
-    mode: np.ndarray
-    noise: np.ndarray
     gains: np.ndarray
     line: np.ndarray
-    ends: np.ndarray
-    state: np.ndarray
     moved: np.ndarray
-    ringing: np.ndarray
 
 
 @njit(cache=True, nogil=True)
-def _guide(wanted: float, pair: Pair) -> float:
+def _guide(wanted: float, own: Record, line: np.ndarray) -> float:
     """Return what the arm is led to a step later, m: delayed, filtered, no faster than it may be."""
-    given, state, at = pair.given, pair.state, pair.ends[0]
-    pair.line[at] = wanted
-    at = at + 1 if at + 1 < pair.line.shape[0] else 0
-    pair.ends[0] = at
-    state[FILTERED] = flushed(state[FILTERED] + (1.0 - given[FILTER]) * (pair.line[at] - state[FILTERED]))
-    asked = state[FILTERED]
-    if given[FILTERS] > 1.0:
-        state[AGAIN] = flushed(state[AGAIN] + (1.0 - given[FILTER]) * (asked - state[AGAIN]))
-        asked = state[AGAIN]
-    state[PLANNED] = flushed(state[PLANNED] + min(max(asked - state[PLANNED], -given[FASTEST]), given[FASTEST]))
-    return float(state[PLANNED])
+    at = own.at
+    line[at] = wanted
+    at = at + 1 if at + 1 < line.shape[0] else 0
+    own.at = at
+    own.filtered = flushed(own.filtered + (1.0 - own.filter) * (line[at] - own.filtered))
+    asked = own.filtered
+    if own.filters > 1:
+        own.again = flushed(own.again + (1.0 - own.filter) * (asked - own.again))
+        asked = own.again
+    own.planned = flushed(own.planned + min(max(asked - own.planned, -own.fastest), own.fastest))
+    return float(own.planned)
 
 
 @njit(cache=True, nogil=True)
@@ -68,45 +86,45 @@ def _move(asked: float, pair: Pair, room: np.ndarray) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _seen(pair: Pair) -> float:
+def _seen(own: Record) -> float:
     """Return the micro manipulator's place, m, its mode in it."""
-    share = pair.given[SHARE]
-    return float((1.0 - share) * pair.state[PLACE] + share * pair.ringing[0])
+    return float((1.0 - own.share) * own.place + own.share * own.ringing[0])
 
 
 @njit(cache=True, nogil=True)
-def _drive(signal: float, gain: float, pair: Pair) -> None:
+def _drive(signal: float, gain: float, own: Record) -> None:
     """Move the micro manipulator on by a step under a control signal, m/s."""
-    given, state, ringing, mode = pair.given, pair.state, pair.ringing, pair.mode
-    limited = min(max(signal, -given[LIMIT]), given[LIMIT])
-    before = state[SPEED]
-    state[SPEED] = flushed(given[LAG] * before + (1.0 - given[LAG]) * limited)
-    was = state[PLACE]
-    place = was + gain * given[PROCESS] * 0.5 * (before + state[SPEED])
-    state[PLACE] = flushed(min(max(place, -given[STOP]), given[STOP]))
-    middle = 0.5 * (was + state[PLACE])
+    ringing, mode = own.ringing, own.mode
+    limited = min(max(signal, -own.limit), own.limit)
+    before = own.speed
+    own.speed = flushed(own.lag * before + (1.0 - own.lag) * limited)
+    was = own.place
+    place = was + gain * own.process * 0.5 * (before + own.speed)
+    own.place = flushed(min(max(place, -own.stop), own.stop))
+    middle = 0.5 * (was + own.place)
     first, second = ringing[0], ringing[1]
     ringing[0] = flushed(mode[0, 0] * first + mode[0, 1] * second + mode[0, 2] * middle)
     ringing[1] = flushed(mode[1, 0] * first + mode[1, 1] * second + mode[1, 2] * middle)
 
 
 @njit(cache=True, nogil=True)
-def run(wanted, slow_wanted, relative, fast, slow, control, position, pair, random):  # type: ignore[no-untyped-def]
+def run(asked: tuple[np.ndarray, ...], shown: tuple[np.ndarray, ...], pair: Pair, random: np.random.Generator) -> None:
     """Run one frame; signals as in `ManipulatorPairPlant.run`, (frames,) each."""
-    given, room = pair.given, np.empty(pair.moved.shape[0])
+    (wanted, slow_wanted), (relative, fast, slow, control, position) = asked, shown
+    own, room = pair.own[0], np.empty(pair.moved.shape[0])
     for n in range(wanted.shape[0]):
-        done = pair.state[DONE]
+        done = own.done
         gain, place = 1.0, 0.0
         for row in range(pair.gains.shape[0]):
             if done >= pair.gains[row, 0]:
                 gain = pair.gains[row, 1]
-        control[n] = given[INNER] * (wanted[n] - _seen(pair))
-        for _ in range(int(given[STEPS])):
-            _drive(given[INNER] * (wanted[n] - _seen(pair)), gain, pair)
-            place = _move(_guide(slow_wanted[n], pair), pair, room)
-        pair.state[DONE] += 1.0
-        near = _seen(pair)
-        position[n] = near + place + (given[DISTURBANCE] if pair.state[DONE] >= given[DISTURBED] else 0.0)
-        relative[n] = position[n] + pair.noise[0] * random.standard_normal()
-        fast[n] = near + pair.noise[1] * random.standard_normal()
-        slow[n] = place + pair.noise[2] * random.standard_normal()
+        control[n] = own.inner * (wanted[n] - _seen(own))
+        for _ in range(own.steps):
+            _drive(own.inner * (wanted[n] - _seen(own)), gain, own)
+            place = _move(_guide(slow_wanted[n], own, pair.line), pair, room)
+        own.done += 1
+        near = _seen(own)
+        position[n] = near + place + (own.disturbance if own.done >= own.disturbed else 0.0)
+        relative[n] = position[n] + own.noise[0] * random.standard_normal()
+        fast[n] = near + own.noise[1] * random.standard_normal()
+        slow[n] = place + own.noise[2] * random.standard_normal()

@@ -6,7 +6,7 @@ import numpy as np
 
 from firmware_sim.plants.options import refuse_rate
 from firmware_sim.plants.piezo_stage_actuator import CREEP_TIMES, PLAYS, draw_actuators
-from firmware_sim.plants.piezo_stage_kernel import CONVERTER_STEPS, run_stage
+from firmware_sim.plants.piezo_stage_kernel import CONVERTER_STEPS, SENSOR, SHOWN, run_stage
 from firmware_sim.plants.piezo_stage_modes import PIEZO_STIFFNESS, StageModes, stage_modes
 from firmware_sim.plants.piezo_stage_options import PiezoStageOptions
 
@@ -62,13 +62,14 @@ class PiezoStagePlant(PiezoStageOptions):
             raise ValueError(f"simulator.options.laser_rate is {self.laser_rate!r}, must be at most {self.rate:g} Hz")
         rng = np.random.default_rng(self.seed)
         self.modes = stage_modes(rng, self.coupling, self.frequency_scale)
-        self._actuators = draw_actuators(rng, self.rate, self.hysteresis, self.creep)
-        self._sensors = _sensors(rng, self.noise, self.laser_rate / self.rate)
-        self._mechanics = _mechanics(self.modes, self.rate)
+        actuators = draw_actuators(rng, self.rate, self.hysteresis, self.creep)
+        sensors, self._shown = _sensors(self.noise), np.zeros(1, SHOWN)
+        self._shown["gain"] = 1 + GAUGE_GAIN_SPREAD * np.clip(rng.standard_normal(3), -2, 2)
+        self._shown["cycles"] = self.laser_rate / self.rate
+        self._tables = actuators, _mechanics(self.modes, self.rate), sensors
         self._motion = np.zeros((2, len(self.modes.frequency)))
         self._stacks = np.zeros((3, 1 + PLAYS + len(CREEP_TIMES)))
         self._line = np.zeros((self.delay + 1, 6))
-        self._laser = np.zeros(8)
         self._random = rng.integers(1, 2**63, 1, np.uint64)
 
     def run(
@@ -89,22 +90,8 @@ class PiezoStagePlant(PiezoStageOptions):
         extension, position, absolute : arrays, shape (frames, 3), m
             Filled in place: strain gauges, capacitive sensors, and the laser (plate plus robot).
         """
-        run_stage(
-            voltage,
-            force,
-            base,
-            extension,
-            position,
-            absolute,
-            self._motion,
-            self._stacks,
-            self._line,
-            self._laser,
-            self._random,
-            self._actuators,
-            self._mechanics,
-            self._sensors,
-        )
+        asked, told = (voltage, force, base), (extension, position, absolute)
+        run_stage(asked, told, self._motion, self._stacks, self._line, self._tables, self._shown, self._random)
 
 
 def _mechanics(modes: StageModes, rate: float) -> np.ndarray:
@@ -118,13 +105,11 @@ def _mechanics(modes: StageModes, rate: float) -> np.ndarray:
     return np.vstack([*recursion, PIEZO_STIFFNESS * modes.extension, modes.plate, modes.extension, modes.plate])
 
 
-def _sensors(rng: np.random.Generator, noise: float, laser_cycles: float) -> np.ndarray:
-    """Return the kernel's table of sensors, shape (3, 6)."""
-    table = np.zeros((3, 6))
+def _sensors(noise: float) -> np.ndarray:
+    """Return the kernel's table of sensors, shape (3,)."""
+    table = np.zeros(3, SENSOR)
     rows = ((GAUGE_NOISE, GAUGE_RANGE), (PLATE_NOISE, PLATE_RANGE), (LASER_NOISE, LASER_RANGE))
     for sensor, (rms, (bottom, top)) in enumerate(rows):
-        table[sensor, :4] = noise * rms, (top - bottom) / CONVERTER_STEPS, bottom, top
-    table[2, 1] = LASER_STEP
-    table[:, 4] = 1 + GAUGE_GAIN_SPREAD * np.clip(rng.standard_normal(3), -2, 2)
-    table[2, 5] = laser_cycles
+        table[sensor] = noise * rms, (top - bottom) / CONVERTER_STEPS, bottom, top
+    table["step"][2] = LASER_STEP
     return table

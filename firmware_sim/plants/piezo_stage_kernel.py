@@ -6,41 +6,52 @@ from numba import njit
 from firmware_sim.plants.flush_kernel import flushed
 from firmware_sim.plants.noise_kernel import NOISE_SCALE, four_uniforms
 from firmware_sim.plants.piezo_stage_actuator import CONSTANTS, CREEP_TIMES, PLAYS, VOLTAGE
+from firmware_sim.plants.record import Record
 
 # Rows of `actuators`: piezo_stage_actuator.py.  Rows of `stacks` (3, 1 + PLAYS + creep): the amplifier's output, the
 # plays, the creep.  Rows of `mechanics` (17, modes): q' = a q + b v + e F, v' = c q + d v + b F as a b c d e; what
 # stacks and process forces do to the modes; what the modes do to stacks and plate, x y z each.  `line` (delay + 1, 6):
-# what the sensors are still to show; `laser` (8,): held, seen, phase, where `line` is written.  Loops over modes and
-# plays are kept simple, with one store each: only so does LLVM vectorise them.
+# what the sensors are still to show.  Loops over modes and plays are kept simple, with one store each: only so does
+# LLVM vectorise them.
 
 CREEPS = len(CREEP_TIMES)
 CONVERTER_STEPS = 65_536
 FAST = {"reassoc", "contract", "nsz"}
 
+SENSOR = np.dtype([("rms", "f8"), ("step", "f8"), ("bottom", "f8"), ("top", "f8")], align=True)
+"""m, of gauge, plate or laser: noise, grid and range."""
+SHOWN = np.dtype(
+    [
+        ("gain", "f8", 3),  # of the gauges
+        ("cycles", "f8"),  # of the laser, a sample
+        # state
+        ("phase", "f8"),  # of the laser, cycles
+        ("held", "f8", 3),  # m, what it shows
+        ("seen", "f8", 3),  # m, what it will show
+        ("at", "i8"),  # where `line` is written
+    ],
+    align=True,
+)
+
 
 @njit(cache=True, nogil=True, fastmath=FAST)
 def run_stage(
-    voltage: np.ndarray,
-    force: np.ndarray,
-    base: np.ndarray,
-    extension: np.ndarray,
-    position: np.ndarray,
-    absolute: np.ndarray,
+    asked: tuple[np.ndarray, ...],
+    told: tuple[np.ndarray, ...],
     motion: np.ndarray,
     stacks: np.ndarray,
     line: np.ndarray,
-    laser: np.ndarray,
+    tables: tuple[np.ndarray, ...],
+    showing: np.ndarray,
     random: np.ndarray,
-    actuators: np.ndarray,
-    mechanics: np.ndarray,
-    sensors: np.ndarray,
 ) -> None:
-    """Fill `extension`, `position` and `absolute` from `voltage` (V), `force` (N) and `base` (m), (frames, 3) each.
+    """Fill `told`, extension, position and absolute (m), from `asked`, voltage (V), force (N), base (m): (frames, 3).
 
-    `random` (1,) is the state of the noise; `sensors` (3, 6) has for gauge, plate and laser: rms noise, step, bottom,
-    top (m), then the gains of the gauges, and in the last column the laser's cycles a sample.
+    `tables` are actuators, mechanics and sensors (3,), `showing` is of one `SHOWN`, `random` (1,) the noise's state.
     """
-    at = int(laser[7])
+    (voltage, force, base), (extension, position, absolute) = asked, told
+    (actuators, mechanics, sensors), shown = tables, showing[0]
+    at = shown.at
     for n in range(voltage.shape[0]):
         h0 = expand(0, voltage[n, 0], stacks, actuators)
         h1 = expand(1, voltage[n, 1], stacks, actuators)
@@ -48,19 +59,19 @@ def run_stage(
         _move(h0, h1, h2, force[n, 0], force[n, 1], force[n, 2], motion, mechanics)
         _observe(motion, mechanics, at, line)
         at = at + 1 if at + 1 < line.shape[0] else 0
-        laser[6] += sensors[2, 5]
-        fires = laser[6] >= 1.0
+        shown.phase += shown.cycles
+        fires = shown.phase >= 1.0
         for axis in range(3):
-            shown = line[at, 3 + axis]  # the oldest
-            extension[n, axis] = _read(0, sensors[axis, 4] * line[at, axis], sensors, random)
-            position[n, axis] = _read(1, shown, sensors, random)
+            plate = line[at, 3 + axis]  # the oldest
+            extension[n, axis] = _read(sensors[0], shown.gain[axis] * line[at, axis], random)
+            position[n, axis] = _read(sensors[1], plate, random)
             if fires:
-                laser[axis] = laser[3 + axis]
-                laser[3 + axis] = _read(2, shown + base[n, axis], sensors, random)
-            absolute[n, axis] = laser[axis]
+                shown.held[axis] = shown.seen[axis]
+                shown.seen[axis] = _read(sensors[2], plate + base[n, axis], random)
+            absolute[n, axis] = shown.held[axis]
         if fires:
-            laser[6] -= 1.0
-    laser[7] = at
+            shown.phase -= 1.0
+    shown.at = at
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
@@ -121,9 +132,7 @@ def _observe(motion: np.ndarray, table: np.ndarray, at: int, line: np.ndarray) -
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
-def _read(sensor: int, value: float, sensors: np.ndarray, random: np.ndarray) -> float:
+def _read(sensor: Record, value: float, random: np.ndarray) -> float:
     """Return what a sensor makes of a value, m: with noise, within its range, on its converter's grid."""
-    noisy = value + sensors[sensor, 0] * NOISE_SCALE * four_uniforms(random)
-    return float(
-        sensors[sensor, 1] * np.rint(min(max(noisy, sensors[sensor, 2]), sensors[sensor, 3]) / sensors[sensor, 1])
-    )
+    noisy = value + sensor.rms * NOISE_SCALE * four_uniforms(random)
+    return float(sensor.step * np.rint(min(max(noisy, sensor.bottom), sensor.top) / sensor.step))

@@ -36,7 +36,7 @@ from firmware_sim.plants.robot_kernel import (
     refresh,
 )
 from firmware_sim.plants.robot_options import RobotOptions
-from firmware_sim.plants.robot_run_kernel import run_arm
+from firmware_sim.plants.robot_run_kernel import ARM, run_arm
 
 FASTEST = 8_000.0
 """Steps/s within."""
@@ -90,12 +90,14 @@ class RobotPlant(RobotOptions):
         joints, links = draw_joints(rng, arm, self), draw_links(rng, arm, self)
         self.home = np.deg2rad(arm.home)
         tune_servo(joints, links, self.home, self.tool)
-        self._steps, self._parts = round(steps), _parts(links, joints)
+        self._parts = _parts(links, joints)
         self._parts.switches[STEP] = 1 / FASTEST
         self._parts.switches[REFRESH] = round(GEOMETRY_PERIOD * FASTEST)
         self._parts.switches[SLIP_FORCE] = np.inf
-        self._shown, self._drives = np.zeros((8, 3, 4)), np.zeros((2, 6))
-        self._sensors = self.noise * np.vstack([np.full(6, ANGLE_NOISE), TORQUE_NOISE * joints[TORQUE_LIMIT]])
+        self._shown, self._arm = np.zeros((8, 3, 4)), np.zeros(1, ARM)
+        self._arm["steps"], self._arm["tool"] = round(steps), self.tool
+        self._arm["angle_noise"] = self.noise * ANGLE_NOISE
+        self._arm["torque_noise"] = self.noise * (TORQUE_NOISE * joints[TORQUE_LIMIT])
         self._random = rng.integers(1, 2**63, 1, np.uint64)
         self.place(self.home)
 
@@ -105,14 +107,14 @@ class RobotPlant(RobotOptions):
         parts.state[:], parts.soft[:] = 0.0, 0.0
         for switch in (BRAKE, TRIPPED, CLAMPED, PHASE, SLIPPED):
             parts.switches[switch] = 0.0
-        parts.state[[MOTOR, LINK, WANTED]], self._drives[0] = angle, angle
+        parts.state[[MOTOR, LINK, WANTED]], self._arm["last"] = angle, angle
         parts.state[WARMTH] = self.warmth
         for _ in range(20):  # each joint yields until its gear bears the load, which moves with it
             refresh(np.zeros(6), self.tool, parts)
             load = -parts.moment[:, 2]
             parts.state[LINK] = angle - [_wind_up(joint, load[joint], parts.joints) for joint in range(6)]
         parts.state[INTEGRAL] = (1 - parts.joints[GRAVITY_MODEL]) * load
-        self._drives[1] = load
+        self._arm["held"] = load
         place(parts.state[LINK], parts.tilt, parts.links, self.tool, self._shown)
 
     def renew_noise(self, run: int) -> None:
@@ -138,21 +140,8 @@ class RobotPlant(RobotOptions):
         pose : array, shape (frames, 7), filled in place
             Of the tool in the base: position (m), then the unit quaternion w x y z.
         """
-        run_arm(
-            reference,
-            wrench,
-            motor_angle,
-            torque,
-            link_angle,
-            pose,
-            self._parts,
-            self._steps,
-            self.tool,
-            self._shown,
-            self._drives,
-            self._sensors,
-            self._random,
-        )
+        told = motor_angle, torque, link_angle, pose
+        run_arm(reference, wrench, told, self._parts, self._shown, self._arm, self._random)
 
     @property
     def frames(self) -> np.ndarray:
@@ -221,7 +210,7 @@ class RobotPlant(RobotOptions):
         parts.switches[BRAKE] = float(on)
         if not on:
             parts.switches[TRIPPED] = 0.0
-            parts.state[WANTED] = self._drives[0] = parts.state[MOTOR]
+            parts.state[WANTED] = self._arm["last"] = parts.state[MOTOR]
             parts.state[SOFT] = parts.soft[1]
 
     def trip(self, joint: int) -> None:

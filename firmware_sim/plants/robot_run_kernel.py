@@ -8,29 +8,36 @@ from firmware_sim.plants.robot_geometry_kernel import place
 from firmware_sim.plants.robot_joint_kernel import LINK, MOTOR
 from firmware_sim.plants.robot_kernel import PHASE, REFRESH, Parts, advance, bear, refresh
 
+ARM = np.dtype(
+    [
+        ("steps", "i8"),  # a sample
+        ("tool", "f8"),  # m
+        ("angle_noise", "f8", 6),  # rad rms
+        ("torque_noise", "f8", 6),  # N m rms
+        ("last", "f8", 6),  # rad, the reference before
+        ("held", "f8", 6),  # N m, the torque in effect
+    ],
+    align=True,
+)
+
 
 @njit(cache=True, nogil=True)
 def run_arm(
     reference: np.ndarray,
     wrench: np.ndarray,
-    motor_angle: np.ndarray,
-    torque: np.ndarray,
-    link_angle: np.ndarray,
-    pose: np.ndarray,
+    told: tuple[np.ndarray, ...],
     parts: Parts,
-    steps: int,
-    tool: float,
     shown: np.ndarray,
-    drives: np.ndarray,
-    sensors: np.ndarray,
+    arms: np.ndarray,
     random: np.ndarray,
 ) -> None:
-    """Fill the outputs from `reference` (rad) and `wrench` (N and N m, base axes, at the tool), (frames, 6) each.
+    """Fill `told` from `reference` (rad) and `wrench` (N and N m, base axes, at the tool), (frames, 6) each.
 
-    `shown` (8, 3, 4) gets the frames at the end, tilted by what is soft across the axes.  `drives` (2, 6) has the
-    reference before (rad) and the torque in effect (N m); `sensors` (2, 6) rms noise of angle and torque.
+    `told` is angle of the motors, torque, angle of the links, and pose; `shown` (8, 3, 4) gets the frames at the end,
+    tilted by what is soft across the axes; `arms` is of one `ARM`.
     """
-    last, held, wanted = drives[0], drives[1], np.empty(6)
+    (motor_angle, torque, link_angle, pose), arm = told, arms[0]
+    last, held, wanted, steps, tool = arm.last, arm.held, np.empty(6), arm.steps, arm.tool
     switches = parts.switches
     for n in range(reference.shape[0]):
         for k in range(steps):
@@ -44,8 +51,8 @@ def run_arm(
             switches[PHASE] = (switches[PHASE] + 1.0) % switches[REFRESH]
         for i in range(6):
             last[i] = reference[n, i]
-            motor_angle[n, i] = parts.state[MOTOR, i] + sensors[0, i] * gauss(random)
-            torque[n, i] = held[i] + sensors[1, i] * gauss(random)
+            motor_angle[n, i] = parts.state[MOTOR, i] + arm.angle_noise[i] * gauss(random)
+            torque[n, i] = held[i] + arm.torque_noise[i] * gauss(random)
             link_angle[n, i] = parts.state[LINK, i]
         place(parts.state[LINK], parts.tilt, parts.links, tool, shown)
         write_pose(shown[7], pose[n])

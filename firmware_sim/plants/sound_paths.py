@@ -44,13 +44,17 @@ class SoundPaths:
             for shell in self._past.reshape(-1, self._past.shape[2]):  # one by one, since numpy would copy them all
                 shell[: self._longest] = shell[self._end - self._longest : self._end]
             self._end = self._longest
-        _spread(shells, self._past[0], self._past[1], self._end, *self._paths, far_field)
+        _spread(shells, self._past, self._end, self._paths, far_field)
         self._end += frames
 
 
 @njit(cache=True, nogil=True)
-def _spread(shells, alone, together, now, between, between_delay, far, far_delay, far_field):  # type: ignore[no-untyped-def]
-    """Go on from column `now` of `alone` and `together`, (shells, samples): how shells move without and with others."""
+def _spread(
+    shells: np.ndarray, past: np.ndarray, now: int, paths: tuple[np.ndarray, ...], far_field: np.ndarray
+) -> None:
+    """Go on from column `now` of `past` (2, shells, samples): how shells move without and with others."""
+    alone, together = past[0], past[1]
+    between, between_delay, far, far_delay = paths
     frames = shells.shape[1]
     for shell in range(len(between)):
         for n in range(frames):
@@ -71,6 +75,6 @@ def _spread(shells, alone, together, now, between, between_delay, far, far_delay
 
 
 @njit(cache=True, nogil=True)
-def _add(total, gain, signal, start):  # type: ignore[no-untyped-def]
+def _add(total: np.ndarray, gain: float, signal: np.ndarray, start: int) -> None:
     for n in range(len(total)):
         total[n] += gain * signal[start + n]

@@ -96,14 +96,11 @@ class ToroidCut(ToroidOptions):
         refuse_rate(self.rate, 1_000, 1e5, "the simulated cut")
         span = max(1, round(self.SPAN * self.rate))
         smooth = 1.0 - np.exp(-1.0 / (FEED_TIME * self.rate))
-        self._given = np.zeros(kernel.SETTINGS)
-        self._given[:] = [
-            self.radius, self.depth, self.tool, self.feed, self.force, span, round(self.start * self.rate), smooth,
-            EDGE, self.rate,
-        ]  # fmt: skip
-        self._ripple, self._shares = _ripple(self), np.array(SHARES)
-        self._state, self._zero = np.zeros(kernel.CELLS), np.zeros(3)
-        self._turned, self._ring = np.zeros((3, 3, 3)), np.zeros((span, 19))
+        self._cut = cut = np.zeros(1, kernel.CUT)
+        for name in ("radius", "depth", "tool", "feed", "force", "rate"):
+            cut[name] = getattr(self, name)
+        cut["start"], cut["smooth"], cut["edge"], cut["shares"] = round(self.start * self.rate), smooth, EDGE, SHARES
+        self._ripple, self._ring = _ripple(self), np.zeros((span, 19))
 
     def run(
         self,
@@ -133,10 +130,8 @@ class ToroidCut(ToroidOptions):
         face : array, shape (frames, 3), m, filled in place
             How the workpiece's face beside the tool moves towards it: along x; nothing along y and z.
         """
-        kernel.run(
-            tool, workpiece, orientation, force, moment, plate_force, cut, face,
-            self._ripple, self._shares, self._given, self._state, self._zero, self._turned, self._ring,
-        )  # fmt: skip
+        seen, told = (tool, workpiece, orientation), (force, moment, plate_force, cut, face)
+        kernel.run(seen, told, self._ripple, self._ring, self._cut)
 
 
 def _ripple(cut: ToroidCut) -> np.ndarray:

@@ -6,15 +6,34 @@ import numpy as np
 from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
+from firmware_sim.plants.record import Record
 
-RADIUS, DEPTH, TOOL, FEED, FORCE, SPAN, START, SMOOTH, EDGE, RATE, SETTINGS = range(11)
-"""Of `settings`: m, m, m, m/s, N, samples, samples, 1 a sample, 1, samples/s."""
-DONE, ANGLE, PROGRESS, SPEED, CELLS = range(5)
-"""Of `state`: samples, rad, rad, m/s."""
+CUT = np.dtype(
+    [
+        ("radius", "f8"),  # m
+        ("depth", "f8"),  # m
+        ("tool", "f8"),  # m
+        ("feed", "f8"),  # m/s
+        ("force", "f8"),  # N
+        ("start", "f8"),  # samples
+        ("smooth", "f8"),  # 1 a sample
+        ("edge", "f8"),  # 1
+        ("rate", "f8"),  # samples/s
+        ("shares", "f8", 3),  # of the force: along normal, feed and axis
+        # state
+        ("done", "i8"),  # samples
+        ("angle", "f8"),  # rad
+        ("progress", "f8"),  # rad
+        ("speed", "f8"),  # m/s
+        ("zero", "f8", 3),  # m, the offset touched off
+        ("turned", "f8", (3, 3, 3)),  # the workpiece's rotation then and now, and from the base's axes into its own
+    ],
+    align=True,
+)
 
 
 @njit(cache=True, nogil=True)
-def rotation(q, into):  # type: ignore[no-untyped-def]
+def rotation(q: np.ndarray, into: np.ndarray) -> None:
     """Fill `into` (3, 3) from a unit quaternion w x y z."""
     w, x, y, z = q[0], q[1], q[2], q[3]
     into[0, 0], into[0, 1], into[0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
@@ -23,25 +42,27 @@ def rotation(q, into):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _level(at, state, given):  # type: ignore[no-untyped-def]
+def _level(at: np.ndarray, cut: Record) -> float:
     """Go on to where the tool is, `at` (3,), and return its share of the full force: engagement, feed, depth."""
     angle = math.atan2(at[2], at[1])
-    step = angle - state[ANGLE]
+    step = angle - cut.angle
     step -= 2.0 * math.pi * math.floor(step / (2.0 * math.pi) + 0.5)
-    state[ANGLE], state[PROGRESS] = angle, state[PROGRESS] + step
-    speed = state[SPEED]
-    state[SPEED] = flushed(speed + given[SMOOTH] * (step * given[RADIUS] * given[RATE] - speed))
-    way = state[PROGRESS] * given[RADIUS]
-    left = 2.0 * math.pi * given[RADIUS] - way
-    edge = min(max(min(way, left) / given[TOOL], 0.0), 1.0)
-    feed = min(max(state[SPEED] / given[FEED], 0.0), 3.0)
-    depth = min(max(1.0 + at[0] / given[DEPTH], 0.0), 3.0)
-    rubbing = given[EDGE] * min(10.0 * feed, 1.0)
-    return 0.5 * (1.0 - math.cos(math.pi * edge)) * depth * (rubbing + (1.0 - given[EDGE]) * feed)
+    cut.angle, cut.progress = angle, cut.progress + step
+    speed = cut.speed
+    cut.speed = flushed(speed + cut.smooth * (step * cut.radius * cut.rate - speed))
+    way = cut.progress * cut.radius
+    left = 2.0 * math.pi * cut.radius - way
+    edge = min(max(min(way, left) / cut.tool, 0.0), 1.0)
+    feed = min(max(cut.speed / cut.feed, 0.0), 3.0)
+    depth = min(max(1.0 + at[0] / cut.depth, 0.0), 3.0)
+    rubbing = cut.edge * min(10.0 * feed, 1.0)
+    return float(0.5 * (1.0 - math.cos(math.pi * edge)) * depth * (rubbing + (1.0 - cut.edge) * feed))
 
 
 @njit(cache=True, nogil=True)
-def _remember(slot, filled, workpiece, orientation, ring, mean):  # type: ignore[no-untyped-def]
+def _remember(
+    slot: int, filled: int, workpiece: np.ndarray, orientation: np.ndarray, ring: np.ndarray, mean: np.ndarray
+) -> None:
     """Take a pose in, and fill `mean` (19,) with the mean of the last poses, forces and moments, and of such means."""
     ring[slot, :3], ring[slot, 3:7] = workpiece, orientation
     for c in range(19):
@@ -54,11 +75,9 @@ def _remember(slot, filled, workpiece, orientation, ring, mean):  # type: ignore
 
 
 @njit(cache=True, nogil=True)
-def _locate(tool, mean, zero, turned, away, at):  # type: ignore[no-untyped-def]
-    """Fill `away` (3,) and `at` (3,): from the robot's tool point to the tool, in the base's and the workpiece's axes.
-
-    `turned` (3, 3, 3): the workpiece's rotation when it was touched off and now, and from the base's axes into its own.
-    """
+def _locate(tool: np.ndarray, mean: np.ndarray, cut: Record, away: np.ndarray, at: np.ndarray) -> None:
+    """Fill `away` and `at` (3,): from the robot's tool point to the tool, in the base's and the workpiece's axes."""
+    zero, turned = cut.zero, cut.turned
     for r in range(3):
         away[r] = tool[r] + zero[r] - mean[r]
         for c in range(3):
@@ -70,9 +89,10 @@ def _locate(tool, mean, zero, turned, away, at):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _push(size, angle, ripple, shares, turned, push, onto):  # type: ignore[no-untyped-def]
+def _push(size: float, ripple: np.ndarray, cut: Record, push: np.ndarray, onto: np.ndarray) -> None:
     """Fill `onto` (3,) with the force on the tool, N, in the base's axes; `push` (3,) is room."""
-    cosine, sine = math.cos(angle), math.sin(angle)
+    shares, turned = cut.shares, cut.turned
+    cosine, sine = math.cos(cut.angle), math.sin(cut.angle)
     normal, along = size * shares[0] * ripple[0], size * shares[1] * ripple[1]
     push[0] = -size * shares[2] * ripple[2]
     push[1], push[2] = normal * cosine + along * sine, normal * sine - along * cosine
@@ -81,48 +101,40 @@ def _push(size, angle, ripple, shares, turned, push, onto):  # type: ignore[no-u
 
 
 @njit(cache=True, nogil=True)
-def run(  # type: ignore[no-untyped-def]
-    tool,
-    workpiece,
-    orientation,
-    force,
-    moment,
-    plate_force,
-    cut,
-    face,
-    ripple,
-    shares,
-    given,
-    state,
-    zero,
-    turned,
-    ring,
-):
+def run(
+    seen: tuple[np.ndarray, ...],
+    told: tuple[np.ndarray, ...],
+    ripple: np.ndarray,
+    ring: np.ndarray,
+    cuts: np.ndarray,
+) -> None:
     """Run one frame; signals as in `ToroidCut.run`.
 
-    `ripple` (samples, 3) multiplies the forces along normal, feed and axis, whose `shares` (3,) are of the whole;
-    `zero` (3,) is the offset touched off; `ring` (span, 19) has the last poses, forces, moments, and means of both.
+    `ripple` (samples, 3) multiplies the forces along normal, feed and axis; `ring` (span, 19) has the last poses,
+    forces, moments, and means of both; `cuts` is of one `CUT`.
     """
-    span = int(given[SPAN])
+    (tool, workpiece, orientation), (force, moment, plate_force, place, face) = seen, told
+    cut, span = cuts[0], len(ring)
+    zero, turned = cut.zero, cut.turned
     mean, away, at, push = np.empty(19), np.empty(3), np.empty(3), np.empty(3)
     for n in range(tool.shape[0]):
-        done = int(state[DONE])
-        slot, is_cut = done % span, done > given[START]
+        done = cut.done
+        slot, is_cut = done % span, done > cut.start
         _remember(slot, min(done + 1, span), workpiece[n], orientation[n], ring, mean)
         rotation(mean[3:7], turned[1])
         if not is_cut:  # touched off: the tool is at the top, on the surface
             for r in range(3):
-                zero[r] = mean[r] - tool[n, r] + (given[RADIUS] if r == 2 else 0.0)
-            turned[0] = turned[1]
-            state[ANGLE] = 0.5 * math.pi
-        _locate(tool[n], mean, zero, turned, away, at)
-        size = _level(at, state, given) * given[FORCE] if is_cut else 0.0
-        _push(size, state[ANGLE], ripple[done % ripple.shape[0]], shares, turned, push, plate_force[n])
+                zero[r] = mean[r] - tool[n, r] + (cut.radius if r == 2 else 0.0)
+            turned[0, :, :] = turned[1]
+            cut.angle = 0.5 * math.pi
+        _locate(tool[n], mean, cut, away, at)
+        size = _level(at, cut) * cut.force if is_cut else 0.0
+        _push(size, ripple[done % ripple.shape[0]], cut, push, plate_force[n])
         for r in range(3):
             i, j = (r + 1) % 3, (r + 2) % 3
             ring[slot, 7 + r] = -plate_force[n, r]
             ring[slot, 10 + r] = away[j] * plate_force[n, i] - away[i] * plate_force[n, j]
             force[n, r], moment[n, r] = mean[13 + r], mean[16 + r]
-            cut[n, r], face[n, r] = at[r], 0.0
+            place[n, r], face[n, r] = at[r], 0.0
         face[n, 0] = at[0] - tool[n, 0]
-        state[DONE] += 1.0
+        cut.done = done + 1

@@ -48,8 +48,8 @@ def run_modes(
             w2 += joint2[m] * v[m]
             a1 -= stiff1[m] * q[m] + damp1[m] * v[m]
             a2 -= stiff2[m] * q[m] + damp2[m] * v[m]
-        c1, f1, h1 = _forces(0, drive[n, 0], x1, u1, s1, r1, w1, memory, constants)
-        c2, f2, h2 = _forces(1, drive[n, 1], x2, u2, s2, r2, w2, memory, constants)
+        c1, f1, h1 = _forces(0, drive[n, 0], (x1, u1, s1, r1, w1), memory, constants)
+        c2, f2, h2 = _forces(1, drive[n, 1], (x2, u2, s2, r2, w2), memory, constants)
         response[n, 0] = a1 + _accelerated(direct[0], c1, c2, f1, f2, h1, h2)
         response[n, 1] = a2 + _accelerated(direct[1], c1, c2, f1, f2, h1, h2)
         for m in range(q.shape[0]):
@@ -62,17 +62,13 @@ def run_modes(
 
 @njit(cache=True, nogil=True, fastmath=FAST)
 def _forces(
-    side: int,
-    drive: float,
-    coil: float,
-    coil_rate: float,
-    longer: float,
-    rate: float,
-    sliding: float,
-    memory: np.ndarray,
-    constants: np.ndarray,
+    side: int, drive: float, motion: tuple[float, ...], memory: np.ndarray, constants: np.ndarray
 ) -> tuple[float, float, float]:
-    """Return the forces of a side's coil, spring element and joints, N, and move its current and slips on."""
+    """Return the forces of a side's coil, spring element and joints, N, and move its current and slips on.
+
+    `motion` is the coil's place (m) and velocity, the spring's elongation (m) and its rate, and the joints' (m/s).
+    """
+    coil, coil_rate, longer, rate, sliding = motion
     decay, back_emf, step, clip = constants[0], constants[1], constants[2], constants[3]
     motor, offset, reach = constants[4], constants[5], constants[6]
     cubic, sag, stop, gap = constants[7], constants[8], constants[9], constants[10]
