@@ -2,12 +2,29 @@
 
 import math
 
+import numpy as np
 from numba import njit
 
-RADIUS, TEETH, TURN, HELIX, SUBSTEPS, TOOTH, DISH, SPAN, PERIOD, SETTINGS = range(10)
-"""Of `given`: m, 1, rad a sample, tangent, 1 a sample, s a tooth, tangent, samples, s a sample."""
-ANGLE, CHIPS, TURNED = range(3)
-"""Of `turned`: rad, m^3 of chips."""
+from firmware_sim.plants.record import Record
+
+MILL = np.dtype(
+    [
+        ("radius", "f8"),  # m
+        ("teeth", "i8"),
+        ("turn", "f8"),  # rad a sample
+        ("helix", "f8"),  # tangent
+        ("substeps", "i8"),  # a sample
+        ("tooth", "f8"),  # s a tooth
+        ("dish", "f8"),  # tangent
+        ("span", "i8"),  # samples a turn
+        ("period", "f8"),  # s a sample
+        ("layer", "f8"),  # m of the block's layers
+    ],
+    align=True,
+)
+"""A tool and its spindle: `given`."""
+TURNED = np.dtype([("angle", "f8"), ("chips", "f8")], align=True)
+"""rad, m^3 of chips."""
 TANGENTIAL, RADIAL, AXIAL = range(3)
 BINS = 120
 """Angles around the tool at which its engagement is looked up."""
@@ -22,13 +39,21 @@ Chosen: from a third of the true mass down nothing shakes, and force lags it by 
 
 
 @njit(cache=True, nogil=True)
-def flank(speed, around, width, hardness, given, push, slope):  # type: ignore[no-untyped-def]
+def flank(
+    speed: np.ndarray,
+    around: np.ndarray,
+    width: np.ndarray,
+    hardness: np.ndarray,
+    given: Record,
+    push: np.ndarray,
+    slope: np.ndarray,
+) -> None:
     """Fill `push` (3,), the flank's mean force over a turn, N, at `speed` (3,), m/s, and its `slope` (3, 3), N s/m."""
     push[:], slope[:] = 0.0, 0.0
-    share = given[TEETH] / BINS
+    share = given.teeth / BINS
     for j in range(BINS):
         x, y = around[j, 0], around[j, 1]
-        h = given[TOOTH] * (speed[0] * x + speed[1] * y)
+        h = given.tooth * (speed[0] * x + speed[1] * y)
         if h <= 0.0 or width[j, 0] == 0.0:
             continue
         rub, growth = min(h / EDGE, 1.0), (1.0 / EDGE if h < EDGE else 0.0)
@@ -38,10 +63,10 @@ def flank(speed, around, width, hardness, given, push, slope):  # type: ignore[n
         push[0] += -tangential * y - radial * x
         push[1] += tangential * x - radial * y
         push[2] -= wide * (hardness[0, AXIAL] * h + hardness[1, AXIAL] * rub)
-        tangential = wide * given[TOOTH] * (hardness[0, TANGENTIAL] + hardness[1, TANGENTIAL] * growth)
-        radial = wide * given[TOOTH] * (hardness[0, RADIAL] + hardness[1, RADIAL] * growth)
+        tangential = wide * given.tooth * (hardness[0, TANGENTIAL] + hardness[1, TANGENTIAL] * growth)
+        radial = wide * given.tooth * (hardness[0, RADIAL] + hardness[1, RADIAL] * growth)
         along, across = -tangential * y - radial * x, tangential * x - radial * y
-        up = -wide * given[TOOTH] * (hardness[0, AXIAL] + hardness[1, AXIAL] * growth)
+        up = -wide * given.tooth * (hardness[0, AXIAL] + hardness[1, AXIAL] * growth)
         slope[0, 0] += along * x
         slope[0, 1] += along * y
         slope[1, 0] += across * x
@@ -51,40 +76,51 @@ def flank(speed, around, width, hardness, given, push, slope):  # type: ignore[n
 
 
 @njit(cache=True, nogil=True)
-def is_sinking(speed, given):  # type: ignore[no-untyped-def]
+def is_sinking(speed: np.ndarray, given: Record) -> bool:
     """Whether the tool comes down more steeply than its edges below are hollow."""
-    return -speed[2] > given[DISH] * math.sqrt(speed[0] * speed[0] + speed[1] * speed[1])
+    return bool(-speed[2] > given.dish * math.sqrt(speed[0] * speed[0] + speed[1] * speed[1]))
 
 
 @njit(cache=True, nogil=True)
-def ends(speed, share, hardness, given, push, slope):  # type: ignore[no-untyped-def]
+def ends(
+    speed: np.ndarray, share: float, hardness: np.ndarray, given: Record, push: np.ndarray, slope: np.ndarray
+) -> float:
     """Add to `push` and its `slope` what the edges below the tool feel; return the moment about its axis, N m.
 
     `share` of them touches material.  They cut where the tool comes down more steeply than they are hollow.
     """
     along = math.sqrt(speed[0] * speed[0] + speed[1] * speed[1])
-    h = given[TOOTH] * (-speed[2] - given[DISH] * along)
+    h = given.tooth * (-speed[2] - given.dish * along)
     if h <= 0.0 or share == 0.0:
         return 0.0
-    length, rub = given[TEETH] * given[RADIUS] * share, min(h / EDGE, 1.0)
+    length, rub = given.teeth * given.radius * share, min(h / EDGE, 1.0)
     push[2] += length * (hardness[0, RADIAL] * h + hardness[1, RADIAL] * rub)
-    growth = length * given[TOOTH] * (hardness[0, RADIAL] + (hardness[1, RADIAL] / EDGE if h < EDGE else 0.0))
+    growth = length * given.tooth * (hardness[0, RADIAL] + (hardness[1, RADIAL] / EDGE if h < EDGE else 0.0))
     slope[2, 2] -= growth
     if along > 0.0:
         for r in range(2):
-            slope[2, r] -= growth * given[DISH] * speed[r] / along
-    return 0.5 * given[RADIUS] * length * (hardness[0, TANGENTIAL] * h + hardness[1, TANGENTIAL] * rub)
+            slope[2, r] -= growth * given.dish * speed[r] / along
+    return float(0.5 * given.radius * length * (hardness[0, TANGENTIAL] * h + hardness[1, TANGENTIAL] * rub))
 
 
 @njit(cache=True, nogil=True)
-def meet(free, held, give, share, around, width, hardness, given, meeting):  # type: ignore[no-untyped-def]
+def meet(
+    free: np.ndarray,
+    held: np.ndarray,
+    give: np.ndarray,
+    share: float,
+    edges: tuple[np.ndarray, ...],
+    given: Record,
+    meeting: tuple[np.ndarray, ...],
+) -> None:
     """Find the speed (m/s) and the force that belong together where the tool gives way at once.
 
     v = v_free + (give / T + T / `MASS`) (F(v) - F_held), T = `PERIOD`; `free` (3,), m/s, is the tool's speed if the
     force stays as `held` (3,), N, and `give` (9,), m/N, row by row, what a force moves it at once.  By Newton's method,
     with steps halved until they help; `meeting` has the speed (3,), where it begins and ends, its force (3,), and room,
-    (3, 3) and (6, 3).
+    (3, 3) and (6, 3); `edges` is around, width and hardness.
     """
+    around, width, hardness = edges
     speed, push, slope, room = meeting
     off, step, near, newton = room[0], room[1], room[2], room[3:]
     flank(speed, around, width, hardness, given, push, slope)
@@ -97,8 +133,8 @@ def meet(free, held, give, share, around, width, hardness, given, meeting):  # t
             for c in range(3):
                 newton[r, c] = 1.0 if r == c else 0.0
                 for k in range(3):
-                    newton[r, c] -= give[3 * r + k] / given[PERIOD] * slope[k, c]
-                newton[r, c] -= given[PERIOD] / MASS * slope[r, c]
+                    newton[r, c] -= give[3 * r + k] / given.period * slope[k, c]
+                newton[r, c] -= given.period / MASS * slope[r, c]
         _solve(newton, off, step)
         part, before = 1.0, size
         for _ in range(ROUNDS):
@@ -114,17 +150,25 @@ def meet(free, held, give, share, around, width, hardness, given, meeting):  # t
 
 
 @njit(cache=True, nogil=True)
-def _apart(speed, free, held, give, push, given, off):  # type: ignore[no-untyped-def]
+def _apart(
+    speed: np.ndarray,
+    free: np.ndarray,
+    held: np.ndarray,
+    give: np.ndarray,
+    push: np.ndarray,
+    given: Record,
+    off: np.ndarray,
+) -> float:
     """Fill by how much a speed and its force do not belong together, m/s; return the length of that."""
     for r in range(3):
-        off[r] = speed[r] - free[r] - given[PERIOD] / MASS * (push[r] - held[r])
+        off[r] = speed[r] - free[r] - given.period / MASS * (push[r] - held[r])
         for k in range(3):
-            off[r] -= give[3 * r + k] / given[PERIOD] * (push[k] - held[k])
+            off[r] -= give[3 * r + k] / given.period * (push[k] - held[k])
     return math.sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2])
 
 
 @njit(cache=True, nogil=True)
-def _solve(matrix, right, found):  # type: ignore[no-untyped-def]
+def _solve(matrix: np.ndarray, right: np.ndarray, found: np.ndarray) -> None:
     """Solve three equations by Cramer's rule."""
     whole = 0.0
     found[:] = 0.0
@@ -141,43 +185,52 @@ def _solve(matrix, right, found):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _chip(thickness, tooth, wobble):  # type: ignore[no-untyped-def]
+def _chip(thickness: float, tooth: int, wobble: np.ndarray) -> float:
     """Return a tooth's chip, m, where a true tool's is `thickness`: down to the deepest cut of the teeth before it.
 
     `wobble` (teeth,) is by how much each tooth stands out, m.
     """
     teeth = wobble.shape[0]
-    least = thickness * teeth
+    least: float = thickness * teeth
     for back in range(1, teeth):
         least = min(least, back * thickness + wobble[tooth] - wobble[(tooth - back) % teeth])
     return max(least, 0.0)
 
 
 @njit(cache=True, nogil=True)
-def turn(last, at, speed, around, width, hardness, wobble, layer, given, turned, wrench):  # type: ignore[no-untyped-def]
+def turn(
+    last: int,
+    at: np.ndarray,
+    speed: np.ndarray,
+    edges: tuple[np.ndarray, ...],
+    wobble: np.ndarray,
+    given: Record,
+    turned: Record,
+    wrench: np.ndarray,
+) -> None:
     """Turn the tool for a sample, and fill `wrench` (6,): mean force (N) and moment about the tip (N m) on it.
 
     It turns clockwise seen from above; a higher part of a tooth comes later.
     """
-    radius, teeth, substeps = given[RADIUS], int(given[TEETH]), int(given[SUBSTEPS])
+    (around, width, hardness), radius, teeth, substeps = edges, given.radius, given.teeth, given.substeps
     wrench[:] = 0.0
-    step = given[TURN] / substeps
+    step = given.turn / substeps
     for _ in range(substeps):
         for tooth in range(teeth):
-            tip = 2.0 * math.pi * tooth / teeth - turned[ANGLE]
+            tip = 2.0 * math.pi * tooth / teeth - turned.angle
             for k in range(last):
-                high = max(-(k + 0.5) * layer - at[2], 0.0)
-                angle = (tip + high * given[HELIX] / radius) / (2.0 * math.pi)
+                high = max(-(k + 0.5) * given.layer - at[2], 0.0)
+                angle = (tip + high * given.helix / radius) / (2.0 * math.pi)
                 j = int((angle - math.floor(angle)) * BINS) % BINS
                 if width[j, 1 + k] == 0.0:
                     continue
                 x, y = around[j, 0], around[j, 1]
-                thickness = given[TOOTH] * (speed[0] * x + speed[1] * y)
+                thickness = given.tooth * (speed[0] * x + speed[1] * y)
                 if thickness <= 0.0:
                     continue
                 h = _chip(thickness, tooth, wobble)
                 rub = min(h / EDGE, 1.0)
-                turned[CHIPS] += h * width[j, 1 + k] * radius * step
+                turned.chips += h * width[j, 1 + k] * radius * step
                 tangential = width[j, 1 + k] * (hardness[0, TANGENTIAL] * h + hardness[1, TANGENTIAL] * rub)
                 radial = width[j, 1 + k] * (hardness[0, RADIAL] * h + hardness[1, RADIAL] * rub)
                 axial = width[j, 1 + k] * (hardness[0, AXIAL] * h + hardness[1, AXIAL] * rub)
@@ -188,6 +241,6 @@ def turn(last, at, speed, around, width, hardness, wobble, layer, given, turned,
                 wrench[3] += -radius * y * axial - high * push_y
                 wrench[4] += high * push_x + radius * x * axial
                 wrench[5] += radius * tangential
-        turned[ANGLE] = (turned[ANGLE] + step) % (2.0 * math.pi)
+        turned.angle = (turned.angle + step) % (2.0 * math.pi)
     for r in range(6):
         wrench[r] /= substeps

@@ -116,16 +116,16 @@ class PocketMilling(PocketOptions):
         strength = hardness * MATERIALS[self.material].table
         strength[1] *= self.wear
         places = 2 * pi * (np.arange(self.teeth) / self.teeth) + rng.uniform(0, 2 * pi)
-        turned = np.zeros(mill.TURNED)
-        turned[mill.ANGLE] = rng.uniform(0, 2 * pi)
+        turned = np.zeros(1, mill.TURNED)
+        turned["angle"] = rng.uniform(0, 2 * pi)
         angles = 2 * pi * (np.arange(mill.BINS) + 0.5) / mill.BINS
         distance, grid = fresh_block(self.length, self.width, self.thickness, self.cell, self.layer)
-        given, layers = _given(self), distance.shape[2]
+        given, layers = _given(self, grid), distance.shape[2]
         self._cut = kernel.Cut(
             origin=np.array(self.origin, float), distance=distance, grid=grid, hardness=strength,
             wobble=self.runout * np.cos(places), around=np.column_stack([np.cos(angles), np.sin(angles)]), given=given,
-            state=np.zeros(kernel.CELLS), turned=turned, queue=np.zeros((kernel.QUEUE, 4)), motion=np.zeros((4, 3)),
-            ring=np.zeros((int(given[mill.SPAN]), 3)), width=np.zeros((mill.BINS, 1 + layers)), found=np.zeros(layers),
+            state=np.zeros(1, kernel.STATE), turned=turned, queue=np.zeros((kernel.QUEUE, 4)), motion=np.zeros((4, 3)),
+            ring=np.zeros((given["span"][0], 3)), width=np.zeros((mill.BINS, 1 + layers)), found=np.zeros(layers),
         )  # fmt: skip
 
     def run(
@@ -149,29 +149,29 @@ class PocketMilling(PocketOptions):
     @property
     def chips(self) -> float:
         """The chips so far, m^3, as the teeth have cut them."""
-        return float(self._cut.turned[mill.CHIPS])
+        return float(self._cut.turned["chips"][0])
 
     @property
     def taken(self) -> float:
         """What is gone of the block, m^3; it lags the tool by `milling_kernel.LAG`."""
         share = np.clip(0.5 - self._cut.distance / self.cell, 0.0, 1.0)
         inside = fresh_block(self.length, self.width, self.thickness, self.cell, self.layer)[0] > 0.0
-        return float(share[inside].sum(dtype=float) * self.cell**2 * self._cut.grid[1])
+        return float(share[inside].sum(dtype=float) * self.cell**2 * self._cut.grid["layer"][0])
 
     def section(self, depth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return x, y (m) and, shape (y, x), how far each point is from the walls at `depth` (m): > 0 in material."""
-        layer = min(max(int(depth / self._cut.grid[1]), 0), self._cut.distance.shape[2] - 1)
+        layer = min(max(int(depth / self._cut.grid["layer"][0]), 0), self._cut.distance.shape[2] - 1)
         rows, columns = self._cut.distance.shape[:2]
-        x, y = np.arange(columns) * self.cell - self._cut.grid[2], np.arange(rows) * self.cell - self._cut.grid[3]
+        (_, _, left, low), cell = self._cut.grid[0], self.cell
+        x, y = np.arange(columns) * cell - left, np.arange(rows) * cell - low
         return x, y, self._cut.distance[:, :, layer].copy()
 
 
-def _given(cut: PocketMilling) -> np.ndarray:
-    """Return the kernel's settings, shape (SETTINGS,)."""
-    turn = 2 * pi * cut.spindle / cut.rate
-    given = np.zeros(mill.SETTINGS)
-    given[:] = [
-        0.5 * cut.tool, cut.teeth, turn, tan(cut.helix), max(1, ceil(turn / FASTEST_TURN)),
-        1.0 / (cut.teeth * cut.spindle), tan(DISH), max(1, round(cut.rate / cut.spindle)), 1.0 / cut.rate,
-    ]  # fmt: skip
+def _given(cut: PocketMilling, grid: np.ndarray) -> np.ndarray:
+    """Return the kernel's settings, of one `MILL`."""
+    given, turn = np.zeros(1, mill.MILL), 2 * pi * cut.spindle / cut.rate
+    given["radius"], given["teeth"], given["turn"], given["helix"] = 0.5 * cut.tool, cut.teeth, turn, tan(cut.helix)
+    given["substeps"], given["tooth"] = max(1, ceil(turn / FASTEST_TURN)), 1.0 / (cut.teeth * cut.spindle)
+    given["dish"], given["span"] = tan(DISH), max(1, round(cut.rate / cut.spindle))
+    given["period"], given["layer"] = 1.0 / cut.rate, grid["layer"]
     return given

@@ -6,11 +6,21 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from firmware_sim.plants.end_mill_kernel import BINS, MASS, PERIOD, RADIUS, SPAN, ends, is_sinking, meet, turn
-from firmware_sim.plants.workpiece_kernel import LAYER, look, sweep, swept_layers
+from firmware_sim.plants.end_mill_kernel import BINS, MASS, ends, is_sinking, meet, turn
+from firmware_sim.plants.record import Record
+from firmware_sim.plants.workpiece_kernel import look, sweep, swept_layers
 
-DONE, WAY, HEAD, TAIL, LAYERS, CELLS = range(6)
-"""Of `state`: samples, m, the queue's ends, layers taken at the last sweep."""
+STATE = np.dtype(
+    [
+        ("done", "i8"),  # samples
+        ("way", "f8"),  # m
+        # the queue's ends
+        ("head", "i8"),
+        ("tail", "i8"),
+        ("layers", "i8"),  # taken at the last sweep
+    ],
+    align=True,
+)
 STEP, LAG = 5e-6, 1e-4
 """m: a place of the tool is taken out of the block when the tool has come `LAG` further; places are `STEP` apart."""
 QUEUE = 64
@@ -19,42 +29,50 @@ TOUCH = 2e-6
 
 
 @njit(cache=True, nogil=True)
-def take(at, distance, grid, given, state, queue):  # type: ignore[no-untyped-def]
+def take(at: np.ndarray, distance: np.ndarray, grid: Record, given: Record, state: Record, queue: np.ndarray) -> None:
     """Queue the tool's place `at` (3,), m, and take out of the block where it was `LAG` ago; `queue` (QUEUE, 4)."""
-    newest = queue[int(state[HEAD]) % QUEUE]
+    newest = queue[state.head % QUEUE]
     moved = math.sqrt((at[0] - newest[0]) ** 2 + (at[1] - newest[1]) ** 2 + (at[2] - newest[2]) ** 2)
     if moved < STEP:
         return
-    state[WAY] += moved
-    state[HEAD] += 1.0
-    into = queue[int(state[HEAD]) % QUEUE]
+    state.way += moved
+    state.head += 1
+    into = queue[state.head % QUEUE]
     into[:3] = at
-    into[3] = state[WAY]
-    while state[TAIL] < state[HEAD]:
-        full = state[HEAD] - state[TAIL] >= QUEUE - 1
-        old = queue[int(state[TAIL]) % QUEUE]
-        if not full and state[WAY] - old[3] < LAG:
+    into[3] = state.way
+    while state.tail < state.head:
+        full = state.head - state.tail >= QUEUE - 1
+        old = queue[state.tail % QUEUE]
+        if not full and state.way - old[3] < LAG:
             return
-        layers = swept_layers(old[2], grid[LAYER], distance.shape[2])
-        after = queue[int(state[TAIL] + 1) % QUEUE]
+        layers = swept_layers(old[2], grid.layer, distance.shape[2])
+        after = queue[(state.tail + 1) % QUEUE]
         if layers > 0:
-            deeper = int(state[LAYERS])
+            deeper = state.layers
             if layers > deeper:
-                sweep(distance, grid, old[0], old[1], given[RADIUS], deeper, layers, True)
-            sweep(distance, grid, old[0], old[1], given[RADIUS], 0, min(layers, deeper), False)
+                sweep(distance, grid, old[0], old[1], given.radius, deeper, layers, True)
+            sweep(distance, grid, old[0], old[1], given.radius, 0, min(layers, deeper), False)
         is_far = after[3] - old[3] > 1e-4  # a rim of the next place would not reach this one
-        state[LAYERS] = 0.0 if is_far else layers
-        state[TAIL] += 1.0
+        state.layers = 0 if is_far else layers
+        state.tail += 1
 
 
 @njit(cache=True, nogil=True)
-def engage(at, around, distance, grid, given, found, width):  # type: ignore[no-untyped-def]
+def engage(
+    at: np.ndarray,
+    around: np.ndarray,
+    distance: np.ndarray,
+    grid: Record,
+    given: Record,
+    found: np.ndarray,
+    width: np.ndarray,
+) -> int:
     """Fill `width` (BINS, 1 + layers), m of edge that touches material at each angle: in all, then in each layer.
 
     `around` (BINS, 2) has the directions.  Return how many layers can be cut.
     """
-    layer, radius = grid[LAYER], given[RADIUS]
-    last = min(max(math.ceil(-at[2] / layer), 0), distance.shape[2])
+    layer, radius = grid.layer, given.radius
+    last: int = min(max(math.ceil(-at[2] / layer), 0), distance.shape[2])
     for j in range(BINS):
         width[j, 0] = 0.0
         if last > 0:
@@ -69,14 +87,16 @@ def engage(at, around, distance, grid, given, found, width):  # type: ignore[no-
 
 
 @njit(cache=True, nogil=True)
-def touching_share(at, around, distance, grid, given, found):  # type: ignore[no-untyped-def]
+def touching_share(
+    at: np.ndarray, around: np.ndarray, distance: np.ndarray, grid: Record, given: Record, found: np.ndarray
+) -> float:
     """Return what of the area below the tool is material, 0 to 1."""
-    below = max(math.floor(0.5 - at[2] / grid[LAYER]), 0)
+    below = max(math.floor(0.5 - at[2] / grid.layer), 0)
     if at[2] > 0.0 or below >= distance.shape[2]:
         return 0.0
     touching = 0
     for ring in range(4):
-        reach = given[RADIUS] * (ring + 0.5) / 4
+        reach = given.radius * (ring + 0.5) / 4
         for j in range(0, BINS, 10):
             look(distance, grid, at[0] + reach * around[j, 0], at[1] + reach * around[j, 1], below, below + 1, found)
             touching += found[below] > 0.0
@@ -110,18 +130,19 @@ class Cut(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def _push(at, free, give, cut, meeting, wrench):  # type: ignore[no-untyped-def]
+def _push(
+    at: np.ndarray, free: np.ndarray, give: np.ndarray, cut: Cut, meeting: tuple[np.ndarray, ...], wrench: np.ndarray
+) -> None:
     """Fill `meeting` with speed and mean force, N, and `wrench` (6,) with force and moment of this sample's teeth."""
-    given, (speed, _, slope, room) = cut.given, meeting
-    last = engage(at, cut.around, cut.distance, cut.grid, given, cut.found, cut.width)
+    given, (speed, _, slope, room) = cut.given[0], meeting
+    edges, grid = (cut.around, cut.width, cut.hardness), cut.grid[0]
+    last = engage(at, cut.around, cut.distance, grid, given, cut.found, cut.width)
     share = 0.0
-    meet(free, cut.motion[1], give, share, cut.around, cut.width, cut.hardness, given, meeting)
+    meet(free, cut.motion[1], give, share, edges, given, meeting)
     if is_sinking(speed, given):
-        share = touching_share(at, cut.around, cut.distance, cut.grid, given, cut.found)
-        meet(free, cut.motion[1], give, share, cut.around, cut.width, cut.hardness, given, meeting)
-    turn(
-        last, at, speed, cut.around, cut.width, cut.hardness, cut.wobble, cut.grid[LAYER], given, cut.turned, wrench
-    )  # fmt: skip
+        share = touching_share(at, cut.around, cut.distance, grid, given, cut.found)
+        meet(free, cut.motion[1], give, share, edges, given, meeting)
+    turn(last, at, speed, edges, cut.wobble, given, cut.turned[0], wrench)
     lift = room[0]
     lift[:] = 0.0
     wrench[5] += ends(speed, share, cut.hardness, given, lift, slope)
@@ -129,15 +150,18 @@ def _push(at, free, give, cut, meeting, wrench):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def run(tool, give, force, moment, teeth_force, cut):  # type: ignore[no-untyped-def]
+def run(
+    tool: np.ndarray, give: np.ndarray, force: np.ndarray, moment: np.ndarray, teeth_force: np.ndarray, cut: Cut
+) -> None:
     """Run one frame; signals as in `PocketMilling.run`."""
     at, free, wrench = np.empty(3), np.empty(3), np.empty(6)
     was, held, before = cut.motion[0], cut.motion[1], cut.motion[3]
-    given, span = cut.given, int(cut.given[SPAN])
+    given, grid, state = cut.given[0], cut.grid[0], cut.state[0]
+    span = given.span
     meeting = cut.motion[2], np.empty(3), np.empty((3, 3)), np.empty((6, 3))
     push = meeting[1]
     for n in range(tool.shape[0]):
-        done = int(cut.state[DONE])
+        done = state.done
         for r in range(3):
             at[r] = tool[n, r] - cut.origin[r]
         if done == 0:
@@ -147,9 +171,9 @@ def run(tool, give, force, moment, teeth_force, cut):  # type: ignore[no-untyped
             free[r] = at[r] - was[r]
             for k in range(3):
                 free[r] -= give[n, 3 * r + k] * (held[k] - before[k])
-            free[r] = free[r] / given[PERIOD] + given[PERIOD] / MASS * (held[r] - before[r])
+            free[r] = free[r] / given.period + given.period / MASS * (held[r] - before[r])
         was[:] = at
-        take(at, cut.distance, cut.grid, given, cut.state, cut.queue)
+        take(at, cut.distance, grid, given, state, cut.queue)
         _push(at, free, give[n], cut, meeting, wrench)
         cut.ring[done % span] = wrench[3:]
         for r in range(3):
@@ -157,4 +181,4 @@ def run(tool, give, force, moment, teeth_force, cut):  # type: ignore[no-untyped
             force[n, r], teeth_force[n, r], moment[n, r] = push[r], wrench[r], 0.0
             for k in range(span):
                 moment[n, r] += cut.ring[k, r] / span
-        cut.state[DONE] += 1.0
+        state.done = done + 1

@@ -10,6 +10,7 @@ from scipy.ndimage import gaussian_filter
 from firmware_sim.plants import oak_kernel as kernel
 from firmware_sim.plants.oak_table import drags
 from firmware_sim.plants.options import option, refuse_rate, refuse_wrong_options
+from firmware_sim.plants.workpiece_kernel import GRID
 
 FIBRE = 12e-3, 1.5e-3
 """m, over which the grain changes along x, the fibres, and across them; assumed: year rings of some mm."""
@@ -106,15 +107,13 @@ class OakMilling(OakOptions):
         """Clamp a fresh piece, and draw its grain."""
         super().__post_init__()
         refuse_rate(self.rate, 500, 1e5, "the simulated oak")
-        self._origin, self._tables = np.array(self.origin, float), drags()
         self._distance, self._grid = _fresh(self)
         self._spots, self._knots = _grown(self)
-        self._given = np.zeros(kernel.SETTINGS)
-        self._given[:] = (
-            0.5 * self.tool, self.stiffness, self.depth, self.across, self.wear, self.knot, self.knot_size, self.tooth,
-            self.runout, 2 * pi * self.spindle / self.rate, 1.0 / self.rate,
-        )  # fmt: skip
-        self._state, self._places = np.zeros(kernel.CELLS), np.zeros((3, 3))
+        self._oak = oak = np.zeros(1, kernel.OAK)
+        for name in ("stiffness", "depth", "across", "wear", "knot", "knot_size", "tooth", "runout", "origin"):
+            oak[name] = getattr(self, name)
+        oak["radius"], oak["turn"], oak["period"] = 0.5 * self.tool, 2 * pi * self.spindle / self.rate, 1.0 / self.rate
+        oak["tables"] = drags()
 
     def run(
         self,
@@ -138,10 +137,8 @@ class OakMilling(OakOptions):
         kappa, beta : arrays, shape (frames, 1), m/(N s) and 1, filled in place
             As they are, or were at the last cut.
         """
-        kernel.run(
-            tool, force, moment, teeth_force, kappa, beta, self._origin, self._distance, self._grid, self._tables,
-            self._spots, self._knots, self._given, self._state, self._places,
-        )  # fmt: skip
+        told = force, moment, teeth_force, kappa, beta
+        kernel.run(tool, told, self._distance, self._grid, self._spots, self._knots, self._oak)
 
     @property
     def left(self) -> np.ndarray:
@@ -151,7 +148,7 @@ class OakMilling(OakOptions):
     @property
     def milled(self) -> float:
         """The way that the tool has milled, m."""
-        return float(self._state[kernel.WAY])
+        return float(self._oak["way"][0])
 
 
 def _fresh(oak: OakOptions) -> tuple[np.ndarray, np.ndarray]:
@@ -159,7 +156,7 @@ def _fresh(oak: OakOptions) -> tuple[np.ndarray, np.ndarray]:
     columns, rows = (ceil(0.5 * side / oak.cell) + 2 for side in (oak.length, oak.width))
     x, y = (np.arange(-n, n + 1) * oak.cell for n in (columns, rows))
     away = np.minimum(0.5 * oak.length - np.abs(x)[None, :], 0.5 * oak.width - np.abs(y)[:, None])
-    grid = np.array([oak.cell, oak.depth, columns * oak.cell, rows * oak.cell])
+    grid = np.array([(oak.cell, oak.depth, columns * oak.cell, rows * oak.cell)], GRID)
     return away.astype(np.float32)[:, :, None], grid
 
 

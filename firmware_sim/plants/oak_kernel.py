@@ -5,12 +5,36 @@ import math
 import numpy as np
 from numba import njit
 
+from firmware_sim.plants.record import Record
 from firmware_sim.plants.workpiece_kernel import look, sweep
 
-(RADIUS, STIFFNESS, DEPTH, ACROSS, WEAR, KNOT, KNOT_SIZE, TOOTH, RUNOUT, TURN, PERIOD, SETTINGS) = range(12)
-"""Of `given`: m, N/m, m, 1, 1/m, 1, m, 1, 1, rad a sample, s."""
-DONE, IS_DOWN, WAY, KAPPA, BETA, CELLS = range(6)
-"""Of `state`: samples, 0 or 1, m milled, m/(N s), 1."""
+OAK = np.dtype(
+    [
+        ("radius", "f8"),  # m
+        ("stiffness", "f8"),  # N/m
+        ("depth", "f8"),  # m
+        ("across", "f8"),  # 1
+        ("wear", "f8"),  # 1/m
+        ("knot", "f8"),  # 1
+        ("knot_size", "f8"),  # m
+        ("tooth", "f8"),  # 1
+        ("runout", "f8"),  # 1
+        ("turn", "f8"),  # rad a sample
+        ("period", "f8"),  # s
+        ("origin", "f8", 3),  # m, the middle of the top
+        ("tables", "f8", (2, 2, 2, 4)),  # as `oak_table.drags`
+        # state
+        ("done", "i8"),  # samples
+        ("is_down", "?"),
+        ("way", "f8"),  # m milled
+        ("kappa", "f8"),  # m/(N s)
+        ("beta", "f8"),  # 1
+        ("last", "f8", 3),  # m, where the tool was
+        ("cut", "f8", 3),  # m, how far wood is removed
+        ("along", "f8", 3),  # the direction of the force's pull
+    ],
+    align=True,
+)
 RAYS = 48
 """Places along the tool's width before which material is looked for."""
 SIGHT = 2e-5
@@ -22,7 +46,9 @@ SPOT = 1e-3
 
 
 @njit(cache=True, nogil=True)
-def _engaged(x, y, along, distance, grid, radius, found):  # type: ignore[no-untyped-def]
+def _engaged(
+    x: float, y: float, along: np.ndarray, distance: np.ndarray, grid: Record, radius: float, found: np.ndarray
+) -> tuple[float, float]:
     """Return the part of the tool's width that meets material in direction `along` (2,), and how far left it lies.
 
     The latter is 1 where all of it is on the left, -1 on the right.
@@ -43,7 +69,7 @@ def _engaged(x, y, along, distance, grid, radius, found):  # type: ignore[no-unt
 
 
 @njit(cache=True, nogil=True)
-def _looked_up(table, cosine, width, left):  # type: ignore[no-untyped-def]
+def _looked_up(table: np.ndarray, cosine: float, width: float, left: float) -> float:
     """Interpolate `table` (2, 2, 4) in direction, hand and width."""
     third = min(int(3.0 * width), 2)
     part = 3.0 * width - third
@@ -57,7 +83,7 @@ def _looked_up(table, cosine, width, left):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _grain(x, y, spots, knots, given):  # type: ignore[no-untyped-def]
+def _grain(x: float, y: float, spots: np.ndarray, knots: np.ndarray, oak: Record) -> float:
     """Return by what the wood at a place is harder than usual: its map, and the knots."""
     rows, columns = spots.shape
     u = min(max(x / SPOT + 0.5 * (columns - 1), 0.0), columns - 1.001)
@@ -67,70 +93,82 @@ def _grain(x, y, spots, knots, given):  # type: ignore[no-untyped-def]
     hard = (1.0 - v) * ((1.0 - u) * spots[i, j] + u * spots[i, j + 1])
     hard += v * ((1.0 - u) * spots[i + 1, j] + u * spots[i + 1, j + 1])
     for k in range(len(knots)):
-        away = ((x - knots[k, 0]) ** 2 + (y - knots[k, 1]) ** 2) / given[KNOT_SIZE] ** 2
-        hard *= 1.0 + (given[KNOT] - 1.0) * math.exp(-away * away)
-    return hard
+        away = ((x - knots[k, 0]) ** 2 + (y - knots[k, 1]) ** 2) / oak.knot_size**2
+        hard *= 1.0 + (oak.knot - 1.0) * math.exp(-away * away)
+    return float(hard)
 
 
 @njit(cache=True, nogil=True)
-def _remove(at, last, cut, along, distance, grid, tables, spots, knots, given, state, found):  # type: ignore[no-untyped-def]
-    """Move `cut` (2,), the tool's place as far as wood is removed, after the tool; return the force, N, along that.
-
-    `at`, `last` (3,) are where the tool is and was, m; `along` (2,) is filled with the direction of the force's pull.
-    """
+def _remove(
+    at: np.ndarray,
+    distance: np.ndarray,
+    grid: Record,
+    spots: np.ndarray,
+    knots: np.ndarray,
+    oak: Record,
+    found: np.ndarray,
+) -> float:
+    """Move the place as far as which wood is removed after the tool, which is `at` (3,), m; return the force, N."""
+    last, cut, along = oak.last, oak.cut, oak.along
     x, y = at[0] - cut[0], at[1] - cut[1]
     far = math.hypot(x, y)
     if far < 1e-12:
         return 0.0
     along[0], along[1] = x / far, y / far
-    width, left = _engaged(cut[0], cut[1], along, distance, grid, given[RADIUS], found)
+    width, left = _engaged(cut[0], cut[1], along, distance, grid, oak.radius, found)
     if width == 0.0:
         cut[0], cut[1] = at[0], at[1]
         return 0.0
-    front = 0.5 * given[RADIUS]
-    hard = _grain(cut[0] + front * along[0], cut[1] + front * along[1], spots, knots, given)
-    drag = hard * _looked_up(tables[0], along[0], width, left) * (-at[2] / given[DEPTH])
-    drag *= (1.0 + given[ACROSS] * along[1] * along[1]) * (1.0 + given[WEAR] * state[WAY])
-    state[KAPPA], state[BETA] = 1.0 / drag, _looked_up(tables[1], along[0], width, left)
+    front = 0.5 * oak.radius
+    hard = _grain(cut[0] + front * along[0], cut[1] + front * along[1], spots, knots, oak)
+    drag = hard * _looked_up(oak.tables[0], along[0], width, left) * (-at[2] / oak.depth)
+    drag *= (1.0 + oak.across * along[1] * along[1]) * (1.0 + oak.wear * oak.way)
+    oak.kappa, oak.beta = 1.0 / drag, _looked_up(oak.tables[1], along[0], width, left)
     before = max((last[0] - cut[0]) * along[0] + (last[1] - cut[1]) * along[1], 0.0)
     moved = (at[0] - last[0]) * along[0] + (at[1] - last[1]) * along[1]
-    decay = given[STIFFNESS] * given[PERIOD] / drag
+    decay = oak.stiffness * oak.period / drag
     depth = max(before - math.expm1(-decay) * (moved / decay - before), 0.0)
-    state[WAY] += max(far - depth, 0.0)
+    oak.way += max(far - depth, 0.0)
     cut[0], cut[1] = at[0] - depth * along[0], at[1] - depth * along[1]
-    return given[STIFFNESS] * depth
+    return float(oak.stiffness * depth)
 
 
 @njit(cache=True, nogil=True)
-def run(  # type: ignore[no-untyped-def]
-    tool, force, moment, teeth_force, kappa, beta, origin, distance, grid, tables, spots, knots, given, state, places,
-):  # fmt: skip
+def run(
+    tool: np.ndarray,
+    told: tuple[np.ndarray, ...],
+    distance: np.ndarray,
+    grids: np.ndarray,
+    spots: np.ndarray,
+    knots: np.ndarray,
+    oaks: np.ndarray,
+) -> None:
     """Run one frame; signals as in `OakMilling.run`.
 
-    `origin` (3,), m, the middle of the top; `tables` (2, 2, 2, 4) as `oak_table.drags`; `spots` (rows, columns), 1;
-    `knots` (n, 2), m; `places` (3, 3): where the tool was, how far wood is removed, and the force's direction.
+    `spots` (rows, columns), 1; `knots` (n, 2), m; `oaks` is of one `OAK`.
     """
+    (force, moment, teeth_force, kappa, beta), grid, oak = told, grids[0], oaks[0]
     at, found = np.empty(3), np.empty(1)
-    last, cut, along = places[0], places[1], places[2]
+    last, cut, along = oak.last, oak.cut, oak.along
     for n in range(len(tool)):
         for r in range(3):
-            at[r] = tool[n, r] - origin[r]
+            at[r] = tool[n, r] - oak.origin[r]
             force[n, r] = moment[n, r] = teeth_force[n, r] = 0.0
         pull = 0.0
         if at[2] < 0.0:
-            is_new = state[IS_DOWN] < 0.5
+            is_new = not oak.is_down
             if is_new:
                 cut[:] = at
                 last[:] = at
-            pull = _remove(at, last, cut, along, distance, grid, tables, spots, knots, given, state, found)
-            sweep(distance, grid, cut[0], cut[1], given[RADIUS], 0, 1, is_new)
-        state[IS_DOWN] = 1.0 if at[2] < 0.0 else 0.0
+            pull = _remove(at, distance, grid, spots, knots, oak, found)
+            sweep(distance, grid, cut[0], cut[1], oak.radius, 0, 1, is_new)
+        oak.is_down = at[2] < 0.0
         last[:] = at
-        turned = state[DONE] * given[TURN]
-        ripple = 1.0 + given[TOOTH] * math.sin(2.0 * turned) + given[RUNOUT] * math.sin(turned)
-        force[n, 0] = -pull * (along[0] + state[BETA] * along[1])
-        force[n, 1] = -pull * (along[1] - state[BETA] * along[0])
+        turned = oak.done * oak.turn
+        ripple = 1.0 + oak.tooth * math.sin(2.0 * turned) + oak.runout * math.sin(turned)
+        force[n, 0] = -pull * (along[0] + oak.beta * along[1])
+        force[n, 1] = -pull * (along[1] - oak.beta * along[0])
         for r in range(2):
             teeth_force[n, r] = ripple * force[n, r]
-        kappa[n, 0], beta[n, 0] = state[KAPPA], state[BETA]
-        state[DONE] += 1.0
+        kappa[n, 0], beta[n, 0] = oak.kappa, oak.beta
+        oak.done += 1

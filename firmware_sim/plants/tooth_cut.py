@@ -10,7 +10,7 @@ from firmware_sim.plants import tooth_kernel
 from firmware_sim.plants.end_mill_kernel import BINS
 from firmware_sim.plants.hardness import Hardness
 from firmware_sim.plants.milling import DISH
-from firmware_sim.plants.milling_kernel import CELLS, QUEUE
+from firmware_sim.plants.milling_kernel import QUEUE, STATE
 from firmware_sim.plants.options import refuse_rate
 from firmware_sim.plants.workpiece import LARGEST, fresh_block
 
@@ -181,24 +181,23 @@ def _arrays(cut: ToothCut, rate: float) -> kernel.Cut:
     teeth, layers = len(cut.wobble), max(1, round(cut.thickness / cut.layer))
     parts = ceil(max(1.0 / (rate * FINEST), A_TOOTH * teeth * cut.spindle / rate) - 1e-9)
     period = 1.0 / (rate * parts)
-    given = np.zeros(tooth_kernel.SETTINGS)
-    given[:] = (
-        0.5 * cut.tool, teeth, 2 * pi * cut.spindle * period, tan(cut.helix), parts,
-        1.0 / (cut.spindle * teeth * period), tan(DISH), max(1.0, rate / cut.spindle), period, cut.mass, LOSS,
-        cut.is_averaged, cut.across,
-    )  # fmt: skip
     angles = 2 * pi * (np.arange(BINS) + 0.5) / BINS
     distance, grid = fresh_block(cut.length, cut.width, cut.thickness, cut.cell, cut.layer)
-    kept = np.zeros(kernel.KEPT)
-    kept[kernel.ANGLE] = rng.uniform(0, 2 * pi)
+    tooth, span = 1.0 / (cut.spindle * teeth * period), max(1.0, rate / cut.spindle)
+    given = np.array([(
+        0.5 * cut.tool, teeth, 2 * pi * cut.spindle * period, tan(cut.helix), parts, tooth, tan(DISH), span, period,
+        cut.mass, LOSS, cut.is_averaged, cut.across, grid["layer"][0], cut.law.table,
+    )], tooth_kernel.CUTTER)  # fmt: skip
+    kept = np.zeros(1, kernel.KEPT)
+    kept["angle"] = rng.uniform(0, 2 * pi)
     return kernel.Cut(
         origin=np.array(cut.origin, float), distance=distance, grid=grid,
-        spots=cut.hardness.grown(cut.seed, cut.length, cut.width), law=cut.law.table,
+        spots=cut.hardness.grown(cut.seed, cut.length, cut.width),
         wobble=np.array(cut.wobble, float), around=np.column_stack([np.cos(angles), np.sin(angles)]), given=given,
-        mode=_mode(cut.mode, period), state=np.zeros(CELLS), queue=np.zeros((QUEUE, 4)),
+        mode=_mode(cut.mode, period), state=np.zeros(1, STATE), queue=np.zeros((QUEUE, 4)),
         width=np.zeros((BINS, 1 + layers)), found=np.zeros(layers), hard=np.ones(BINS),
-        past=np.zeros((ceil(kernel.PASSES * given[tooth_kernel.TOOTH]) + 3, 3)), ringing=np.zeros((2, 2)),
-        hanging=np.zeros((2, 3)), motion=np.zeros((3, 3)), turns=np.zeros((ceil(given[tooth_kernel.SPAN]), 12)),
+        past=np.zeros((ceil(kernel.PASSES * tooth) + 3, 3)), ringing=np.zeros((2, 2)),
+        hanging=np.zeros((2, 3)), motion=np.zeros((3, 3)), turns=np.zeros((ceil(span), 12)),
         kept=kept,
     )  # fmt: skip
 

@@ -7,29 +7,11 @@ import numpy as np
 from numba import njit
 
 from firmware_sim.plants.end_mill_kernel import BINS
-from firmware_sim.plants.milling_kernel import DONE, engage, take, touching_share
-from firmware_sim.plants.tooth_kernel import (
-    ACROSS,
-    AVERAGED,
-    DISH,
-    PARTS,
-    PERIOD,
-    PLACE,
-    RADIUS,
-    SPAN,
-    SPEED,
-    TOOTH,
-    TURN,
-    lean,
-    ring,
-    sink,
-    stiffness_of,
-    turn,
-)
-from firmware_sim.plants.workpiece_kernel import LAYER
+from firmware_sim.plants.milling_kernel import engage, take, touching_share
+from firmware_sim.plants.tooth_kernel import PLACE, SPEED, lean, ring, sink, stiffness_of, turn
 
-ANGLE, PART, KAPPA, BETA, KEPT = range(5)
-"""Of `kept`: rad, parts so far, m/(N s), 1."""
+KEPT = np.dtype([("angle", "f8"), ("part", "f8"), ("kappa", "f8"), ("beta", "f8")], align=True)
+"""rad, parts so far, m/(N s), 1."""
 SPOT = 1e-3
 """m between points of the map of hardness."""
 PASSES = 12
@@ -42,17 +24,16 @@ class Cut(NamedTuple):
     """All arrays of a cut.
 
     `origin` (3,), `distance`, `grid`, `state`, `queue`, `width`, `found`, `around` as in `milling_kernel.Cut`; `spots`
-    (rows, columns), how hard the block is, 1; `law`, `wobble`, `given`, `mode`, `ringing`, `hanging` as in
+    (rows, columns), how hard the block is, 1; `wobble`, `given`, `mode`, `ringing`, `hanging` as in
     `tooth_kernel`.  `hard` (BINS,) is room.  `past` (parts, 3) has where the tool was, m, in a ring; `motion` (3, 3)
     where the robot held it (m), the force told last, and the force pulled now (N); `turns` (SPAN, 12) the last samples'
-    force on the robot, moment, force of the teeth, and place; `kept` (KEPT,).
+    force on the robot, moment, force of the teeth, and place; `kept` of one `KEPT`.
     """
 
     origin: np.ndarray
     distance: np.ndarray
     grid: np.ndarray
     spots: np.ndarray
-    law: np.ndarray
     wobble: np.ndarray
     around: np.ndarray
     given: np.ndarray
@@ -71,7 +52,7 @@ class Cut(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def hardness_at(x, y, spots):  # type: ignore[no-untyped-def]
+def hardness_at(x: float, y: float, spots: np.ndarray) -> float:
     """Return how hard the block is at a place, m from its middle."""
     rows, columns = spots.shape
     u = min(max(x / SPOT + 0.5 * (columns - 1), 0.0), columns - 1.001)
@@ -79,13 +60,14 @@ def hardness_at(x, y, spots):  # type: ignore[no-untyped-def]
     i, j = int(v), int(u)
     u, v = u - j, v - i
     low = (1.0 - u) * spots[i, j] + u * spots[i, j + 1]
-    return (1.0 - v) * low + v * ((1.0 - u) * spots[i + 1, j] + u * spots[i + 1, j + 1])
+    return float((1.0 - v) * low + v * ((1.0 - u) * spots[i + 1, j] + u * spots[i + 1, j + 1]))
 
 
 @njit(cache=True, nogil=True)
-def _harden(at, along, cut):  # type: ignore[no-untyped-def]
+def _harden(at: np.ndarray, along: np.ndarray, cut: Cut) -> None:
     """Fill `cut.hard` where there is material: its map, and more across the fibres along x."""
-    radius, across = cut.given[RADIUS], 1.0 + cut.given[ACROSS] * along[1] * along[1]
+    given = cut.given[0]
+    radius, across = given.radius, 1.0 + given.across * along[1] * along[1]
     for j in range(BINS):
         if cut.width[j, 0] != 0.0:
             x, y = at[0] + radius * cut.around[j, 0], at[1] + radius * cut.around[j, 1]
@@ -93,11 +75,11 @@ def _harden(at, along, cut):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _recall(cut, before):  # type: ignore[no-untyped-def]
+def _recall(cut: Cut, before: np.ndarray) -> None:
     """Fill `before` (PASSES, 3) with where the tool was as each tooth before stood where this one does."""
-    length, part = cut.past.shape[0], cut.kept[PART]
+    length, part, tooth = cut.past.shape[0], cut.kept[0].part, cut.given[0].tooth
     for back in range(before.shape[0]):
-        when = part - (back + 1) * cut.given[TOOTH]
+        when = part - (back + 1) * tooth
         whole = math.floor(when)
         share = when - whole
         low, high = int(max(whole, 0.0)) % length, int(max(whole + 1.0, 0.0)) % length
@@ -106,28 +88,33 @@ def _recall(cut, before):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _sample(last, share, free, cut, stiff, is_held, room, means):  # type: ignore[no-untyped-def]
+def _sample(
+    last: int,
+    share: float,
+    free: np.ndarray,
+    cut: Cut,
+    stiff: np.ndarray,
+    is_held: bool,
+    room: tuple[np.ndarray, ...],
+    means: np.ndarray,
+) -> None:
     """Go on by a sample part by part; fill `means` (9,) with force on the robot, moment, and force of the teeth."""
     here, before, push = room
-    given, kept, pulled = cut.given, cut.kept, cut.motion[2]
-    parts, depth = int(given[PARTS]), 0.0
+    given, kept, pulled = cut.given[0], cut.kept[0], cut.motion[2]
+    parts, edges = given.parts, (cut.around, cut.width, cut.hard)
     means[:] = 0.0
     for part in range(parts):
         for r in range(3):  # halfway through the part over which the force is held
             here[r] = cut.motion[0, r] + (free[r] - cut.motion[0, r]) * (part + 0.5) / parts
-            here[r] += cut.hanging[PLACE, r] + 0.5 * given[PERIOD] * cut.hanging[SPEED, r]
+            here[r] += cut.hanging[PLACE, r] + 0.5 * given.period * cut.hanging[SPEED, r]
         for r in range(2):
-            here[r] += cut.ringing[PLACE, r] + 0.5 * given[PERIOD] * cut.ringing[SPEED, r]
-        kept[PART] += 1.0
-        cut.past[int(kept[PART]) % cut.past.shape[0]] = here
+            here[r] += cut.ringing[PLACE, r] + 0.5 * given.period * cut.ringing[SPEED, r]
+        kept.part += 1.0
+        cut.past[int(kept.part) % cut.past.shape[0]] = here
         _recall(cut, before)
-        depth = -here[2]
-        turn(
-            kept[ANGLE], depth, last, cut.grid[LAYER], here, before, cut.around, cut.width, cut.hard, cut.law,
-            cut.wobble, given, push,
-        )  # fmt: skip
+        turn(kept.angle, last, here, before, edges, cut.wobble, given, push)
         if share > 0.0:
-            sink(share, hardness_at(here[0], here[1], cut.spots), here, before, cut.law, given, push)
+            sink(share, hardness_at(here[0], here[1], cut.spots), here, before, given, push)
         ring(push, cut.mode, cut.ringing)
         if is_held:
             lean(push, stiff, given, cut.hanging, pulled)
@@ -137,45 +124,55 @@ def _sample(last, share, free, cut, stiff, is_held, room, means):  # type: ignor
             means[r] += pulled[r] / parts
             means[3 + r] += push[3 + r] / parts
             means[6 + r] += push[r] / parts
-        kept[ANGLE] = (kept[ANGLE] + given[TURN]) % (2.0 * math.pi)
+        kept.angle = (kept.angle + given.turn) % (2.0 * math.pi)
 
 
 @njit(cache=True, nogil=True)
-def _tell(at, done, cut, means, turned):  # type: ignore[no-untyped-def]
+def _tell(at: np.ndarray, done: int, cut: Cut, means: np.ndarray, turned: np.ndarray) -> None:
     """Note a sample; fill `means` with the mean over a turn where that is told, and renew kappa and beta.
 
     `turned` (9,) is room.
     """
-    span = cut.turns.shape[0]
+    given, kept, span = cut.given[0], cut.kept[0], cut.turns.shape[0]
     row = cut.turns[done % span]
     along, across = at[0] - row[9], at[1] - row[10]  # since a turn ago
     row[:9], row[9:] = means, at
-    turned[:], length = 0.0, min(done + 1.0, cut.given[SPAN])
+    turned[:], length = 0.0, min(done + 1.0, given.span)
     for back in range(min(done + 1, span)):
         weight = min(1.0, length - back) / length
         for r in range(9):
             turned[r] += weight * cut.turns[(done - back) % span, r]
-    if cut.given[AVERAGED] > 0.0:
+    if given.averaged:
         means[:] = turned
     way = math.hypot(along, across)
-    speed = way / (span * cut.given[PARTS] * cut.given[PERIOD])
+    speed = way / (span * given.parts * given.period)
     if done >= span and speed > SLOWEST:
         along, across = along / way, across / way
         against = -(turned[6] * along + turned[7] * across)
         if against > LEAST:
-            cut.kept[KAPPA] = speed / against
-            cut.kept[BETA] = (-turned[6] * across + turned[7] * along) / against
+            kept.kappa = speed / against
+            kept.beta = (-turned[6] * across + turned[7] * along) / against
 
 
 @njit(cache=True, nogil=True)
-def run(tool, give, force, moment, teeth_force, kappa, beta, cut):  # type: ignore[no-untyped-def]
+def run(
+    tool: np.ndarray,
+    give: np.ndarray,
+    force: np.ndarray,
+    moment: np.ndarray,
+    teeth_force: np.ndarray,
+    kappa: np.ndarray,
+    beta: np.ndarray,
+    cut: Cut,
+) -> None:
     """Run one frame; signals as in `ToothCutPlant.run`."""
     at, free, stiff, along = np.empty(3), np.empty(3), np.zeros((3, 3)), np.zeros(2)
     means, turned = np.empty(9), np.empty(9)
     room = np.empty(3), np.empty((PASSES, 3)), np.empty(6)
     held, told = cut.motion[0], cut.motion[1]
+    given, grid, state, kept = cut.given[0], cut.grid[0], cut.state[0], cut.kept[0]
     for n in range(tool.shape[0]):
-        done = int(cut.state[DONE])
+        done = state.done
         is_held = stiffness_of(give[n], stiff)
         for r in range(3):  # less what the robot gives way by now
             free[r] = tool[n, r] - cut.origin[r]
@@ -192,17 +189,17 @@ def run(tool, give, force, moment, teeth_force, kappa, beta, cut):  # type: igno
         way = math.hypot(free[0] - held[0], free[1] - held[1])
         if way > 0.0:
             along[0], along[1] = (free[0] - held[0]) / way, (free[1] - held[1]) / way
-        take(at, cut.distance, cut.grid, cut.given, cut.state, cut.queue)
-        last = engage(at, cut.around, cut.distance, cut.grid, cut.given, cut.found, cut.width)
+        take(at, cut.distance, grid, given, state, cut.queue)
+        last = engage(at, cut.around, cut.distance, grid, given, cut.found, cut.width)
         _harden(at, along, cut)
         share = 0.0
-        if held[2] - free[2] > cut.given[DISH] * way:
-            share = touching_share(at, cut.around, cut.distance, cut.grid, cut.given, cut.found)
+        if held[2] - free[2] > given.dish * way:
+            share = touching_share(at, cut.around, cut.distance, grid, given, cut.found)
         _sample(last, share, free, cut, stiff, is_held, room, means)
         held[:] = free
         _tell(at, done, cut, means, turned)
         for r in range(3):
             told[r] = force[n, r] = means[r]
             moment[n, r], teeth_force[n, r] = means[3 + r], means[6 + r]
-        kappa[n, 0], beta[n, 0] = cut.kept[KAPPA], cut.kept[BETA]
-        cut.state[DONE] += 1.0
+        kappa[n, 0], beta[n, 0] = kept.kappa, kept.beta
+        state.done = done + 1

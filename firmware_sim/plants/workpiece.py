@@ -4,6 +4,8 @@ from math import ceil
 
 import numpy as np
 
+from firmware_sim.plants.workpiece_kernel import GRID
+
 LARGEST = 2e7
 """Points of a block."""
 
@@ -23,4 +25,4 @@ def fresh_block(
     x, y = (np.arange(-n, n + 1) * cell for n in (columns, rows))
     away = np.minimum(0.5 * length - np.abs(x)[None, :], 0.5 * width - np.abs(y)[:, None])
     distance = np.repeat(away[:, :, None].astype(np.float32), layers, axis=2)
-    return distance, np.array([cell, thickness / layers, columns * cell, rows * cell])
+    return distance, np.array([(cell, thickness / layers, columns * cell, rows * cell)], GRID)

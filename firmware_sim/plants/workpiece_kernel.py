@@ -10,8 +10,18 @@ import math
 import numpy as np
 from numba import njit
 
-CELL, LAYER, LEFT, LOW, SIZES = range(5)
-"""Of `grid`: m between points, m of a layer, m from the first point to the block's middle along x and y."""
+from firmware_sim.plants.record import Record
+
+GRID = np.dtype(
+    [
+        # m
+        ("cell", "f8"),  # between points
+        ("layer", "f8"),  # of a layer
+        ("left", "f8"),  # from the first point to the block's middle along x
+        ("low", "f8"),  # and along y
+    ],
+    align=True,
+)
 RIM = 2.0
 """Points' distances to either side of the tool's flank that are renewed."""
 
@@ -23,28 +33,30 @@ def swept_layers(tip: float, layer: float, layers: int) -> int:
 
 
 @njit(cache=True, nogil=True)
-def sweep(distance, grid, x, y, radius, first, last, whole):  # type: ignore[no-untyped-def]
+def sweep(
+    distance: np.ndarray, grid: Record, x: float, y: float, radius: float, first: int, last: int, whole: bool
+) -> None:
     """Take the tool at (x, y) out of layers `first` to `last`: all of it where `whole`, else near its flank.
 
     `distance` has shape (rows along y, columns along x, layers).
     """
-    cell = grid[CELL]
+    cell = grid.cell
     outer = radius + RIM * cell
     inner = 0.0 if whole else radius - RIM * cell
     rows, columns = distance.shape[0], distance.shape[1]
-    low = max(math.ceil((y - outer + grid[LOW]) / cell), 0)
-    high = min(math.floor((y + outer + grid[LOW]) / cell), rows - 1)
+    low = max(math.ceil((y - outer + grid.low) / cell), 0)
+    high = min(math.floor((y + outer + grid.low) / cell), rows - 1)
     for row in range(low, high + 1):
-        across = row * cell - grid[LOW] - y
+        across = row * cell - grid.low - y
         reach = math.sqrt(max(outer * outer - across * across, 0.0))
         hole = math.sqrt(max(inner * inner - across * across, 0.0))
-        left = max(math.ceil((x - reach + grid[LEFT]) / cell), 0)
-        right = min(math.floor((x + reach + grid[LEFT]) / cell), columns - 1)
+        left = max(math.ceil((x - reach + grid.left) / cell), 0)
+        right = min(math.floor((x + reach + grid.left) / cell), columns - 1)
         column = left
         while column <= right:
-            along = column * cell - grid[LEFT] - x
+            along = column * cell - grid.left - x
             if abs(along) < hole:  # on to the other side
-                column = max(column + 1, math.ceil((x + hole + grid[LEFT]) / cell))
+                column = max(column + 1, math.ceil((x + hole + grid.left) / cell))
                 continue
             away = np.float32(math.sqrt(along * along + across * across) - radius)
             for k in range(first, last):
@@ -53,9 +65,9 @@ def sweep(distance, grid, x, y, radius, first, last, whole):  # type: ignore[no-
 
 
 @njit(cache=True, nogil=True)
-def look(distance, grid, x, y, first, last, found):  # type: ignore[no-untyped-def]
+def look(distance: np.ndarray, grid: Record, x: float, y: float, first: int, last: int, found: np.ndarray) -> None:
     """Fill `found` (layers,) with layers `first` to `last` of the distance at (x, y), m; below zero beside the grid."""
-    u, v = (x + grid[LEFT]) / grid[CELL], (y + grid[LOW]) / grid[CELL]
+    u, v = (x + grid.left) / grid.cell, (y + grid.low) / grid.cell
     column, row = math.floor(u), math.floor(v)
     if column < 0 or row < 0 or column >= distance.shape[1] - 1 or row >= distance.shape[0] - 1:
         for k in range(first, last):
