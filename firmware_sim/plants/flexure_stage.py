@@ -178,33 +178,28 @@ def _arrays(stage: FlexureStage, rate: float) -> kernel.Stage:
     """Return the kernel's arrays, at rest at the lowest voltages."""
     elements = max(len(stack.hysteresis.threshold) for stack in stage.stacks)
     terms = max(len(stack.creep.rate) for stack in stage.stacks)
-    axes, creep = np.zeros((3, kernel.AXIS)), np.zeros((3, 2, terms))
-    hysteresis, threshold, weight = np.zeros((3, 5)), np.zeros((3, elements)), np.zeros((3, elements))
-    guides, memory = np.zeros((3, hysteresis_kernel.GUIDE)), np.zeros((3, kernel.MEMORY))
+    axes, creep = np.zeros(3, kernel.AXIS), np.zeros((3, 2, terms))
+    threshold, weight = np.zeros((3, elements)), np.zeros((3, elements))
+    axes["step"], axes["residual"] = 1.0 / rate, stage.modes.residual
     for axis, stack in enumerate(stage.stacks):
-        low, high = stack.voltage
-        law, crept = stack.hysteresis, stack.creep
-        poles = _low_pass(stack.amplifier, rate)[0], *_low_pass(stack.lag, rate)
-        residual = stage.modes.residual[axis]
-        axes[axis] = (
-            low, high - low, *poles, stack.slew / rate, law.kind, stack.curvature, crept.direct, stack.stroke, residual,
-            1.0 / rate,
-        )  # fmt: skip
-        hysteresis[axis] = law.numbers
+        own, (low, high), law, crept = axes[axis], stack.voltage, stack.hysteresis, stack.creep
+        own["low"], own["reach"], own["slew"] = low, high - low, stack.slew / rate
+        own["amplifier"], (own["lag"], own["lag_now"]) = _low_pass(stack.amplifier, rate)[0], _low_pass(stack.lag, rate)
+        own["kind"], own["curve"], own["at_once"], own["stroke"] = law.kind, stack.curvature, crept.direct, stack.stroke
+        own["hysteresis"] = law.numbers
         if law.kind == hysteresis_kernel.MAXWELL_SLIP:
-            hysteresis[axis, hysteresis_kernel.RESISTANCE] *= rate
+            own["hysteresis"][hysteresis_kernel.RESISTANCE] *= rate
         threshold[axis, : len(law.threshold)], weight[axis, : len(law.weight)] = law.threshold, law.weight
         creep[axis, :, : len(crept.rate)] = -np.expm1(-crept.rate / rate), crept.share
     for axis, guide in enumerate(stage.guides):
-        guides[axis] = guide.bristle, guide.loss, guide.viscous, guide.coulomb, guide.stiction, guide.stribeck
+        axes["guide"][axis] = guide.bristle, guide.loss, guide.viscous, guide.coulomb, guide.stiction, guide.stribeck
     rng = np.random.default_rng([stage.seed, 3])
     return kernel.Stage(
-        axes=axes, hysteresis=hysteresis, threshold=threshold, weight=weight, guides=guides, creep=creep,
-        table=_table(stage.modes, rate), sensors=_sensors(stage, rate), memory=memory,
-        elements=np.zeros((3, elements)), bristle=np.zeros(3), crept=np.zeros((3, terms)),
-        motion=np.zeros((2, len(stage.modes.frequency))), filters=np.zeros((3, 3, 3)),
-        line=np.zeros((stage.delay + 1, 6)), late=np.zeros((stage.laser_delay + 1, 3)),
-        ends=np.zeros(2, np.int64), laser=np.array([min(stage.laser_rate / rate, 1.0), 0.0]), shown=np.zeros(3),
+        axes=axes, threshold=threshold, weight=weight, creep=creep, table=_table(stage.modes, rate),
+        sensors=_sensors(stage, rate), elements=np.zeros((3, elements)), crept=np.zeros((3, terms)),
+        motion=np.zeros((2, len(stage.modes.frequency))), line=np.zeros((stage.delay + 1, 6)),
+        late=np.zeros((stage.laser_delay + 1, 3)),
+        lines=np.array([(0, 0, min(stage.laser_rate / rate, 1.0), 0.0)], kernel.LINES),
         random=rng.integers(1, 2**63, 1, np.uint64),
     )  # fmt: skip
 
@@ -229,10 +224,9 @@ def _table(modes: Modes, rate: float) -> np.ndarray:
 
 
 def _sensors(stage: FlexureStage, rate: float) -> np.ndarray:
-    """Return the kernel's table of sensors, shape (3, 3, SENSOR)."""
-    table = np.zeros((3, 3, kernel.SENSOR))
-    for sensor, each in enumerate((stage.gauge, stage.capacitive, stage.laser)):
-        table[sensor, :, :4] = each.noise, each.step, *each.range
-        table[sensor, :, kernel.GAIN] = each.gain
-        table[sensor, :, [kernel.FILTER, kernel.NOW]] = np.array(_low_pass(each.corner, rate))[:, None]
+    """Return the kernel's table of sensors, shape (3, 3)."""
+    table = np.zeros((3, 3), kernel.SENSOR)
+    for row, each in zip(table, (stage.gauge, stage.capacitive, stage.laser), strict=True):
+        row["rms"], row["resolution"], (row["bottom"], row["top"]) = each.noise, each.step, each.range
+        row["gain"], (row["filter"], row["now"]) = each.gain, _low_pass(each.corner, rate)
     return table

@@ -9,6 +9,7 @@ from firmware_sim.plants.flush_kernel import flushed
 from firmware_sim.plants.hysteresis_kernel import (
     BOUC_WEN,
     COULOMB,
+    GUIDE,
     MAXWELL_SLIP,
     PLAYS,
     SLOPE,
@@ -19,48 +20,73 @@ from firmware_sim.plants.hysteresis_kernel import (
 )
 from firmware_sim.plants.noise_kernel import NOISE_SCALE, four_uniforms
 
-LOW, RANGE, AMPLIFIER, LAG, LAG_NOW, SLEW, KIND, CURVE, AT_ONCE, STROKE, RESIDUAL, STEP, AXIS = range(13)
-"""Of an axis: V, V, poles of amplifier and lag, what the lag takes of the newest, V a sample, kind, 1, creep that comes
-at once, m, what of the expansion shows on the gauge beside the modes, s."""
-RMS, RESOLUTION, BOTTOM, TOP, GAIN, FILTER, NOW, SENSOR = range(8)
-"""Of a sensor: m rms, m, m, m, 1, the pole of each of its two low-passes, and what they take of the newest."""
-ASKED, LAGGED, USED, STATE, EXPANDED, MEMORY = range(6)
-"""Of an axis' `memory`: V behind amplifier and lag, the voltage as part of its range, h or charge, m."""
-CYCLES, PHASE, LASER = range(3)
-"""Of `laser`: its cycles a sample, and where it is between two."""
+AXIS = np.dtype(
+    [
+        ("low", "f8"),  # V
+        ("reach", "f8"),  # V, from there to the highest
+        ("amplifier", "f8"),  # its pole
+        ("lag", "f8"),  # its pole
+        ("lag_now", "f8"),  # what it takes of the newest
+        ("slew", "f8"),  # V a sample
+        ("kind", "i8"),  # of hysteresis
+        ("curve", "f8"),  # 1
+        ("at_once", "f8"),  # creep that comes at once, 1
+        ("stroke", "f8"),  # m
+        ("residual", "f8"),  # what of the expansion shows on the gauge beside the modes
+        ("step", "f8"),  # s
+        ("hysteresis", "f8", 5),  # numbers of its law
+        ("guide", "f8", GUIDE),  # no guide where COULOMB is 0
+        # state
+        ("asked", "f8"),  # V behind the amplifier
+        ("lagged", "f8"),  # V behind the lag
+        ("used", "f8"),  # that as part of its range
+        ("state", "f8"),  # h or charge
+        ("expanded", "f8"),  # m
+        ("bristle", "f8"),  # m, of the guide
+        ("shown", "f8"),  # m, by the laser
+    ],
+    align=True,
+)
+SENSOR = np.dtype(
+    [
+        # m
+        ("rms", "f8"),
+        ("resolution", "f8"),
+        ("bottom", "f8"),
+        ("top", "f8"),
+        ("gain", "f8"),  # 1
+        ("filter", "f8"),  # the pole of each of its two low-passes
+        ("now", "f8"),  # what they take of the newest
+        ("states", "f8", 3),  # m, of the low-passes
+    ],
+    align=True,
+)
+LINES = np.dtype([("at", "i8"), ("later", "i8"), ("cycles", "f8"), ("phase", "f8")], align=True)
+"""Where both lines are written; the laser's cycles a sample, and where it is between two."""
 
 
 class Stage(NamedTuple):
     """All arrays of a stage.
 
-    `axes` (3, AXIS), columns as above; `hysteresis` (3, 5), `threshold`, `weight` (3, elements), their numbers;
-    `guides` (3, GUIDE), no guide where COULOMB is 0; `creep` (3, 2, terms), parts of a sample and shares; `table` (17,
-    modes): q' = a q + b v + e F, v' = c q + d v + b F as a b c d e, what stacks and forces do to the modes, what those
-    do to stacks and plate; `sensors` (3, 3, SENSOR) of gauge, plate and laser, each axis.  State: `memory` (3, MEMORY),
-    `elements` (3, elements), `bristle` (3,), `crept` (3, terms), `motion` (2, modes), `filters` (3, 3, 3), `line`
-    (delay + 1, 6), `late` (laser's delay + 1, 3), `ends` (2,), where both are written, `laser` (LASER,), `shown` (3,),
-    `random` (1,).
+    `axes` (3,) of `AXIS`; `threshold`, `weight` (3, elements), numbers of their hysteresis; `creep` (3, 2, terms),
+    parts of a sample and shares; `table` (17, modes): q' = a q + b v + e F, v' = c q + d v + b F as a b c d e, what
+    stacks and forces do to the modes, what those do to stacks and plate; `sensors` (3, 3) of `SENSOR`: gauge, plate and
+    laser, each axis.  State: `elements` (3, elements), `crept` (3, terms), `motion` (2, modes), `line` (delay + 1, 6),
+    `late` (laser's delay + 1, 3), `lines` of one `LINES`, `random` (1,).
     """
 
     axes: np.ndarray
-    hysteresis: np.ndarray
     threshold: np.ndarray
     weight: np.ndarray
-    guides: np.ndarray
     creep: np.ndarray
     table: np.ndarray
     sensors: np.ndarray
-    memory: np.ndarray
     elements: np.ndarray
-    bristle: np.ndarray
     crept: np.ndarray
     motion: np.ndarray
-    filters: np.ndarray
     line: np.ndarray
     late: np.ndarray
-    ends: np.ndarray
-    laser: np.ndarray
-    shown: np.ndarray
+    lines: np.ndarray
     random: np.ndarray
 
 
@@ -73,33 +99,33 @@ def low_passed(state: float, before: float, now: float, pole: float, newest: flo
 @njit(cache=True, nogil=True)
 def expand(axis: int, voltage: float, stage: Stage) -> float:
     """Return a stack's free expansion, m, halfway through a sample over which `voltage` (V) is asked for."""
-    given, memory = stage.axes[axis], stage.memory[axis]
-    asked = min(max(voltage - given[LOW], 0.0), given[RANGE])
-    step = min(max((1.0 - given[AMPLIFIER]) * (asked - memory[ASKED]), -given[SLEW]), given[SLEW])
-    amplified = flushed(memory[ASKED] + step)
-    memory[LAGGED] = low_passed(memory[LAGGED], memory[ASKED], amplified, given[LAG], given[LAG_NOW])
-    memory[ASKED] = amplified
-    before, now = memory[USED], memory[LAGGED] / given[RANGE]
-    memory[USED] = now
-    elements, numbers = stage.elements[axis], stage.hysteresis[axis]
+    own = stage.axes[axis]
+    asked = min(max(voltage - own.low, 0.0), own.reach)
+    step = min(max((1.0 - own.amplifier) * (asked - own.asked), -own.slew), own.slew)
+    amplified = flushed(own.asked + step)
+    own.lagged = low_passed(own.lagged, own.asked, amplified, own.lag, own.lag_now)
+    own.asked = amplified
+    before, now = own.used, own.lagged / own.reach
+    own.used = now
+    elements, numbers = stage.elements[axis], own.hysteresis
     fast = numbers[SLOPE] * now
-    if given[KIND] == BOUC_WEN:
-        memory[STATE] = bouc_wen(before, now, memory[STATE], numbers)
-        fast -= memory[STATE]
-    elif given[KIND] == PLAYS:
+    if own.kind == BOUC_WEN:
+        own.state = bouc_wen(before, now, own.state, numbers)
+        fast -= own.state
+    elif own.kind == PLAYS:
         fast += plays(now, elements, stage.threshold[axis], stage.weight[axis])
-    elif given[KIND] == MAXWELL_SLIP:
+    elif own.kind == MAXWELL_SLIP:
         limit, stiff = stage.threshold[axis], stage.weight[axis]
-        memory[STATE] = charge(before, now, memory[STATE], elements, limit, stiff, numbers)
-        fast = numbers[SLOPE] * memory[STATE]
-    fast += 4.0 * given[CURVE] * fast * (1.0 - fast)
+        own.state = charge(before, now, own.state, elements, limit, stiff, numbers)
+        fast = numbers[SLOPE] * own.state
+    fast += 4.0 * own.curve * fast * (1.0 - fast)
     crept, creep = stage.crept[axis], stage.creep[axis]
-    total = (1.0 + given[AT_ONCE]) * fast
+    total = (1.0 + own.at_once) * fast
     for i in range(crept.shape[0]):
         crept[i] = flushed(crept[i] + creep[0, i] * (fast - crept[i]))
         total += creep[1, i] * crept[i]
-    before, memory[EXPANDED] = memory[EXPANDED], given[STROKE] * total
-    return float(0.5 * (before + memory[EXPANDED]))
+    before, own.expanded = own.expanded, own.stroke * total
+    return float(0.5 * (before + own.expanded))
 
 
 @njit(cache=True, nogil=True)
@@ -118,22 +144,24 @@ def _push(given: np.ndarray, stage: Stage, force: np.ndarray) -> None:
     """Fill `force` (3,), N, on the plate: what is `given`, less the friction of its guides."""
     for axis in range(3):
         force[axis] = given[axis]
-        numbers = stage.guides[axis]
+        own = stage.axes[axis]
+        numbers = own.guide
         if numbers[COULOMB] == 0.0:
             continue
         speed = 0.0
         for m in range(stage.motion.shape[1]):
             speed += stage.table[14 + axis, m] * stage.motion[1, m]
-        drag, stage.bristle[axis] = bristles(speed, stage.axes[axis, STEP], stage.bristle[axis], numbers)
+        drag, own.bristle = bristles(speed, own.step, own.bristle, numbers)
         force[axis] -= drag
 
 
 @njit(cache=True, nogil=True)
 def _filtered(sensor: int, axis: int, value: float, stage: Stage) -> float:
     """Return what a sensor's two low-passes make of a value, m."""
-    states, given = stage.filters[sensor, axis], stage.sensors[sensor, axis]
-    first = low_passed(states[1], states[0], value, given[FILTER], given[NOW])
-    states[2] = low_passed(states[2], states[1], first, given[FILTER], given[NOW])
+    given = stage.sensors[sensor, axis]
+    states = given.states
+    first = low_passed(states[1], states[0], value, given.filter, given.now)
+    states[2] = low_passed(states[2], states[1], first, given.filter, given.now)
     states[0], states[1] = value, first
     return float(states[2])
 
@@ -142,8 +170,8 @@ def _filtered(sensor: int, axis: int, value: float, stage: Stage) -> float:
 def _read(sensor: int, axis: int, value: float, stage: Stage) -> float:
     """Return what a sensor shows of a value, m: its gain, noise, range and steps."""
     given = stage.sensors[sensor, axis]
-    noisy = given[GAIN] * value + given[RMS] * NOISE_SCALE * four_uniforms(stage.random)
-    return float(given[RESOLUTION] * np.rint(min(max(noisy, given[BOTTOM]), given[TOP]) / given[RESOLUTION]))
+    noisy = given.gain * value + given.rms * NOISE_SCALE * four_uniforms(stage.random)
+    return float(given.resolution * np.rint(min(max(noisy, given.bottom), given.top) / given.resolution))
 
 
 @njit(cache=True, nogil=True)
@@ -158,14 +186,15 @@ def run(
 ) -> None:
     """Run one frame: `voltage` (V), `force` (N), `base` (m) in, the others (m) out, (frames, 3) each."""
     expansion, pushed = np.empty(3), np.empty(3)
-    at, later = stage.ends[0], stage.ends[1]
+    lines = stage.lines[0]
+    at, later = lines.at, lines.later
     for n in range(voltage.shape[0]):
         for axis in range(3):
             expansion[axis] = expand(axis, voltage[n, axis], stage)
         _push(force[n], stage, pushed)
         _move(expansion, pushed, stage.motion, stage.table)
         for axis in range(3):
-            stack = stage.axes[axis, RESIDUAL] * stage.memory[axis, EXPANDED]
+            stack = stage.axes[axis].residual * stage.axes[axis].expanded
             plate = 0.0
             for m in range(stage.motion.shape[1]):
                 stack += stage.table[11 + axis, m] * stage.motion[0, m]
@@ -175,13 +204,13 @@ def run(
             stage.late[later, axis] = _filtered(2, axis, plate + base[n, axis], stage)
         at = at + 1 if at + 1 < stage.line.shape[0] else 0
         later = later + 1 if later + 1 < stage.late.shape[0] else 0
-        stage.laser[PHASE] += stage.laser[CYCLES]
-        fires = stage.laser[PHASE] >= 1.0
-        stage.laser[PHASE] -= 1.0 if fires else 0.0
+        lines.phase += lines.cycles
+        fires = lines.phase >= 1.0
+        lines.phase -= 1.0 if fires else 0.0
         for axis in range(3):  # the oldest is shown
             extension[n, axis] = _read(0, axis, stage.line[at, axis], stage)
             position[n, axis] = _read(1, axis, stage.line[at, 3 + axis], stage)
             if fires:
-                stage.shown[axis] = _read(2, axis, stage.late[later, axis], stage)
-            absolute[n, axis] = stage.shown[axis]
-    stage.ends[0], stage.ends[1] = at, later
+                stage.axes[axis].shown = _read(2, axis, stage.late[later, axis], stage)
+            absolute[n, axis] = stage.axes[axis].shown
+    lines.at, lines.later = at, later
