@@ -120,10 +120,10 @@ class ManipulatorPairPlant:
         own["fastest"], own["inner"], own["limit"] = macro.speed * step, micro.inner_gain, micro.limit
         own["process"], own["lag"], own["stop"] = micro.process_gain * step, np.exp(-step / micro.lag), micro.stop
         own["share"], own["disturbed"], own["disturbance"] = micro.share, round(disturbed_at * rate), disturbance
-        own["mode"], own["noise"] = _mode(micro.mode, micro.damping, step), pair.noise
         self._arrays = kernel.Pair(
-            own=own, arm=arm, gains=np.array([[round(time * rate), gain] for time, gain in gains]).reshape(-1, 2),
-            line=np.zeros(round(macro.dead_time / step) + 1), moved=np.zeros(len(arm)),
+            own=own, arm=arm, mode=_mode(micro.mode, micro.damping, step), noise=np.array(pair.noise),
+            gains=np.array([[round(time * rate), gain] for time, gain in gains]).reshape(-1, 2),
+            line=np.zeros(round(macro.dead_time / step) + 1), moved=np.zeros(len(arm)), ringing=np.zeros(2),
         )  # fmt: skip
         self._random = np.random.default_rng([pair.seed, 4])
 

@@ -22,8 +22,6 @@ OWN = np.dtype(
         ("share", "f8"),  # 1
         ("disturbed", "f8"),  # samples
         ("disturbance", "f8"),  # m
-        ("mode", "f8", (2, 3)),  # the micro's own, x' = A x + B u, as A and B
-        ("noise", "f8", 3),  # m, of relative, fast and slow
         # state
         ("done", "i8"),  # samples
         ("at", "i8"),  # where the line is written
@@ -33,7 +31,6 @@ OWN = np.dtype(
         ("planned", "f8"),
         ("speed", "f8"),  # m/s
         ("place", "f8"),  # m
-        ("ringing", "f8", 2),  # m and m/s
     ],
     align=True,
 )
@@ -43,15 +40,19 @@ OWN = np.dtype(
 class Pair(NamedTuple):
     """All arrays of a pair.
 
-    `own` of one `OWN`; `arm` (n, n + 2), the macro manipulator's x' = A x + B u, y = C x as A, B and C; `gains` (n, 2),
-    samples and times; state: `line` (dead time + 1,), m, and `moved` (n,).
+    `own` of one `OWN`; `arm` (n, n + 2), the macro manipulator's x' = A x + B u, y = C x as A, B and C; `mode` (2, 3),
+    the micro's own as A and B; `noise` (3,), m of relative, fast and slow; `gains` (n, 2), samples and times; state:
+    `line` (dead time + 1,), m, `moved` (n,), `ringing` (2,), m and m/s.
     """
 
     own: np.ndarray
     arm: np.ndarray
+    mode: np.ndarray
+    noise: np.ndarray
     gains: np.ndarray
     line: np.ndarray
     moved: np.ndarray
+    ringing: np.ndarray
 
 
 @njit(cache=True, nogil=True)
@@ -86,15 +87,14 @@ def _move(asked: float, pair: Pair, room: np.ndarray) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _seen(own: Record) -> float:
+def _seen(own: Record, ringing: np.ndarray) -> float:
     """Return the micro manipulator's place, m, its mode in it."""
-    return float((1.0 - own.share) * own.place + own.share * own.ringing[0])
+    return float((1.0 - own.share) * own.place + own.share * ringing[0])
 
 
 @njit(cache=True, nogil=True)
-def _drive(signal: float, gain: float, own: Record) -> None:
+def _drive(signal: float, gain: float, own: Record, mode: np.ndarray, ringing: np.ndarray) -> None:
     """Move the micro manipulator on by a step under a control signal, m/s."""
-    ringing, mode = own.ringing, own.mode
     limited = min(max(signal, -own.limit), own.limit)
     before = own.speed
     own.speed = flushed(own.lag * before + (1.0 - own.lag) * limited)
@@ -111,20 +111,20 @@ def _drive(signal: float, gain: float, own: Record) -> None:
 def run(asked: tuple[np.ndarray, ...], shown: tuple[np.ndarray, ...], pair: Pair, random: np.random.Generator) -> None:
     """Run one frame; signals as in `ManipulatorPairPlant.run`, (frames,) each."""
     (wanted, slow_wanted), (relative, fast, slow, control, position) = asked, shown
-    own, room = pair.own[0], np.empty(pair.moved.shape[0])
+    own, ringing, room = pair.own[0], pair.ringing, np.empty(pair.moved.shape[0])
     for n in range(wanted.shape[0]):
         done = own.done
         gain, place = 1.0, 0.0
         for row in range(pair.gains.shape[0]):
             if done >= pair.gains[row, 0]:
                 gain = pair.gains[row, 1]
-        control[n] = own.inner * (wanted[n] - _seen(own))
+        control[n] = own.inner * (wanted[n] - _seen(own, ringing))
         for _ in range(own.steps):
-            _drive(own.inner * (wanted[n] - _seen(own)), gain, own)
+            _drive(own.inner * (wanted[n] - _seen(own, ringing)), gain, own, pair.mode, ringing)
             place = _move(_guide(slow_wanted[n], own, pair.line), pair, room)
         own.done += 1
-        near = _seen(own)
+        near = _seen(own, ringing)
         position[n] = near + place + (own.disturbance if own.done >= own.disturbed else 0.0)
-        relative[n] = position[n] + own.noise[0] * random.standard_normal()
-        fast[n] = near + own.noise[1] * random.standard_normal()
-        slow[n] = place + own.noise[2] * random.standard_normal()
+        relative[n] = position[n] + pair.noise[0] * random.standard_normal()
+        fast[n] = near + pair.noise[1] * random.standard_normal()
+        slow[n] = place + pair.noise[2] * random.standard_normal()
