@@ -33,7 +33,19 @@ CHANNEL = np.dtype([("last", "f8"), ("mean", "f8"), ("faded", "f8")], align=True
 
 
 def set_up(guard: np.ndarray, limits: Limits, rate: float) -> np.ndarray:
-    """Set the bounds of one `GUARD`, and return the ramp's gains, from 0 to exactly 1."""
+    """Set a guard's bounds.
+
+    Parameters
+    ----------
+    guard : array, shape (1,), of `GUARD`
+    limits : Limits
+    rate : float, samples/s
+
+    Returns
+    -------
+    array, shape (samples,), 1
+        The ramp's gains, from 0 to exactly 1.
+    """
     ramp = max(1, math.ceil(limits.ramp * rate))
     gains = 0.5 - 0.5 * np.cos(np.pi * np.arange(ramp + 1) / ramp)
     gains[-1] = 1.0

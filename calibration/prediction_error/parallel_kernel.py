@@ -123,7 +123,7 @@ def _second_order(
     _, at, first, last, p = section
     outputs, behind = jacobian.shape[0], len(values)
     width = last - first
-    sigma, bend = values[p], values[p + 1]
+    bend = values[p + 1]
     x1, x2 = state[at], state[at + 1]
     c = p + 2 + 2 * width
     ratio = bend / coupling
@@ -140,8 +140,23 @@ def _second_order(
         f1, f2 = filters[_START, 0], filters[_START, 1]
         jacobian[o, behind + at] = out1 * f2 - out2 * ratio * f1
         jacobian[o, behind + at + 1] = out1 * f1 + out2 * f2
+    _advance_second(section, coupling, values, state, filters, signal)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _advance_second(
+    section: np.ndarray,
+    coupling: float,
+    values: np.ndarray,
+    state: np.ndarray,
+    filters: np.ndarray,
+    signal: np.ndarray,
+) -> None:
+    _, at, first, last, p = section
+    sigma, bend = values[p], values[p + 1]
+    x1, x2 = state[at], state[at + 1]
     driven1, driven2 = 0.0, 0.0
-    for i in range(width):
+    for i in range(last - first):
         s = signal[first + i]
         driven1 += values[p + 2 + 2 * i] * s
         driven2 += values[p + 3 + 2 * i] * s

@@ -198,6 +198,16 @@ def _chip(thickness: float, tooth: int, wobble: np.ndarray) -> float:
 
 
 @njit(cache=True, nogil=True)
+def _pressed(h: float, wide: float, hardness: np.ndarray) -> tuple[float, float, float]:
+    """Return what a chip of `h` (m) on `wide` (m) of an edge pushes with, N: tangential, radial and axial."""
+    rub = min(h / EDGE, 1.0)
+    tangential = wide * (hardness[0, TANGENTIAL] * h + hardness[1, TANGENTIAL] * rub)
+    radial = wide * (hardness[0, RADIAL] * h + hardness[1, RADIAL] * rub)
+    axial = wide * (hardness[0, AXIAL] * h + hardness[1, AXIAL] * rub)
+    return tangential, radial, axial
+
+
+@njit(cache=True, nogil=True)
 def turn(
     last: int,
     at: np.ndarray,
@@ -229,11 +239,8 @@ def turn(
                 if thickness <= 0.0:
                     continue
                 h = _chip(thickness, tooth, wobble)
-                rub = min(h / EDGE, 1.0)
                 turned.chips += h * width[j, 1 + k] * radius * step
-                tangential = width[j, 1 + k] * (hardness[0, TANGENTIAL] * h + hardness[1, TANGENTIAL] * rub)
-                radial = width[j, 1 + k] * (hardness[0, RADIAL] * h + hardness[1, RADIAL] * rub)
-                axial = width[j, 1 + k] * (hardness[0, AXIAL] * h + hardness[1, AXIAL] * rub)
+                tangential, radial, axial = _pressed(h, width[j, 1 + k], hardness)
                 push_x, push_y = -tangential * y - radial * x, tangential * x - radial * y
                 wrench[0] += push_x
                 wrench[1] += push_y

@@ -167,7 +167,7 @@ class ToothCutPlant:
             The feed over the teeth's force against it, and their force to its left over that; means over a turn, or as
             they were at the last cut.
         """
-        kernel.run(tool, give, force, moment, teeth_force, kappa, beta, self._arrays)
+        kernel.run(tool, give, (force, moment, teeth_force, kappa, beta), self._arrays)
 
     @property
     def ringing(self) -> np.ndarray:

@@ -155,21 +155,13 @@ def _tell(at: np.ndarray, done: int, cut: Cut, means: np.ndarray, turned: np.nda
 
 
 @njit(cache=True, nogil=True)
-def run(
-    tool: np.ndarray,
-    give: np.ndarray,
-    force: np.ndarray,
-    moment: np.ndarray,
-    teeth_force: np.ndarray,
-    kappa: np.ndarray,
-    beta: np.ndarray,
-    cut: Cut,
-) -> None:
-    """Run one frame; signals as in `ToothCutPlant.run`."""
+def run(tool: np.ndarray, give: np.ndarray, told: tuple[np.ndarray, ...], cut: Cut) -> None:
+    """Run one frame; signals as in `ToothCutPlant.run`: `told` is what it fills."""
+    force, moment, teeth_force, kappa, beta = told
     at, free, stiff, along = np.empty(3), np.empty(3), np.zeros((3, 3)), np.zeros(2)
     means, turned = np.empty(9), np.empty(9)
     room = np.empty(3), np.empty((PASSES, 3)), np.empty(6)
-    held, told = cut.motion[0], cut.motion[1]
+    held, pulled = cut.motion[0], cut.motion[1]
     given, grid, state, kept = cut.given[0], cut.grid[0], cut.state[0], cut.kept[0]
     for n in range(tool.shape[0]):
         done = state.done
@@ -178,7 +170,7 @@ def run(
             free[r] = tool[n, r] - cut.origin[r]
             if is_held:
                 for k in range(3):
-                    free[r] -= give[n, 3 * r + k] * told[k]
+                    free[r] -= give[n, 3 * r + k] * pulled[k]
         if done == 0:
             held[:] = free
             cut.queue[0, :3] = free
@@ -199,7 +191,7 @@ def run(
         held[:] = free
         _tell(at, done, cut, means, turned)
         for r in range(3):
-            told[r] = force[n, r] = means[r]
+            pulled[r] = force[n, r] = means[r]
             moment[n, r], teeth_force[n, r] = means[3 + r], means[6 + r]
         kappa[n, 0], beta[n, 0] = kept.kappa, kept.beta
         state.done = done + 1

@@ -59,6 +59,9 @@ JOINT = np.dtype(
     align=True,
 )
 
+Frames = tuple[np.ndarray, ...]
+"""One of each port."""
+
 
 @njit(cache=True, nogil=True)
 def abort(state: Record, cause: int, joint: int) -> None:
@@ -208,12 +211,7 @@ def _retreat(state: Record, joints: np.ndarray) -> None:
 
 @njit(cache=True, nogil=True)
 def run(
-    seen: tuple[np.ndarray, ...],
-    asked: tuple[np.ndarray, ...],
-    program: np.ndarray,
-    targets: np.ndarray,
-    joints: np.ndarray,
-    states: np.ndarray,
+    seen: Frames, asked: Frames, program: np.ndarray, targets: np.ndarray, joints: np.ndarray, states: np.ndarray
 ) -> None:
     """Run one frame: ports in and out, (frames, joints) or (frames, 1); `program` is kind and joint of each step."""
     angle, torque, softened, clamped, fault = seen

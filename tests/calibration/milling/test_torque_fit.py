@@ -81,7 +81,7 @@ def test_gravity_is_found_without_any_drawing(found: Found) -> None:
     plant = RobotPlant(seed=1)
     pose = np.radians([15.0, 10.0, -25.0, 30.0, 40.0, -20.0])
     plant.place(pose)
-    held = plant._drives[1]  # noqa: SLF001 (its motors' torques at rest)
+    held = plant._arm["held"][0]  # noqa: SLF001 (its motors' torques at rest)
     assert gravity.torque(arm, pose) == pytest.approx(held, abs=2.0)
     assert np.abs(held).max() > 40
     assert fit.combinations == 10

@@ -40,7 +40,7 @@ def test_moments_found_from_torques_hold_up_an_arm_in_poses_never_seen() -> None
     held = []
     for pose in poses:
         plant.place(pose)
-        held.append(plant._drives[1].copy())  # noqa: SLF001 (its motors' torques at rest)
+        held.append(plant._arm["held"][0].copy())  # noqa: SLF001 (its motors' torques at rest)
         assert plant.state[MOTOR] == pytest.approx(pose)
     torque, regressor = np.array(held), gravity_regressor(ARM, poses)
     moments, told = smallest_moments(regressor[:40].reshape(-1, 24), torque[:40].ravel())
