@@ -32,7 +32,7 @@ DELAY = 1
 def linearised(seed: int, axis: int, scale: float) -> tuple[StateSpace, np.ndarray]:
     """Return an axis from voltage (V) to what the gauge shows (m), and the row that gives the position instead."""
     plant = PiezoStagePlant(RATE, seed=seed, frequency_scale=scale)
-    modes, stack = plant.modes, plant._tables[0][axis]  # noqa: SLF001 (the truth is nobody else's business)
+    modes, stack = plant.modes, plant._actuators[axis]  # noqa: SLF001 (the truth is nobody else's business)
     omega, gain = 2 * np.pi * modes.frequency, stack[0] * stack[2] / VOLTAGE
     steps, drives = [], []
     for each, damping, shape in zip(omega, modes.damping, modes.extension[axis], strict=True):

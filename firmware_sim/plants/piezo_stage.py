@@ -6,7 +6,7 @@ import numpy as np
 
 from firmware_sim.plants.options import refuse_rate
 from firmware_sim.plants.piezo_stage_actuator import CREEP_TIMES, PLAYS, draw_actuators
-from firmware_sim.plants.piezo_stage_kernel import CONVERTER_STEPS, SENSOR, SHOWN, run_stage
+from firmware_sim.plants.piezo_stage_kernel import CONVERTER_STEPS, SHOWN, run_stage
 from firmware_sim.plants.piezo_stage_modes import PIEZO_STIFFNESS, StageModes, stage_modes
 from firmware_sim.plants.piezo_stage_options import PiezoStageOptions
 
@@ -62,11 +62,14 @@ class PiezoStagePlant(PiezoStageOptions):
             raise ValueError(f"simulator.options.laser_rate is {self.laser_rate!r}, must be at most {self.rate:g} Hz")
         rng = np.random.default_rng(self.seed)
         self.modes = stage_modes(rng, self.coupling, self.frequency_scale)
-        actuators = draw_actuators(rng, self.rate, self.hysteresis, self.creep)
-        sensors, self._shown = _sensors(self.noise), np.zeros(1, SHOWN)
+        self._actuators = draw_actuators(rng, self.rate, self.hysteresis, self.creep)
+        self._shown = np.zeros(1, SHOWN)
+        self._shown["gauge"] = self.noise * GAUGE_NOISE, *_converter(GAUGE_RANGE)
+        self._shown["plate"] = self.noise * PLATE_NOISE, *_converter(PLATE_RANGE)
+        self._shown["laser"] = self.noise * LASER_NOISE, LASER_STEP, *LASER_RANGE
         self._shown["gain"] = 1 + GAUGE_GAIN_SPREAD * np.clip(rng.standard_normal(3), -2, 2)
         self._shown["cycles"] = self.laser_rate / self.rate
-        self._tables = actuators, _mechanics(self.modes, self.rate), sensors
+        self._mechanics = _mechanics(self.modes, self.rate)
         self._motion = np.zeros((2, len(self.modes.frequency)))
         self._stacks = np.zeros((3, 1 + PLAYS + len(CREEP_TIMES)))
         self._line = np.zeros((self.delay + 1, 6))
@@ -90,8 +93,8 @@ class PiezoStagePlant(PiezoStageOptions):
         extension, position, absolute : arrays, shape (frames, 3), m
             Filled in place: strain gauges, capacitive sensors, and the laser (plate plus robot).
         """
-        asked, told = (voltage, force, base), (extension, position, absolute)
-        run_stage(asked, told, self._motion, self._stacks, self._line, self._tables, self._shown, self._random)
+        signals, tables = (voltage, force, base, extension, position, absolute), (self._actuators, self._mechanics)
+        run_stage(signals, self._motion, self._stacks, self._line, *tables, self._shown, self._random)
 
 
 def _mechanics(modes: StageModes, rate: float) -> np.ndarray:
@@ -105,11 +108,6 @@ def _mechanics(modes: StageModes, rate: float) -> np.ndarray:
     return np.vstack([*recursion, PIEZO_STIFFNESS * modes.extension, modes.plate, modes.extension, modes.plate])
 
 
-def _sensors(noise: float) -> np.ndarray:
-    """Return the kernel's table of sensors, shape (3,)."""
-    table = np.zeros(3, SENSOR)
-    rows = ((GAUGE_NOISE, GAUGE_RANGE), (PLATE_NOISE, PLATE_RANGE), (LASER_NOISE, LASER_RANGE))
-    for sensor, (rms, (bottom, top)) in enumerate(rows):
-        table[sensor] = noise * rms, (top - bottom) / CONVERTER_STEPS, bottom, top
-    table["step"][2] = LASER_STEP
-    return table
+def _converter(between: tuple[float, float]) -> tuple[float, float, float]:
+    """Return the step of a converter and its range, m."""
+    return (between[1] - between[0]) / CONVERTER_STEPS, *between

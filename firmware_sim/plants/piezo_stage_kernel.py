@@ -19,9 +19,12 @@ CONVERTER_STEPS = 65_536
 FAST = {"reassoc", "contract", "nsz"}
 
 SENSOR = np.dtype([("rms", "f8"), ("step", "f8"), ("bottom", "f8"), ("top", "f8")], align=True)
-"""m, of gauge, plate or laser: noise, grid and range."""
+"""m: noise, grid and range."""
 SHOWN = np.dtype(
     [
+        ("gauge", SENSOR),
+        ("plate", SENSOR),
+        ("laser", SENSOR),
         ("gain", "f8", 3),  # of the gauges
         ("cycles", "f8"),  # of the laser, a sample
         # state
@@ -36,21 +39,21 @@ SHOWN = np.dtype(
 
 @njit(cache=True, nogil=True, fastmath=FAST)
 def run_stage(
-    asked: tuple[np.ndarray, ...],
-    told: tuple[np.ndarray, ...],
+    signals: tuple[np.ndarray, ...],
     motion: np.ndarray,
     stacks: np.ndarray,
     line: np.ndarray,
-    tables: tuple[np.ndarray, ...],
+    actuators: np.ndarray,
+    mechanics: np.ndarray,
     showing: np.ndarray,
     random: np.ndarray,
 ) -> None:
-    """Fill `told`, extension, position and absolute (m), from `asked`, voltage (V), force (N), base (m): (frames, 3).
+    """Run one frame: `signals` are voltage (V), force (N), base (m) in, extension, position, absolute (m) out.
 
-    `tables` are actuators, mechanics and sensors (3,), `showing` is of one `SHOWN`, `random` (1,) the noise's state.
+    They are (frames, 3) each; `showing` is of one `SHOWN`, `random` (1,) the noise's state.
     """
-    (voltage, force, base), (extension, position, absolute) = asked, told
-    (actuators, mechanics, sensors), shown = tables, showing[0]
+    voltage, force, base, extension, position, absolute = signals
+    shown = showing[0]
     at = shown.at
     for n in range(voltage.shape[0]):
         h0 = expand(0, voltage[n, 0], stacks, actuators)
@@ -63,11 +66,11 @@ def run_stage(
         fires = shown.phase >= 1.0
         for axis in range(3):
             plate = line[at, 3 + axis]  # the oldest
-            extension[n, axis] = _read(sensors[0], shown.gain[axis] * line[at, axis], random)
-            position[n, axis] = _read(sensors[1], plate, random)
+            extension[n, axis] = _read(shown.gauge, shown.gain[axis] * line[at, axis], random)
+            position[n, axis] = _read(shown.plate, plate, random)
             if fires:
                 shown.held[axis] = shown.seen[axis]
-                shown.seen[axis] = _read(sensors[2], plate + base[n, axis], random)
+                shown.seen[axis] = _read(shown.laser, plate + base[n, axis], random)
             absolute[n, axis] = shown.held[axis]
         if fires:
             shown.phase -= 1.0
