@@ -21,7 +21,7 @@ from calibration.joint_clamping.several_poses import experiment, whole_arm
 from rigkit.config import load
 from rigkit.run_folder import RunFolder
 from stagectl.robot.config import CellConfig
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
 K_PLUS, K_MINUS, BACKLASH = range(3)
 """Rows of the simulated arm's truth."""

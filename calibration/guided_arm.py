@@ -12,13 +12,14 @@ from rigkit.priority import undisturbed
 from stagectl.link.bus import LinkError
 from stagectl.link.clock import Linked
 from stagectl.robot.arm import Arm
+from stagectl.robot.beside import await_torques, program_of, torques_of
 from stagectl.robot.clamp_port import GuidedArm
 from stagectl.robot.clamp_program import ClampProgram
 from stagectl.robot.clamp_tracker import TrackedLinks
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.led import led_by
 from stagectl.robot.port import RobotPort, arm_of
-from stagectl.robot.program import RobotProgram, TorqueSignals, begin_motion
+from stagectl.robot.program import begin_motion
 
 LATE_TICKS = 2
 """Ticks that may be late at once: one more is a fault of the port."""
@@ -47,7 +48,7 @@ def wired_arm(cell: CellConfig, track: bool, tell: Callable[[str], None]) -> Ite
     LinkError : a wire that cannot be had.
     """
     robot = cell.robot
-    if not (robot.commands and robot.signals):
+    if not (robot.has_program and robot.has_torques):
         raise ValueError(
             f"robot.commands is {robot.commands} and robot.signals {robot.signals}, must be ports of the robot: soft "
             "servo and clamp are asked for there, and torques come from there"
@@ -55,14 +56,12 @@ def wired_arm(cell: CellConfig, track: bool, tell: Callable[[str], None]) -> Ite
     cell = cell.model_copy(update={"robot": robot.model_copy(update={"mode": "joints"})})
     with ExitStack() as stack:
         port = stack.enter_context(RobotPort(cell, lambda _, fields: tell(f"fault: {fields.get('reason', '')}")))
-        peer = port.conversation.peer
-        host = peer[0] if peer is not None else robot.listen
-        signals = stack.enter_context(TorqueSignals(robot, host, time.monotonic))
-        asks = stack.enter_context(RobotProgram(robot, host))
+        signals = torques_of(port, time.monotonic)
+        stack.enter_context(signals)
+        asks = stack.enter_context(program_of(port))
         program = stack.enter_context(ClampProgram(asks, cell.clamping.softness, port.hold))
         links = stack.enter_context(TrackedLinks(cell.tracker, patience=robot.patience)) if track else None
-        if not signals.wait(1, robot.patience):
-            raise LinkError(f"no torque signals come from {host}:{robot.signals} within {robot.patience:g} s")
+        await_torques(signals, port)
         begin_motion(port, asks)
         yield GuidedArm(port, program, signals, links)
 

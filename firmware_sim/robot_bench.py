@@ -20,11 +20,12 @@ from firmware_sim.robot_controller import RobotController
 from firmware_sim.tcp_server import TcpServer
 from firmware_sim.tracker import TrackerCamera, TrackerFaults
 from rigkit.priority import real_time
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
-MISHAPS = ("mute", "speak", "trip", "blind", "see", "hang-up", "led-jump", "slip", *FORCE_MISHAPS)
-"""What can be made to happen: the robot silent and back, its supervision tripped; the tracker blind and back, its line
-cut, an LED taken for another by 5 mm; the clamp opened by force; and what `ForceBox` suffers."""
+MISHAPS = ("mute", "speak", "trip", "start", "blind", "see", "hang-up", "led-jump", "slip", *FORCE_MISHAPS)
+"""What can be made to happen: the robot silent and back, its supervision tripped, its program started again by a
+person; the tracker blind and back, its line cut, an LED taken for another by 5 mm; the clamp opened by force; and what
+`ForceBox` suffers."""
 _BASE, _TOOL = 0, 7
 _JUMP = np.array([5e-3, 0.0, 0.0])
 
@@ -183,6 +184,8 @@ class RobotBench:
                 self.controller.is_mute = name == "mute"
             case "trip":
                 self.controller.plant.trip(1)
+            case "start":
+                self.controller.do("RESET")
             case "blind" | "see":
                 self.camera.is_blind = name == "blind"
             case "hang-up":

@@ -14,9 +14,10 @@ from firmware_sim.plants.milling import PocketMilling
 from firmware_sim.plants.oak import OakMilling
 from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.robot_controller import Cut, RobotController
+from firmware_sim.wire_ends import ENDS
 from firmware_sim.wired_oak import WiredOak
 from stagectl.robot.config import CellConfig
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
 _TOOL = 7
 _CUT_RATE = 2_000.0
@@ -44,10 +45,11 @@ def cell_controller(cell: CellConfig, block: Blocks | None = None) -> RobotContr
     except TypeError as fault:
         raise ValueError(f"simulator.options: {fault}") from None
     clamp = np.diag([simulator.clamp] * 3 + [simulator.clamp_turn] * 3)
+    end = ENDS[cell.robot.wire](cell.robot.late)
     if block is None:
-        return RobotController(plant, clamp=clamp, slip_force=simulator.slip)
+        return RobotController(plant, clamp=clamp, slip_force=simulator.slip, end=end)
     blocks = map(partial(block, cell), count())
-    return RobotController(plant, None, clamp, simulator.slip, next(blocks), lambda: next(blocks))
+    return RobotController(plant, None, clamp, simulator.slip, next(blocks), lambda: next(blocks), end=end)
 
 
 def cell_cut(cell: CellConfig, number: int = 0) -> PocketMilling:

@@ -7,10 +7,8 @@ from typing import Protocol
 import numpy as np
 
 from firmware_sim.plants.robot import RobotPlant
-from firmware_sim.robot_inverse import rigid_pose, toward
-from rigkit.wire.layout import GarbledError
-from stagectl.wire.egm import MODULUS, RATE, Command, Motion, Report, pack_report, unpack_command
-from stagectl.wire.sequence import Sequence
+from firmware_sim.robot_inverse import rigid_pose
+from stagectl.wire.robot import RATE, Motion
 
 
 @dataclass(frozen=True)
@@ -64,11 +62,27 @@ class CommandCounts:
     cycles_without: int = 0
 
 
+class WireEnd(Protocol):
+    """What speaks a make's messages at the controller's end, cycle by cycle."""
+
+    def take(self, data: bytes, robot: "RobotController") -> bool:
+        """Take a datagram from the host; return whether it is a command, which it has passed on."""
+
+    def look(self, robot: "RobotController") -> None:
+        """Look at the time-out, before a cycle's motion."""
+
+    def say(self, robot: "RobotController") -> bytes | None:
+        """Return what is sent in this cycle, or None."""
+
+    def begin(self, robot: "RobotController") -> None:
+        """Begin where the robot is: guided motion was begun anew."""
+
+
 class RobotController:
     """The controller without sockets: cycle by cycle, commands in, reports out.
 
-    Modelled of guided motion: position guidance by joints or pose with filter, delay and speed limit, its time-out, its
-    states, its counters.  Not modelled: path correction, external axes, convergence, ramps at its start and end.
+    Modelled: position guidance by joints or pose with filter, delay and speed limit, and what its wire's end models.
+    Not modelled: path correction, external axes, convergence, ramps at its start and end.
 
     Parameters
     ----------
@@ -80,6 +94,8 @@ class RobotController:
         The block that the tool is in; its rate a multiple of 250 samples/s.
     fresh : callable() -> Cut, optional
         Makes the next block, of the same rate; only with `cut`.
+    end : WireEnd
+        Whose messages it speaks.
     """
 
     def __init__(
@@ -90,6 +106,8 @@ class RobotController:
         slip_force: float = np.inf,
         cut: Cut | None = None,
         fresh: Callable[[], Cut] | None = None,
+        *,
+        end: WireEnd,
     ) -> None:
         rate = RATE if cut is None else cut.rate
         if plant.rate != rate:
@@ -104,9 +122,10 @@ class RobotController:
         self.motion, self.cycle = Motion.RUNNING, 0
         self.is_mute = False
         self._clamp, self._slip_force = clamp, slip_force
-        self._sequence, self._idle, self._has_command = Sequence(MODULUS), 0, False
+        self.idle, self.has_command, self._end = 0, False, end
         self._line = np.tile(plant.home, (self.setup.delay + 1, 1))
         self._reference = plant.home.copy()
+        end.begin(self)
         self._move()
 
     @property
@@ -114,43 +133,61 @@ class RobotController:
         """The controller's clock, s."""
         return self.cycle / RATE
 
+    @property
+    def reference(self) -> np.ndarray:
+        """What the servo is asked for, shape (6,), rad."""
+        return self._reference
+
+    @property
+    def asked(self) -> np.ndarray:
+        """What was asked for last, before delay and filter, shape (6,), rad."""
+        return np.asarray(self._line[0])
+
+    @property
+    def has_block(self) -> bool:
+        """Whether there is something under the tool."""
+        return self._cut is not None
+
     def receive(self, data: bytes) -> None:
         """Take a datagram from the host."""
-        try:
-            command = unpack_command(data)
-        except GarbledError:
-            self.counts.garbled += 1
-            return
-        if self._sequence.accept(command.counter) < 0:
-            self.counts.late += 1
-            return
-        self.counts.taken += 1
-        self._idle, self._has_command = 0, True
-        if self.motion is Motion.RUNNING:
-            self._take(command)
+        if self._end.take(data, self):
+            self.counts.taken += 1
+            self.idle, self.has_command = 0, True
 
     def advance(self) -> bytes | None:
         """Run one cycle and return the report; None while mute."""
         self.cycle += 1
-        self.counts.cycles_without += self._idle > 0
-        self._idle += 1
-        if self.motion is Motion.RUNNING and self._has_command and self._idle > self.setup.patience * RATE:
-            self._stop(Motion.STOPPED)
+        self.counts.cycles_without += self.idle > 0
+        self.idle += 1
+        if self.motion is Motion.RUNNING:
+            self._end.look(self)
         if self.plant.tripped:
-            self._stop(Motion.STOPPED)
+            self.stop(Motion.STOPPED)
         self._line[1:] = self._line[:-1].copy()
         pole = np.exp(-2 * np.pi * self.setup.filter / RATE)
         step = (1 - pole) * (self._line[-1] - self._reference)
         self._reference += np.clip(step, -self.setup.speed / RATE, self.setup.speed / RATE)
         self._move()
-        return None if self.is_mute else pack_report(self.report())
+        return None if self.is_mute else self._end.say(self)
 
-    def report(self) -> Report:
-        """Return what is said in this cycle."""
-        on, runs = not self.plant.tripped, self.motion is Motion.RUNNING
-        angle = self.motor_angle[0].copy()
-        pose = rigid_pose(self.plant, angle)
-        return Report(self.cycle, self.time, angle, self._reference.copy(), pose, on, runs, self.motion)
+    def ask(self, wanted: np.ndarray) -> None:
+        """Follow joint angles, shape (6,), rad, from now on; what is too far is an error, and nothing while stopped."""
+        if self.motion is not Motion.RUNNING:
+            return
+        if np.abs(wanted - self._reference).max() > self.setup.farthest:
+            self.stop(Motion.ERROR)
+        else:
+            self._line[0] = wanted
+
+    def stop(self, motion: Motion) -> None:
+        """Stand still where it is, as `motion` says."""
+        if self.motion is Motion.RUNNING:
+            self.motion = motion
+            self._line[:] = self._reference
+
+    def rigid_pose(self, angle: np.ndarray) -> np.ndarray:
+        """Return where the rigid arm has the tool at joint angles, shape (6,), rad: shape (7,), m and 1."""
+        return rigid_pose(self.plant, angle)
 
     def signal(self) -> str:
         """Return a line of the signal log: time (s), motor angles (deg), motor torques (N m)."""
@@ -190,28 +227,12 @@ class RobotController:
             return f"ERROR {fault}"
         return "OK"
 
-    def _take(self, command: Command) -> None:
-        if command.joint_angle is not None:
-            wanted = command.joint_angle
-        else:
-            assert command.pose is not None  # a command has one of the two
-            wanted = toward(self.plant, self._line[0], command.pose)
-        if np.abs(wanted - self._reference).max() > self.setup.farthest:
-            self._stop(Motion.ERROR)
-        else:
-            self._line[0] = wanted
-
-    def _stop(self, motion: Motion) -> None:
-        if self.motion is Motion.RUNNING:
-            self.motion = motion
-            self._line[:] = self._reference
-
     def _reset(self) -> None:
         self.plant.brake(False)
-        self.motion, self._has_command = Motion.RUNNING, False
+        self.motion, self.has_command = Motion.RUNNING, False
         self._reference = self.motor_angle[0].copy()
         self._line[:] = self._asked[:] = self._reference
-        self._sequence.reset()
+        self._end.begin(self)
 
     def _move(self) -> None:
         outputs = self.motor_angle, self.torque, self.link_angle, self.pose

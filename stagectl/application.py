@@ -15,6 +15,7 @@ PROGRAM = Program(
         "ilc": "stagectl.experiments.trials.command:ilc",
         "force": "stagectl.experiments.feed.command:force",
         "plan": "stagectl.commands.plan_command:plan",
+        "robot-files": "stagectl.commands.robot_files_command:robot_files",
         "estimate-force": "stagectl.robot.milling.force_command:estimate_force_command",
         "replay": "stagectl.commands.replay_command:replay_command",
         "report": "stagectl.commands.report_command:report_command",

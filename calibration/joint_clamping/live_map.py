@@ -9,7 +9,7 @@ from calibration.joint_clamping.joint_model import JointModel
 from calibration.joint_clamping.torque_map import TorqueMap, TorqueMapError
 from rigkit.service.rig import Desk
 from rigkit.service.show import Axis, Curves, Trace
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
 POINTS = 1_500
 """Drawn of a map."""

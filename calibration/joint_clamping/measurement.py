@@ -16,7 +16,7 @@ from ctlblocks import Block, Graph
 from ctlblocks.taps import Tap
 from rigkit.experiment.part import Part, Phase, Retreat, Track
 from stagectl.robot.clamp_search import ClampSearch
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
 WATCHED = ("softened", "clamped", "fault")
 """What is recorded of the robot beside `SEEN`: with angle and torque all that the procedure goes by."""

@@ -11,7 +11,7 @@ from ctlblocks.recording import Recording
 from ctlblocks.room import bytes_of
 from rigkit.disk_space import require
 from rigkit.experiment.kept import recordings, records_of, track_of
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
 SEEN = ("angle", "torque", "link", "pose", "frames")
 """Of the robot's outputs, where it has them: what a joint's recording is of."""

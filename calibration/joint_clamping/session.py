@@ -25,7 +25,7 @@ from rigkit.stop import Stopped
 from stagectl.robot.clamp_config import clamp_procedure
 from stagectl.robot.clamp_search import ClampSearch
 from stagectl.robot.config import CellConfig
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
 KIND = "calibration of joints"
 KEPT = GOING_ON.without(
@@ -138,6 +138,11 @@ def simulated_robot(cell: CellConfig) -> Block:
 def _live(cell: CellConfig, run: ClampRun, desk: Desk) -> Iterator[Part]:
     """With the robot's reports as the clock; whatever ends it, the robot is held where it is."""
     arm, clamping = run.search.procedure.arm, cell.clamping
+    if cell.robot.is_whole:
+        raise ValueError(
+            f"robot.wire is {cell.robot.wire}, whose messages carry no soft servo, must be one with a program of its "
+            "own, such as egm, to clamp joints"
+        )
     approach = [clamping.approach] * arm.joints
     refuse_haste(cell, arm, {"clamping.approach": approach, "clamping.speed": clamping.speed})
     _compile(run.search)

@@ -20,7 +20,7 @@ def refuse_unfit(cell: CellConfig, is_sure: bool) -> None:
     ------
     ValueError : no ports of the robot's program and torques, or nobody at the terminal who is to confirm.
     """
-    if not cell.robot.signals:
+    if not cell.robot.has_torques:
         raise ValueError("robot.signals is 0: friction shows in the motors' torques, must be the port of their line")
     refuse_unattended(cell, is_sure)
 

@@ -20,7 +20,7 @@ from rigkit.experiment.runner import Conduct
 from rigkit.run_folder import RunFolder
 from stagectl.robot.arm import Arm
 from stagectl.robot.config import CellConfig
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
 NAME = "sweep"
 """Of the part, and of its recording."""

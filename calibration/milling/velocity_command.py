@@ -35,7 +35,7 @@ from stagectl.robot.live.person import Person
 from stagectl.robot.milling.feed_force import velocity_weights
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
 from stagectl.robot.milling.velocity_loop import velocity_loop
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
 LEAST = 4.0
 """s of steps."""

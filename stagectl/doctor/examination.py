@@ -8,7 +8,7 @@ from rigkit.verdict import Verdict, graded
 from stagectl.config import StageConfig
 from stagectl.doctor.wake_up import WakeUps
 from stagectl.robot.config import CellConfig
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
 USUAL = 0.5
 """Of a limit, up to which the worst that was seen leaves room for what a longer run may bring."""

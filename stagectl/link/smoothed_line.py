@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from stagectl.wire.egm import RATE as ROBOT_RATE
 from stagectl.wire.messages import AXES, RATE
+from stagectl.wire.robot import RATE as ROBOT_RATE
 
 PER_TICK = round(RATE / ROBOT_RATE)
 """Samples of the stage in one of the robot's."""

@@ -9,8 +9,8 @@ from stagectl.robot.clamp_program import ClampProgram
 from stagectl.robot.clamp_tracker import FRAMES, TrackedLinks
 from stagectl.robot.port import RobotPort
 from stagectl.robot.port_blocks import JointCommand
-from stagectl.robot.program import TorqueSignals
-from stagectl.wire.egm import RATE
+from stagectl.robot.program import Torques
+from stagectl.wire.robot import RATE
 
 
 class GuidedArm(Block):
@@ -28,7 +28,7 @@ class GuidedArm(Block):
     port : RobotPort, of mode "joints"
         While its fault is latched, a tick raises `RobotFault`.
     program : ClampProgram
-    signals : TorqueSignals
+    signals : Torques
     links : TrackedLinks or None
         Without a tracker `frames` are zeros.
     """
@@ -43,9 +43,7 @@ class GuidedArm(Block):
         Port("fault"),
     )
 
-    def __init__(
-        self, port: RobotPort, program: ClampProgram, signals: TorqueSignals, links: TrackedLinks | None
-    ) -> None:
+    def __init__(self, port: RobotPort, program: ClampProgram, signals: Torques, links: TrackedLinks | None) -> None:
         self.port, self.program, self.signals, self.links = port, program, signals, links
         self._command = JointCommand(port)
 

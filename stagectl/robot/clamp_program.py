@@ -6,7 +6,7 @@ from threading import Thread
 from typing import Self
 
 from stagectl.link.bus import LinkError
-from stagectl.robot.program import RobotProgram
+from stagectl.robot.program import Program
 
 _LONGEST_END = 2.0
 """s for the thread to end."""
@@ -17,14 +17,14 @@ class ClampProgram:
 
     Parameters
     ----------
-    program : RobotProgram, open
+    program : Program, open
     softness : sequence of float, 1
         Part of the position gain that soft servo takes away, a number a joint.
     fail : callable(reason)
         Called once when the program refuses or has gone, such as `RobotPort.hold`.
     """
 
-    def __init__(self, program: RobotProgram, softness: Sequence[float], fail: Callable[[str], None]) -> None:
+    def __init__(self, program: Program, softness: Sequence[float], fail: Callable[[str], None]) -> None:
         self.is_soft = self.is_clamped = False
         self._asked_soft = self._asked_clamp = False
         self._program, self._softness, self._fail = program, tuple(softness), fail

@@ -9,8 +9,9 @@ import numpy as np
 from stagectl.link.bus import LinkError
 from stagectl.link.robot_stream import Stream
 from stagectl.robot.config import Tracker
+from stagectl.wire.makes import TRACKERS
 from stagectl.wire.sequence import Sequence
-from stagectl.wire.tracker import MODULUS, Packets, Sample
+from stagectl.wire.tracker import Sample
 
 FRAMES = 8
 """Base, links 1 to 6 and tool, by their number on the wire."""
@@ -37,7 +38,8 @@ class TrackedLinks:
         self.poses = np.zeros((FRAMES, 7))
         self.received = 0
         self._tracker, self._patience = tracker, patience
-        self._packets, self._sequence, self._heard = Packets(), Sequence(MODULUS), -np.inf
+        self._packets, self._heard = TRACKERS[tracker.wire](), -np.inf
+        self._sequence = Sequence(self._packets.modulus)
         self._stream = Stream(tracker.host, tracker.port, self, now)
 
     def __enter__(self) -> Self:

@@ -1,8 +1,8 @@
 """The robot cell's file, `cell.toml`: robot, limits, tracker."""
 
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from rigkit.config import Section, code, keywords, setting
 from rigkit.service.config import Daemon
@@ -15,8 +15,12 @@ from stagectl.robot.midranging_config import MidrangeConfig
 from stagectl.robot.pocket_config import Learning, LearningChirp, Pocket
 from stagectl.robot.segment_config import FeedPlants, SegmentTask
 from stagectl.robot.toroid_config import Feedback, Plants, Toroid
+from stagectl.wire.makes import ROBOTS, TRACKERS, known
 
 Box = tuple[float, float, float]
+Constant = Annotated[float, Field(ge=-1e4, le=1e4)]
+RobotMake = Annotated[str, AfterValidator(lambda name: known(name, ROBOTS))]
+TrackerMake = Annotated[str, AfterValidator(lambda name: known(name, TRACKERS))]
 
 
 class Rig(Section):
@@ -40,6 +44,7 @@ class Robot(Section):
         role="wiring",
         files=(".toml",),
     )
+    wire: RobotMake = setting("egm", "", "egm, ABB's guided motion, or rsi, KUKA's sensor interface", role="wiring")
     tool: float = setting(0.1, "m", "from the flange along its axis to the tool point", ge=0, le=1, role="wiring")
     listen: str = setting("127.0.0.1", "", "this computer's address towards the robot", min_length=1)
     port: int = setting(6510, "", "UDP port the robot sends to; 0 for any that is free", ge=0, le=65_535)
@@ -50,12 +55,18 @@ class Robot(Section):
     silence: int = setting(
         3, "cycles", "without a report from the robot, or without a reference, is a fault", ge=1, le=250
     )
+    late: int = setting(
+        150_000, "cycles", "without an answer in time after which rsi is switched off, by its files", ge=1, le=2**31 - 1
+    )
     lag: float = setting(0.05, "s", "a report that comes by so much later than the quickest is a fault", gt=0, le=10)
     patience: float = setting(2.0, "s", "for the robot to be heard at first", ge=0.05, le=60)
     commands: int = setting(
         6511, "", "TCP port of the robot's own program: soft servo, clamp; 0 for none", ge=0, le=65_535
     )
     signals: int = setting(6512, "", "TCP port where motor torques come from; 0 for none", ge=0, le=65_535)
+    torque_constant: tuple[Constant, Constant, Constant, Constant, Constant, Constant] = setting(
+        (1.0,) * 6, "N m/A", "of each motor times its gear; over rsi torques are currents times these", role="wiring"
+    )
     height: float = setting(
         0.03,
         "m",
@@ -68,6 +79,21 @@ class Robot(Section):
         0.05, "m/s", "speed of the tool on the way there, at most", gt=0, le=0.25, role="experiment"
     )
     changer: bool = setting(False, "", "its own program changes workpieces, by BLOCK 1 and BLOCK 0; else a person does")
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether torques and the program's outputs go over the robot's own wire."""
+        return ROBOTS[self.wire]().is_whole
+
+    @property
+    def has_program(self) -> bool:
+        """Whether something on the controller does what is asked for beside motion."""
+        return bool(self.commands) or self.is_whole
+
+    @property
+    def has_torques(self) -> bool:
+        """Whether motor torques come."""
+        return bool(self.signals) or self.is_whole
 
 
 class RobotLimits(Section):
@@ -95,6 +121,7 @@ class Tracker(Section):
 
     role = "patience"
 
+    wire: TrackerMake = setting("gateway", "", "make of its protocol: gateway", role="wiring")
     host: str = setting("127.0.0.1", "", "its address", min_length=1)
     port: int = setting(6513, "", "its TCP port", ge=1, le=65_535)
     rate: float = setting(440.0, "samples/s", "it sends", gt=0, le=10_000)

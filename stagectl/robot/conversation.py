@@ -1,16 +1,17 @@
 """What is made of all that the robot says, and what it is answered: the port's state, and the fault that latches."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import Enum
 
 import numpy as np
 
-from rigkit.wire.layout import GarbledError
+from rigkit.wire.layout import GarbledError, WireError
 from stagectl.link.tell import Tell
 from stagectl.robot.config import Robot
 from stagectl.robot.guard import CommandGuard
 from stagectl.robot.lag import Lag
-from stagectl.wire.egm import MODULUS, RATE, Command, Motion, Report, pack_command, unpack_report
+from stagectl.wire.robot import RATE, Command, Motion, Outputs, Report, RobotWire
 from stagectl.wire.sequence import Sequence
 
 _JITTER = 0.5
@@ -36,6 +37,8 @@ class ReportCounts:
     unanswered : int
         Reports for which no reference had come when the next one came.
     longest_gap : int, lost in a row
+    overdue : int
+        Answers that the controller has counted as late, where it counts.
     """
 
     received: int = 0
@@ -45,6 +48,7 @@ class ReportCounts:
     foreign: int = 0
     unanswered: int = 0
     longest_gap: int = 0
+    overdue: int = 0
 
 
 @dataclass(eq=False)
@@ -72,24 +76,43 @@ class Wanted:
         self.number += 1  # last: from here on the reader sees it
 
 
+def unheard(_: Report) -> None:
+    """Hear nothing."""
+
+
 class RobotConversation:
     """The port without its socket and thread: datagrams are put in and taken out, by one thread.
 
     Parameters
     ----------
     robot : Robot
+    wire : RobotWire
+        Of this conversation alone.
     guard : CommandGuard
     tell : callable(event, fields)
         Told of each fault, for the run's log.
+
+    Attributes
+    ----------
+    outputs : Outputs or None
+        What the controller's outputs are to be, where the wire carries them; None leaves them as they are.
+    refused : str
+        Why the last datagram that was none was not taken.
+    heard_by : callable(Report)
+        Told of each report that is taken.
     """
 
-    def __init__(self, robot: Robot, guard: CommandGuard, tell: Tell) -> None:
+    outputs: Outputs | None
+    heard_by: Callable[[Report], object]
+
+    def __init__(self, robot: Robot, wire: RobotWire, guard: CommandGuard, tell: Tell) -> None:
         self.robot, self.guard = robot, guard
+        self.outputs, self.refused, self.heard_by = None, "", unheard
         self.state, self.reason = PortState.IDLE, ""
         self.counts, self.report = ReportCounts(), None
         self.heard, self.peer = -np.inf, None
         self.wanted = Wanted(guard.width)
-        self._tell, self._sequence, self._lag = tell, Sequence(MODULUS), Lag()
+        self._tell, self._wire, self._sequence, self._lag = tell, wire, Sequence(wire.modulus), Lag()
         self._is_due, self._answered, self._taken, self._late_references = False, 0, 0, 0
         self._counter, self._has_followed = 0, False
 
@@ -136,11 +159,13 @@ class RobotConversation:
         """Take a datagram from the socket."""
         if self.robot.address not in ("", sender[0]) or (self.peer or sender)[0] != sender[0]:
             self.counts.foreign += 1
+            self.refused = f"a datagram of {sender[0]}, must be of {self.robot.address or (self.peer or sender)[0]}"
             return
         try:
-            report = unpack_report(data)
-        except GarbledError:
+            report = self._wire.read(data)
+        except GarbledError as fault:
             self.counts.garbled += 1
+            self.refused = str(fault)
             return
         missing = self._sequence.accept(report.counter)
         if missing < 0:
@@ -166,17 +191,26 @@ class RobotConversation:
         if silence * RATE <= self.robot.silence + _JITTER:
             return
         if self.state is PortState.FOLLOWING:
-            self.latch(f"the robot is silent for {silence:.3g} s, must be <= {self.robot.silence} cycles")
+            self.latch(
+                f"the robot is silent for {silence:.3g} s, must be <= {self.robot.silence} cycles{self.why_refused}"
+            )
         if self.report is not None:
             self._forget()
+
+    @property
+    def why_refused(self) -> str:
+        """What is wrong with the last datagram that was not taken, to be added to a reason; or nothing."""
+        return f"; the last one was refused: {self.refused}" if self.refused else ""
 
     def _accept(self, report: Report, sender: tuple[str, int], missing: int, now: float) -> None:
         counts, fresh = self.counts, not np.isfinite(self.heard)
         counts.received += 1
         counts.lost += missing
         counts.longest_gap = max(counts.longest_gap, missing)
+        counts.overdue, self.refused = report.overdue, ""
         lag = self._lag.take(report.time, now)
         self.report, self.peer, self.heard = report, sender, now
+        self.heard_by(report)
         if fresh:
             self.guard.place(self.where)
         if self.state is PortState.FOLLOWING:
@@ -188,6 +222,8 @@ class RobotConversation:
     def _judge(self, report: Report, missing: int, lag: float) -> None:
         if not report.motors_on:
             self.latch("the robot's motors are off")
+        elif report.fault:
+            self.latch(report.fault)
         elif report.motion is not Motion.RUNNING:
             self.latch(f"the robot has left guided motion: {report.motion.name}")
         elif missing >= self.robot.silence:
@@ -205,20 +241,27 @@ class RobotConversation:
     def _follow(self) -> None:
         self._taken, self._late_references, self._has_followed = self.wanted.number, 0, True
         half = self._taken % 2
-        reason = self.guard.take(self.wanted.nominal[half], self.wanted.corrected[half])
+        wanted = self.wanted.corrected[half]
+        reason = self._wire.refusal(wanted) or self.guard.take(self.wanted.nominal[half], wanted)
         if reason:
             self.latch(reason)
             self.guard.rest()
 
-    def _answer(self) -> bytes:
+    def _answer(self) -> bytes | None:
         assert self.report is not None  # an answer is due
         self._is_due = False
         self._counter += 1
         kind = "joint_angle" if self.guard.mode == "joints" else "pose"
-        return pack_command(Command(self._counter, self.report.time, **{kind: self.guard.sent}))
+        command = Command(self._counter, self.report.time, **{kind: self.guard.sent}, outputs=self.outputs)
+        try:
+            return self._wire.write(command, self.report)
+        except WireError as fault:  # nobody knows where the tool is: `RobotPort.start` says so
+            self.refused = str(fault)
+            return None
 
     def _forget(self) -> None:
         """Take the next report as the first: what the robot did meanwhile is not known, nor whether it is the same."""
         self._sequence.reset()
         self._lag.forget()
+        self._wire.forget()
         self.report, self.peer, self.heard, self._is_due = None, None, -np.inf, False

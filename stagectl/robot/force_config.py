@@ -3,13 +3,15 @@
 from typing import Annotated
 
 import numpy as np
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from rigkit.config import Section, setting
 from stagectl.wire.force_sensor import PORT
+from stagectl.wire.makes import FORCE_SENSORS, known
 
 Positive = Annotated[float, Field(gt=0, le=1e6)]
 Three = tuple[Positive, Positive, Positive]
+ForceMake = Annotated[str, AfterValidator(lambda name: known(name, FORCE_SENSORS))]
 
 
 class ForceSensor(Section):
@@ -17,6 +19,7 @@ class ForceSensor(Section):
 
     role = "patience"
 
+    wire: ForceMake = setting("netft", "", "make of its protocol: netft", role="wiring")
     host: str = setting("127.0.0.1", "", "its address", min_length=1)
     port: int = setting(PORT, "", "its UDP port", ge=1, le=65_535)
     listen: str = setting("127.0.0.1", "", "this computer's address towards it", min_length=1)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from stagectl.robot.force_config import ForceSensor
-from stagectl.wire.force_sensor import MODULUS, SATURATED, Record
+from stagectl.wire.force_sensor import SATURATED, Record
+from stagectl.wire.makes import FORCE_SENSORS
 from stagectl.wire.sequence import Sequence
 
 _NEARLY = 0.999
@@ -58,7 +59,7 @@ class ForceInbox:
         self.wrench, self.zero, self.drift = np.full(6, np.nan), np.full(6, np.nan), np.zeros(6)
         self.seen, self.fault, self.rests = -np.inf, "", 0
         self.is_watched = self.is_resting = False
-        self._sequence, self._tell = Sequence(MODULUS), tell
+        self._sequence, self._tell = Sequence(FORCE_SENSORS[sensor.wire]().modulus), tell
         self._end: float | None = None
         self._rested: list[np.ndarray] = []
         self._since = np.inf

@@ -10,7 +10,8 @@ from stagectl.link.bus import LinkError
 from stagectl.link.robot_datagrams import Datagrams, resolved
 from stagectl.robot.force_config import ForceSensor
 from stagectl.robot.force_inbox import ForceCounts
-from stagectl.wire.force_sensor import Record, Request, pack_request, unpack_records
+from stagectl.wire.force_sensor import ForceWire, Record
+from stagectl.wire.makes import FORCE_SENSORS
 
 _LOOK = 0.005
 """s without a datagram after which the thread looks at the time."""
@@ -37,17 +38,17 @@ class Inbox(Protocol):
 class _Talk:
     """Asks for the stream, and again after a silence; hands records on."""
 
-    def __init__(self, inbox: Inbox, counts: np.ndarray, now: Callable[[], float]) -> None:
+    def __init__(self, inbox: Inbox, wire: ForceWire, counts: np.ndarray, now: Callable[[], float]) -> None:
         self.peer: tuple[str, int] | None = None
         self.inbox, self.is_over = inbox, False
-        self._counts, self._now, self._asked = counts, now, -np.inf
+        self._wire, self._counts, self._now, self._asked = wire, counts, now, -np.inf
 
     def take(self, data: bytes, sender: tuple[str, int], now: float) -> None:
         """Take a datagram of the box; others are not listened to."""
         if sender != self.peer:
             return
         try:
-            records = unpack_records(data, self._counts)
+            records = self._wire.read(data, self._counts)
         except GarbledError:
             self.inbox.counts.garbled += 1
             return
@@ -57,13 +58,13 @@ class _Talk:
     def give(self) -> bytes | None:
         """Return a request where one is due."""
         if self.is_over:
-            return pack_request(Request.STOP)
+            return self._wire.stop
         now = self._now()
         if now - max(self._asked, self.inbox.seen) < _AGAIN:
             return None
         self._asked = now
         self.inbox.lose()
-        return pack_request(Request.STREAM)
+        return self._wire.start
 
     def watch(self, now: float) -> None:
         """Look at the time."""
@@ -91,7 +92,7 @@ class ForceStream:
 
     def __init__(self, sensor: ForceSensor, inbox: Inbox, now: Callable[[], float], patience: float) -> None:
         self._sensor, self._inbox, self._patience = sensor, inbox, patience
-        self._talk = _Talk(inbox, sensor.counts, now)
+        self._talk = _Talk(inbox, FORCE_SENSORS[sensor.wire](), sensor.counts, now)
         self._carrier = Datagrams(sensor.listen, 0, self._talk, now, _LOOK, "force_sensor")
 
     def __enter__(self) -> Self:

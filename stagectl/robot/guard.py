@@ -16,7 +16,7 @@ from stagectl.robot.guard_kernel import (
     check_joints,
     check_pose,
 )
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
 _ROOM = 1 + 1e-9
 """A limit is met by what is just on it, after rounding."""

@@ -16,7 +16,8 @@ from stagectl.robot.arm import Arm, ArmError, irb140, read_arm
 from stagectl.robot.config import CellConfig
 from stagectl.robot.conversation import PortState, ReportCounts, RobotConversation
 from stagectl.robot.guard import CommandGuard
-from stagectl.wire.egm import RATE, Motion, Report
+from stagectl.wire.makes import ROBOTS
+from stagectl.wire.robot import RATE, Motion, Report
 
 
 class RobotFault(LinkError):
@@ -36,7 +37,7 @@ def arm_of(config: CellConfig) -> Arm:
 
 
 class RobotPort:
-    """The robot behind Externally Guided Motion: a context manager that listens, and holds the robot until `start`.
+    """The robot behind its make's wire: a context manager that listens, and holds the robot until `start`.
 
     Whatever goes wrong while the robot follows - it is silent, leaves guided motion, its reports are lost or late, no
     reference comes for it, a reference is beyond a limit, or `hold` is called - latches: what is sent comes to rest and
@@ -59,7 +60,7 @@ class RobotPort:
         self.config, self.robot = config, config.robot
         self._tell, self._now = tell, now
         guard = CommandGuard(arm_of(config), config.limits, config.robot.mode, config.robot.tool)
-        self.conversation = RobotConversation(config.robot, guard, tell)
+        self.conversation = RobotConversation(config.robot, ROBOTS[config.robot.wire](), guard, tell)
         # a robot that an earlier port has led must not take this one's commands for late ones
         self.conversation.count_from(int(now() * RATE))
         patience = 0.5 / RATE
@@ -71,7 +72,8 @@ class RobotPort:
         if not self.until(lambda: self.conversation.report is not None, self.robot.patience):
             self._carrier.close()
             host, port = self.address
-            raise LinkError(f"the robot is not heard on {host}:{port} within {self.robot.patience:g} s")
+            why = self.conversation.why_refused
+            raise LinkError(f"the robot is not heard on {host}:{port} within {self.robot.patience:g} s{why}")
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -88,6 +90,12 @@ class RobotPort:
     def beat(self) -> str:
         """What the robot sends in time."""
         return "report from the robot"
+
+    @property
+    def host(self) -> str:
+        """The robot's address, once it was heard."""
+        peer = self.conversation.peer
+        return peer[0] if peer is not None else self.robot.listen
 
     @property
     def rate(self) -> float:

@@ -5,7 +5,7 @@ Guided motion carries no torques before RobotWare 7, so they come on a line of t
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Self
+from typing import Protocol, Self
 
 import numpy as np
 
@@ -15,11 +15,57 @@ from stagectl.link.bus import LinkError
 from stagectl.link.robot_stream import Requests, Stream
 from stagectl.robot.config import Robot
 from stagectl.robot.port import RobotPort
-from stagectl.wire.egm import RATE, Motion
+from stagectl.wire.robot import RATE, Motion
 
-_KEPT = 8 * round(RATE)
+KEPT = 8 * round(RATE)
 """Samples of torque kept for a reader that stands still: 8 s."""
 _LONGEST_LINE = 1_000
+_ONE_CLOCK = 1.0
+"""s: a line whose stamps are further than that from those of the reports has a clock of its own."""
+
+
+class Program(Protocol):
+    """What the controller does beside motion; each raises LinkError where it refuses."""
+
+    def soften(self, softness: Sequence[float]) -> None:
+        """Turn joints soft: the part of the P gain that is taken away, a number a joint, 0 to 0.99; 0 for stiff."""
+
+    def clamp(self, is_clamped: bool) -> None:
+        """Close the clamp that holds the tool, or open it."""
+
+    def change(self, is_there: bool) -> None:
+        """Have a fresh workpiece put under the tool, or taken away, by a changer of the robot's own."""
+
+    def reset(self) -> None:
+        """Switch the motors on again, and begin guided motion anew where the robot is."""
+
+
+class Torques(Protocol):
+    """The motors' torques: a context manager that reads all the time.
+
+    Attributes
+    ----------
+    samples : Ring
+        Rows of time (s, the controller's clock), 6 angles (rad), 6 torques (N m).
+    newest : array, shape (13,), such a row; NaN until one has come
+    losses : int, how often the line has gone down
+    """
+
+    samples: Ring
+    newest: np.ndarray
+    losses: int
+
+    def __enter__(self) -> Self:
+        """Begin to read."""
+
+    def __exit__(self, *_: object) -> None:
+        """Read no more."""
+
+    def wait(self, samples: int, seconds: float) -> bool:
+        """Return whether so many samples have come in all, as soon as they have or after `seconds`."""
+
+    def late(self, behind: float) -> float:
+        """Return what is added to their times, s, to be on the clock of reports that is `behind` ours by so much."""
 
 
 class RobotProgram:
@@ -64,14 +110,14 @@ class RobotProgram:
             raise LinkError(f"the robot's program refuses {line!r}: {answer}")
 
 
-def begin_motion(port: RobotPort, program: RobotProgram) -> None:
+def begin_motion(port: RobotPort, program: Program) -> None:
     """Have guided motion begun anew where the robot is, if it has ended by its time-out since nobody led it.
 
     Parameters
     ----------
     port : RobotPort, open
         Motors that are off stay off: `RobotPort.start` refuses them.
-    program : RobotProgram, open
+    program : Program, open
 
     Raises
     ------
@@ -107,9 +153,9 @@ class TorqueSignals:
 
     def __init__(self, robot: Robot, host: str, now: Callable[[], float]) -> None:
         self.garbled = self.losses = 0
-        self.samples = Ring(13, _KEPT)
+        self.samples = Ring(13, KEPT)
         self.newest = np.full(13, np.nan)
-        self._rest = b""
+        self._rest, self._behind = b"", np.inf
         self._stream = Stream(host, robot.signals, self, now)
 
     def __enter__(self) -> Self:
@@ -126,22 +172,30 @@ class TorqueSignals:
         with self._stream.arrived:
             return self._stream.arrived.wait_for(lambda: self.samples.offered >= samples, seconds)
 
-    def take(self, data: bytes, now: float) -> None:  # noqa: ARG002 (a Reader's own)
+    def late(self, behind: float) -> float:
+        """Return what is added to their times, s, to be on the clock of reports that are `behind` ours by so much, s.
+
+        Nothing, where both are stamped by one clock; else by the sample and the report that came quickest.
+        """
+        apart = self._behind - behind
+        return apart if abs(apart) > _ONE_CLOCK else 0.0
+
+    def take(self, data: bytes, now: float) -> None:
         """Take bytes from the line."""
         *lines, self._rest = (self._rest + data).split(b"\n")
         self._rest = self._rest[-_LONGEST_LINE:]
         for line in lines:
-            self._read(line)
+            self._read(line, now)
 
     def watch(self, now: float) -> None:
         """Nothing hangs on its being there in time."""
 
     def lose(self) -> None:
         """Begin a new line when it is back."""
-        self._rest, self.newest = b"", np.full(13, np.nan)
+        self._rest, self.newest, self._behind = b"", np.full(13, np.nan), np.inf
         self.losses += 1
 
-    def _read(self, line: bytes) -> None:
+    def _read(self, line: bytes, now: float) -> None:
         try:
             values = [float(each) for each in line.split(b",")]
         except ValueError:
@@ -152,7 +206,7 @@ class TorqueSignals:
         sample = np.array(values)
         sample[1:7] = np.radians(sample[1:7])
         self.samples.put(sample[None])
-        self.newest = sample
+        self.newest, self._behind = sample, min(self._behind, now - values[0])
 
 
 class MotorTorque(Block):
@@ -160,12 +214,12 @@ class MotorTorque(Block):
 
     Parameters
     ----------
-    signals : TorqueSignals
+    signals : Torques
     """
 
     outputs = (Port("torque", "N m", 6), Port("angle", "rad", 6))
 
-    def __init__(self, signals: TorqueSignals) -> None:
+    def __init__(self, signals: Torques) -> None:
         self.signals = signals
 
     def process(self, torque: np.ndarray, angle: np.ndarray) -> None:

@@ -7,8 +7,9 @@ import numpy as np
 
 from stagectl.robot.config import Tracker
 from stagectl.robot.lag import Lag
+from stagectl.wire.makes import TRACKERS
 from stagectl.wire.sequence import Sequence
-from stagectl.wire.tracker import MODULUS, Packets, Sample, Sighting
+from stagectl.wire.tracker import Sample, Sighting
 
 _TURN_LEVER = 0.1
 """m, by which a turn counts as a way: about the distance of the LEDs from the frame's origin."""
@@ -55,7 +56,8 @@ class TrackerInbox:
         self.pose = np.full(7, np.nan)
         self.seen = -np.inf
         self.is_watched = self._is_strict = False
-        self._packets, self._sequence, self._lag = Packets(), Sequence(MODULUS), Lag()
+        self._packets, self._lag = TRACKERS[tracker.wire](), Lag()
+        self._sequence = Sequence(self._packets.modulus)
         self._tell, self._stamp, self._why = tell, -np.inf, "nothing has come"
 
     @property

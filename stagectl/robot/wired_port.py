@@ -8,7 +8,8 @@ from stagectl.robot.config import CellConfig
 from stagectl.robot.conversation import PortState, RobotConversation
 from stagectl.robot.guard import CommandGuard
 from stagectl.robot.port import arm_of
-from stagectl.wire.egm import RATE, Motion, Report, pack_report, unpack_command
+from stagectl.wire.egm import Egm, pack_report, unpack_command
+from stagectl.wire.robot import RATE, Motion, Report
 
 AFTERWARDS = 0.5
 """s that are recorded of a hold, beside `limits.stop`."""
@@ -44,7 +45,7 @@ class WiredPort(Block):
         """Hold the robot, with nothing heard."""
         config = self._config
         guard = CommandGuard(arm_of(config), config.limits, "joints", config.robot.tool)
-        self.conversation = RobotConversation(config.robot, guard, self._tell)
+        self.conversation = RobotConversation(config.robot, Egm(), guard, self._tell)
         self._seen, self._done, self._rate = 0.0, 0, rate
         self._asked, self._corrected, self._pose = self._first.copy(), np.zeros(6), np.full(7, np.nan)
 

@@ -6,8 +6,6 @@ out are passed over, as protobuf does; `measuredForce` is one, since versions 1 
 """
 
 import math
-from dataclasses import dataclass
-from enum import IntEnum
 from typing import Any
 
 import numpy as np
@@ -15,19 +13,12 @@ from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from google.protobuf.message import DecodeError
 
 from rigkit.wire.layout import GarbledError, WireError
+from stagectl.wire.robot import Command, Motion, Report
 
-RATE = 250.0
-"""Reports/s."""
 MODULUS = 1 << 32
 """Of the counters."""
 _MM = 1e-3
 _MS = 1e-3
-
-
-class Motion(IntEnum):
-    """What guided motion does (EgmMCIState)."""
-
-    UNDEFINED, ERROR, STOPPED, RUNNING = range(4)
 
 
 _CORRECTION, _DATA, _MOTORS_ON, _MOTORS_OFF, _RAPID_STOPPED, _RAPID_RUNNING = 3, 2, 1, 2, 1, 2
@@ -69,40 +60,25 @@ def _classes() -> dict[str, Any]:
 _CLASSES = _classes()
 
 
-@dataclass(frozen=True, eq=False)
-class Report:
-    """What the robot says in each cycle.
+class Egm:
+    """Guided motion's messages as a `RobotWire`: torques and the robot's program have lines of their own."""
 
-    Parameters
-    ----------
-    counter : int
-    time : float, s, the controller's clock
-    joint_angle, planned_angle : arrays, shape (6,), rad
-        Of the motors behind their gears: measured, and asked for.
-    pose : array, shape (7,), m and 1
-        Of the tool: position, then the unit quaternion w x y z; NaN where it is not sent.
-    motors_on, program_runs : bool
-    motion : Motion
-    """
+    modulus, is_whole = MODULUS, False
 
-    counter: int
-    time: float
-    joint_angle: np.ndarray
-    planned_angle: np.ndarray
-    pose: np.ndarray
-    motors_on: bool = True
-    program_runs: bool = True
-    motion: Motion = Motion.RUNNING
+    def read(self, data: bytes) -> Report:
+        """Return a report, as `unpack_report` does."""
+        return unpack_report(data)
 
+    def write(self, command: Command, report: Report) -> bytes:  # noqa: ARG002 (its answers have a counter of their own)
+        """Return a command's bytes, as `pack_command` does."""
+        return pack_command(command)
 
-@dataclass(frozen=True, eq=False)
-class Command:
-    """What the robot is asked for: joint angles, shape (6,), rad, or a pose, shape (7,), m and 1; the other is None."""
+    def refusal(self, wanted: np.ndarray) -> str:  # noqa: ARG002 (finite numbers always fit)
+        """Refuse nothing of `wanted`: angles, shape (6,), rad, or a pose, shape (7,), m and 1."""
+        return ""
 
-    counter: int
-    time: float
-    joint_angle: np.ndarray | None = None
-    pose: np.ndarray | None = None
+    def forget(self) -> None:
+        """Remember nothing."""
 
 
 def pack_report(report: Report) -> bytes:

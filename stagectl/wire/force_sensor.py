@@ -11,6 +11,7 @@ tables 4.7 and 4.9.
 import struct
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
+from typing import Protocol
 
 import numpy as np
 
@@ -112,3 +113,33 @@ def unpack_records(data: bytes, counts: np.ndarray) -> list[Record]:
     if not data or len(data) % _RECORD.size:
         raise GarbledError(f"a datagram of the force sensor has {len(data)} bytes, must be {_RECORD.size} a record")
     return [Record(row[0], row[1], row[2], np.array(row[3:]) / counts) for row in _RECORD.iter_unpack(data)]
+
+
+class ForceWire(Protocol):
+    """A make's datagrams, without I/O.
+
+    Attributes
+    ----------
+    modulus : int
+        Where `Record.counter` begins again.
+    start, stop : bytes
+        What asks for the stream, and for its end.
+    """
+
+    modulus: int
+    start: bytes
+    stop: bytes
+
+    def read(self, data: bytes, counts: np.ndarray) -> list[Record]:
+        """Return a datagram's records; `counts`, shape (6,), 1/N and 1/(N m).  `GarbledError` where it holds none."""
+
+
+class NetFt:
+    """The box's datagrams as a `ForceWire`."""
+
+    modulus = MODULUS
+    start, stop = pack_request(Request.STREAM), pack_request(Request.STOP)
+
+    def read(self, data: bytes, counts: np.ndarray) -> list[Record]:
+        """Return a datagram's records, as `unpack_records` does; `counts`, shape (6,), 1/N and 1/(N m)."""
+        return unpack_records(data, counts)

@@ -8,6 +8,7 @@ a CRC-16 over all before it.  A frame of which too few LEDs are seen is sent wit
 
 import struct
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -46,6 +47,27 @@ class Sample:
     sightings: tuple[Sighting, ...]
 
 
+class TrackerWire(Protocol):
+    """A make's stream of bytes, cut into samples, without I/O.
+
+    Attributes
+    ----------
+    modulus : int
+        Where `Sample.counter` begins again.
+    garbled : int
+        Pieces of the stream that were no sample.
+    """
+
+    modulus: int
+    garbled: int
+
+    def take(self, data: bytes) -> list[Sample]:
+        """Return the samples that `data` completes, in the order they come."""
+
+    def forget(self) -> None:
+        """Begin anew: the line was down."""
+
+
 def pack_sample(sample: Sample) -> bytes:
     """Return a sample's bytes; `WireError` where it has too many frames."""
     count = len(sample.sightings)
@@ -60,6 +82,8 @@ def pack_sample(sample: Sample) -> bytes:
 
 class Packets:
     """Cuts a stream of bytes into samples, finds the next one after rubbish, and counts what was none."""
+
+    modulus = MODULUS
 
     def __init__(self) -> None:
         self.garbled = 0

@@ -70,8 +70,9 @@ from stagectl.stage.sensors import SensorCheck
 from stagectl.stage.servo import servo
 from stagectl.stage.state_feedback import StateFeedback, linear_quadratic
 from stagectl.still import Still
-from stagectl.wire.egm import Report, pack_report
+from stagectl.wire.egm import pack_report
 from stagectl.wire.messages import Drive
+from stagectl.wire.robot import Report
 from tests.contract.conformance import Example
 from tests.contract.feed_examples import FEED_EXAMPLES
 from tests.contract.live_examples import LIVE_EXAMPLES
@@ -176,8 +177,7 @@ def _robot(mode: Literal["joints", "pose"] = "joints") -> RobotPort:
 
 
 def _report(block: JointReport | PoseReport) -> None:
-    pose = np.array([0.5, 0.0, 0.7, 1.0, 0.0, 0.0, 0.0])
-    report = pack_report(Report(1, 0.0, np.full(6, 0.1), np.full(6, 0.2), pose))
+    report = pack_report(Report(1, 0.0, np.full(6, 0.1), np.full(6, 0.2), np.full(7, 0.5)))
     block.port.conversation.take(report, ("127.0.0.1", 1), 0.0)
 
 

@@ -17,8 +17,9 @@ from stagectl.robot.program import TorqueSignals
 from stagectl.robot.wired_force import WiredForce
 from stagectl.robot.wired_port import WiredPort
 from stagectl.robot.wired_tracker import WiredTracker
-from stagectl.wire.egm import Report, pack_report
+from stagectl.wire.egm import pack_report
 from stagectl.wire.force_sensor import Record
+from stagectl.wire.robot import Report
 from stagectl.wire.tracker import Sample, Sighting, pack_sample
 from tests.contract.conformance import Example
 

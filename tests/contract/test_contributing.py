@@ -1,4 +1,4 @@
-"""CONTRIBUTING.md's plant and its learning law are what they are said to be: a Block as every other, and a law."""
+"""CONTRIBUTING.md's plant, robot and learning law are what they say: taken by their names, and run."""
 
 import sys
 import textwrap
@@ -10,11 +10,19 @@ import pytest
 
 from ctlblocks import Block
 from rigkit import config as rig_file
+from rigkit.config import ConfigError
 from rigkit.experiment.runner import never
 from stagectl.config import StageConfig
 from stagectl.experiments.piezo.cell import Cell, memory, simulated
 from stagectl.experiments.piezo.reference import wanted_position
 from stagectl.experiments.piezo.setup import setup
+from stagectl.robot.config import CellConfig
+from stagectl.robot.conversation import PortState
+from stagectl.robot.port import RobotPort
+from stagectl.robot.tracker_inbox import TrackerInbox
+from stagectl.wire.makes import ROBOTS, TRACKERS
+from stagectl.wire.robot import RATE
+from stagectl.wire.tracker import Sample, Sighting
 from tests.contract.conformance import CHECKS, Example
 from tests.contract.source_tree import ROOT
 from tests.stagectl.experiments.piezo.simulated_models import write_models
@@ -25,7 +33,7 @@ from vibractl.learning.gains import Gains
 from vibractl.learning.kinds_of_law import KINDS, KindOfLaw
 
 PAGE = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-LONGEST = 32
+LONGEST = 36
 """Lines of a module of the page."""
 
 
@@ -95,3 +103,42 @@ def test_bounds_of_the_law_hold(monkeypatch: pytest.MonkeyPatch) -> None:
             inside.append(float(np.mean(error <= algorithm.daring.computed_bound + 1e-9)))
         algorithm.step(shot)
     assert min(inside) > 0.98
+
+
+def test_a_robot_of_another_make_is_a_line_of_the_registry(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(ConfigError, match='robot.wire is "lines": must be one of egm, rsi'):
+        rig_file.load(None, CellConfig, ["robot.wire=lines"])
+    monkeypatch.setitem(ROBOTS, "lines", from_page("own_robot").Lines)
+    talk = RobotPort(rig_file.load(None, CellConfig, ["robot.wire=lines"])).conversation
+    for counter, angle in enumerate(("5", "5", "nan", "five", "5")):
+        talk.take(f"{counter},0,0,0,0,30,{angle}".encode(), ("127.0.0.1", 1), counter / RATE)
+        if talk.report is not None and talk.state is PortState.IDLE:
+            assert talk.give() == b"%d,0,0,0,0,30,5" % counter
+            talk.begin()
+    home = np.radians([0.0, 0.0, 0.0, 0.0, 30.0, 5.0])
+    talk.wanted.put(home, home + np.radians(0.01))
+    assert talk.give() == b"4,0.01,0.01,0.01,0.01,30.01,5.01"
+    assert (talk.reason, talk.counts.garbled, talk.counts.lost) == ("", 2, 2)
+
+
+def test_a_tracker_of_another_make_is_a_line_of_the_registry(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Spoken:
+        """Says a counter and where frame 7 is, m, in a line of text."""
+
+        modulus, garbled = 1 << 32, 0
+
+        def take(self, data: bytes) -> list[Sample]:
+            rows = [[float(each) for each in line.split()] for line in data.splitlines()]
+            return [
+                Sample(int(n), n / 100, (Sighting(7, 5, 0.0, np.array([*place, 1.0, 0.0, 0.0, 0.0])),))
+                for n, *place in rows
+            ]
+
+        def forget(self) -> None: ...
+
+    monkeypatch.setitem(TRACKERS, "spoken", Spoken)
+    inbox = TrackerInbox(rig_file.load(None, CellConfig, ["tracker.wire=spoken"]).tracker, print)
+    inbox.take(b"1 0.1 0.2 0.3\n2 0.1 0.2 0.4\n", 0.0)
+    np.testing.assert_allclose(inbox.pose[:3], [0.1, 0.2, 0.4])
+    with pytest.raises(ConfigError, match='force_sensor.wire is "own": must be one of netft'):
+        rig_file.load(None, CellConfig, ["force_sensor.wire=own"])

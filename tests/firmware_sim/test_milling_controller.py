@@ -8,7 +8,8 @@ from firmware_sim.robot_controller import RobotController
 from firmware_sim.robot_inverse import rigid_pose, toward
 from stagectl.robot.config import CellConfig, Simulator
 from stagectl.robot.toroid_config import Plants
-from stagectl.wire.egm import Command, pack_command
+from stagectl.wire.egm import pack_command
+from stagectl.wire.robot import Command
 
 QUIET = {"noise": 0.0, "seed": 2}
 FEED, PERIOD = 10e-3, 0.004

@@ -14,6 +14,7 @@ from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.robot_bench import Addresses, RobotBench, robot_mishap
 from firmware_sim.robot_cell import cell_controller
 from firmware_sim.robot_controller import RobotController
+from firmware_sim.wire_ends import EgmEnd
 from stagectl.link.bus import LinkError
 from stagectl.robot.config import CellConfig, Robot, Simulator, Tracker
 from stagectl.robot.port import RobotPort
@@ -35,7 +36,7 @@ class Cell:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
-        self.bench = RobotBench(RobotController(RobotPlant(seed=2)), Addresses(motion=port), log=log)
+        self.bench = RobotBench(RobotController(RobotPlant(seed=2), end=EgmEnd()), Addresses(motion=port), log=log)
         robot = Robot(
             port=port,
             commands=self.bench.program.address[1],

@@ -8,14 +8,16 @@ import pytest
 from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.robot_controller import GuidedMotion, RobotController
 from firmware_sim.robot_inverse import rigid_pose, toward
+from firmware_sim.wire_ends import EgmEnd
 from stagectl.robot.config import CellConfig, Robot
 from stagectl.robot.kinematics import forward
 from stagectl.robot.port import arm_of
-from stagectl.wire.egm import RATE, Command, Motion, pack_command, unpack_report
+from stagectl.wire.egm import pack_command, unpack_report
+from stagectl.wire.robot import RATE, Command, Motion
 
 
 def controller(**setup: float) -> RobotController:
-    return RobotController(RobotPlant(seed=2, noise=0.0), GuidedMotion(**setup))  # type: ignore[arg-type]
+    return RobotController(RobotPlant(seed=2, noise=0.0), GuidedMotion(**setup), end=EgmEnd())  # type: ignore[arg-type]
 
 
 def ask(robot: RobotController, counter: int, angle: np.ndarray) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from rigkit.wire.layout import GarbledError
 from stagectl.link.laser_protocol import LONGEST_LINE, LaserError, Lines, Reading, reading, said
-from stagectl.wire import egm, force_sensor, tracker
+from stagectl.wire import egm, force_sensor, robot, rsi, tracker
 from tests.fuzz.judge import Finding, is_accepted
 from tests.fuzz.mutation import mutated, of_bytes
 
@@ -23,7 +23,7 @@ def cases(_: Path) -> Callable[[int], bool]:
 
     def case(number: int) -> bool:
         chance = random.Random(number)
-        return chance.choice((_report, _command, _tracked, _force, _request, _displacement))(chance)
+        return chance.choice((_report, _command, _telegram, _answer, _tracked, _force, _request, _displacement))(chance)
 
     return case
 
@@ -42,10 +42,10 @@ def _pose(chance: random.Random) -> np.ndarray:
 
 
 def _report(chance: random.Random) -> bool:
-    sound = egm.pack_report(egm.Report(7, 1.0, _numbers(chance, 6), _numbers(chance, 6), _pose(chance)))
+    sound = egm.pack_report(robot.Report(7, 1.0, _numbers(chance, 6), _numbers(chance, 6), _pose(chance)))
     data = _damaged(sound, chance)
 
-    def check(found: egm.Report) -> None:
+    def check(found: robot.Report) -> None:
         assert np.isfinite(found.joint_angle).all(), "joint_angle"
         assert np.isfinite(found.planned_angle).all(), "planned_angle"
         assert found.joint_angle.shape == found.planned_angle.shape == (6,)
@@ -56,9 +56,9 @@ def _report(chance: random.Random) -> bool:
 
 def _command(chance: random.Random) -> bool:
     wanted: dict[str, Any] = chance.choice(({"joint_angle": _numbers(chance, 6)}, {"pose": _pose(chance)}))
-    data = _damaged(egm.pack_command(egm.Command(7, 1.0, **wanted)), chance)
+    data = _damaged(egm.pack_command(robot.Command(7, 1.0, **wanted)), chance)
 
-    def check(found: egm.Command) -> None:
+    def check(found: robot.Command) -> None:
         assert (found.joint_angle is None) != (found.pose is None), "both or nothing"
         if found.joint_angle is not None:
             assert found.joint_angle.shape == (6,)
@@ -68,6 +68,35 @@ def _command(chance: random.Random) -> bool:
             _check_pose(found.pose)
 
     return is_accepted(lambda: egm.unpack_command(data), check, GarbledError)
+
+
+def _telegram(chance: random.Random) -> bool:
+    said = robot.Report(7, 1.0, _numbers(chance, 6), _numbers(chance, 6), _pose(chance), stamp=28)
+    data = _damaged(rsi.pack_telegram(said, _numbers(chance, 6), _pose(chance)), chance)
+
+    def check(found: robot.Report) -> None:
+        assert np.isfinite(found.joint_angle).all(), "joint_angle"
+        assert np.isfinite(found.planned_angle).all(), "planned_angle"
+        assert found.current is not None, "no current"
+        assert np.isfinite(found.current).all(), "current"
+        assert found.joint_angle.shape == found.planned_angle.shape == found.current.shape == (6,)
+        _check_pose(found.pose)
+
+    return is_accepted(lambda: rsi.Rsi().read(data), check, GarbledError)
+
+
+def _answer(chance: random.Random) -> bool:
+    wire = rsi.Rsi()
+    said = robot.Report(7, 1.0, _numbers(chance, 6), _numbers(chance, 6), _pose(chance), stamp=28)
+    report = wire.read(rsi.pack_telegram(said, _numbers(chance, 6), _pose(chance)))
+    data = _damaged(wire.write(robot.Command(7, 1.0, joint_angle=_numbers(chance, 6)), report), chance)
+
+    def check(found: tuple[int, np.ndarray, np.ndarray, robot.Outputs]) -> None:
+        assert found[0] >= 0, "ipoc"
+        assert np.isfinite(found[1]).all(), "joints"
+        assert np.isfinite(found[2]).all(), "frame"
+
+    return is_accepted(lambda: rsi.unpack_answer(data), check, GarbledError)
 
 
 def _check_pose(pose: np.ndarray) -> None:

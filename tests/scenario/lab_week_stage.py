@@ -16,7 +16,7 @@ from stagectl.planning.example_pocket import EXAMPLE_POCKET
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.milling_models import write_milling
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 from tests.scenario.lab import (
     Cell,
     Lab,

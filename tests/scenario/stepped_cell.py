@@ -19,7 +19,7 @@ from stagectl.experiments.midranging.wired_blocks import LivePair
 from stagectl.robot.config import CellConfig
 from stagectl.robot.conversation import PortState
 from stagectl.wire import messages
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 from tests.stagectl.link.stand_in import FirstOrderStage
 
 BUSY = 10.0

@@ -51,9 +51,13 @@ WHEN = 400
 """Samples after which something goes wrong: the tool is in the material."""
 
 
+OVER_RSI = SETTINGS | {"robot": SETTINGS["robot"] | {"wire": "rsi", "commands": 0, "signals": 0}}
+"""Its motors have a torque constant of 1 N m/A, as the simulator's have."""
+
+
 @pytest.fixture
-def cell() -> Iterator[SteppedCell]:
-    with SteppedCell(cell_cut, **SETTINGS) as made:
+def cell(request: pytest.FixtureRequest) -> Iterator[SteppedCell]:
+    with SteppedCell(cell_cut, **getattr(request, "param", SETTINGS)) as made:
         yield made
 
 
@@ -116,6 +120,7 @@ def refuse_another_replay(done: DoneTrial) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("cell", [SETTINGS, OVER_RSI], ids=["egm", "rsi"], indirect=True)
 def test_a_trial_goes_round_and_a_blind_tracker_lifts_the_tool_out_of_the_next(
     cell: SteppedCell, tmp_path: Path
 ) -> None:
@@ -139,6 +144,7 @@ def test_a_trial_goes_round_and_a_blind_tracker_lifts_the_tool_out_of_the_next(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("cell", [SETTINGS, OVER_RSI], ids=["egm", "rsi"], indirect=True)
 def test_free_space_and_a_pocket_are_learned(cell: SteppedCell) -> None:
     made = Laboratory(cell)
     learning = cell.config.learning.model_copy(update={"free": 1})

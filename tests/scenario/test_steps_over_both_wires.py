@@ -21,11 +21,12 @@ from tests.stagectl.link.stand_in import PATIENT, running
 pytestmark = pytest.mark.stall(0.3)
 
 
-def test_robot_and_stage_are_told_apart_by_what_they_answer(tmp_path: Path) -> None:
+@pytest.mark.parametrize("wire", ["egm", "rsi"])
+def test_robot_and_stage_are_told_apart_by_what_they_answer(wire: str, tmp_path: Path) -> None:
     wanted = Wanted(size=140e-6, period=2.0, repeats=2)
     with (
         running(tmp_path / "can", Settings(silence=PATIENT, pace="host")) as (node, stage),
-        SteppedCell(midranging=MIDRANGING) as stepped,
+        SteppedCell(midranging=MIDRANGING, robot={"wire": wire}) as stepped,
     ):
         made = Steps(cell_of(stepped, tmp_path / "can"), wanted)
         stepped.beside = StageBeside(node, stage, lambda: made.pair)

@@ -19,7 +19,7 @@ from stagectl.experiments.feed.process_run import SECONDS, TRACK, process_figure
 from stagectl.experiments.feed.report import PAGE
 from stagectl.link.tell import Tell, nobody
 from stagectl.robot.config import CellConfig
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
 CHANNELS = 40
 """Of the recording, at most."""

@@ -16,7 +16,7 @@ from rigkit.named_code import named_block
 from stagectl.robot.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force import FeedForce
 from stagectl.robot.milling.feed_force_kernel import CONTROLLING
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
 SEEN = (Port("velocity", "m/s"), Port("force", "N", 2))
 """What the controller is given of the process."""

@@ -19,7 +19,7 @@ from stagectl.models.model_file import read_model
 from stagectl.models.model_origin import refuse_other_wiring
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
 JOB, MODEL, FEEDS = "job.json", "velocity.h5", "feeds.json"
 """Files of a run's folder; the last one in those of version 0.1.0 only."""

@@ -177,7 +177,7 @@ class Midranging:
             self.pair = pair
             try:
                 make = pairs.wired(pair, self.config.session.smoothing)
-                clock, begin = Linked(pair.robot), partial(wired.start, pair, self.cell)
+                clock, begin = Linked(pair.robot), partial(wired.start, pair)
                 controls, wanted = self.controller(len(axes)), self._wanted(axes)
                 made = part(self.config, controls, wanted, make, "", self._channels(axes))
                 yield led(made, clock, begin, pair.rest)

@@ -9,12 +9,12 @@ from ctlblocks import Block
 from stagectl.experiments.midranging.wired_blocks import LivePair
 from stagectl.link.stage_link import StageLink
 from stagectl.robot.config import CellConfig
+from stagectl.robot.live.wires import begin_motion_of
 from stagectl.robot.midranging_config import MidrangeConfig
 from stagectl.robot.port import RobotPort
-from stagectl.robot.program import RobotProgram, begin_motion
 from stagectl.robot.tracker import TrackerLine
-from stagectl.wire.egm import RATE
 from stagectl.wire.messages import AXES, REFERENCE
+from stagectl.wire.robot import RATE
 from stagectl.wire.samples import largest
 
 
@@ -67,13 +67,10 @@ def opened(cell: CellConfig, names: Sequence[str]) -> Iterator[LivePair]:
         yield LivePair(stage, robot, tuple(AXES.index(name) for name in names), gain, tracker)
 
 
-def start(pair: LivePair, cell: CellConfig) -> None:
+def start(pair: LivePair) -> None:
     """Let stage and robot follow, from where they are."""
     pair.stage.start()
-    if cell.robot.commands:
-        peer = pair.robot.conversation.peer
-        with RobotProgram(cell.robot, peer[0] if peer is not None else cell.robot.listen) as program:
-            begin_motion(pair.robot, program)
+    begin_motion_of(pair.robot)
     pair.robot.start()
     pair.begin()
     if pair.tracker is not None:

@@ -98,7 +98,7 @@ class Steps:
             try:
                 made = self._part(pairs.wired(pair, self.config.session.smoothing))
                 first, *others = made.phases
-                begun = replace(first, begin=partial(wired.start, pair, self.cell))
+                begun = replace(first, begin=partial(wired.start, pair))
                 yield replace(made, phases=(begun, *others), clock=Linked(pair.robot), rest=pair.rest)
             finally:
                 self.pair = None

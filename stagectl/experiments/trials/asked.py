@@ -85,7 +85,7 @@ class Asked:
             learner.contraction(method).refuse_divergence()
         if isinstance(self.bench, SimulatedBench):
             refuse_wrong_plants(first)
-        elif 3 in self.methods and not cell.robot.signals:
+        elif 3 in self.methods and not cell.robot.has_torques:
             raise ValueError("robot.signals is 0: method 3 needs the motors' torques, must be the port of their line")
         done = {name: done_trial(name, records_of(path, f"{name}-"), first) for name in sorted(names)}
         return Milling(first, self.methods, self.iterations, learner, self.bench, done, say=self.say)

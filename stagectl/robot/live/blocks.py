@@ -7,7 +7,7 @@ from stagectl.robot.live.force_records import ForceRecords
 from stagectl.robot.live.wires import LiveWires
 from stagectl.robot.port import RobotPort
 from stagectl.robot.wired_tracker import SPINDLE
-from stagectl.wire.egm import Motion
+from stagectl.wire.robot import Motion
 from stagectl.wire.tracker import Sample
 
 _TAKEN = 64
@@ -93,7 +93,7 @@ class LiveTorques(Block):
                 self._at, self._count = 0, signals.samples.take(self._taken)
             if self._at < self._count:
                 row = self._taken[self._at]
-                self._stamp, self._torque[:] = float(row[0]) - self.wires.begun, row[7:]
+                self._stamp, self._torque[:] = float(row[0]) + self.wires.torque_late - self.wires.begun, row[7:]
                 self._at += 1
             torque_stamp[n, 0], logged_torque[n] = self._stamp, self._torque
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from ctlblocks import Graph
 from stagectl.link.bus import LinkError
 from stagectl.robot.live.wires import LiveWires
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
 
 class ReportClock:

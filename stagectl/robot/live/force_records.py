@@ -7,8 +7,9 @@ import numpy as np
 
 from stagectl.robot.force_config import ForceSensor
 from stagectl.robot.force_inbox import ForceCounts, is_saturated
-from stagectl.wire.egm import RATE
-from stagectl.wire.force_sensor import MODULUS, Record
+from stagectl.wire.force_sensor import Record
+from stagectl.wire.makes import FORCE_SENSORS
+from stagectl.wire.robot import RATE
 from stagectl.wire.sequence import Sequence
 
 _PAUSE = 0.25
@@ -32,7 +33,7 @@ class ForceRecords:
     def __init__(self, sensor: ForceSensor) -> None:
         self.sensor, self.counts, self.seen = sensor, ForceCounts(), -np.inf
         self._records: deque[Record] = deque(maxlen=_KEPT)
-        self._sequence = Sequence(MODULUS)
+        self._sequence = Sequence(FORCE_SENSORS[sensor.wire]().modulus)
 
     def accept(self, record: Record, now: float) -> None:
         """Take a record that has come at `now` (s)."""

@@ -87,7 +87,7 @@ def refuse_unattended(cell: CellConfig, is_sure: bool) -> None:
 
 def refuse_unguided(cell: CellConfig) -> None:
     """Refuse a cell whose robot nobody can begin to guide, by ValueError."""
-    if not cell.robot.commands:
+    if not cell.robot.has_program:
         raise ValueError(
             "robot.commands is 0, must be the port of the robot's program: guided motion begins anew each time"
         )

@@ -18,7 +18,7 @@ from stagectl.robot.live.person import Person
 from stagectl.robot.live.way import Room
 from stagectl.robot.live.wires import LiveWires
 from stagectl.robot.port import RobotPort
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,8 @@ from stagectl.link.bus import LinkError
 from stagectl.link.robot_stream import Stream
 from stagectl.robot.config import Tracker
 from stagectl.robot.wired_tracker import SPINDLE
-from stagectl.wire.tracker import Packets, Sample
+from stagectl.wire.makes import TRACKERS
+from stagectl.wire.tracker import Sample
 
 _KEPT = 4_096
 """Samples that wait for a reader that stands still; older ones are lost."""
@@ -34,7 +35,7 @@ class TrackerSamples:
     def __init__(self, tracker: Tracker, now: Callable[[], float] = time.monotonic, patience: float = 2.0) -> None:
         self.behind = np.inf
         """s by which its clock is behind ours, by the sample that came quickest; begins anew with `skip`."""
-        self._tracker, self._patience, self._packets = tracker, patience, Packets()
+        self._tracker, self._patience, self._packets = tracker, patience, TRACKERS[tracker.wire]()
         self._samples: deque[Sample] = deque(maxlen=_KEPT)
         self._shown: set[int] = set()
         self._stream = Stream(tracker.host, tracker.port, self, now)

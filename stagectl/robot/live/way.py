@@ -21,7 +21,7 @@ from stagectl.robot.live.wires import begin_motion_of, catch_up
 from stagectl.robot.port import RobotPort
 from stagectl.robot.port_blocks import JointCommand
 from stagectl.robot.tool_path import joints_at
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 
 LATE = 3
 """References that may come at once, after ticks that were late: no joint may be faster than a part of its limit."""

@@ -8,15 +8,15 @@ from typing import Any, Self
 import numpy as np
 
 from rigkit.experiment.part import nothing
-from stagectl.link.bus import LinkError
 from stagectl.link.tell import Tell
+from stagectl.robot.beside import await_torques, program_of, torques_of
 from stagectl.robot.config import CellConfig
 from stagectl.robot.force_stream import ForceStream
 from stagectl.robot.live.force_records import ForceRecords
 from stagectl.robot.live.tracker_samples import TrackerSamples
 from stagectl.robot.port import RobotPort
-from stagectl.robot.program import RobotProgram, TorqueSignals, begin_motion
-from stagectl.wire.egm import RATE
+from stagectl.robot.program import Torques, begin_motion
+from stagectl.wire.robot import RATE
 
 LISTEN = 250
 """Reports that are listened to before a trial: by the quickest of them, and of the tracker's samples, clocks are told
@@ -57,9 +57,9 @@ class LiveWires:
         self.port = RobotPort(self.cell, tell, now)
         self.records = ForceRecords(cell.force_sensor)
         self.tracker = TrackerSamples(cell.tracker, now, robot.patience) if tracks else None
-        self.signals: TorqueSignals | None = None
+        self.signals: Torques | None = None
         self._feels, self._beside = feels, beside
-        self.first, self.begun, self.tracker_late = 0, 0.0, 0.0
+        self.first, self.begun, self.tracker_late, self.torque_late = 0, 0.0, 0.0, 0.0
         self._stack = ExitStack()
 
     def __enter__(self) -> Self:
@@ -83,12 +83,13 @@ class LiveWires:
         catch_up(self.port)
         if self.tracker is not None:
             self.tracker.skip()
-        behind, heard = np.inf, self.port.counts.received
+        behind, stamped, heard = np.inf, np.inf, self.port.counts.received
         for _ in range(LISTEN):
             heard += 1
             if not self.port.wait(heard, self.port.robot.patience) or (report := self.port.report) is None:
                 break
-            behind = min(behind, self._now() - report.counter / RATE)
+            now = self._now()
+            behind, stamped = min(behind, now - report.counter / RATE), min(stamped, now - report.time)
         self._beside()
         self.port.start()
         assert (report := self.port.report) is not None  # the port does not start without one
@@ -99,16 +100,16 @@ class LiveWires:
             self.tracker.skip()
         self.records.skip()
         if self.signals is not None:
+            self.torque_late = self.signals.late(stamped)
             self.signals.samples.skip()
 
     def _open(self) -> None:
         robot, stack = self.cell.robot, self._stack
         stack.enter_context(self.port)
-        host = host_of(self.port)
-        if robot.signals and self.tracker is not None and self._feels:
-            self.signals = stack.enter_context(TorqueSignals(robot, host, self._now))
-            if not self.signals.wait(1, robot.patience):
-                raise LinkError(f"no torque signals come from {host}:{robot.signals} within {robot.patience:g} s")
+        if robot.has_torques and self.tracker is not None and self._feels:
+            self.signals = torques_of(self.port, self._now)
+            stack.enter_context(self.signals)
+            await_torques(self.signals, self.port)
         if self.tracker is not None:
             stack.enter_context(self.tracker)
         if self._feels:
@@ -131,12 +132,6 @@ class LiveWires:
         return 0 if report is None else report.counter - self.first + 1
 
 
-def host_of(port: RobotPort) -> str:
-    """Return the address of an open port's robot."""
-    peer = port.conversation.peer
-    return peer[0] if peer is not None else port.robot.listen
-
-
 def begin_motion_of(port: RobotPort) -> None:
     """Have guided motion begun anew by the robot's program, where it has one and guided motion has ended.
 
@@ -148,8 +143,8 @@ def begin_motion_of(port: RobotPort) -> None:
     ------
     LinkError : the program is not there, or refuses.
     """
-    if port.robot.commands:
-        with RobotProgram(port.robot, host_of(port)) as program:
+    if port.robot.has_program:
+        with program_of(port) as program:
             begin_motion(port, program)
 
 
@@ -181,7 +176,5 @@ def change_block(cell: CellConfig, is_there: bool, now: Callable[[], float] = ti
     ------
     LinkError : the robot or its program is not there, or refuses.
     """
-    with RobotPort(cell, now=now) as port:
-        host = host_of(port)
-    with RobotProgram(cell.robot, host) as program:
+    with RobotPort(cell, now=now) as port, program_of(port) as program:
         program.change(is_there)

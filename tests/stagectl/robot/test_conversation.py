@@ -11,7 +11,8 @@ from stagectl.robot.arm import irb140
 from stagectl.robot.config import Robot, RobotLimits
 from stagectl.robot.conversation import PortState, RobotConversation
 from stagectl.robot.guard import CommandGuard
-from stagectl.wire.egm import RATE, Motion, Report, pack_report, unpack_command
+from stagectl.wire.egm import Egm, pack_report, unpack_command
+from stagectl.wire.robot import RATE, Motion, Report
 
 HOME = np.radians([0.0, 0.0, 0.0, 0.0, 30.0, 0.0])
 POSE = np.array([0.5, 0.0, 0.7, 1.0, 0.0, 0.0, 0.0])
@@ -28,7 +29,7 @@ class Line:
     def __init__(self, mode: str = "joints") -> None:
         self.events: list[Any] = []
         guard = CommandGuard(irb140(), RobotLimits(), mode)
-        self.talk = RobotConversation(Robot(), guard, lambda *event: self.events.append(event))
+        self.talk = RobotConversation(Robot(), Egm(), guard, lambda *event: self.events.append(event))
         self.now, self.counter = 10.0, 0
 
     def cycle(self, reference: np.ndarray | None = HOME, data: bytes | None = None) -> np.ndarray | None:

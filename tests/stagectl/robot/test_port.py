@@ -13,13 +13,14 @@ from ctlblocks.recording import Recording
 from ctlblocks.replay import Replay
 from firmware_sim.plants.robot import RobotPlant
 from firmware_sim.robot_controller import RobotController
+from firmware_sim.wire_ends import EgmEnd
 from stagectl.link.bus import LinkError
 from stagectl.link.clock import run_linked
 from stagectl.robot.config import CellConfig, Robot
 from stagectl.robot.conversation import PortState
 from stagectl.robot.port import RobotFault, RobotPort
 from stagectl.robot.port_blocks import JointCommand, JointReport, PoseCommand
-from stagectl.wire.egm import RATE
+from stagectl.wire.robot import RATE
 from tests.until import EVER
 
 PATIENT = 250
@@ -33,7 +34,7 @@ class Bench:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
-        self.robot = RobotController(RobotPlant(seed=2))
+        self.robot = RobotController(RobotPlant(seed=2), end=EgmEnd())
         self.events: list[Any] = []
         robot = Robot(port=port, mode=mode, silence=silence, lag=5.0, patience=5.0)
         self.port = RobotPort(CellConfig(robot=robot), lambda *event: self.events.append(event))

@@ -25,6 +25,14 @@ def test_signals_are_read_however_the_line_is_cut() -> None:
     np.testing.assert_array_equal(torque, np.tile(np.arange(16, 22), (2, 1)))
 
 
+@pytest.mark.parametrize(("clock", "late"), [(0.0, 0.0), (1e4, -1e4)])
+def test_a_line_with_a_clock_of_its_own_is_set_by_the_sample_that_came_quickest(clock: float, late: float) -> None:
+    made = signals()
+    for n, way in enumerate((0.003, 0.001, 0.002)):
+        made.take(b"%.6f" % (clock + n) + b",0" * 12 + b"\n", 100.0 + n + way)
+    assert made.late(100.001) == pytest.approx(late)
+
+
 @pytest.mark.parametrize("line", [b"rubbish", b"1,2,3", b"nan" + b",1" * 12, b"1," * 12 + b"inf", b"\xff" * 3_000])
 def test_lines_that_are_none_are_counted(line: bytes) -> None:
     made = signals()

@@ -4,15 +4,8 @@ import numpy as np
 import pytest
 
 from rigkit.wire.layout import GarbledError, WireError
-from stagectl.wire.egm import (
-    Command,
-    Motion,
-    Report,
-    pack_command,
-    pack_report,
-    unpack_command,
-    unpack_report,
-)
+from stagectl.wire.egm import pack_command, pack_report, unpack_command, unpack_report
+from stagectl.wire.robot import Command, Motion, Report
 
 ANGLES = np.radians([10.0, -20.0, 30.0, 0.0, 45.0, 90.0])
 POSE = np.array([0.515, -0.1, 0.712, 0.5, 0.5, -0.5, 0.5])
