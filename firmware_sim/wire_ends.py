@@ -13,6 +13,7 @@ from stagectl.wire.sequence import Sequence
 
 LATE = 150_000
 """Cycles in a row without an answer in time, after which RSI is switched off: ten minutes, as the context has it."""
+_FARTHEST = np.repeat([rsi.SHIFT, rsi.TURN], 3)
 FIRST_IPOC = 4_208_163_634
 """ms: where the controller's time stamp was when it was switched on."""
 
@@ -63,8 +64,9 @@ class RsiEnd:
     An answer counts that repeats the newest IPOC, and comes before the next cycle; else the last correction stays, and
     the cycle is counted as late.  After so many in a row RSI is switched off, as it is when the motors are: nothing is
     sent any more until a person starts the program again.  Corrections beyond AXISCORR and POSCORR are clamped, without
-    a word.  Not modelled: jitter of the controller's cycle, its overall limits AXISCORRMON and POSCORRMON, RSI's
-    relative mode; its lag is that of guided motion, since none is known for RSI.
+    a word; a jump further than `GuidedMotion.farthest` ends it, as a drive's monitoring would.  Not modelled: jitter of
+    the controller's cycle, its overall limits AXISCORRMON and POSCORRMON, RSI's relative mode; its lag is that of
+    guided motion, since none is known for RSI.
 
     Parameters
     ----------
@@ -73,7 +75,7 @@ class RsiEnd:
 
     def __init__(self, late: int = LATE) -> None:
         self._most, self.late, self._in_a_row = late, 0, 0
-        self._base, self._frame = np.zeros(6), np.zeros(7)
+        self._base, self._frame, self._joints, self._shift = np.zeros(6), np.zeros(7), np.zeros(6), np.zeros(6)
         self._ipoc, self._is_answered = 0, True
         self._outputs: Outputs | None = None
 
@@ -109,30 +111,32 @@ class RsiEnd:
             robot.cycle,
             robot.time,
             angle,
-            robot.reference.copy(),
+            self._base + self._joints if self._shift.any() else robot.reference.copy(),
             robot.rigid_pose(angle),
             stamp=self._ipoc,
             overdue=self.late,
             current=robot.torque[0],
             outputs=self._outputs,
         )
-        return rsi.pack_telegram(report, self._base, self._frame)
+        return rsi.pack_telegram(report, self._base, self._frame, self._shift)
 
     def begin(self, robot: RobotController) -> None:
         """Switch RSI on where the robot is."""
         self._base = robot.reference.copy()
         self._frame = robot.rigid_pose(self._base)
+        self._joints, self._shift = np.zeros(6), np.zeros(6)
         self.late, self._in_a_row, self._is_answered = 0, 0, True
         self._outputs = self._outputs or Outputs(block=robot.has_block)
 
     def _wanted(self, joints: np.ndarray, frame: np.ndarray, robot: RobotController) -> np.ndarray:
-        joints = np.clip(joints, -rsi.REACH, rsi.REACH)
-        if not frame.any():
-            return np.asarray(self._base + joints)
+        self._joints = np.clip(joints, -rsi.REACH, rsi.REACH)
+        self._shift = np.clip(frame, -_FARTHEST, _FARTHEST)
+        if not self._shift.any():
+            return np.asarray(self._base + self._joints)
         pose = self._frame.copy()
-        pose[:3] += np.clip(frame[:3], -rsi.SHIFT, rsi.SHIFT)
-        pose[3:] = _turned(pose[3:], np.clip(frame[:2:-1], -rsi.TURN, rsi.TURN))
-        return np.asarray(toward(robot.plant, robot.asked, pose) + joints)
+        pose[:3] += self._shift[:3]
+        pose[3:] = _turned(pose[3:], self._shift[:2:-1])
+        return np.asarray(toward(robot.plant, robot.asked, pose) + self._joints)
 
     def _switch(self, outputs: Outputs, robot: RobotController) -> None:
         """Do what the program does when an output changes; one that it refuses is not read back."""

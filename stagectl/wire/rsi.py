@@ -6,8 +6,8 @@ mm and deg, in the axes of BASE).  Angles are those of `irb140.toml`: upright up
 counterclockwise from above; a KUKA has A2 = -90 and A3 = 90 deg there, and turns A1, A4 and A6 the other way round.
 
 Source: KUKA.RobotSensorInterface 3.x as ros-industrial/kuka_experimental (kuka_rsi_hw_interface: telegrams,
-EthernetConfig; its URDFs: axes) and kroshu/kuka-external-control-sdk use it.  `Corr` and `Set` are names of ours, wired
-to objects of the context that `stagectl robot-files kuka` writes.
+EthernetConfig; its URDFs: axes) and kroshu/kuka-external-control-sdk use it.  `Corr`, `Shift`, `Out` and `Set` are
+names of ours, wired to objects of the context that `stagectl robot-files kuka` writes.
 """
 
 import math
@@ -39,6 +39,8 @@ _LONGEST = 4_096
 _LARGEST = {"deg": 1e3, "mm": 1e5, "A": 1e4}
 _STILL = np.radians(0.01)
 """Rad by which the set-point under the corrections may differ from telegram to telegram."""
+_NONE = 1e-3
+"""deg and mm: a correction that is as good as none."""
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d{1,3})?", re.ASCII)
 _COUNT = re.compile(r"\d{1,18}", re.ASCII)
 
@@ -50,7 +52,7 @@ class Rsi:
 
     def __init__(self) -> None:
         self._base: np.ndarray | None = None
-        self._frame = np.zeros(7)
+        self._frame, self._is_on = np.zeros(7), [False, False]
 
     def read(self, data: bytes) -> Report:
         """Return what a telegram of the controller says; `GarbledError` that names what is wrong in it."""
@@ -59,12 +61,12 @@ class Rsi:
         if (frame if self._base is None else self._frame)[3:] @ pose[3:] < 0.0:
             pose[3:] *= -1.0  # the same turn; whoever subtracts two wants them alike
         moved = 0.0 if self._base is None else float(np.abs(base - self._base).max())
-        stamp = _stamp(rob)
+        stamp, applied, shift = _stamp(rob), _numbers(rob, "Corr", JOINTS, "deg"), _numbers(rob, "Shift", FRAME, "mm")
         report = Report(
             stamp // PERIOD,
             _MS * stamp,
             _joints(rob, "AIPos"),
-            base + _SIGN * np.radians(_numbers(rob, "Corr", JOINTS, "deg")),
+            base + _SIGN * np.radians(applied),
             pose,
             stamp=stamp,
             overdue=_count(rob, "Delay", "D"),
@@ -76,6 +78,7 @@ class Rsi:
         )
         if self._base is None:
             self._base, self._frame = base, frame
+            self._is_on = [bool(np.abs(each).max() > _NONE) for each in (applied, shift)]
         return report
 
     def write(self, command: Command, report: Report) -> bytes:
@@ -83,6 +86,8 @@ class Rsi:
         wanted = command.pose if command.joint_angle is None else command.joint_angle
         if self._base is None or wanted is None or not np.isfinite(wanted).all():
             raise WireError(f"Sen: {wanted} cannot be sent, must be finite angles or a pose, after a telegram")
+        if reason := self._mixed(wanted):
+            raise WireError(f"Sen: {reason}")
         joints = frame = [0.0] * 6
         if command.joint_angle is not None:
             joints = np.degrees(_SIGN * (wanted - self._base)).tolist()
@@ -98,6 +103,8 @@ class Rsi:
         """Say why angles, shape (6,), rad, or a pose, shape (7,), m and 1, are beyond RSI's corrections, or nothing."""
         if self._base is None or not np.isfinite(wanted).all():
             return ""
+        if reason := self._mixed(wanted):
+            return reason
         since = "from where RSI was switched on, must be"
         if len(wanted) == len(JOINTS):
             far = np.abs(wanted - self._base)
@@ -118,6 +125,20 @@ class Rsi:
         """Take the next telegram's set-point for the one that corrections add to."""
         self._base = None
 
+    def _mixed(self, wanted: np.ndarray) -> str:
+        """Say that an earlier program has left corrections of the other kind, which an answer would take back at once.
+
+        Unanswered, the controller keeps them, and the robot stands still.
+        """
+        is_joints = len(wanted) == len(JOINTS)
+        if not self._is_on[is_joints]:
+            return ""
+        axes, tool = "of the axes", "of the tool"
+        return (
+            f"corrections {tool if is_joints else axes} are on, must be none for those "
+            f"{axes if is_joints else tool}: start the robot's program anew"
+        )
+
     def _shift(self, wanted: np.ndarray) -> list[float]:
         """Return X Y Z (mm) and A B C (deg) from the set-point's frame to a pose; the turn is small."""
         base = self._frame
@@ -128,7 +149,7 @@ class Rsi:
         return [*((wanted[:3] - base[:3]) / _MM).tolist(), *np.degrees(turned[::-1]).tolist()]
 
 
-def pack_telegram(report: Report, base: np.ndarray, frame: np.ndarray) -> bytes:
+def pack_telegram(report: Report, base: np.ndarray, frame: np.ndarray, shift: np.ndarray) -> bytes:
     """Return what a controller sends.
 
     Parameters
@@ -139,6 +160,8 @@ def pack_telegram(report: Report, base: np.ndarray, frame: np.ndarray) -> bytes:
         Set-point at which RSI was switched on.
     frame : array, shape (7,), m and 1
         The tool's pose there.
+    shift : array, shape (6,), m and rad
+        Correction of the tool that is applied.
 
     Raises
     ------
@@ -153,6 +176,7 @@ def pack_telegram(report: Report, base: np.ndarray, frame: np.ndarray) -> bytes:
         "ASPos": (JOINTS, _axes(base)),
         "MACur": (JOINTS, (_SIGN * current).tolist()),
         "Corr": (JOINTS, np.degrees(_SIGN * (report.planned_angle - base)).tolist()),
+        "Shift": (FRAME, [*(shift[:3] / _MM).tolist(), *np.degrees(shift[3:]).tolist()]),
     }
     wrong = [name for name, (_, values) in parts.items() if not all(map(math.isfinite, values))]
     if wrong:

@@ -72,7 +72,7 @@ def _command(chance: random.Random) -> bool:
 
 def _telegram(chance: random.Random) -> bool:
     said = robot.Report(7, 1.0, _numbers(chance, 6), _numbers(chance, 6), _pose(chance), stamp=28)
-    data = _damaged(rsi.pack_telegram(said, _numbers(chance, 6), _pose(chance)), chance)
+    data = _damaged(rsi.pack_telegram(said, _numbers(chance, 6), _pose(chance), _numbers(chance, 6)), chance)
 
     def check(found: robot.Report) -> None:
         assert np.isfinite(found.joint_angle).all(), "joint_angle"
@@ -88,7 +88,7 @@ def _telegram(chance: random.Random) -> bool:
 def _answer(chance: random.Random) -> bool:
     wire = rsi.Rsi()
     said = robot.Report(7, 1.0, _numbers(chance, 6), _numbers(chance, 6), _pose(chance), stamp=28)
-    report = wire.read(rsi.pack_telegram(said, _numbers(chance, 6), _pose(chance)))
+    report = wire.read(rsi.pack_telegram(said, _numbers(chance, 6), _pose(chance), _numbers(chance, 6)))
     data = _damaged(wire.write(robot.Command(7, 1.0, joint_angle=_numbers(chance, 6)), report), chance)
 
     def check(found: tuple[int, np.ndarray, np.ndarray, robot.Outputs]) -> None:

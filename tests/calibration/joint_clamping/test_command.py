@@ -105,12 +105,12 @@ def test_an_abort_says_why_and_a_stop_where_it_stands(tmp_path: Path) -> None:
         measure(CellConfig(), (0,), folder, STOPPED)
 
 
-@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
         (("simulator.options.backlash=-1",), "simulator.options.backlash is -1, must be"),
         (("clamping.live=true",), r"robot.commands is 0 and robot.signals 0, must be ports"),
+        (("clamping.live=true", "robot.wire=rsi"), "robot.wire is rsi, whose messages carry no soft servo"),
     ],
 )
 def test_what_cannot_begin_leaves_no_folder(tmp_path: Path, settings: tuple[str, ...], message: str) -> None:

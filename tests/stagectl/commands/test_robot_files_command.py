@@ -96,6 +96,7 @@ def test_its_context_wires_each_channel_to_what_the_telegram_says_it_is() -> Non
         assert links("AXISCORR1")[n] == ("ETHERNET1", int(receive[f"AK.A{n}"]))
         assert links("POSCORR1")[n] == ("ETHERNET1", int(receive[f"RKorr.{'XYZABC'[n - 1]}"]))
         assert links("ETHERNET1")[int(send[f"Corr.A{n}"])] == ("AXISCORRMON1", n)
+        assert links("ETHERNET1")[int(send[f"Shift.{'XYZABC'[n - 1]}"])] == ("POSCORRMON1", n)
     for n, name in enumerate(("Clamp", "Block"), start=1):
         assert links(f"MAP2DIGOUT{n}")[1] == ("ETHERNET1", int(receive[f"Set.{name}"]))
         assert links("ETHERNET1")[int(send[f"Out.{name}"])] == (f"DIGOUT{n}", 1)

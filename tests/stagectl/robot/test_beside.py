@@ -100,6 +100,31 @@ def test_a_robot_whose_rsi_has_ended_is_not_heard_until_a_person_starts_it(
         assert port.report is not None
 
 
+def test_a_program_for_poses_does_not_take_back_what_one_for_joints_has_left(
+    cell: tuple[CellConfig, RobotBench],
+) -> None:
+    config, bench = cell
+    moved = bench.controller.plant.home.copy()
+    with RobotPort(config) as port:
+        port.start()
+        for n in range(1, 101):
+            moved[0] += 1e-4
+            port.conversation.wanted.put(moved, moved)
+            port.flush()
+            assert port.wait(port.skip() + 1, BUSY), n
+    poses = config.model_copy(update={"robot": config.robot.model_copy(update={"mode": "pose", "patience": 1.0})})
+    with RobotPort(poses) as port:
+        assert port.until(lambda: "corrections of the axes are on, must be none" in port.conversation.refused, BUSY)
+        rests = bench.controller.asked.copy()
+        np.testing.assert_allclose(rests, moved, atol=5e-4)  # it has come to rest a little later
+        port.start()
+        port.conversation.wanted.put(port.sent, port.sent)
+        port.flush()
+        port.until(lambda: bool(port.reason), BUSY)
+        assert "start the robot's program anew" in port.reason
+    np.testing.assert_array_equal(bench.controller.asked, rests)
+
+
 def test_a_make_with_lines_of_its_own_has_them() -> None:
     port = RobotPort(CellConfig())
     assert isinstance(torques_of(port, time.monotonic), TorqueSignals)
@@ -110,7 +135,7 @@ def test_a_make_with_lines_of_its_own_has_them() -> None:
 
 def telegram(counter: int, base: np.ndarray = HOME) -> bytes:
     report = Report(counter, 0.0, HOME, HOME, POSE, stamp=4 * counter, current=np.zeros(6), outputs=Outputs())
-    return pack_telegram(report, base, POSE)
+    return pack_telegram(report, base, POSE, np.zeros(6))
 
 
 def conversation() -> RobotConversation:

@@ -1,5 +1,6 @@
 """RSI's telegrams: there and back, against one written by hand as a controller sends it, and bytes that are none."""
 
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -17,7 +18,8 @@ AMPERE = np.array([1.0, -2.0, 3.0, -4.0, 5.0, -6.0])
 REPORT = Report(
     250, 1.0, ANGLES + 1e-3, ANGLES + 2e-3, POSE, stamp=1_000, overdue=3, current=AMPERE, outputs=Outputs(clamp=True)
 )
-TELEGRAM = pack_telegram(REPORT, ANGLES, POSE)
+TELEGRAM = pack_telegram(REPORT, ANGLES, POSE, np.zeros(6))
+AT_REST = pack_telegram(replace(REPORT, planned_angle=ANGLES), ANGLES, POSE, np.zeros(6))
 BY_HAND = (
     b'<Rob Type="KUKA"><RIst X="1420.0" Y="0.0" Z="1860.5" A="0.0" B="90.0" C="0.0"/>'
     b'<RSol X="1420.0" Y="0.0" Z="1860.5" A="0.0" B="90.0" C="0.0"/>'
@@ -25,6 +27,7 @@ BY_HAND = (
     b'<ASPos A1="10.0" A2="-90.0" A3="90.0" A4="0.0" A5="30.0" A6="-5.0"/>'
     b'<MACur A1="0.5" A2="-1.5" A3="0.0" A4="0.0" A5="0.0" A6="0.0"/>'
     b'<Corr A1="0.0" A2="0.0" A3="0.0" A4="0.0" A5="0.0" A6="0.0"/>'
+    b'<Shift X="0.0" Y="0.0" Z="0.0" A="0.0" B="0.0" C="0.0"/>'
     b'<Delay D="0"/><Out Clamp="0" Block="1"/><IPOC>4208163634</IPOC></Rob>'
 )
 
@@ -66,7 +69,7 @@ def test_answers_add_to_where_rsi_was_switched_on_and_repeat_its_ipoc() -> None:
 
 def test_a_pose_moves_the_tool_and_turns_it_a_little() -> None:
     wire = Rsi()
-    report = wire.read(TELEGRAM)
+    report = wire.read(AT_REST)
     turned, half = POSE.copy(), 0.5 * np.array([1e-3, -2e-3, 3e-3])
     turned[:3] += 1e-3, 0.0, -2e-3
     turned[3:] = np.array([POSE[3] - half @ POSE[4:], *(POSE[4:] + half * POSE[3] + np.cross(half, POSE[4:]))])
@@ -79,7 +82,7 @@ def test_a_pose_moves_the_tool_and_turns_it_a_little() -> None:
 def test_what_is_too_far_is_refused_by_name() -> None:
     wire = Rsi()
     assert wire.refusal(ANGLES) == ""
-    wire.read(TELEGRAM)
+    wire.read(AT_REST)
     assert wire.refusal(ANGLES + 0.999 * REACH) == ""
     text = "joint 1 is asked to 90.5 deg from where RSI was switched on, must be <= 90 deg"
     assert wire.refusal(ANGLES + REACH + np.radians(0.5)) == text
@@ -90,16 +93,16 @@ def test_what_is_too_far_is_refused_by_name() -> None:
     with pytest.raises(WireError, match="cannot be sent"):
         wire.write(Command(1, 0.0), REPORT)
     with pytest.raises(WireError, match="RIst cannot be sent"):
-        pack_telegram(Report(1, 0.0, ANGLES, ANGLES, np.full(7, np.nan)), ANGLES, POSE)
+        pack_telegram(Report(1, 0.0, ANGLES, ANGLES, np.full(7, np.nan)), ANGLES, POSE, np.zeros(6))
 
 
 def test_a_set_point_that_moves_under_the_corrections_is_a_fault() -> None:
     wire = Rsi()
     wire.read(TELEGRAM)
-    moved = wire.read(pack_telegram(REPORT, ANGLES + 1e-3, POSE))
+    moved = wire.read(pack_telegram(REPORT, ANGLES + 1e-3, POSE, np.zeros(6)))
     assert moved.fault == "the set-point under RSI's corrections has moved by 0.0573 deg, must stay"
     wire.forget()
-    assert wire.read(pack_telegram(REPORT, ANGLES + 1e-3, POSE)).fault == ""
+    assert wire.read(pack_telegram(REPORT, ANGLES + 1e-3, POSE, np.zeros(6))).fault == ""
 
 
 @pytest.mark.parametrize(
@@ -151,3 +154,24 @@ def test_any_damage_is_refused_or_still_finite(at: int, put: bytes, left_out: in
     for values in (found.joint_angle, found.planned_angle, found.pose, found.current):
         assert values is not None
         assert np.isfinite(values).all()
+
+
+@pytest.mark.parametrize(
+    ("left", "command", "reason"),
+    [
+        ("axes", Command(1, 0.0, pose=POSE), "of the axes are on, must be none for those of the tool"),
+        ("tool", Command(1, 0.0, joint_angle=ANGLES), "of the tool are on, must be none for those of the axes"),
+    ],
+)
+def test_what_a_program_of_the_other_kind_has_left_is_not_taken_back_in_a_jump(
+    left: str, command: Command, reason: str
+) -> None:
+    wire = Rsi()
+    shift = np.full(6, 1e-4 if left == "tool" else 0.0)
+    planned = ANGLES + (1e-3 if left == "axes" else 0.0)
+    report = wire.read(pack_telegram(Report(1, 0.0, planned, planned, POSE), ANGLES, POSE, shift))
+    wanted = command.pose if command.joint_angle is None else command.joint_angle
+    assert wanted is not None
+    assert reason in wire.refusal(wanted)
+    with pytest.raises(WireError, match=reason):
+        wire.write(command, report)
