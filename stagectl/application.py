@@ -42,5 +42,6 @@ CELL = PROGRAM.part(
     "force",
     "plan",
     "estimate-force",
+    "robot-files",
     *_BOTH,
 )
