@@ -8,9 +8,9 @@ import numpy as np
 
 from ctlblocks.block import Block, Port
 from stagectl.robot.midranging import internal_model_kernel as kernel
-from stagectl.robot.midranging import loop_model_kernel as loop
-from stagectl.robot.midranging import reference_governor_kernel as governor_kernel
+from stagectl.robot.midranging.axis_record import ACTIVE, AXIS, ESTIMATING
 from stagectl.robot.midranging.least_squares import LeastSquares
+from stagectl.robot.midranging.loop_model_kernel import adopt
 from stagectl.robot.midranging.reference_governor import Governor
 from stagectl.robot.midranging.tuning import LoopModel
 
@@ -155,25 +155,7 @@ class InternalModel(Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Begin the estimation phase, with the first guesses."""
-        axes, order = self._axes, self.order
-        self._settings = np.array([_packed(axis, rate) for axis in axes])
-        learning = [(axis.fast_learning, axis.slow_learning) for axis in axes]
-        self._learning = np.array([[each.packed(rate) for each in both] for both in learning])
-        self._limits = np.array([axis.governor.packed(rate) for axis in axes])
-        guesses = [[each.of_order(order).parameters for each in (axis.fast, axis.slow)] for axis in axes]
-        self._memory = np.array(
-            [[each.memory(guess, rate) for each, guess in zip(*both, strict=True)]
-             for both in zip(learning, guesses, strict=True)]
-        )  # fmt: skip
-        self._models = np.zeros((len(axes), 2, loop.CELLS))
-        self._wanted = np.zeros((len(axes), 2, loop.CELLS))
-        for number, axis in enumerate(axes):
-            for which, wanted in enumerate((axis.desired_fast, axis.desired_slow)):
-                self._wanted[number, which, loop.USED : loop.USED + 2 * order] = wanted.of_order(order).parameters
-                loop.adopt(self._models[number, which], self._memory[number, which], order)
-        self._inner = np.zeros((len(axes), governor_kernel.CELLS))
-        self._phase = np.zeros((len(axes), kernel.CELLS))
-        self._phase[:, kernel.PHASE] = [float(axis.estimation.seconds == 0.0) for axis in axes]
+        self._records = np.array([_packed(axis, self.order, rate) for axis in self._axes])
 
     def process(
         self,
@@ -190,27 +172,29 @@ class InternalModel(Block):
         slow_model: np.ndarray,
     ) -> None:
         """Control one frame."""
-        kernel.run(
-            reference, relative, fast, slow,
-            fast_reference, slow_reference, control, share, active, fast_model, slow_model,
-            self.order, self._settings, self._learning, self._limits,
-            self._models, self._wanted, self._memory, self._inner, self._phase,
-        )  # fmt: skip
+        made = fast_reference, slow_reference, control, share, active, fast_model, slow_model
+        kernel.run(reference, relative, fast, slow, made, self._records)
 
     @property
     def blind(self) -> tuple[int, ...]:
         """In how many samples an input was no number since `prepare`, a number an axis."""
-        return tuple(int(count) for count in self._phase[:, kernel.BLIND])
+        return tuple(int(count) for count in self._records["blind"])
 
 
-def _packed(axis: InternalModelAxis, rate: float) -> np.ndarray:
-    """Return an axis as the kernel reads it, shape (settings,)."""
+def _packed(axis: InternalModelAxis, order: int, rate: float) -> np.void:
+    """Return an axis as the kernel reads it, at its beginning, with models of `order`."""
     phase = axis.estimation
-    window = 2.0 * phase.slow_half_period * rate
-    packed = np.zeros(kernel.SETTINGS)
-    packed[[kernel.MIDDLE, kernel.LEAST_SAMPLES]] = axis.middle, round(phase.seconds * rate)
-    packed[[kernel.ACCURACY, kernel.FORGET]] = phase.accuracy**2, math.exp(-1.0 / window)
-    packed[kernel.NOISE : kernel.NOISE + 2] = axis.fast_learning.noise**2, axis.slow_learning.noise**2
-    packed[kernel.AMPLITUDE : kernel.AMPLITUDE + 2] = phase.fast_amplitude, phase.slow_amplitude
-    packed[kernel.HALF_PERIOD : kernel.HALF_PERIOD + 2] = phase.fast_half_period * rate, phase.slow_half_period * rate
-    return packed
+    record: np.void = np.zeros(1, AXIS)[0]
+    record["order"], record["middle"], record["governor"] = order, axis.middle, axis.governor.packed(rate)
+    record["least_samples"], record["accuracy"] = round(phase.seconds * rate), phase.accuracy**2
+    record["forget"] = math.exp(-1.0 / (2.0 * phase.slow_half_period * rate))
+    record["phase"] = ACTIVE if phase.seconds == 0.0 else ESTIMATING
+    for name in ("fast", "slow"):
+        loop, learning = record[name], getattr(axis, f"{name}_learning")
+        loop["squares"] = learning.packed(getattr(axis, name).of_order(order).parameters, rate)
+        loop["wanted"]["used"][: 2 * order] = getattr(axis, f"desired_{name}").of_order(order).parameters
+        loop["noise"] = learning.noise**2
+        loop["amplitude"] = getattr(phase, f"{name}_amplitude")
+        loop["half_period"] = getattr(phase, f"{name}_half_period") * rate
+        adopt(loop, order)
+    return record

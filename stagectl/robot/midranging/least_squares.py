@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stagectl.robot.midranging import least_squares_kernel as kernel
+from stagectl.robot.midranging.axis_record import SIZE, SQUARES
 
 DRIFT, ALARM = 3.0, 50.0
 """Of the alarm: what it forgets a sample, and where it rings, in squared standard deviations of the residual."""
@@ -65,17 +65,20 @@ class LeastSquares:
         if self.gate and not self.smoothing:
             raise ValueError(f"gate is {self.gate}, must be 0 where smoothing is 0 s: the gate needs its mean")
 
-    def packed(self, rate: float) -> np.ndarray:
-        """Return the settings as the kernel reads them, shape (settings,)."""
+    def packed(self, estimate: np.ndarray, rate: float) -> np.void:
+        """Return the estimator at its beginning, as the kernel reads it.
+
+        Parameters
+        ----------
+        estimate : array, shape (2 order,), 1
+        rate : float, samples/s
+        """
         pole = math.exp(-1.0 / (self.smoothing * rate)) if self.smoothing else 0.0
         residual = (1.0 - pole) * self.noise
-        limit = ALARM if self.alarm else math.inf
-        start = (self.deviation / residual) ** 2
-        return np.array([self.forgetting, pole, residual**2, start, self.gate * self.noise, DRIFT, limit])
-
-    def memory(self, estimate: np.ndarray, rate: float) -> np.ndarray:
-        """Return the estimator at its beginning, from an `estimate` of shape (2 order,), 1: shape (cells,)."""
-        memory = np.zeros(kernel.CELLS)
-        memory[kernel.ESTIMATE : kernel.ESTIMATE + len(estimate)] = estimate
-        kernel.reset(memory, self.packed(rate))
-        return memory
+        record: np.void = np.zeros(1, SQUARES)[0]
+        record["forgetting"], record["pole"], record["variance"] = self.forgetting, pole, residual**2
+        record["start"], record["gate"] = (self.deviation / residual) ** 2, self.gate * self.noise
+        record["drift"], record["limit"] = DRIFT, ALARM if self.alarm else math.inf
+        record["estimate"][: len(estimate)] = estimate
+        record["factors"] = record["start"] * np.eye(SIZE)
+        return record

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stagectl.robot.midranging import reference_governor_kernel as kernel
-from stagectl.robot.midranging.least_squares_kernel import ORDER
+from stagectl.robot.midranging.axis_record import GOVERNOR, ORDER
 from stagectl.robot.midranging.tuning import LoopModel
 
 
@@ -58,14 +57,14 @@ class Governor:
         """What an error puts into the control signal at once, m/s per m."""
         return self.numerator[0] / self.denominator[0]
 
-    def packed(self, rate: float) -> np.ndarray:
-        """Return the settings as the kernel reads them, shape (settings,)."""
-        packed = np.zeros(kernel.HORIZON + 1)
-        packed[: len(self.numerator)] = self.numerator
-        packed[kernel.DENOMINATOR : kernel.DENOMINATOR + len(self.denominator)] = self.denominator
-        horizon = round(self.lookahead * rate) if math.isfinite(self.travel) else 0
-        packed[kernel.LIMIT :] = self.limit, self.travel, horizon
-        return packed
+    def packed(self, rate: float) -> np.void:
+        """Return the governor as the kernel reads it, at rest, at `rate` samples/s."""
+        record: np.void = np.zeros(1, GOVERNOR)[0]
+        record["numerator"][: len(self.numerator)] = self.numerator
+        record["denominator"][: len(self.denominator)] = self.denominator
+        record["limit"], record["travel"] = self.limit, self.travel
+        record["horizon"] = round(self.lookahead * rate) if math.isfinite(self.travel) else 0
+        return record
 
 
 def control_response(governor: Governor, fast: LoopModel) -> tuple[np.ndarray, np.ndarray]:

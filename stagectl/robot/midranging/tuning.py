@@ -6,7 +6,7 @@ from typing import Self
 
 import numpy as np
 
-from stagectl.robot.midranging.least_squares_kernel import ORDER
+from stagectl.robot.midranging.axis_record import ORDER
 from stagectl.robot.midranging.loop_model_kernel import GAIN, RADIUS, is_usable
 
 
@@ -31,7 +31,7 @@ class LoopModel:
         """Refuse what is no position loop."""
         if not 1 <= len(self.outputs) == len(self.inputs) <= ORDER:
             raise ValueError(f"there are {len(self.outputs)} a and {len(self.inputs)} b, must be 1 to {ORDER} of each")
-        if not is_usable(self.parameters, 0, self.order):
+        if not is_usable(self.parameters, self.order):
             raise ValueError(
                 f"the model has a {self.outputs} and b {self.inputs}: its poles must lie within {RADIUS} of the origin "
                 f"and its gain at rest within {GAIN[0]} to {GAIN[1]}"

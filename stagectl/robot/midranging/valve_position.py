@@ -8,6 +8,7 @@ import numpy as np
 
 from ctlblocks.block import Block, Port
 from stagectl.robot.midranging import valve_position_kernel as kernel
+from stagectl.robot.midranging.axis_record import VALVE
 from stagectl.robot.midranging.tuning import Pi
 
 
@@ -56,6 +57,16 @@ class ValvePositionAxis:
         if not math.isfinite(self.middle):
             raise ValueError(f"middle is {self.middle} m, must be finite")
 
+    def packed(self, rate: float) -> np.void:
+        """Return the axis as the kernel reads it, its integrals empty, at `rate` samples/s."""
+        record: np.void = np.zeros(1, VALVE)[0]
+        record["fast_gain"], record["fast_rate"] = self.fast.gain, self.fast.rate / rate
+        record["slow_gain"], record["slow_rate"] = self.slow.gain, self.slow.rate / rate
+        record["tracking"], record["limit"] = 1.0 / (self.tracking * rate), self.limit
+        record["inner_gain"], record["middle"], record["feed"] = self.inner_gain, self.middle, self.feed
+        record["pole"] = math.exp(-1.0 / (self.slow_time_constant * rate))
+        return record
+
 
 class ValvePosition(Block):
     """VPC, MVPC, and MVPC with tracking anti-windup: r_f = C_f (r - y_r) + r^m, r_s = C_s (r_f - r^m), for every axis.
@@ -87,8 +98,7 @@ class ValvePosition(Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Empty the integrals."""
-        self._settings = np.array([_packed(axis, rate) for axis in self._axes])
-        self._memory = np.zeros((len(self._axes), kernel.CELLS))
+        self._records = np.array([axis.packed(rate) for axis in self._axes])
 
     def process(
         self,
@@ -99,20 +109,9 @@ class ValvePosition(Block):
         slow_reference: np.ndarray,
     ) -> None:
         """Control one frame."""
-        kernel.run(reference, relative, control, fast_reference, slow_reference, self._settings, self._memory)
+        kernel.run(reference, relative, control, fast_reference, slow_reference, self._records)
 
     @property
     def blind(self) -> tuple[int, ...]:
         """In how many samples an input was no number since `prepare`, a number an axis."""
-        return tuple(int(count) for count in self._memory[:, kernel.BLIND])
-
-
-def _packed(axis: ValvePositionAxis, rate: float) -> np.ndarray:
-    """Return an axis as the kernel reads it, shape (settings,)."""
-    packed = np.empty(kernel.SETTINGS)
-    packed[[kernel.FAST_GAIN, kernel.FAST_RATE]] = axis.fast.gain, axis.fast.rate / rate
-    packed[[kernel.SLOW_GAIN, kernel.SLOW_RATE]] = axis.slow.gain, axis.slow.rate / rate
-    packed[[kernel.TRACKING, kernel.LIMIT]] = 1.0 / (axis.tracking * rate), axis.limit
-    packed[[kernel.INNER_GAIN, kernel.MIDDLE, kernel.FEED]] = axis.inner_gain, axis.middle, axis.feed
-    packed[kernel.POLE] = math.exp(-1.0 / (axis.slow_time_constant * rate))
-    return packed
+        return tuple(int(count) for count in self._records["blind"])

@@ -2,37 +2,40 @@
 
 import math
 
+import numpy as np
 from numba import njit
 
 from rigkit.flush_kernel import flushed
 
-FAST_INTEGRAL, SLOW_INTEGRAL, SLOW_MODEL, FAST, SLOW, BLIND, CELLS = range(7)
-"""Of `memory`, a row an axis: m; the last references, m; samples in which an input was no number."""
-FAST_GAIN, FAST_RATE, SLOW_GAIN, SLOW_RATE, TRACKING, LIMIT, INNER_GAIN, MIDDLE, FEED, POLE, SETTINGS = range(11)
-"""Of `settings`, a row an axis: 1, 1 a sample, 1, 1 a sample, 1 a sample, m/s, 1/s, m, 1, 1."""
-
 
 @njit(cache=True, nogil=True)
-def _step(error, signal, given, state):  # type: ignore[no-untyped-def]
+def step(axis: np.record, error: float, signal: float) -> None:
     """Do one sample of one axis; where an input is no number, everything stays as it is."""
     if not math.isfinite(error + signal):
-        state[BLIND] += 1.0
+        axis.blind += 1
         return
-    excess = min(max(signal, -given[LIMIT]), given[LIMIT]) - signal
-    state[FAST_INTEGRAL] += given[TRACKING] * excess / given[INNER_GAIN]
-    fast = given[FAST_GAIN] * error + state[FAST_INTEGRAL] - given[FEED] * state[SLOW_MODEL]
-    slow = given[SLOW_GAIN] * fast + state[SLOW_INTEGRAL]
-    state[FAST_INTEGRAL] += given[FAST_RATE] * error
-    state[SLOW_INTEGRAL] += given[SLOW_RATE] * fast
-    state[SLOW_MODEL] = flushed(state[SLOW_MODEL] + (1.0 - given[POLE]) * (slow - state[SLOW_MODEL]))
-    state[FAST], state[SLOW] = fast, slow
+    excess = min(max(signal, -axis.limit), axis.limit) - signal
+    axis.fast_integral += axis.tracking * excess / axis.inner_gain
+    fast = axis.fast_gain * error + axis.fast_integral - axis.feed * axis.slow_model
+    slow = axis.slow_gain * fast + axis.slow_integral
+    axis.fast_integral += axis.fast_rate * error
+    axis.slow_integral += axis.slow_rate * fast
+    axis.slow_model = flushed(axis.slow_model + (1.0 - axis.pole) * (slow - axis.slow_model))
+    axis.fast, axis.slow = fast, slow
 
 
 @njit(cache=True, nogil=True)
-def run(reference, relative, control, fast_reference, slow_reference, settings, memory):  # type: ignore[no-untyped-def]
-    """Run one frame: signals are shape (frames, axes)."""
+def run(
+    reference: np.ndarray,
+    relative: np.ndarray,
+    control: np.ndarray,
+    fast_reference: np.ndarray,
+    slow_reference: np.ndarray,
+    axes: np.ndarray,
+) -> None:
+    """Run one frame: signals are shape (frames, axes), `axes` records of `VALVE`."""
     for n in range(len(reference)):
-        for axis in range(reference.shape[1]):
-            given, state = settings[axis], memory[axis]
-            _step(reference[n, axis] - relative[n, axis], control[n, axis], given, state)
-            fast_reference[n, axis], slow_reference[n, axis] = state[FAST] + given[MIDDLE], state[SLOW]
+        for number in range(axes.size):
+            axis = axes[number]
+            step(axis, reference[n, number] - relative[n, number], control[n, number])
+            fast_reference[n, number], slow_reference[n, number] = axis.fast + axis.middle, axis.slow

@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from stagectl.robot.midranging import loop_model_kernel as loop
 from stagectl.robot.midranging import reference_governor_kernel as kernel
+from stagectl.robot.midranging.axis_record import LOOP
+from stagectl.robot.midranging.loop_model_kernel import push
 from stagectl.robot.midranging.reference_governor import Governor, control_response, process_response
 from stagectl.robot.midranging.tuning import LoopModel
 
@@ -20,15 +21,15 @@ LOOPS = {
 
 def _run(governor: Governor, model: LoopModel, wanted: np.ndarray) -> dict[str, np.ndarray]:
     """Return reference, position, control signal and share of a loop that is what its model says."""
-    packed, memory, modelled = governor.packed(RATE), np.zeros(kernel.CELLS), np.zeros(loop.CELLS)
-    modelled[: 2 * model.order] = model.parameters
+    record, modelled = governor.packed(RATE), np.zeros(1, LOOP)[0]
+    modelled["used"][: 2 * model.order] = model.parameters
     past_w, past_y, kept = np.zeros(4), np.zeros(4), []
     for value in wanted:
         position = past_y[: model.order] @ model.outputs + past_w[: model.order] @ model.inputs
-        given = kernel.govern(memory, packed, modelled, model.order, value, position)
-        loop.push(modelled, loop.INPUTS, given)
+        given = kernel.govern(record, modelled, model.order, value, position)
+        push(modelled["inputs"], given)
         past_w, past_y = np.array([given, *past_w[:-1]]), np.array([position, *past_y[:-1]])
-        kept.append((given, position, memory[kernel.CONTROL], memory[kernel.SHARE]))
+        kept.append((given, position, record["control"], record["share"]))
     return dict(zip(("given", "position", "control", "share"), np.array(kept).T, strict=True))
 
 
@@ -118,11 +119,11 @@ def test_the_reference_is_the_farthest_that_held_from_now_on_stays_within_the_tr
     governor, random = Governor((5.0,), travel=1e-3, lookahead=0.2), np.random.default_rng(order)
     for _ in range(50):
         past_w, past_y = random.uniform(-0.2e-3, 0.2e-3, (2, 4))
-        memory, modelled = np.zeros(kernel.CELLS), np.zeros(loop.CELLS)
-        modelled[: 2 * order] = model.parameters
-        modelled[loop.INPUTS : loop.INPUTS + 3] = past_w[:3]
-        memory[kernel.POSITIONS : kernel.POSITIONS + 3] = past_y[1:]
-        given = kernel.govern(memory, governor.packed(RATE), modelled, order, 5e-3, past_y[0])
+        record, modelled = governor.packed(RATE), np.zeros(1, LOOP)[0]
+        modelled["used"][: 2 * order] = model.parameters
+        modelled["inputs"] = past_w[:3]
+        record["positions"] = past_y[1:]
+        given = kernel.govern(record, modelled, order, 5e-3, past_y[0])
 
         def ahead(held: float, inputs: np.ndarray = past_w, outputs: np.ndarray = past_y) -> float:
             w, y, most = list(inputs), list(outputs), 0.0

@@ -64,6 +64,6 @@ def test_a_model_is_usable_exactly_where_its_poles_are_inside(order: int) -> Non
         gain = 1.0 - outputs.sum()
         parameters = np.concatenate((outputs, np.full(order, gain / order)))
         inside = bool((abs(np.roots([1.0, *-outputs])) < kernel.RADIUS).all() and gain > 0.0)
-        assert kernel.is_usable(parameters, 0, order) == inside
+        assert kernel.is_usable(parameters, order) == inside
         seen.add(inside)
     assert seen == {True, False}
