@@ -12,7 +12,8 @@ from firmware_sim.macro_micro_blocks import MacroMicro
 from rigkit import config as rig_file
 from stagectl.experiments.midranging.scenario import scenario
 from stagectl.robot.midranging.controllers import internal_model
-from stagectl.robot.midranging.internal_model import Estimation, InternalModel, InternalModelAxis
+from stagectl.robot.midranging.estimation import Estimation
+from stagectl.robot.midranging.internal_model import InternalModel, InternalModelAxis
 from stagectl.robot.midranging_config import MidrangeConfig
 
 RATE, SAMPLES = 250.0, 6_000

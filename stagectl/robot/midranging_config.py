@@ -20,6 +20,8 @@ class Pair(Section):
         (math.exp(-0.004),), "", "a_i of the macro manipulator's closed loop", min_length=1, max_length=3
     )
     slow_inputs: Terms = setting((1.0 - math.exp(-0.004),), "", "its b_i", min_length=1, max_length=3)
+    fast_delay: float = setting(0.0, "s", "dead time of the micro manipulator as it is known", ge=0, le=1)
+    slow_delay: float = setting(0.0, "s", "of the macro manipulator, of stagectl step", ge=0, le=1)
     order: int = setting(1, "", "order of the models that are estimated, at least that of these", ge=1, le=3)
     middle: float = setting(0.0, "m", "middle of the micro manipulator's travel")
     travel: float = setting(25e-3, "m", "from there to either end of it", gt=0, le=10)
@@ -48,6 +50,9 @@ class Estimating(Section):
 
     seconds: float = setting(4.0, "s", "at least so long; 0: none", ge=0, le=600)
     accuracy: float = setting(0.05, "", "until the models' outputs are off by this share, noise apart", gt=0, le=1)
+    acceptable: float = setting(0.4, "", "share up to which control begins after all; else MVPC does", gt=0, le=1)
+    half_periods: float = setting(7.0, "", "of the macro manipulator's wave, longest", gt=0, le=1000)
+    latest: float = setting(0.4, "", "of a time constant, longest dead time tried; 0: that of pair", ge=0, le=1)
     fast_amplitude: float = setting(0.5e-3, "m", "of the micro manipulator's wave", gt=0, le=1)
     slow_amplitude: float = setting(0.5e-3, "m", "of the macro manipulator's wave", gt=0, le=1)
     fast_half_period: float = setting(0.5, "s", "of the micro manipulator's wave", gt=0, le=100)

@@ -49,7 +49,8 @@ from stagectl.robot.config import CellConfig, Robot
 from stagectl.robot.config import Tracker as TrackerConfig
 from stagectl.robot.force_config import ForceSensor as ForceSensorConfig
 from stagectl.robot.force_line import ForceLine, MeasuredForce
-from stagectl.robot.midranging.internal_model import Estimation, InternalModel, InternalModelAxis
+from stagectl.robot.midranging.estimation import Estimation
+from stagectl.robot.midranging.internal_model import InternalModel, InternalModelAxis
 from stagectl.robot.midranging.reference_governor import Governor
 from stagectl.robot.midranging.tuning import LoopModel, lambda_tuned
 from stagectl.robot.midranging.valve_position import ValvePosition, ValvePositionAxis

@@ -78,6 +78,8 @@ def _tell(found: dict[str, Any], json: str | None) -> None:
         ["micro manipulator, rms, mm", f"{1e3 * found['fast_rms']:.3f}"],
         ["micro manipulator, largest, mm", f"{1e3 * found['fast_peak']:.3f}"],
     ]
+    if found.get("taken_over_at") is not None:
+        rows.append(["valve position control took over at, s", f"{found['taken_over_at']:.2f}"])
     if "circle" in found:
         sizes = [f"{1e6 * found['circle'][key]:.1f}" for key in ("mean_absolute", "std", "largest")]
         rows.append(["off the circle: mean absolute, std, largest, um", ", ".join(sizes)])

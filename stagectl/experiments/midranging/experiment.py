@@ -33,6 +33,10 @@ Runs = dict[str, Recording]
 """By the axis' name, which is empty where there is one axis only."""
 
 
+LAW = 2
+"""Of what a controller makes of its inputs: a run of adaptive control by an earlier one is not made again."""
+
+
 class Midranging:
     """One controller on every axis: each simulated by itself, or all together behind their wires.
 
@@ -84,7 +88,7 @@ class Midranging:
     def designed(self) -> dict[str, Any]:
         """What a run is made again from, beside its rig file and its recordings, as JSON has it."""
         done = {axis: {"options": each.options, "period": each.period} for axis, each in self.chosen.items()}
-        return {**self.about, "axes": done}
+        return {**self.about, "law": LAW, "axes": done}
 
     @property
     def room(self) -> int:
@@ -100,7 +104,7 @@ class Midranging:
 
     def parts(
         self,
-        tell: Tell = nobody,  # noqa: ARG002 (robot and stage cannot wait for a disk)
+        tell: Tell = nobody,
         stopped: Callable[[], bool] = never,  # noqa: ARG002 (nothing is brought anywhere first)
     ) -> Iterator[Part]:
         """Give the parts, one after another, simulated or with their wires open.
@@ -108,7 +112,7 @@ class Midranging:
         Parameters
         ----------
         tell : callable(event, fields)
-            Told of what happens to the wires.
+            Told when valve position control takes over; not of a live pair, which cannot wait for a disk.
         stopped : callable() -> bool
 
         Raises
@@ -120,7 +124,7 @@ class Midranging:
             return
         for number, (axis, each) in enumerate(self.chosen.items()):
             pair = pairs.simulated(_of_axis(self.config, number), each.options)
-            yield part(self.config, self.controller(1), self._wanted([axis]), pair, axis)
+            yield part(self.config, self.controller(1), self._wanted([axis]), pair, axis, tell=tell)
 
     def again(self, records: Records) -> Iterator[Part]:
         """Give the parts with the pair as it was recorded, by track."""

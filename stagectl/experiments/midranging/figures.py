@@ -32,6 +32,9 @@ def all_figures(
     found["iae"] = sum(axis["iae"] for axis in each.values())
     for name in ("control_over_limit", "saturated_share", "fast_rms", "fast_peak"):
         found[name] = max(axis[name] for axis in each.values())
+    taken = [axis["taken_over_at"] for axis in each.values() if axis.get("taken_over_at") is not None]
+    if any("taken_over_at" in axis for axis in each.values()):
+        found["taken_over_at"] = min(taken, default=None)
     if len(runs) == BOTH and all(scenario.name == TOROID for scenario in chosen.values()):
         off = circle_deviation(runs)
         found["circle"] = {

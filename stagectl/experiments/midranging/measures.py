@@ -8,6 +8,7 @@ import numpy as np
 from ctlblocks.recording import Recording
 from stagectl.experiments.midranging.scenario import Scenario
 from stagectl.experiments.midranging.schedule import simulate
+from stagectl.robot.midranging.axis_record import TAKEN_OVER
 from stagectl.robot.midranging.controllers import fast_loop, known_pair
 from stagectl.robot.midranging.internal_model import InternalModel
 from stagectl.robot.midranging_config import MidrangeConfig
@@ -49,12 +50,21 @@ def figures(run: Recording, chosen: Scenario, config: MidrangeConfig) -> dict[st
     }
     if "share" in run.names:
         last = run.data[-1]
+        found["taken_over_at"] = taken_over_at(run)
         found["governed_share"] = float(np.mean(channel(run, "share") < 1.0))
         for loop in ("fast", "slow"):
             found[f"{loop}_model"] = last[model_columns(run, loop)].tolist()
         if chosen.gains:
             found["changes"] = changes(run, chosen, config)
     return found
+
+
+def taken_over_at(run: Recording) -> float | None:
+    """Return when valve position control took over, s from the reference's first sample (0: before it); else None."""
+    if "active" not in run.names:
+        return None
+    taken = np.flatnonzero(channel(run, "active") == TAKEN_OVER)
+    return float(taken[0] / run.rate) if len(taken) else None
 
 
 def changes(run: Recording, chosen: Scenario, config: MidrangeConfig) -> list[dict[str, float]]:

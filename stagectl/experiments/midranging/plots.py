@@ -10,7 +10,13 @@ from matplotlib.figure import Figure
 from ctlblocks.recording import Recording
 from rigkit.figure_style import COLOURS, LIMIT
 from rigkit.report import Plot
-from stagectl.experiments.midranging.measures import believed_gain, channel, model_columns, together
+from stagectl.experiments.midranging.measures import (
+    believed_gain,
+    channel,
+    model_columns,
+    taken_over_at,
+    together,
+)
 from stagectl.experiments.midranging.scenario import RADIUS, Scenario
 from stagectl.robot.midranging_config import MidrangeConfig
 
@@ -44,7 +50,7 @@ def position_plot(run: Recording, chosen: Scenario, config: MidrangeConfig) -> P
     caption += "The micro manipulator returns to the middle of its travel while the macro manipulator takes over."
     if near:
         caption += " Dashed: ends of the travel."
-    return Plot(figure, caption + _mark(panels, chosen))
+    return Plot(figure, caption + _mark(panels, chosen, run))
 
 
 def error_plot(run: Recording, chosen: Scenario) -> Plot:
@@ -53,7 +59,7 @@ def error_plot(run: Recording, chosen: Scenario) -> Plot:
     error = MILLI * (channel(run, "reference") - channel(run, "position"))
     panels[0].plot(_time(run), error, color=BLUE, linewidth=0.9)
     panels[0].set_ylabel("error, mm")
-    return Plot(figure, "Reference less relative position, without the sensors' noise." + _mark(panels, chosen))
+    return Plot(figure, "Reference less relative position, without the sensors' noise." + _mark(panels, chosen, run))
 
 
 def control_plot(run: Recording, chosen: Scenario, config: MidrangeConfig) -> Plot:
@@ -70,7 +76,7 @@ def control_plot(run: Recording, chosen: Scenario, config: MidrangeConfig) -> Pl
         panels[1].plot(time, channel(run, "share"), color=GREEN, linewidth=0.9)
         panels[1].set_ylabel("governor's share, 1")
         caption += " Below: alpha, the share of the wanted change of the reference that the governor lets through."
-    return Plot(figure, caption + _mark(panels, chosen))
+    return Plot(figure, caption + _mark(panels, chosen, run))
 
 
 def model_plot(run: Recording, chosen: Scenario, config: MidrangeConfig) -> Plot:
@@ -96,7 +102,7 @@ def model_plot(run: Recording, chosen: Scenario, config: MidrangeConfig) -> Plot
     caption = (
         "Change of the parameters in use of both models since the first sample; the inner process' gain they imply."
     )
-    return Plot(figure, caption + _mark(panels, chosen))
+    return Plot(figure, caption + _mark(panels, chosen, run))
 
 
 def circle_plot(runs: Mapping[str, Recording]) -> Plot:
@@ -126,13 +132,15 @@ def _time(run: Recording) -> np.ndarray:
     return time
 
 
-def _mark(panels: list[Axes], chosen: Scenario) -> str:
-    """Mark what happens to the pair, and return a sentence on it."""
+def _mark(panels: list[Axes], chosen: Scenario, run: Recording) -> str:
+    """Mark what happens to the pair and who controls it, and return what is to be said of that."""
     happens = [at for at, _ in chosen.gains]
     happens += [chosen.options["disturbed_at"]] if chosen.options.get("disturbance") else []
+    taken = taken_over_at(run)
     for panel in panels:
         for at in happens:
             panel.axvline(at, color="#666666", linestyle=":", linewidth=1.0)
-    if not happens:
-        return ""
-    return " Dotted: the process gain changes." if chosen.gains else " Dotted: a step disturbance."
+        if taken is not None:
+            panel.axvspan(taken, len(run.data) / run.rate, color=RED, alpha=0.08, linewidth=0.0)
+    said = (" Dotted: the process gain changes." if chosen.gains else " Dotted: a step disturbance.") if happens else ""
+    return said + (" Shaded: valve position control has taken over." if taken is not None else "")

@@ -12,10 +12,12 @@ from rigkit.experiment.kind import Kind, Records
 from rigkit.experiment.part import Part
 from rigkit.origin import RUN, read_origin
 from rigkit.run_folder import CONFIG
-from stagectl.experiments.midranging.experiment import Midranging
+from stagectl.experiments.midranging.experiment import LAW, Midranging
 from stagectl.experiments.midranging.scenario import SECONDS, Scenario, scenario
 from stagectl.experiments.midranging.schedule import TRACK
 from stagectl.robot.config import CellConfig
+
+ADAPTIVE = "aimc"
 
 
 def read_back(path: Path, records: Records, settings: Sequence[str] = ()) -> Midranging:
@@ -41,7 +43,8 @@ def read_back(path: Path, records: Records, settings: Sequence[str] = ()) -> Mid
         axis: Scenario(told["scenario"], np.zeros(1), _options(each["options"]), each["period"])
         for axis, each in told["axes"].items()
     }
-    made = Midranging(cell, told["controller"], chosen)
+    is_older = told["controller"] == ADAPTIVE and told.get("law", 1) != LAW
+    made = (_OlderLaw if is_older else Midranging)(cell, told["controller"], chosen)
     runs = made.runs(records)
     for axis, run in runs.items():
         made.chosen[axis] = Scenario(
@@ -53,6 +56,17 @@ def read_back(path: Path, records: Records, settings: Sequence[str] = ()) -> Mid
 def _options(told: Mapping[str, Any]) -> dict[str, Any]:
     """Return keywords of the pair as they were before JSON had them."""
     return {name: tuple(map(tuple, value)) if name == "gains" else value for name, value in told.items()}
+
+
+class _OlderLaw(Midranging):
+    """A run of adaptive control by an earlier law: reported, but not made again."""
+
+    def again(self, records: Records) -> Iterator[Part]:
+        """Refuse: today's controller makes something else of the same sensors."""
+        raise ValueError(
+            "it was made by adaptive internal model control as it was before models had dead times, which this version "
+            "has not any more; `stagectl report` shows it"
+        )
 
 
 class _Older(Midranging):

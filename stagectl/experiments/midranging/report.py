@@ -59,6 +59,9 @@ def _report(
         Fact("Micro manipulator, largest", f"{1e3 * found['fast_peak']:.3g} mm"),
         Fact("Micro manipulator, rms", f"{1e3 * found['fast_rms']:.3g} mm"),
     ]
+    if "taken_over_at" in found:
+        at = found["taken_over_at"]
+        facts.append(Fact("Valve position control took over", "no" if at is None else f"at {at:.3g} s", at is None))
     if "circle" in found:
         facts.append(Fact("Off the circle, mean absolute", f"{1e6 * found['circle']['mean_absolute']:.3g} µm"))
     facts += early_facts(found)

@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -10,13 +12,18 @@ from ctlblocks.clock import Clock
 from ctlblocks.recording import Recording
 from ctlblocks.replay import numbered
 from rigkit.experiment.part import Part, Phase, nothing
-from rigkit.experiment.runner import Conduct, remembered
+from rigkit.experiment.runner import Conduct, never, remembered
 from stagectl.experiments.midranging import pairs
 from stagectl.experiments.midranging.graph import netlist
 from stagectl.experiments.midranging.scenario import Scenario
+from stagectl.link.tell import Tell, nobody
+from stagectl.robot.midranging.axis_record import TAKEN_OVER
+from stagectl.robot.midranging.internal_model import InternalModel
 from stagectl.robot.midranging_config import MidrangeConfig
 
 TRACK = "recording"
+LOOK = 25
+"""Samples from one look at who controls to the next."""
 
 
 def lead_of(config: MidrangeConfig) -> int:
@@ -41,6 +48,7 @@ def part(
     pair: pairs.Pair,
     name: str = "",
     channels: Callable[[Port], tuple[str, ...]] = numbered,
+    tell: Tell = nobody,
 ) -> Part:
     """Return a part of the experiment, its phases the lead and the reference.
 
@@ -57,6 +65,8 @@ def part(
         Of the axis.
     channels : callable(Port) -> tuple of str
         As of `Track`.
+    tell : callable(event, fields)
+        Told when valve position control takes over.
     """
     graph, lead = Graph(config.pair.rate), lead_of(config)
     there = pair(graph)
@@ -72,8 +82,20 @@ def part(
             )
 
     first = min(lead + 1, len(wanted))
-    phases = Phase("lead", first, end=ready), Phase("reference", len(wanted) - first)
+    look = partial(_look, graph, controls, {"axis": name}, tell, []) if estimates else never
+    phases = (Phase("lead", first, end=ready, every=LOOK, look=look),
+              Phase("reference", len(wanted) - first, every=LOOK, look=look))  # fmt: skip
     return Part(name, graph, (track,), phases)
+
+
+def _look(graph: Graph, controls: Block, fields: dict[str, Any], tell: Tell, told: list[int]) -> bool:
+    """Tell, once, that valve position control has taken over of an axis; a phase is never over for that."""
+    for axis in np.flatnonzero(graph.signal("controller.active")[-1] == TAKEN_OVER).tolist():
+        if axis not in told:
+            told.append(axis)
+            reason = controls.reasons[axis] if isinstance(controls, InternalModel) else ""
+            tell("taken over", {**fields, "number": axis, "by": "mvpc-aw", "ticks": graph.ticks, "reason": reason})
+    return False
 
 
 def led(made: Part, clock: Clock, begin: Callable[[], object], rest: Callable[[], object]) -> Part:

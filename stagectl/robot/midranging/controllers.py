@@ -4,7 +4,8 @@ import math
 from dataclasses import replace
 
 from ctlblocks.block import Block
-from stagectl.robot.midranging.internal_model import Estimation, InternalModel, InternalModelAxis
+from stagectl.robot.midranging.estimation import Estimation
+from stagectl.robot.midranging.internal_model import InternalModel, InternalModelAxis
 from stagectl.robot.midranging.least_squares import LeastSquares
 from stagectl.robot.midranging.reference_governor import Governor
 from stagectl.robot.midranging.tuning import LoopModel, integral, lambda_tuned
@@ -52,6 +53,9 @@ def internal_model(config: MidrangeConfig) -> InternalModelAxis:
         slow_learning=LeastSquares(smoothing=times[1], **config.learning.model_dump()),
         middle=config.pair.middle,
         estimation=Estimation(**config.estimating.model_dump()),
+        fast_delay=config.pair.fast_delay,
+        slow_delay=config.pair.slow_delay,
+        valve=_valve("mvpc-aw", config),
     )
 
 

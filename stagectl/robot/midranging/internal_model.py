@@ -2,53 +2,33 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ctlblocks.block import Block, Port
 from stagectl.robot.midranging import internal_model_kernel as kernel
-from stagectl.robot.midranging.axis_record import ACTIVE, AXIS, ESTIMATING
+from stagectl.robot.midranging.axis_record import ACTIVE, AXIS, DIVERGING, ESTIMATING, INACCURATE, NO_REASON
+from stagectl.robot.midranging.estimation import Estimation
+from stagectl.robot.midranging.internal_model_kernel import WINDOW
 from stagectl.robot.midranging.least_squares import LeastSquares
-from stagectl.robot.midranging.loop_model_kernel import adopt
+from stagectl.robot.midranging.minimum_phase import minimum_phase
 from stagectl.robot.midranging.reference_governor import Governor
-from stagectl.robot.midranging.tuning import LoopModel
+from stagectl.robot.midranging.tuning import LoopModel, Pi
+from stagectl.robot.midranging.valve_position import ValvePositionAxis
 
-
-@dataclass(frozen=True)
-class Estimation:
-    """The phase before control, in which square waves excite both loops and the estimators alone work.
-
-    Parameters
-    ----------
-    seconds : float, s, >= 0
-        It takes at least so long; at 0 control begins at once.
-    accuracy : float, 1, > 0
-        It goes on until the models' own outputs are off by less than this share of the measured ones (rms over about
-        a period of the slow wave), noise apart.
-    fast_amplitude, slow_amplitude : float, m, > 0
-    fast_half_period, slow_half_period : float, s, > 0
-
-    Raises
-    ------
-    ValueError : a value outside its range, by name.
-    """
-
-    seconds: float = 4.0
-    accuracy: float = 0.05
-    fast_amplitude: float = 0.5e-3
-    slow_amplitude: float = 0.5e-3
-    fast_half_period: float = 0.5
-    slow_half_period: float = 1.0
-
-    def __post_init__(self) -> None:
-        """Refuse what cannot be."""
-        if not 0.0 <= self.seconds < math.inf:
-            raise ValueError(f"seconds is {self.seconds} s, must be finite and >= 0")
-        for name, unit in (("fast_amplitude", " m"), ("slow_amplitude", " m"), ("fast_half_period", " s"),
-                           ("slow_half_period", " s"), ("accuracy", "")):  # fmt: skip
-            if not 0.0 < getattr(self, name) < math.inf:
-                raise ValueError(f"{name} is {getattr(self, name)}{unit}, must be finite and > 0")
+REASONS = {
+    NO_REASON: "",
+    INACCURATE: "no model is accurate enough after the estimation phase",
+    DIVERGING: "a model is further off than what it explains",
+}
+"""Why valve position control takes over."""
+LONGEST = 1.0
+"""s, of a dead time."""
+NOISES = 4.0, 1.0
+"""Standard deviations of the fast position's noise: how far the control signal keeps off its limit, and how far the
+smoothed position may be from what is measured."""
+FALL_BACK = ValvePositionAxis(Pi(1.0, 10.0), Pi(1.0, 1.0), tracking=0.1)
 
 
 @dataclass(frozen=True)
@@ -66,10 +46,15 @@ class InternalModelAxis:
     middle : float, m
         Of the micro manipulator's travel.
     estimation : Estimation
+    fast_delay, slow_delay : float, s, >= 0
+        Dead times as they are known.
+    valve : ValvePositionAxis
+        What takes over where a model is not accurate enough or diverges.
 
     Raises
     ------
-    ValueError : a desired response has not the gain one, or the excitation would saturate or leave the travel.
+    ValueError : a dead time out of range, a desired response that has not the gain one, or an excitation that would
+        saturate or leave the travel.
     """
 
     fast: LoopModel
@@ -81,6 +66,9 @@ class InternalModelAxis:
     slow_learning: LeastSquares = field(default_factory=LeastSquares)
     middle: float = 0.0
     estimation: Estimation = field(default_factory=Estimation)
+    fast_delay: float = 0.0
+    slow_delay: float = 0.0
+    valve: ValvePositionAxis = FALL_BACK
 
     def __post_init__(self) -> None:
         """Refuse what cannot be."""
@@ -91,6 +79,9 @@ class InternalModelAxis:
                 raise ValueError(
                     f"{name} has the gain {gain:g} at rest, must be 1: the fast manipulator would not return"
                 )
+        for name in ("fast_delay", "slow_delay"):
+            if not 0.0 <= getattr(self, name) <= LONGEST:
+                raise ValueError(f"{name} is {getattr(self, name)} s, must be 0 to {LONGEST}")
         if not math.isfinite(self.middle):
             raise ValueError(f"middle is {self.middle} m, must be finite")
         swing, most = 2.0 * self.estimation.fast_amplitude, self.governor.limit / self.governor.direct
@@ -118,7 +109,8 @@ class InternalModel(Block):
 
     Ports, one wide an axis: `reference`, `relative`, `fast`, `slow` (m; y_r = y_f + y_s + d) in; `fast_reference`,
     `slow_reference` (m), `control` (m/s, the inner control signal this makes), `share` (alpha_k), `active` (1 once the
-    estimation phase is over) out, and `fast_model`, `slow_model`: the a and b in use of the first axis, the second ...
+    estimation phase is over, 2 once valve position control has taken over, which it does for good) out, and
+    `fast_model`, `slow_model`: the a and b in use of the first axis, the second ...
 
     Parameters
     ----------
@@ -135,10 +127,14 @@ class InternalModel(Block):
 
     Departs
     -------
-    The governor takes the position of the same sample for its prediction, so that the limit holds while the process
-    changes; and it keeps the position within the travel as well.  An estimate without stable poles or with a gain far
-    from one is not used; the last one that was goes on.  Where an input is no number, the models stand for the
-    positions, and the last reference and the last disturbance go on.
+    Both models have dead times, found in the estimation phase; the fast loop is asked for T_f e less what the slow
+    model will show by then.  A filter before either controller takes what the models do not explain, as slow as dead
+    time and fit ask for.  The slow reference stays within the travel of where both are to be together.
+
+    The governor takes the position of the same sample for its prediction, less a margin for its noise, so that the
+    limit holds while the process changes; and it keeps the position within the travel as well.  An estimate without
+    stable poles or with a gain far from one is not used; the last one that was goes on.  Where an input is no number,
+    the models stand for the positions, half of the limit is used, and the last reference and disturbance go on.
     """
 
     def __init__(self, axes: Sequence[InternalModelAxis]) -> None:
@@ -180,21 +176,48 @@ class InternalModel(Block):
         """In how many samples an input was no number since `prepare`, a number an axis."""
         return tuple(int(count) for count in self._records["blind"])
 
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why valve position control has taken over, a text an axis; empty where it has not."""
+        return tuple(REASONS[int(reason)] for reason in self._records["reason"])
+
 
 def _packed(axis: InternalModelAxis, order: int, rate: float) -> np.void:
     """Return an axis as the kernel reads it, at its beginning, with models of `order`."""
     phase = axis.estimation
     record: np.void = np.zeros(1, AXIS)[0]
     record["order"], record["middle"], record["governor"] = order, axis.middle, axis.governor.packed(rate)
-    record["least_samples"], record["accuracy"] = round(phase.seconds * rate), phase.accuracy**2
+    record["governor"]["margin"], record["governor"]["lean"] = (each * axis.fast_learning.noise for each in NOISES)
+    most = max(phase.seconds, phase.half_periods * phase.slow_half_period)
+    record["least_samples"], record["most_samples"] = round(phase.seconds * rate), round(most * rate)
+    record["accuracy"], record["acceptable"] = phase.accuracy**2, phase.acceptable**2
     record["forget"] = math.exp(-1.0 / (2.0 * phase.slow_half_period * rate))
     record["phase"] = ACTIVE if phase.seconds == 0.0 else ESTIMATING
+    record["valve"] = replace(axis.valve, tracking=math.inf, limit=math.inf).packed(rate)  # the governor limits
+    record["tracking"] = 1.0 / (axis.valve.tracking * rate)
     for name in ("fast", "slow"):
-        loop, learning = record[name], getattr(axis, f"{name}_learning")
-        loop["squares"] = learning.packed(getattr(axis, name).of_order(order).parameters, rate)
-        loop["wanted"]["used"][: 2 * order] = getattr(axis, f"desired_{name}").of_order(order).parameters
-        loop["noise"] = learning.noise**2
-        loop["amplitude"] = getattr(phase, f"{name}_amplitude")
-        loop["half_period"] = getattr(phase, f"{name}_half_period") * rate
-        adopt(loop, order)
+        _pack_loop(record[name], axis, name, order, rate)
+    window = WINDOW * sum(float(record["slow"][name]) for name in ("delay", "time"))
+    record["fast"]["window_pole"] = record["slow"]["window_pole"] = math.exp(-1.0 / window)
     return record
+
+
+def _pack_loop(loop: np.void, axis: InternalModelAxis, name: str, order: int, rate: float) -> None:
+    """Fill in the "fast" or the "slow" loop at its beginning."""
+    learning, phase, told = getattr(axis, f"{name}_learning"), axis.estimation, getattr(axis, name)
+    estimate, delay = told.of_order(order).parameters, getattr(axis, f"{name}_delay")
+    time = told.time_constant(rate)
+    loop["squares"] = learning.packed(estimate, rate)
+    loop["wanted"]["used"][: 2 * order] = getattr(axis, f"desired_{name}").of_order(order).parameters
+    loop["noise"], loop["amplitude"] = learning.noise**2, getattr(phase, f"{name}_amplitude")
+    loop["half_period"] = getattr(phase, f"{name}_half_period") * rate
+    loop["delay"], loop["time"] = round(delay * rate), time * rate
+    if phase.seconds == 0.0:
+        loop["filter_pole"] = math.exp(-1.0 / (delay * rate)) if delay else 0.0
+    delays = phase.delays(delay, time, rate)
+    loop["candidates"] = len(delays)
+    whole = replace(learning, forgetting=1.0, alarm=False).packed(estimate, rate)
+    for candidate, tried in zip(loop["bank"], delays, strict=False):  # a bank is seldom full
+        candidate["squares"], candidate["delay"] = whole, tried
+        candidate["model"]["used"][: 2 * order] = estimate
+    loop["used"][: 2 * order], loop["mirrored"][:order] = estimate, minimum_phase(estimate[order:])

@@ -9,10 +9,35 @@ import numpy as np
 from numba import njit
 
 from rigkit.flush_kernel import flushed
+from stagectl.robot.midranging import identification_kernel as identification
 from stagectl.robot.midranging import least_squares_kernel as squares
 from stagectl.robot.midranging import loop_model_kernel as model
 from stagectl.robot.midranging import reference_governor_kernel as governor
-from stagectl.robot.midranging.axis_record import ACTIVE, ESTIMATING
+from stagectl.robot.midranging import supervision_kernel as supervision
+from stagectl.robot.midranging import valve_position_kernel as valve
+from stagectl.robot.midranging.axis_record import (
+    ACTIVE,
+    DIVERGING,
+    ESTIMATING,
+    INACCURATE,
+    LINE,
+    TAKEN_OVER,
+)
+
+BLIND_TRUST = 0.5
+"""Of the control signal's limit, while the model stands for the fast position."""
+SMOOTH = 0.3
+"""Of what the fast position differs by from its model's, a sample: the noise is 0.42 times as large behind it."""
+CAUTION = 1.0
+"""Time constant of a robustness filter, over the dead time and the share of the loop's time that its model is off."""
+USUAL = 1.0
+"""Residuals of the slow loop beyond what is expected are not listened to: a robot's limit of speed makes them."""
+LEAD = 2.0
+"""Of what is asked of the micro manipulator beyond its travel, how much more the macro one is asked for meanwhile."""
+WINDOW = 4.0
+"""Of the watch over the models, over the slow loop's dead time and time constant together."""
+FAST_MOST, SLOW_MOST, LEAST = 1.5, 1.1, 0.05
+"""A model diverges where its error is so many times its output, and so large a share of the travel."""
 
 Answers = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 """`fast_reference`, `slow_reference`, `control`, `share`, `active`, `fast_model` and `slow_model`, as the ports are."""
@@ -26,54 +51,129 @@ def _excitation(loop: np.record, count: int) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _is_accurate(loop: np.record, accuracy: float) -> bool:
-    """Whether the model's own output has followed the measured one, but for noise."""
-    return bool(loop.error_power <= accuracy * loop.output_power + 2.0 * loop.noise)
-
-
-@njit(cache=True, nogil=True)
-def _watch(loop: np.record, keep: float, measured: float, modelled: float) -> None:
-    error = measured - modelled
-    loop.error_power = flushed(keep * loop.error_power + (1.0 - keep) * error * error)
-    loop.output_power = flushed(keep * loop.output_power + (1.0 - keep) * measured * measured)
-
-
-@njit(cache=True, nogil=True)
-def _learn(loop: np.record, order: int, measured: float) -> float:
-    """Update one loop's estimate, and its model where that changed; return the model's output now."""
+def _learn(loop: np.record, order: int, measured: float) -> None:
+    """Update one loop's estimate, and its model where that changed."""
     if squares.observe(loop.squares, order, measured):
         model.adopt(loop, order)
-    return model.output(loop, order)
 
 
 @njit(cache=True, nogil=True)
-def _fill(axis: np.record, seen: tuple[float, float, float, float]) -> tuple[float, float]:
-    """Return the positions, the models' where they are no numbers, and keep the reference if that is one."""
+def _off(loop: np.record, number: int) -> float:
+    """Return the mean square of a candidate's error over that of the output, noise apart."""
+    error = max(loop.bank[number].error_power - 2.0 * loop.noise, 0.0)
+    return float(error / max(loop.output_power - loop.noise, 1e-300))
+
+
+@njit(cache=True, nogil=True)
+def _advance_phase(axis: np.record, fast: float, slow: float) -> None:
+    """End the estimation phase once it has taken its time and both models are accurate, or no more time is left."""
+    for loop, measured in ((axis.fast, fast), (axis.slow, slow)):
+        loop.output_power = flushed(axis.forget * loop.output_power + (1.0 - axis.forget) * measured * measured)
+        identification.watch(loop, axis.order, axis.forget, measured)
+    if axis.count < axis.least_samples:
+        return
+    fast_best, slow_best = identification.best(axis.fast), identification.best(axis.slow)
+    fast_off, slow_off = _off(axis.fast, fast_best), _off(axis.slow, slow_best)
+    off = max(fast_off, slow_off)
+    if off > axis.accuracy and axis.count < axis.most_samples:
+        return
+    for loop, chosen, share in ((axis.fast, fast_best, fast_off), (axis.slow, slow_best, slow_off)):
+        identification.choose(loop, axis.order, chosen)
+        loop.off = math.sqrt(share)
+        late = CAUTION * (loop.delay + loop.off * loop.time)
+        loop.filter_pole = math.exp(-1.0 / late) if late > 0.0 else 0.0
+        loop.window_pole = math.exp(-1.0 / (WINDOW * (axis.slow.bank[slow_best].delay + axis.slow.time)))
+        supervision.begin(loop)
+    axis.slow.squares.usual, axis.slow.squares.limit = USUAL, math.inf
+    axis.phase = ACTIVE
+    if off > axis.acceptable:
+        _take_over(axis, INACCURATE)
+
+
+@njit(cache=True, nogil=True)
+def _take_over(axis: np.record, reason: int) -> None:
+    """Let valve position control go on from where both references are: nothing jumps."""
+    axis.phase, axis.reason = TAKEN_OVER, reason
+    control = axis.valve
+    control.slow_model = axis.slow_given
+    control.fast_integral = axis.fast_given - control.fast_gain * axis.error + control.feed * control.slow_model
+    control.slow_integral = axis.slow_given - control.slow_gain * axis.fast_given
+    control.fast, control.slow = axis.fast_given, axis.slow_given
+
+
+@njit(cache=True, nogil=True)
+def _bounded(axis: np.record, slow: float, whole: float) -> float:
+    """Return a slow reference, m, within the travel of where both manipulators are to be together."""
+    return float(min(max(slow, whole - axis.governor.travel), whole + axis.governor.travel))
+
+
+@njit(cache=True, nogil=True)
+def _filtered(loop: np.record, value: float) -> float:
+    """Return the disturbance behind a loop's robustness filter, m."""
+    filtered = float(flushed(loop.filter_pole * loop.filtered + (1.0 - loop.filter_pole) * value))
+    loop.filtered = filtered
+    return filtered
+
+
+@njit(cache=True, nogil=True)
+def _control(axis: np.record) -> tuple[float, float]:
+    """Return the references of the fast loop, not yet governed, and the slow one, m: (3.2) and (3.3).
+
+    The fast loop is asked for T_f e less what the slow one, by its model and what it was asked, will show by then; what
+    of that is beyond the travel leads the slow one.
+    """
+    order, fast, slow = axis.order, axis.fast, axis.slow
+    quick = axis.reference - _filtered(fast, axis.disturbance)
+    late = axis.reference - _filtered(slow, axis.disturbance)
+    both = model.desired(fast.wanted, quick, order)
+    left, travel = both - model.ahead(slow, order, fast.delay + 1, axis.slow_given), axis.governor.travel
+    late += LEAD * (left - min(max(left, -travel), travel))
+    slow_given = model.invert(slow, order, model.desired(slow.wanted, late, order))
+    slow_given = _bounded(axis, slow_given, axis.reference - axis.outside)
+    target = both - model.ahead(slow, order, fast.delay + 1, slow_given)
+    return model.invert(fast, order, target), slow_given
+
+
+@njit(cache=True, nogil=True)
+def _valve(axis: np.record, error: float) -> tuple[float, float]:
+    """Return both references of valve position control, whose slow integral stops at the bound."""
+    control = axis.valve
+    valve.step(control, error, 0.0)
+    given = _bounded(axis, control.slow, axis.reference - axis.outside)
+    control.slow_integral += given - control.slow
+    return float(control.fast), given
+
+
+@njit(cache=True, nogil=True)
+def _look(axis: np.record, seen: tuple[float, float, float, float]) -> tuple[float, float]:
+    """Keep what is a number of a sample; return both positions, the models' where they are no numbers."""
     reference, relative, fast, slow = seen
     if not math.isfinite(reference + relative + fast + slow):
         axis.blind += 1
     if math.isfinite(reference):
         axis.reference = reference
-    fast = fast if math.isfinite(fast) else model.output(axis.fast, axis.order)
-    slow = slow if math.isfinite(slow) else model.output(axis.slow, axis.order)
-    return fast, slow
+    modelled_fast, modelled_slow = model.shown(axis.fast, axis.order), model.shown(axis.slow, axis.order)
+    if math.isfinite(relative):
+        axis.disturbance, axis.error = relative - modelled_fast - modelled_slow, axis.reference - relative
+    if math.isfinite(relative + fast + slow):
+        axis.outside = relative - fast - slow
+    axis.governor.trust = 1.0 if math.isfinite(fast) else BLIND_TRUST
+    if math.isfinite(fast):
+        axis.governor.offset += SMOOTH * (fast - modelled_fast - axis.governor.offset)
+    return fast if math.isfinite(fast) else modelled_fast + axis.governor.offset, slow if math.isfinite(
+        slow
+    ) else modelled_slow
 
 
 @njit(cache=True, nogil=True)
-def _control(axis: np.record, error: float) -> tuple[float, float]:
-    """Return the references of the fast loop, not yet governed, and the slow one: C_f e and C_s e, m."""
-    order = axis.order
-    both = model.desired(axis.fast.wanted, error, order)
-    slow = model.desired(axis.slow.wanted, error, order)
-    return model.invert(axis.fast, order, both - slow), model.invert(axis.slow, order, slow)
-
-
-@njit(cache=True, nogil=True)
-def _advance_phase(axis: np.record) -> None:
-    """Begin control once the estimation phase has taken its time and both models are accurate."""
-    accurate = _is_accurate(axis.fast, axis.accuracy) and _is_accurate(axis.slow, axis.accuracy)
-    if axis.count >= axis.least_samples and accurate:
-        axis.phase = ACTIVE
+def _supervise(axis: np.record, fast: float, slow: float) -> None:
+    """Let valve position control take over where a model diverges, or what is asked for is no number."""
+    least, order = LEAST * axis.governor.travel, axis.order
+    if not math.isfinite(least):
+        least = 0.0
+    is_off = supervision.is_diverging(axis.fast, FAST_MOST, least, fast, model.shown(axis.fast, order))
+    if supervision.is_diverging(axis.slow, SLOW_MOST, least, slow, model.shown(axis.slow, order)) or is_off:
+        _take_over(axis, DIVERGING)
 
 
 @njit(cache=True, nogil=True)
@@ -83,32 +183,45 @@ def _step(axis: np.record, seen: tuple[float, float, float, float]) -> tuple[flo
     `seen`: reference, relative, fast (about the middle) and slow position, m.
     """
     order = axis.order
-    fast, slow = _fill(axis, seen)
-    modelled_fast, modelled_slow = _learn(axis.fast, order, fast), _learn(axis.slow, order, slow)
-    disturbance = seen[1] - modelled_fast - modelled_slow
-    if math.isfinite(disturbance):
-        axis.disturbance = disturbance
+    fast, slow = _look(axis, seen)
     if axis.phase == ESTIMATING:
-        _watch(axis.fast, axis.forget, fast, modelled_fast)
-        _watch(axis.slow, axis.forget, slow, modelled_slow)
-        _advance_phase(axis)
-    if axis.phase == ACTIVE:
-        fast_wanted, slow_given = _control(axis, axis.reference - axis.disturbance)
-    else:
+        _advance_phase(axis, fast, slow)
+    elif axis.phase == ACTIVE:
+        _learn(axis.fast, order, fast)
+        _learn(axis.slow, order, slow)
+        _supervise(axis, fast, slow)
+    if axis.phase == ESTIMATING:
         fast_wanted, slow_given = _excitation(axis.fast, axis.count), _excitation(axis.slow, axis.count)
+    elif axis.phase == ACTIVE:
+        fast_wanted, slow_given = _control(axis)
+    else:
+        fast_wanted, slow_given = _valve(axis, seen[0] - seen[1])
     axis.count += 1
-    fast_given = governor.govern(axis.governor, axis.fast, order, fast_wanted, fast)
-    _apply(axis.fast, modelled_fast, fast_given)
-    _apply(axis.slow, modelled_slow, slow_given)
+    modelled = model.shown(axis.fast, order)
+    position = governor.position(axis.governor, fast, modelled)
+    undelayed = fast + model.output(axis.fast, order) - modelled
+    fast_given = governor.govern(axis.governor, axis.fast, order, fast_wanted, position, undelayed)
+    if axis.phase == TAKEN_OVER:
+        axis.valve.fast_integral += axis.tracking * (fast_given - fast_wanted)
+    axis.fast_given, axis.slow_given = fast_given, slow_given
+    _apply(axis, axis.fast, fast_given)
+    _apply(axis, axis.slow, slow_given)
     return fast_given, slow_given
 
 
 @njit(cache=True, nogil=True)
-def _apply(loop: np.record, modelled: float, given: float) -> None:
+def _apply(axis: np.record, loop: np.record, given: float) -> None:
     """Remember what a loop's model showed and what it is given."""
+    modelled = model.output(loop, axis.order)
     model.push(loop.outputs, modelled)
     model.push(loop.inputs, given)
-    squares.apply(loop.squares, given)
+    at = int((loop.at + 1) % LINE)
+    loop.at = at
+    loop.outputs_line[at], loop.inputs_line[at] = loop.outputs[0], flushed(given)
+    if axis.phase == ESTIMATING:
+        identification.apply(loop)
+    else:
+        squares.apply(loop.squares, model.delayed(loop.inputs_line, at, loop.delay))
 
 
 @njit(cache=True, nogil=True)

@@ -7,6 +7,8 @@ import numpy as np
 
 from stagectl.robot.midranging.axis_record import SIZE, SQUARES
 
+KEEP = 0.999
+"""Of the mean squares of residual and activity, an update."""
 DRIFT, ALARM = 3.0, 50.0
 """Of the alarm: what it forgets a sample, and where it rings, in squared standard deviations of the residual."""
 
@@ -79,6 +81,7 @@ class LeastSquares:
         record["forgetting"], record["pole"], record["variance"] = self.forgetting, pole, residual**2
         record["start"], record["gate"] = (self.deviation / residual) ** 2, self.gate * self.noise
         record["drift"], record["limit"] = DRIFT, ALARM if self.alarm else math.inf
+        record["keep"], record["usual"] = KEEP, math.inf
         record["estimate"][: len(estimate)] = estimate
         record["factors"] = record["start"] * np.eye(SIZE)
         return record

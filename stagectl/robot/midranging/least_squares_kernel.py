@@ -87,15 +87,20 @@ def observe(squares: np.record, order: int, output: float) -> bool:
     """Take one output in, m, and return whether the estimate was updated; `apply` follows with the sample's input."""
     smooth = flushed(squares.pole * squares.outputs[0] + (1.0 - squares.pole) * output)
     updated = abs(squares.inputs[0] - squares.slow_input) >= squares.gate
+    residual = smooth - _predicted(squares, order)
+    expected = squares.variance + squares.relative * squares.activity
+    updated = updated and residual * residual <= squares.usual * expected
     if updated:
-        residual = smooth - _predicted(squares, order)
-        surprise = residual * residual / (squares.variance * (1.0 + _turn(squares, order)))
+        surprise = residual * residual / (expected * (1.0 + _turn(squares, order)))
         squares.alarm = max(0.0, squares.alarm + min(surprise, squares.limit) - squares.drift)
         if squares.alarm > squares.limit:
             reset(squares)
             squares.resets += 1
             _turn(squares, order)
         _update(squares, order, residual)
+        keep = squares.keep
+        squares.residual_power = flushed(keep * squares.residual_power + (1.0 - keep) * residual * residual)
+        squares.activity_power = flushed(keep * squares.activity_power + (1.0 - keep) * squares.activity)
     for row in range(ORDER - 1, 0, -1):
         squares.outputs[row] = squares.outputs[row - 1]
     squares.outputs[0] = smooth
@@ -111,3 +116,5 @@ def apply(squares: np.record, value: float) -> None:
     squares.inputs[0] = smooth
     slow = squares.slow_input
     squares.slow_input = flushed(slow + (1.0 - squares.pole) * (smooth - slow))
+    active = (squares.inputs[0] - squares.slow_input) ** 2
+    squares.activity = flushed(squares.pole * squares.activity + (1.0 - squares.pole) * active)

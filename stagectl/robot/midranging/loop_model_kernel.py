@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 
 from rigkit.flush_kernel import flushed
-from stagectl.robot.midranging.axis_record import ORDER
+from stagectl.robot.midranging.axis_record import LINE, ORDER
 from stagectl.robot.midranging.minimum_phase_kernel import mirror
 
 RADIUS = 0.9995
@@ -94,3 +94,37 @@ def desired(wanted: np.record, error: float, order: int) -> float:
     value = output(wanted, order)
     push(wanted.outputs, value)
     return value
+
+
+@njit(cache=True, nogil=True)
+def delayed(line: np.ndarray, at: int, delay: int) -> float:
+    """Return what was put into a line `delay` samples before the newest, at `at`."""
+    return float(line[(at - delay) % LINE])
+
+
+@njit(cache=True, nogil=True)
+def shown(loop: np.record, order: int) -> float:
+    """Return the model's output now behind its dead time, m."""
+    if loop.delay == 0:
+        return output(loop, order)
+    return delayed(loop.outputs_line, loop.at, loop.delay - 1)
+
+
+@njit(cache=True, nogil=True)
+def ahead(loop: np.record, order: int, samples: int, held: float) -> float:
+    """Return the model's output so many `samples` from now (>= 1), with its input `held` (m) from now on."""
+    known = samples - loop.delay
+    if known < 0:
+        return delayed(loop.outputs_line, loop.at, -known - 1)
+    o1, o2, o3 = output(loop, order), loop.outputs[0], loop.outputs[1]
+    i2, i3 = loop.inputs[0], loop.inputs[1]
+    used = loop.used
+    for _ in range(known):
+        new = used[0] * o1 + used[order] * held
+        if order > 1:
+            new += used[1] * o2 + used[order + 1] * i2
+        if order > 2:
+            new += used[2] * o3 + used[order + 2] * i3
+        o1, o2, o3 = new, o1, o2
+        i2, i3 = held, i2
+    return float(o1)

@@ -63,6 +63,7 @@ class Governor:
         record["numerator"][: len(self.numerator)] = self.numerator
         record["denominator"][: len(self.denominator)] = self.denominator
         record["limit"], record["travel"] = self.limit, self.travel
+        record["trust"] = 1.0
         record["horizon"] = round(self.lookahead * rate) if math.isfinite(self.travel) else 0
         return record
 

@@ -48,12 +48,24 @@ def _within_travel(governor: np.record, model: np.record, order: int, wanted: fl
 
 
 @njit(cache=True, nogil=True)
-def govern(governor: np.record, model: np.record, order: int, wanted: float, position: float) -> float:
-    """Return the reference that the fast loop may have now, m, and keep the share of (3.8) and the control signal."""
-    push(governor.positions, position)
+def position(governor: np.record, measured: float, modelled: float) -> float:
+    """Return the position that the control signal is made of, m: the model's and its offset, near what is measured."""
+    smooth = modelled + governor.offset
+    return float(min(max(smooth, measured - governor.lean), measured + governor.lean))
+
+
+@njit(cache=True, nogil=True)
+def govern(
+    governor: np.record, model: np.record, order: int, wanted: float, position: float, undelayed: float
+) -> float:
+    """Return the reference that the fast loop may have now, m, and keep the share of (3.8) and the control signal.
+
+    `undelayed`: where the loop would be without its dead time, m; the control signal is made of `position`.
+    """
+    push(governor.positions, undelayed)
     first, past, last = governor.numerator[0], _past(governor), model.inputs[0]
     given = _within_travel(governor, model, order, wanted)
-    reach = governor.limit * governor.denominator[0]
+    reach = governor.trust * max(0.0, governor.limit * governor.denominator[0] - abs(first) * governor.margin)
     low, high = position + (-reach - past) / first, position + (reach - past) / first
     given = min(max(given, low), high)
     governor.share = 1.0

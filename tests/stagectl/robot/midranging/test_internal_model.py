@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from stagectl.robot.midranging.internal_model import Estimation, InternalModel, InternalModelAxis
+from stagectl.robot.midranging.estimation import Estimation
+from stagectl.robot.midranging.internal_model import InternalModel, InternalModelAxis
 from stagectl.robot.midranging.least_squares import LeastSquares
 from stagectl.robot.midranging.reference_governor import Governor
 from stagectl.robot.midranging.tuning import LoopModel

@@ -26,7 +26,7 @@ def _run(governor: Governor, model: LoopModel, wanted: np.ndarray) -> dict[str, 
     past_w, past_y, kept = np.zeros(4), np.zeros(4), []
     for value in wanted:
         position = past_y[: model.order] @ model.outputs + past_w[: model.order] @ model.inputs
-        given = kernel.govern(record, modelled, model.order, value, position)
+        given = kernel.govern(record, modelled, model.order, value, position, position)
         push(modelled["inputs"], given)
         past_w, past_y = np.array([given, *past_w[:-1]]), np.array([position, *past_y[:-1]])
         kept.append((given, position, record["control"], record["share"]))
@@ -123,7 +123,7 @@ def test_the_reference_is_the_farthest_that_held_from_now_on_stays_within_the_tr
         modelled["used"][: 2 * order] = model.parameters
         modelled["inputs"] = past_w[:3]
         record["positions"] = past_y[1:]
-        given = kernel.govern(record, modelled, order, 5e-3, past_y[0])
+        given = kernel.govern(record, modelled, order, 5e-3, past_y[0], past_y[0])
 
         def ahead(held: float, inputs: np.ndarray = past_w, outputs: np.ndarray = past_y) -> float:
             w, y, most = list(inputs), list(outputs), 0.0
