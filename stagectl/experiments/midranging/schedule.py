@@ -22,7 +22,7 @@ from stagectl.robot.midranging.internal_model import InternalModel
 from stagectl.robot.midranging_config import MidrangeConfig
 
 TRACK = "recording"
-LOOK = 25
+LOOK = 240
 """Samples from one look at who controls to the next."""
 
 
@@ -83,8 +83,9 @@ def part(
 
     first = min(lead + 1, len(wanted))
     look = partial(_look, graph, controls, {"axis": name}, tell, []) if estimates else never
-    phases = (Phase("lead", first, end=ready, every=LOOK, look=look),
-              Phase("reference", len(wanted) - first, every=LOOK, look=look))  # fmt: skip
+    every = LOOK if tell is not nobody else 0
+    phases = (Phase("lead", first, end=ready, every=every, look=look),
+              Phase("reference", len(wanted) - first, every=every, look=look))  # fmt: skip
     return Part(name, graph, (track,), phases)
 
 
