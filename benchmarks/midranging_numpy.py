@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from stagectl.robot.midranging.internal_model import InternalModelAxis
+from stagectl.robot.midranging.internal_model import NOISES, InternalModelAxis
+from stagectl.robot.midranging.internal_model_kernel import SMOOTH
 from stagectl.robot.midranging.least_squares import ALARM, DRIFT, LeastSquares
 
 
@@ -81,6 +82,10 @@ class Loop:
         self.inverse_outputs = np.concatenate(([value], self.inverse_outputs[:-1]))
         return float(value)
 
+    def ahead(self, output: float, value: float) -> float:
+        """Return the model's output a sample later, from the one now and what it is given now."""
+        return float(self.a @ [output, *self.outputs[:-1]] + self.b @ [value, *self.inputs[:-1]])
+
     def push(self, output: float, value: float) -> None:
         """Go on by a sample."""
         self.outputs = np.concatenate(([output], self.outputs[:-1]))
@@ -88,7 +93,7 @@ class Loop:
 
 
 class NumpyAxis:
-    """One axis, its estimation phase left out, and without the limit of the travel."""
+    """One axis, its estimation phase left out, without dead times and the limit of the travel."""
 
     def __init__(self, axis: InternalModelAxis, rate: float) -> None:
         order = axis.order
@@ -101,31 +106,37 @@ class NumpyAxis:
         self.numerator[: len(axis.governor.numerator)] = axis.governor.numerator
         self.denominator[: len(axis.governor.denominator)] = axis.governor.denominator
         self.limit, self.middle = axis.governor.limit, axis.middle
+        self.noise, self.offset = axis.fast_learning.noise, 0.0
         self.errors, self.controls = np.zeros(3), np.zeros(3)
 
     def step(self, reference: float, relative: float, fast: float, slow: float) -> tuple[float, float]:
         """Return the references of both loops."""
         position = fast - self.middle
+        fast_modelled, slow_modelled = (loop.output() for loop in self.loops)
+        error = reference - (relative - fast_modelled - slow_modelled)
+        self.offset += SMOOTH * (position - fast_modelled - self.offset)
         for squares, loop, output in zip(self.squares, self.loops, (position, slow), strict=True):
             squares.observe(output)
             loop.adopt(squares.estimate)
         modelled = [loop.output() for loop in self.loops]
-        error = reference - (relative - modelled[0] - modelled[1])
         desired = []
         for each in self.wanted:
             each.inputs = np.concatenate(([error], each.inputs[:-1]))
             desired.append(each.output())
             each.outputs = np.concatenate(([desired[-1]], each.outputs[:-1]))
-        given = self.loops[0].invert(desired[0] - desired[1]), self.loops[1].invert(desired[1])
-        governed = self._govern(given[0], position)
-        for squares, loop, output, value in zip(self.squares, self.loops, modelled, (governed, given[1]), strict=True):
+        slow_given = self.loops[1].invert(desired[1])
+        wanted = self.loops[0].invert(desired[0] - self.loops[1].ahead(modelled[1], slow_given))
+        lean = NOISES[1] * self.noise
+        governed = self._govern(wanted, float(np.clip(modelled[0] + self.offset, position - lean, position + lean)))
+        given = governed, slow_given
+        for squares, loop, output, value in zip(self.squares, self.loops, modelled, given, strict=True):
             loop.push(output, value)
             squares.apply(value)
-        return governed + self.middle, given[1]
+        return governed + self.middle, slow_given
 
     def _govern(self, wanted: float, position: float) -> float:
         past = self.numerator[1:] @ self.errors - self.denominator[1:] @ self.controls
-        reach = self.limit * self.denominator[0]
+        reach = self.limit * self.denominator[0] - NOISES[0] * self.noise * self.numerator[0]
         low, high = position + (np.array([-reach, reach]) - past) / self.numerator[0]
         given = float(np.clip(wanted, low, high))
         control = (self.numerator[0] * (given - position) + past) / self.denominator[0]

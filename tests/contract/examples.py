@@ -167,10 +167,9 @@ def _loops() -> HysteresisModel:
 
 
 def _internal_model() -> Block:
-    fast, slow = (LoopModel.first_order(time, 250.0).of_order(3) for time in (0.1, 1.0))
+    loops = [LoopModel.first_order(time, 250.0).of_order(3) for time in (0.1, 1.0)] * 2
     governor = Governor((5.0, -4.0), (1.0, -0.9), limit=0.1, travel=0.03)
-    axis = InternalModelAxis(fast, slow, fast, slow, governor, middle=0.01, estimation=Estimation(0.5, accuracy=100.0))
-    return InternalModel([axis, axis])
+    return InternalModel([InternalModelAxis(*loops, governor, middle=0.01, estimation=Estimation(0.5, 100.0))] * 2)
 
 
 def _robot(mode: Literal["joints", "pose"] = "joints") -> RobotPort:

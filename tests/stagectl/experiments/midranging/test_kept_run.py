@@ -99,6 +99,35 @@ def test_a_run_of_version_0_1_0_is_reported_and_says_why_it_is_not_replayed(run:
         list(replayed(copy, MIDRANGING))
 
 
+def test_a_run_of_adaptive_control_by_an_earlier_law_is_reported_and_not_replayed(run: Path, tmp_path: Path) -> None:
+    copy = _copied(run, tmp_path)
+    told = json.loads((copy / "run.json").read_text())
+    del told["designed"]["law"]
+    (copy / "run.json").write_text(json.dumps(told))
+    assert json.loads(json.dumps(reported(copy, MIDRANGING))) == json.loads((copy / "summary.json").read_text())
+    with pytest.raises(ValueError, match="as it was before models had dead times"):
+        list(replayed(copy, MIDRANGING))
+    told["designed"]["controller"] = "mvpc"
+    (copy / "run.json").write_text(json.dumps(told))
+    assert list(replayed(copy, MIDRANGING))  # another controller, whose law is what it was: made again
+
+
+def test_where_valve_position_control_takes_over_events_figures_and_report_say_so(tmp_path: Path) -> None:
+    """Neither model explains all of a noise that nobody has told the controller of."""
+    path = tmp_path / "run"
+    told = ("learning.noise=1e-9", "estimating.accuracy=1e-12", "estimating.acceptable=1e-12",
+            "simulator.options.noise=5e-5", "session.lead=8")  # fmt: skip
+    _run("midrange", "--scenario", "thesis-2", "--out", str(path), *(f"--set=midranging.{each}" for each in told))
+    (event,) = [each for each in read_events(path) if each["event"] == "taken over"]
+    assert "accurate enough" in event["reason"]
+    found = json.loads((path / "summary.json").read_text())
+    assert found["taken_over_at"] == 0.0
+    assert found["control_over_limit"] < 1.2
+    assert "Valve position control took over" in (path / "report.html").read_text()
+    assert "Shaded" in (path / "report.html").read_text()
+    assert all(each.identical for each in replayed(path, MIDRANGING))
+
+
 @pytest.mark.parametrize("share", [0.4, pytest.param(0.8, marks=pytest.mark.slow)])
 def test_what_was_recorded_before_a_kill_is_reported_and_replayed(tmp_path: Path, share: float) -> None:
     path = tmp_path / "run"

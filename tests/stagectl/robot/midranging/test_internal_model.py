@@ -93,10 +93,14 @@ def test_the_estimation_phase_finds_loops_that_were_guessed_wrong(order: int) ->
     np.testing.assert_allclose(got["relative"][3000:], 1e-3 * (1.0 - pole ** np.arange(1000)), atol=2e-5)
 
 
-def test_control_does_not_begin_with_an_inaccurate_model() -> None:
+def test_valve_position_control_takes_over_from_an_inaccurate_model() -> None:
     deaf = LeastSquares(deviation=1e-9)
-    axis = _axis(FAST[1], LoopModel((0.9,), (0.1,)), fast_learning=deaf, estimation=Estimation(1.0, 0.01))
-    assert not _run(axis, FAST[1], np.zeros(2500))["active"].any()
+    phase = Estimation(1.0, 0.01, acceptable=0.01, half_periods=4.0)
+    axis = _axis(FAST[1], LoopModel((0.9,), (0.1,)), fast_learning=deaf, estimation=phase)
+    got = _run(axis, FAST[1], np.concatenate((np.zeros(1500), np.full(2500, 1e-3))))
+    assert not got["active"][:1000].any()
+    assert (got["active"][1000:] == 2.0).all()
+    assert got["relative"][-1] == pytest.approx(1e-3, rel=0.02)
 
 
 def test_an_estimate_that_is_no_position_loop_is_not_used() -> None:
