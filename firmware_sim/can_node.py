@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from threading import Event
 
 from firmware_sim.slcan_adapter import SlcanAdapter
+from firmware_sim.stage_lasers import MISHAPS as LASERS
 from firmware_sim.stage_processor import StageProcessor
 
 NOISE = bytes(range(1, 256)) + b"b101F00FF\rt0118zz\r\a"
@@ -15,7 +16,7 @@ NOISE = bytes(range(1, 256)) + b"b101F00FF\rt0118zz\r\a"
 _LONGEST_WAIT = 0.01
 
 
-MISHAPS = ("unplug", "replug", "garbage", "stuck-sensor", "no-heartbeat", "heartbeat")
+MISHAPS = ("unplug", "replug", "garbage", "no-heartbeat", "heartbeat", "stuck-sensor", *LASERS)
 
 
 @dataclass(frozen=True)
@@ -60,8 +61,8 @@ class CanNode:
     ----------
     adapter : SlcanAdapter
     processor : StageProcessor
-    stick : callable()
-        Freezes a sensor of the simulated stage.
+    sensor : callable(str)
+        Lets a sensor of the simulated stage go wrong: "stuck-sensor" or one of `stage_lasers.MISHAPS`.
     mishaps : sequence of Mishap
     now : callable() -> float, s, a monotonic clock; that of the processor
     """
@@ -70,12 +71,12 @@ class CanNode:
         self,
         adapter: SlcanAdapter,
         processor: StageProcessor,
-        stick: Callable[[], None],
+        sensor: Callable[[str], None],
         mishaps: Sequence[Mishap] = (),
         now: Callable[[], float] = time.monotonic,
     ) -> None:
         self.adapter, self.processor = adapter, processor
-        self._stick, self._now = stick, now
+        self._sensor, self._now = sensor, now
         self._asked: deque[str] = deque()
         self._to_come = sorted(mishaps, key=lambda mishap: mishap.seconds)
 
@@ -114,7 +115,7 @@ class CanNode:
                 self.adapter.plug()
             case "garbage":
                 self.adapter.spill(NOISE)
-            case "stuck-sensor":
-                self._stick()
             case "no-heartbeat" | "heartbeat":
                 self.processor.frames.is_mute = name == "no-heartbeat"
+            case _:
+                self._sensor(name)

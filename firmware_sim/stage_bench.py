@@ -48,9 +48,11 @@ class StageBench:
         self._image, self._place = image, folder / "plate"
         self._plate = write_plate(self._place)
         processor = StageProcessor(
-            Loops(self._tick, image.commit, image.clear, image.excite, image.release), settings, monotonic()
+            Loops(self._tick, image.commit, image.clear, image.excite, image.release, image.follow, image.leave),
+            settings,
+            monotonic(),
         )
-        self.node = CanNode(SlcanAdapter(self.can), processor, image.stick, mishaps)
+        self.node = CanNode(SlcanAdapter(self.can), processor, image.suffer, mishaps)
         seen = image.absolute
         self._sensor = SerialNode(self.laser, lambda: float(seen[laser_axis]), laser.mode, unit=laser.scale)
 

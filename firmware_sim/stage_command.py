@@ -26,7 +26,7 @@ def stage_command(
     folder: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Where the two devices appear, as can and laser.")
     ] = None,
-    milling: Annotated[str, typer.Option(help="x, y or z: a cut begins after a second.")] = "",
+    milling: Annotated[str, typer.Option(help="x, y or z: a cut begins with each live run that is judged.")] = "",
     laser_axis: Annotated[str, typer.Option(help="The axis that the laser sensor looks along.")] = "x",
     fault: Annotated[
         list[str] | None,

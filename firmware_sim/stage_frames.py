@@ -3,6 +3,8 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import numpy as np
+
 from firmware_sim.slcan_adapter import Frame
 from rigkit.wire.layout import Layout
 from stagectl.wire import messages, samples
@@ -45,13 +47,24 @@ class StageFrames:
         self._out.append(Frame(layout.identifier, layout.pack(counter, *values), layout.is_fd))
 
     def publish(self, number: int, signals: Signals) -> None:
-        """Add a block's samples, `number` being its counter; WireError where one is out of range."""
+        """Add a block's samples, `number` being its counter; WireError where one is out of range.
+
+        What lasers see goes before the positions of its block, and not at all while an axis is excited.
+        """
+        if "absolute" in signals and not self.shows_all:
+            layout = messages.SLOW_ABSOLUTE if self._is_classic else messages.ABSOLUTE
+            self._add(layout, number, signals["absolute"])
+            if "laser" in signals:
+                self.send(messages.LASER_STATUS, *signals["laser"])
         layouts = _CLASSIC if self._is_classic else _FD
         whole = self.shows_all or (self._every and number % self._every == 0)
         names = ("position", "extension", "voltage") if whole else ("position",)
         for name, layout in zip(names, layouts, strict=False):
-            block = signals[name][-1:] if self._is_classic else signals[name]
-            self._out.append(Frame(layout.identifier, samples.encode(layout, number, block), layout.is_fd))
+            self._add(layout, number, signals[name])
+
+    def _add(self, layout: Layout, number: int, block: np.ndarray) -> None:
+        shown = block[-1:] if self._is_classic else block
+        self._out.append(Frame(layout.identifier, samples.encode(layout, number, shown), layout.is_fd))
 
     def send_back(self, pieces: list[tuple[int, bytes]]) -> None:
         """Add pieces of a parameter set."""

@@ -10,11 +10,14 @@ from calibration.state_space.model import InnovationModel
 from ctlblocks.block import Block, Port
 from ctlblocks.graph import Graph
 from firmware_sim.laboratory import plant_block
-from firmware_sim.stage_blocks import Milling, PiezoStage
+from firmware_sim.stage_cut import Cut
 from firmware_sim.stage_excitation import Excitation
+from firmware_sim.stage_lasers import MISHAPS, StageLasers
+from firmware_sim.sticking_stage import StickingStage
 from stagectl.config import StageConfig
 from stagectl.stage import sensors_kernel
 from stagectl.stage.controller import PiezoController
+from stagectl.stage.deflection_parameters import deflection_from, is_deflection
 from stagectl.stage.inner_parameters import SUFFIX, inner_from
 from stagectl.stage.loop import Stage, inner_loops, stage_controller
 from stagectl.stage.loop_parameters import loops_from
@@ -27,6 +30,8 @@ RATIO = 5.0
 """m of travel per m of extension [Sörnmo 2015, sec. 2.2: a gear ratio of about five]."""
 _CREEP = 0.2
 """Hz at which the loops switched on with take creep and hysteresis back: far below any resonance."""
+SHORTEST, LONGEST = 5.0, 120.0
+"""s, of a cut."""
 _LARGEST = samples.largest(messages.POSITION)
 
 
@@ -47,29 +52,6 @@ class Held(Block):
         signals[0][:] = self.value
 
 
-class StickingStage(PiezoStage):
-    """The simulated piezo stage, whose capacitive sensor on y can stick."""
-
-    def prepare(self, rate: float, frames: int) -> None:
-        """Build it anew, at rest and in order."""
-        super().prepare(rate, frames)
-        self.stuck_at = math.nan
-
-    def process(
-        self,
-        voltage: np.ndarray,
-        force: np.ndarray,
-        base: np.ndarray,
-        extension: np.ndarray,
-        position: np.ndarray,
-        absolute: np.ndarray,
-    ) -> None:
-        """Run it over one frame."""
-        super().process(voltage, force, base, extension, position, absolute)
-        if not math.isnan(self.stuck_at):
-            position[:, 1] = self.stuck_at
-
-
 class StageImage:
     """What runs on the processor, ten samples a call.
 
@@ -82,7 +64,7 @@ class StageImage:
     config : StageConfig
         Three axes; `link.origin` is mid-travel, `simulator.options` are the plant's.
     milling : str
-        "x", "y" or "z" for a cut that begins a second after the start, "" for none.
+        "x", "y" or "z" for a cut as long as `session.seconds` that begins when a live run is judged; "" for none.
 
     Raises
     ------
@@ -96,7 +78,7 @@ class StageImage:
         self._axes, self._middle = config.stage.axes, config.link.origin
         self._graph = Graph(RATE, 1)
         self._reference = Held("reference", "m")
-        plant = plant_block(f"{__name__}:{StickingStage.__name__}", config.simulator.options)
+        plant = plant_block(f"{StickingStage.__module__}:{StickingStage.__name__}", config.simulator.options)
         assert isinstance(plant, StickingStage)
         self._plant = plant
         self._controller = stage_controller(config, [_first_loop()] * len(AXES))
@@ -106,7 +88,9 @@ class StageImage:
         self._excitation = Excitation(config.limits.rest_voltage)
         self._travel, self._has_left = config.limits.travel, False
         self._stage = Stage(self._graph, config, self._controller, self._excitation)
-        self._wire(milling)
+        self._lasers = StageLasers(config, plant.laser_rate)
+        self._cut = _cut(config, milling) if milling else None
+        self._wire()
         self._signals = {name: np.zeros((BLOCK, len(AXES))) for name in ("position", "extension", "voltage")}
         self._sources = {
             name: self._graph.signal(source)
@@ -134,7 +118,8 @@ class StageImage:
         -------
         dict
             "position" (m from mid-travel) and "extension" (m), as the loops read them, and the "voltage" (V) they then
-            made, of shape (10, 3); and the "fault".
+            made, of shape (10, 3); where lasers are read, "absolute" (m from mid-travel) of that shape and their
+            account, "laser"; and the "fault".
         """
         guard = self._stage.guard
         if guard.at_rest and not guard.latched:
@@ -144,12 +129,13 @@ class StageImage:
             position[n], extension[n] = self._sources["position"][0], self._sources["extension"][0]
             self._follow(reference[n])
             self._graph.tick()
+            self._lasers.take(n, guard)
             voltage[n] = self._sources["voltage"][0]
         if self._excitation.drive is not None and guard.is_open:
             self._look_at_travel(position)
         position -= self._middle
         position[~(np.abs(position) <= _LARGEST)] = np.nan  # the sensor's range is wider than the wire's
-        return {**self._signals, "fault": self._fault()}
+        return {**self._signals, **self._lasers.signals(self._middle), "fault": self._fault()}
 
     def commit(self, parameters: Mapping[str, np.ndarray]) -> None:
         """Take other outer loops, other inner loops or both, one an axis, without a step; ValueError refuses them all.
@@ -159,11 +145,15 @@ class StageImage:
         parameters : mapping of str to array, any shape, the units of `StateFeedback` and `Pid`
         """
         inner = {name: value for name, value in parameters.items() if name.endswith(SUFFIX)}
-        outer = {name: value for name, value in parameters.items() if name not in inner}
+        lasers = {name: value for name, value in parameters.items() if is_deflection(name)}
+        outer = {name: value for name, value in parameters.items() if name not in inner and name not in lasers}
         pids = inner_from(self._axes, inner) if inner else []
-        loops = loops_from(self._axes, outer, RATE) if outer or not inner else []
+        loops = loops_from(self._axes, outer, RATE) if outer or not (inner or lasers) else []
+        deflection = deflection_from(self._axes, lasers) if lasers else None
         for loop in loops:
             loop.servo.tracking(loop.servo_feedback, RATE)  # what the controller will ask of it
+        if outer or lasers:
+            self._lasers.change(deflection)
         for axis, pid in enumerate(pids):
             self._controller.change_inner(axis, pid)
             self._inner.change_inner(axis, pid)
@@ -184,21 +174,42 @@ class StageImage:
         self._excitation.drive, self._excitation.axis = drive, axis
 
     def release(self) -> None:
-        """Take all axes to rest and then close their loops again, where one was excited."""
+        """Take all axes to rest and then close their loops again, where one was excited; a cut is over."""
+        if self._cut is not None:
+            self._cut.end()
         if self._excitation.drive is not None:
             self._stage.stop()
             self._inner.stop()
             self._excitation.drive = None
+
+    def follow(self) -> None:
+        """Watch the lasers and compensate what they see, where parameters say so; the cut begins anew."""
+        self._lasers.follow()
+        if self._cut is not None:
+            self._cut.begin()
+
+    def leave(self) -> None:
+        """Compensate no longer, along a ramp."""
+        self._lasers.leave()
 
     def clear(self) -> None:
         """Clear the latch, if there is one; ValueError while the way to rest is not over."""
         if self._stage.fault is not None:
             self._plant.stuck_at = math.nan
             self._has_left = False
+            self._lasers.clear()
             self._stage.clear("a person at the host")
 
-    def stick(self) -> None:
-        """Let the sensor on y stick until the fault is cleared."""
+    def suffer(self, name: str) -> None:
+        """Let the laser on y, or its position sensor, go wrong until the fault is cleared.
+
+        Parameters
+        ----------
+        name : str, "stuck-sensor" or one of `stage_lasers.MISHAPS`
+        """
+        if name in MISHAPS:
+            self._lasers.suffer(name)
+            return
         self._plant.stuck_at = float(self._graph.signal("plant.position")[0, 1])
 
     def _start(self) -> None:
@@ -230,31 +241,39 @@ class StageImage:
             return Fault.NONE
         if self._has_left:
             return Fault.TRAVEL
+        if self._lasers.fault is not Fault.NONE:
+            return self._lasers.fault
         sensor = self._stage.sensors.fault
         if sensor is None:
             return Fault.CONTROLLER
         return Fault.SENSOR_STUCK if sensor.kind == sensors_kernel.STUCK else Fault.SENSOR_INVALID
 
-    def _wire(self, milling: str) -> None:
+    def _wire(self) -> None:
         graph = self._graph
         graph.add("reference", self._reference)
         graph.add("plant", self._plant)
         graph.connect("guard.voltage", "plant.voltage")
-        if milling:
-            graph.add("milling", Milling(direction=milling))
+        if self._cut is not None:
+            graph.add("milling", self._cut)
         for name, unit in (("force", "N"), ("base", "m")):
-            if not milling:
+            if self._cut is None:
                 graph.add(name, Held(name, unit))
-            graph.connect(f"{'milling' if milling else name}.{name}", f"plant.{name}")
+            graph.connect(f"{name if self._cut is None else 'milling'}.{name}", f"plant.{name}")
         for name in ("position", "extension"):
             graph.connect(f"plant.{name}", f"sensors.{name}", delayed=True)
-        graph.connect("reference.reference", "controller.reference")
+        graph.connect(self._lasers.wire(graph, "reference.reference"), "controller.reference")
         graph.add("inner", self._inner)
         graph.add("extension", self._extension)
         graph.connect("extension.extension_reference", "inner.extension_reference")
         graph.connect("sensors.valid_extension", "inner.extension")
         graph.connect("inner.request", "compensation.inner")
         graph.prepare()
+
+
+def _cut(config: StageConfig, direction: str) -> Cut:
+    """Return a cut as long as a run, within what a cut can be, that begins when a live run is judged."""
+    seconds = min(max(config.session.seconds, SHORTEST), LONGEST)
+    return Cut(direction=direction, start=2.5 * config.limits.ramp, seconds=seconds)
 
 
 def _first_loop() -> StateFeedback:

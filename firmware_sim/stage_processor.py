@@ -17,7 +17,7 @@ from stagectl.wire.messages import PERIOD, Command, Drive, Fault, HostState, Res
 
 Tick = Callable[[np.ndarray], Signals]
 """From references, shape (10, 3), m from mid-travel (excited: V or m from rest), to "position" and "extension" (m) and
-"voltage" (V) of that shape and, where the loops have latched, the "fault"."""
+"voltage" (V) of that shape, "absolute" (m) and "laser" where lasers are read, and the "fault" that has latched."""
 
 
 def _nothing(*_: object) -> None:
@@ -44,6 +44,8 @@ class Loops:
         refuses.
     release : callable()
         Takes them to rest again and closes the loops.
+    follow, leave : callable()
+        The stage begins to follow references, and ceases to.
     """
 
     tick: Tick
@@ -51,6 +53,8 @@ class Loops:
     clear: Callable[[], None] = _nothing
     excite: Callable[[Drive, int], None] = _refuse
     release: Callable[[], None] = _nothing
+    follow: Callable[[], None] = _nothing
+    leave: Callable[[], None] = _nothing
 
 
 @dataclass(frozen=True)
@@ -182,6 +186,7 @@ class StageProcessor:
 
     def _retreat(self) -> None:
         self.state = State.RAMPING
+        self._loops.leave()
         self._queue.retreat(self._settings.ramp)
 
     def _run_block(self) -> None:
@@ -248,6 +253,8 @@ class StageProcessor:
         self._stream.begin(layout, ahead if self._settings.pace == "own" else 1, now)
         self._host, self._longest_gap = now, 0.0
         self.state = led
+        if led is State.FOLLOWING:
+            self._loops.follow()
         return Result.DONE
 
     def _excite(self, argument: int, now: float) -> Result:

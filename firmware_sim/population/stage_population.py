@@ -38,6 +38,8 @@ def _keys(drawn: DrawnStage, seed: int, family: str) -> dict[str, Any]:
         "inner.gain": tuple(_rounded(float(each) / high) for each in strokes),
         "reference.position": (middle,),
         "deflection.on": True,
+        "laser.rate": min(plant.laser_rate, RATE),
+        "deflection.corner": min(2_000.0, 0.4 * plant.laser_rate),
         "deflection.delay": plant.laser_delay - plant.delay + round(RATE / min(plant.laser_rate, RATE)),
         "session.compare": True,
         "characterisation.excursion": _rounded(0.25 * travel),

@@ -69,9 +69,12 @@ def asked(config: StageConfig, options: FollowOptions | HoldOptions) -> StageCon
         elif options.reference:
             file = data_file(config.daemon.data, "reference", options.reference, ["hold"])
             reference = reference.model_copy(update={"signal": str(file)})
-        if options.deflection and config.session.live:
-            raise ValueError("deflection is true, must be false where session.live is: no laser is read there")
         deflection = deflection.model_copy(update={"on": deflection.on or options.deflection})
+        if deflection.on and config.session.live:
+            raise ValueError(
+                "deflection is true, must be false where session.live is: the daemon does not compensate a live stage "
+                "yet, `stagectl run --live` does"
+            )
     seconds = options.seconds or config.session.seconds
     session = config.session.model_copy(update={"seconds": seconds, "compare": False})
     return config.model_copy(update={"reference": reference, "deflection": deflection, "session": session})

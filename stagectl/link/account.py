@@ -1,6 +1,34 @@
 """What both ends count: of the frames from the stage, and in the stage's own account of those from the host."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+
+@dataclass
+class Lasers:
+    """The stage's account of its lasers, ten times a second while it reads them.
+
+    Parameters
+    ----------
+    age : float, s, greatest of a reading that the stage has worked with
+    held : int, invalid readings that it has held off since it began to follow
+    axis : int, whose laser is at fault: 1 to 3, or 0
+    lost : int, blocks of positions that came without what lasers saw: all of them where none is read
+    """
+
+    age: float = 0.0
+    held: int = 0
+    axis: int = 0
+    lost: int = 0
+
+    def take(self, age: float, held: int, axis: int) -> None:
+        """Take one account.
+
+        Parameters
+        ----------
+        age : float, s
+        held, axis : int
+        """
+        self.age, self.held, self.axis = max(self.age, age), held, axis
 
 
 @dataclass
@@ -14,6 +42,7 @@ class Counts:
     longest_gap : int, frames lost in a row
     longest_silence : float, s
         Without a heartbeat of the stage, while it was to follow.
+    lasers : Lasers
     """
 
     received: int = 0
@@ -22,6 +51,7 @@ class Counts:
     garbled: int = 0
     longest_gap: int = 0
     longest_silence: float = 0.0
+    lasers: Lasers = field(default_factory=Lasers)
 
 
 @dataclass(frozen=True)

@@ -47,6 +47,42 @@ class Receive(Block):
         self._last[:] = position[-1]
 
 
+class ReceiveAbsolute(Block):
+    """Give what the stage's lasers saw, sample by sample beside the positions of `Receive`: `absolute` (m, 3) out.
+
+    NaN until the first has come.  What was lost on the way is held, as positions are.
+
+    Parameters
+    ----------
+    link : StageLink
+        While its fault is latched, a tick raises `LinkFault`.
+    """
+
+    outputs = (Port("absolute", "m", len(AXES)),)
+
+    def __init__(self, link: StageLink) -> None:
+        self.link = link
+        self._ring, _ = link.signal("absolute")
+        self._positions, _ = link.signal("position")
+
+    def prepare(self, rate: float, frames: int) -> None:
+        """Begin with the next sample that comes; the rate must be the wire's."""
+        _refuse_other_rate(self.link, rate)
+        self._ring.skip()
+        self._last, self._one = np.full(len(AXES), np.nan), np.zeros((1, len(AXES)))
+
+    def process(self, absolute: np.ndarray) -> None:
+        """Take one frame."""
+        if self.link.reason:
+            self.link.refuse_when_latched()
+        while len(self._ring) > len(self._positions) + len(absolute):  # it stood still while positions were passed over
+            self._ring.take(self._one)
+        count = self._ring.take(absolute)
+        absolute[:count] += self.link.link.origin
+        absolute[count:] = absolute[count - 1] if count else self._last
+        self._last[:] = absolute[-1]
+
+
 class Newest(Block):
     """Hold the newest sample of a signal that comes now and then: `extension` (m, 3) or `voltage` (V, 3) out.
 

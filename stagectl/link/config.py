@@ -61,3 +61,10 @@ class Laser(Section):
         1e-3, "m", "what one on its display is worth: 1e-3 where it shows mm", gt=0, le=1, role="wiring"
     )
     silence: float = setting(0.1, "s", "without a value that is a fault", ge=0.01, le=10)
+    on: bool = setting(False, "", "the stage's processor reads a laser an axis; a live run records it", role="plant")
+    rate: float = setting(5_000.0, "Hz", "readings a second of the stage's lasers", ge=100, le=10_000, role="plant")
+    late: float = setting(
+        1e-3, "s", "by which a reading may be older than three cycles of its laser", ge=0, le=0.1, role="plant"
+    )
+    stuck: int = setting(200, "readings", "the same number so often is a stuck laser", ge=10, le=100_000, role="plant")
+    speed: float = setting(0.25, "m/s", "fastest change of a laser's reading that can be", gt=0, le=10, role="plant")

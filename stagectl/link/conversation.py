@@ -1,11 +1,12 @@
 """What the host makes of all that comes and goes: the state of the link, and the fault that latches."""
 
 from rigkit.wire.layout import WireError
+from stagectl.link.account import Lasers
 from stagectl.link.config import Link
 from stagectl.link.inbox import Inbox
 from stagectl.link.outbox import Outbox
 from stagectl.link.tell import Tell
-from stagectl.wire.messages import DRIVES, PERIOD, Drive, Fault, HostState, State
+from stagectl.wire.messages import AXES, DRIVES, PERIOD, Drive, Fault, HostState, State
 
 
 class Conversation:
@@ -33,6 +34,7 @@ class Conversation:
     def begin(self, drive: Drive | None = None) -> None:
         """Let references go out: the stage has answered START, or EXCITE of a `drive`."""
         self._led, self._has_followed = State.FOLLOWING if drive is None else State.EXCITED, False
+        self.inbox.counts.lasers = Lasers()
         self.inbox.counts.longest_gap, self.inbox.counts.longest_silence = 0, 0.0
         self.outbox.stream = self.outbox.references if drive is None else DRIVES[drive]
         self.outbox.ring.skip()
@@ -69,7 +71,8 @@ class Conversation:
         if not silence <= self._link.stall:
             self.latch(f"the stage is silent for {silence:.3g} s, must be <= {self._link.stall:g} s")
         elif inbox.fault is not Fault.NONE:
-            self.latch(f"the stage reports {inbox.fault.name}")
+            axis = inbox.counts.lasers.axis
+            self.latch(f"the stage reports {inbox.fault.name}" + (f", the laser on {AXES[axis - 1]}" if axis else ""))
         elif self._has_followed and inbox.state is not self._led:
             self.latch(f"the stage has stopped following by itself, it is {inbox.state.name}")
         elif inbox.counts.longest_gap * PERIOD > self._link.stall:

@@ -17,7 +17,8 @@ SIGNALS = {
     "extension": {"fd": messages.EXTENSION, "classic": messages.SLOW_EXTENSION},
     "voltage": {"fd": messages.VOLTAGE, "classic": messages.SLOW_VOLTAGE},
 }
-_STREAMS = {layout.identifier for layouts in SIGNALS.values() for layout in layouts.values()}
+_ABSOLUTE = {"fd": messages.ABSOLUTE, "classic": messages.SLOW_ABSOLUTE}
+_STREAMS = {layout.identifier for layouts in (*SIGNALS.values(), _ABSOLUTE) for layout in layouts.values()}
 _CAPACITY = 2 * RATE
 """Samples kept for a graph that stands still: 2 s."""
 
@@ -38,8 +39,10 @@ class Inbox:
         self.capture: Capture | None = None
         self.replies: deque[tuple[int, int, int]] = deque(maxlen=16)
         self.chunks: dict[int, bytes] = {}
-        self.rings = {name: Ring(len(AXES), _CAPACITY) for name in SIGNALS}
-        self.newest = {name: np.full(len(AXES), np.nan) for name in SIGNALS}
+        self.rings = {name: Ring(len(AXES), _CAPACITY) for name in (*SIGNALS, "absolute")}
+        self.newest = {name: np.full(len(AXES), np.nan) for name in (*SIGNALS, "absolute")}
+        self._absolute = _ABSOLUTE[form]
+        self._seen: tuple[int, np.ndarray] | None = None
         self._names = {layouts[form].identifier: name for name, layouts in SIGNALS.items()}
         self._stream = SIGNALS["position"][form]
         self._sequence = Sequence(self._stream.modulus)
@@ -52,6 +55,8 @@ class Inbox:
         try:
             if identifier in self._names:
                 self._samples(layout, data)
+            elif layout is self._absolute:
+                self._seen = samples.decode(layout, data)
             elif identifier not in _STREAMS:
                 self._record(layout, layout.unpack(data)[1], now)
         except GarbledError:
@@ -75,15 +80,27 @@ class Inbox:
                 return
             if missing:
                 self._fill(missing)
+            self._put_absolute(counter, len(block))
         self.rings[name].put(block)
         self.newest[name][:] = block[-1]
+
+    def _put_absolute(self, counter: int, count: int) -> None:
+        """Put what lasers saw beside the positions of its block; what was lost, or is not read, is held."""
+        seen, self._seen = self._seen, None
+        if seen is not None and seen[0] == counter:
+            self.newest["absolute"][:] = seen[1][-1]
+            self.rings["absolute"].put(seen[1])
+            return
+        self.counts.lasers.lost += 1
+        self.rings["absolute"].put(np.tile(self.newest["absolute"], (count, 1)))
 
     def _fill(self, missing: int) -> None:
         """Hold the last sample in the place of lost blocks, so that those after them keep their time."""
         self.counts.lost += missing
         self.counts.longest_gap = max(self.counts.longest_gap, missing)
         count = missing * len(self._stream.fields) // len(AXES)
-        self.rings["position"].put(np.tile(self.newest["position"], (min(count, _CAPACITY), 1)))
+        for name in ("position", "absolute"):
+            self.rings[name].put(np.tile(self.newest[name], (min(count, _CAPACITY), 1)))
 
     def _record(self, layout: Layout, values: tuple[int, ...], now: float) -> None:
         if layout is messages.STAGE_HEARTBEAT:
@@ -94,6 +111,8 @@ class Inbox:
             self.status = Status(1e-9 * time, block, parameters, *counts, reference, waiting, 1e-4 * silence)
             if (capture := self.capture) is not None:
                 capture.report(self.status)
+        elif layout is messages.LASER_STATUS:
+            self.counts.lasers.take(1e-4 * values[0], values[1], values[2])
         elif layout is messages.REPLY:
             self.replies.append((values[0], values[1], values[2]))
         else:

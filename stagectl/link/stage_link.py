@@ -145,7 +145,7 @@ class StageLink:
         return self._conversation.outbox.ring
 
     def signal(self, name: str) -> tuple[Ring, np.ndarray]:
-        """Return the samples of "position" (m from mid-travel), "extension" (m) or "voltage" (V), and the newest.
+        """Return the samples of "position", "absolute" (m from mid-travel), "extension" (m), "voltage" (V).
 
         Both are live: arrays of shape (samples, 3) and (3,).
         """

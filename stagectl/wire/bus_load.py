@@ -70,3 +70,15 @@ def excited_load(bitrate: int, data_bitrate: int) -> float:
     more = (messages.EXTENSION, messages.VOLTAGE)
     busy = sum(frame_time(layout, bitrate, data_bitrate) for layout in more) / messages.PERIOD
     return least_load("fd", bitrate, data_bitrate) + busy
+
+
+def laser_load(form: str, bitrate: int, data_bitrate: int) -> float:
+    """Return the part of the time for which the bus is busy at most while the stage shows what its lasers see, 1.
+
+    Parameters
+    ----------
+    form : "fd" or "classic"
+    bitrate, data_bitrate : int, bit/s
+    """
+    layout = messages.ABSOLUTE if form == "fd" else messages.SLOW_ABSOLUTE
+    return least_load(form, bitrate, data_bitrate) + frame_time(layout, bitrate, data_bitrate) / messages.PERIOD

@@ -71,6 +71,11 @@ class Fault(IntEnum):
     """The processor cannot keep its own time."""
     TRAVEL = 9
     """The plate has left its travel while it was excited."""
+    LASER_STALE = 10
+    """The newest valid reading of a laser is too old."""
+    LASER_STUCK = 11
+    LASER_IMPOSSIBLE = 12
+    """A laser is out of range, jumps or gives no number."""
 
 
 class Command(IntEnum):
@@ -195,6 +200,18 @@ EXTENSION_DRIVE = Layout(
     NEVER,
     "excitation: reference of an axis' inner loop, from rest",
 )
+ABSOLUTE = Layout(
+    "Absolute", 0x106, "stage", LONG, _samples(0.05, "um", BLOCK), NEVER, "plate and robot together, by laser"
+)
+LASER_STATUS = Layout(
+    "LaserStatus",
+    0x111,
+    "stage",
+    SHORT,
+    (Field("age", "H", 0.1, "ms"), Field("held", "H"), Field("axis", "B"), Field("spare", "B")),
+    NEVER,
+    "greatest age of a reading since the last such frame, invalid readings held off, axis of the fault (1 to 3)",
+)
 DRIVES = {Drive.VOLTAGE: VOLTAGE_DRIVE, Drive.EXTENSION: EXTENSION_DRIVE}
 SLOW_REFERENCE = Layout(
     "SlowReference", 0x120, "host", SHORT, _samples(0.01, "um", 1), PERIOD, "classic CAN: the block's last reference"
@@ -207,6 +224,9 @@ SLOW_EXTENSION = Layout(
 )
 SLOW_VOLTAGE = Layout(
     "SlowVoltage", 0x123, "stage", SHORT, _samples(0.05, "V", 1), NEVER, "classic CAN: the block's last voltage"
+)
+SLOW_ABSOLUTE = Layout(
+    "SlowAbsolute", 0x124, "stage", SHORT, _samples(0.05, "um", 1), NEVER, "classic CAN: the block's last laser value"
 )
 WRITE_CHUNK = Layout("WriteChunk", 0x200, "host", LONG, _chunk(LONG_DATA), NEVER, "a piece of a parameter set")
 READ_CHUNK = Layout("ReadChunk", 0x201, "stage", LONG, _chunk(LONG_DATA), NEVER, "the same piece, sent back")
@@ -224,11 +244,14 @@ LAYOUTS = (
     VOLTAGE,
     VOLTAGE_DRIVE,
     EXTENSION_DRIVE,
+    ABSOLUTE,
     STATUS,
+    LASER_STATUS,
     SLOW_REFERENCE,
     SLOW_POSITION,
     SLOW_EXTENSION,
     SLOW_VOLTAGE,
+    SLOW_ABSOLUTE,
     WRITE_CHUNK,
     READ_CHUNK,
     SLOW_WRITE_CHUNK,

@@ -19,7 +19,8 @@ from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, 
 from firmware_sim.robot_blocks import RobotArm
 from firmware_sim.stage_blocks import Milling, PiezoStage
 from firmware_sim.stage_excitation import Excitation
-from firmware_sim.stage_image import Held, StickingStage
+from firmware_sim.stage_image import Held
+from firmware_sim.sticking_stage import StickingStage
 from firmware_sim.toroid_blocks import Toroid
 from firmware_sim.tracker_block import TrackerView
 from rigkit.faults import KINDS, Faults, FaultTable
@@ -27,7 +28,6 @@ from rigkit.stream_recorder import StreamRecorder
 from rigkit.stream_writer import Stream
 from stagectl import config as stage
 from stagectl.experiments.midranging.wired_blocks import LivePair, LiveSeen, LiveSend
-from stagectl.experiments.piezo.deflection import DeflectionReference
 from stagectl.experiments.toroid.relative_position import RelativePosition
 from stagectl.experiments.toroid.stage_reference import StageReference
 from stagectl.experiments.toroid.standstill import Standstill
@@ -76,6 +76,7 @@ from stagectl.wire.messages import Drive
 from stagectl.wire.robot import Report
 from tests.contract.conformance import Example
 from tests.contract.feed_examples import FEED_EXAMPLES
+from tests.contract.laser_examples import LASER_EXAMPLES
 from tests.contract.live_examples import LIVE_EXAMPLES
 from tests.contract.population_examples import POPULATION_EXAMPLES
 from tests.contract.stage_daemon_examples import STAGE_DAEMON_EXAMPLES
@@ -231,7 +232,6 @@ EXAMPLES: dict[type[Block], Example] = {
     FrameInput: Example(lambda: FrameInput(2), start=lambda block: block.frame.fill(0.1)),
     Still: Example(Still),
     PrefilteredReference: Example(lambda: PrefilteredReference([None, PREFILTER]), rate=10_000.0),
-    DeflectionReference: Example(lambda: DeflectionReference(stage.Deflection(), 3), rate=10_000.0),
     StageController: Example(_stage_controller, _start_stage, 10_000.0),
     PiezoController: Example(lambda: PiezoController(inner_loops(STAGE), STAGE.limits), _start_stage, 10_000.0),
     VoltageGuard: Example(lambda: VoltageGuard(stage.Limits(voltage=(-0.05, 0.02)), 3), _open_stage, 10_000.0),
@@ -294,6 +294,7 @@ EXAMPLES: dict[type[Block], Example] = {
     Standstill: Example(Standstill, rate=250.0),
     Segments: Example(lambda: Segments(POCKET, lambda: planner("exact", POCKET)), rate=250.0),
     **FEED_EXAMPLES,
+    **LASER_EXAMPLES,
     **LIVE_EXAMPLES,
     **POPULATION_EXAMPLES,
     **STAGE_DAEMON_EXAMPLES,

@@ -59,7 +59,7 @@ def test_it_follows_a_slow_reference(image: StageImage) -> None:
 
 
 def test_a_stuck_sensor_latches_until_it_is_cleared_at_rest(image: StageImage) -> None:
-    image.stick()
+    image.suffer("stuck-sensor")
     run(image, np.zeros((600, 3)))
     assert image.tick(np.zeros((10, 3)))["fault"] is Fault.SENSOR_STUCK
     with pytest.raises(ValueError, match="still goes to rest"):
@@ -107,6 +107,7 @@ def test_a_position_beyond_the_wires_range_is_not_valid(image: StageImage) -> No
 def test_a_cut_moves_what_the_laser_sees() -> None:
     image = StageImage(CONFIG, "y")
     run(image, np.zeros((12_000, 3)))
+    image.follow()
     seen = [image.absolute[1] - image.tick(np.zeros((10, 3)))["position"][-1, 1] for _ in range(2000)]
     assert np.ptp(seen) > 1e-6
 

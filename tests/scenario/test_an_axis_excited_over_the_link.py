@@ -38,7 +38,7 @@ def stage_behind(path: Path) -> Iterator[None]:
     image.tick(np.zeros((10, 3)))  # compiles
     loops = Loops(image.tick, image.commit, image.clear, image.excite, image.release)
     processor = StageProcessor(loops, Settings(silence=PATIENT, ramp=0.05, pace="host"), monotonic())
-    node = CanNode(SlcanAdapter(path), processor, image.stick)
+    node = CanNode(SlcanAdapter(path), processor, image.suffer)
     stop = threading.Event()
     thread = threading.Thread(target=node.run, args=(stop,))
     thread.start()

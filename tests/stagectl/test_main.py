@@ -50,7 +50,7 @@ def test_a_run_ends_with_a_table_figures_and_a_report_and_can_be_replayed(
         (["--set", "outer.drive=[1, 2]"], "outer.drive is (1.0, 2.0), must be 1 or 3 numbers > 0"),
         (["--set", "outer.bandwith=3"], "bandwidth"),
         (["--scenario", "turning"], "scenario is 'turning', must be one of milling-x, milling-y, milling-z"),
-        (["--live", "--scenario", "milling-x"], "--scenario is for the simulator"),
+        (["--live", "--scenario", "turning"], "scenario is 'turning', must be one of milling-x"),
         (["--live", "--set", "link.channel=/dev/ttyNONE"], "cannot open link.channel '/dev/ttyNONE'"),
     ],
 )
@@ -79,13 +79,44 @@ def test_a_folder_that_is_no_run_is_refused(
         assert "is not the folder of a run: it has no config.toml" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("setting", ["deflection.on=true", "session.compare=true"])
-def test_what_a_live_run_has_no_laser_for_is_refused_and_not_passed_over(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], setting: str
+@pytest.mark.parametrize(
+    ("settings", "text"),
+    [
+        (["deflection.on=true", "laser.rate=1000"], "deflection.corner is 2000 Hz, must be > 0 and <= 400 Hz"),
+        (
+            ["laser.on=true", "link.bitrate=500000", "link.data_bitrate=2000000"],
+            "link.bitrate is 500000 bit/s with link.form fd, must be faster to read lasers over it",
+        ),
+        (["deflection.on=true", "deflection.prefilter=p.json"], "p.json"),
+    ],
+)
+def test_what_the_lasers_of_a_live_run_cannot_do_is_refused_and_not_passed_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], settings: list[str], text: str
 ) -> None:
     out = tmp_path / "run"
-    monkeypatch.setattr("sys.argv", ["stagectl", "run", "--live", "--set", setting, "--out", str(out)])
-    assert main() == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert f"{setting.partition('=')[0]} is set, must not be where session.live is true" in line
+    words = [word for each in settings for word in ("--set", each)]
+    assert stagectl(monkeypatch, "run", "--live", *words, "--out", str(out)) == 2
+    assert text in capsys.readouterr().err
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("settings", "text"),
+    [
+        (
+            ["simulator.options={laser_rate=1000.0}"],
+            "simulator.options.laser_rate is 1000 Hz, must be laser.rate, 5000 Hz",
+        ),
+        (["laser.rate=1000", "deflection.corner=400"], "deflection.delay is 2 samples, must be >= 10"),
+        (["laser.rate=1000"], "deflection.corner is 2000 Hz, must be > 0 and <= 400 Hz with a laser of 1000"),
+    ],
+)
+def test_a_laser_too_slow_for_its_compensation_is_refused_in_process_as_well(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], settings: list[str], text: str
+) -> None:
+    out = tmp_path / "run"
+    models = [word for file in write_models(tmp_path) for word in ("--model", str(file))]
+    words = [word for each in ["deflection.on=true", *settings] for word in ("--set", each)]
+    assert stagectl(monkeypatch, "run", *models, *QUICK, *words, "--out", str(out)) == 2
+    assert text in capsys.readouterr().err
     assert not out.exists()

@@ -45,8 +45,6 @@ def run_command(
     flags = {"reference.signal": reference, "session.seconds": seconds, "simulator.options.seed": seed}
     over = laid_over(settings, {**flags, "session.live": live})
     made = rig_file.load(config, StageConfig, over)
-    if made.session.live and scenario is not None:
-        raise ValueError("--live runs the stage on what is there: --scenario is for the simulator")
     if made.session.live and seed is not None:
         raise ValueError("--live runs the stage on what is there: --seed is for the simulator")
     if scenario is not None:

@@ -9,17 +9,6 @@ from stagectl.config import Deflection
 from stagectl.experiments.piezo import deflection_kernel as kernel
 
 
-def lateness(deflection: Deflection, rate: float) -> float:
-    """Return how old what is taken off a reference is, s, for what moves slowly.
-
-    Parameters
-    ----------
-    deflection : Deflection
-    rate : float, samples/s
-    """
-    return deflection.delay / rate + 1.0 / (2.0 * math.pi * deflection.corner)
-
-
 class DeflectionReference(Block):
     """Where the plate must be for the tool to be where it is wanted in a workpiece that a robot holds.
 

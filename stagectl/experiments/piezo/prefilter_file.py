@@ -10,7 +10,7 @@ from ctlblocks.recording import Recording
 from rigkit import atomic
 from rigkit.json_file import read_json
 from rigkit.json_text import json_text
-from stagectl.experiments.piezo.deflection import lateness
+from stagectl.experiments.piezo.lasers import lateness
 from stagectl.stage.disturbance import disturbance
 from stagectl.stage.prefilter import Prefilter, prefilter
 
@@ -43,7 +43,7 @@ def learned(record: Recording, made: "Setup") -> tuple[Prefilter | None, ...]:
             raise ValueError(f"the model of {axis} does not say what was heard of the stage: calibrate again")
         laser, position = record.select([f"absolute_{axis}", f"position_{axis}"]).data[begin:].T.astype(float)
         seen = disturbance(laser - position, record.rate)
-        found.append(prefilter(design, config.outer, seen, lateness(config.deflection, record.rate), measured))
+        found.append(prefilter(design, config.outer, seen, lateness(config), measured))
     return tuple(found)
 
 

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from rigkit.figure_style import COLOURS
 from rigkit.report import Plot, Table
-from stagectl.experiments.piezo.deflection import lateness
+from stagectl.experiments.piezo.lasers import lateness
 from stagectl.experiments.piezo.result import Result
 from stagectl.stage.prefilter import HIGHEST, LOWEST, missed
 
@@ -16,7 +16,7 @@ def prefilter_plot(result: Result) -> Plot:
     """Draw what every axis' loop leaves of a deflection, on its model."""
     made, figure = result.made, Figure(figsize=(8.0, 3.6))
     axes, frequency = figure.subplots(), np.geomspace(LOWEST, HIGHEST, 1_000)
-    late = lateness(made.config.deflection, result.record.rate)
+    late = lateness(made.config)
     for number, (name, design, each) in enumerate(zip(result.axes, made.designs, made.prefilters, strict=True)):
         colour = COLOURS[number % len(COLOURS)]
         axes.loglog(frequency, missed(design.loop, each, late, frequency), color=colour, label=name)

@@ -54,14 +54,15 @@ def run_report(path: Path, png: Path | None = None) -> dict[str, Any]:
 
 
 def _facts(figures: dict[str, Any], events: list[dict[str, Any]]) -> Iterator[Fact]:
-    shown = "tool_error" if "improvement" in figures else "position_error"
+    shown = "tool_error" if "improvement" in figures or "position_error" not in figures else "position_error"
     for axis, each in figures[shown].items():
         yield Fact(f"MAE of {axis}", f"{1e6 * each['mae']:.2f} µm")
     for axis, each in figures[shown].items():
         yield Fact(f"Within ±5 µm, {axis}", f"{100 * each['within']:.1f} %", each["within"] == 1.0)
     for axis, factor in figures.get("improvement", {}).items():
         yield Fact(f"Better than uncompensated, {axis}", f"{factor:.1f} times", factor >= 1.0)
-    faults = [event["text"] for event in events if event["event"] == "fault"]
+    told = {"fault": "text", "link_fault": "reason"}
+    faults = [event[told[event["event"]]] for event in events if event["event"] in told]
     yield Fact("Faults", "; ".join(faults) or "none", not faults)
 
 

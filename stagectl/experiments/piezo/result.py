@@ -9,7 +9,7 @@ import numpy as np
 from ctlblocks.recording import Recording
 from rigkit.figure_style import LIMIT
 from stagectl.experiments.piezo.run_setup import setup_of
-from stagectl.experiments.piezo.session import error_of, read_recording
+from stagectl.experiments.piezo.session import error_of, read_recording, wanted_name
 from stagectl.experiments.piezo.setup import Setup
 from stagectl.experiments.piezo.streamed import RECORDING, UNCOMPENSATED
 
@@ -50,13 +50,13 @@ class Result:
     @property
     def error(self) -> np.ndarray:
         """The error that is shown, shape (samples, axes), m: of the tool where deflection is compensated."""
-        pair = ("wanted", "absolute") if self.made.config.deflection.on else ("reference", "position")
+        pair = (wanted_name(self.made), "absolute") if self.made.config.deflection.on else ("reference", "position")
         return error_of(self.record, self.made, *pair)
 
     @property
     def error_before(self) -> np.ndarray | None:
         """The tool's error without compensation, shape (samples, axes), m, or None."""
-        return None if self.before is None else error_of(self.before, self.made, "wanted", "absolute")
+        return None if self.before is None else error_of(self.before, self.made, wanted_name(self.made), "absolute")
 
 
 def read_result(path: Path) -> Result:

@@ -32,11 +32,12 @@ def scenario_settings(name: str, session: Session) -> list[str]:
         raise ValueError(
             f"session.seconds is {session.seconds:g} s, must be {SHORTEST:g} to {LONGEST:g} s for scenario {name}"
         )
+    compared = [f"reference.position={POSITIONS[axis]}", "deflection.on=true", "session.compare=true"]
+    if session.live:  # what mills there is no simulator's
+        return compared
     cut = f'direction = "{axis}", start = {session.lead!r}, seconds = {session.seconds!r}'
     return [
         f"simulator.surroundings={MILLING}",
         f"simulator.surroundings_options={{{cut}}}",
-        f"reference.position={POSITIONS[axis]}",
-        "deflection.on=true",
-        "session.compare=true",
+        *compared,
     ]

@@ -20,19 +20,24 @@ from rigkit.run_folder import RunFolder
 from rigkit.run_origin import keep_origin
 from stagectl.config import StageConfig
 from stagectl.experiments.piezo.cell import RECORDED, Cell, simulated
+from stagectl.experiments.piezo.lasers import reads_laser, refuse_unfit_lasers
 from stagectl.experiments.piezo.prefilter_file import PREFILTER, learned, write_prefilters
 from stagectl.experiments.piezo.reference import wanted_position
 from stagectl.experiments.piezo.run_setup import model_name
 from stagectl.experiments.piezo.setup import Setup, refuse_unfit_prefilters, setup
-from stagectl.experiments.piezo.streamed import RECORDING, UNCOMPENSATED, convert, recorder
+from stagectl.experiments.piezo.streamed import (
+    RECORDING,
+    UNCOMPENSATED,
+    convert,
+    recorded_live,
+    recorder,
+    recordings_of,
+)
 from stagectl.models.model_origin import refuse_foreign
 from stagectl.stage.loop_parameters import loops_as_json
 from stagectl.tracking import tracking
 
 KIND = "stage run"
-RECORDED_LIVE = ("reference", "position", "extension", "voltage")
-"""What is recorded of a live run."""
-
 Tell = Callable[[str, int], None]
 
 
@@ -64,6 +69,9 @@ def make_folder(path: Path, made: Setup, models: Sequence[Path], accept: Collect
     """Make the folder of a run of that setup, with the same copies, and the same errors."""
     config = made.config
     _refuse_ignored(config)
+    refuse_unfit_lasers(config)
+    if config.deflection.prefilter and not made.designs:
+        raise ValueError("deflection.prefilter is set, must not be without models: it belongs to loops made of them")
     wanted_position(config, made.timeline)
     made.compensation()
     if made.prefilters:
@@ -88,8 +96,6 @@ def make_folder(path: Path, made: Setup, models: Sequence[Path], accept: Collect
 def _refuse_ignored(config: StageConfig) -> None:
     """Refuse what a live run would pass over in silence."""
     ignored = {
-        "deflection.on": (config.deflection.on, "no laser is read there yet"),
-        "session.compare": (config.session.compare, "no laser is read there yet"),
         "inner.hysteresis": (bool(config.inner.hysteresis), "the stage's processor undoes no hysteresis"),
     }
     for key, (is_set, why) in ignored.items():
@@ -111,18 +117,32 @@ def run(folder: RunFolder, made: Setup, tell: Tell, stopped: Callable[[], bool])
     config = made.config
     wanted = wanted_position(config, made.timeline)
     folder.event("started", {"software": software(), **designed(made)})
-    names = [UNCOMPENSATED] * config.session.compare + [RECORDING]
-    for name in names:
+    for name in recordings_of(config):
         fault = _recorded(folder, made, wanted, name, lambda done, name=name: tell(name, done), stopped)  # type: ignore[misc]
         if fault is not None or stopped():
             break
-        if name == UNCOMPENSATED and config.deflection.on and config.deflection.learn and not made.prefilters:
-            kept = read_recording(folder.path, name)
-            assert kept is not None  # it has just been written
-            made = _prefiltered(folder, made, kept)
+        made = prefiltered_after(folder, made, name)
     figures = summary(folder.path, made)
     folder.summarise(figures)
     return figures
+
+
+def prefiltered_after(folder: RunFolder, made: Setup, name: str) -> Setup:
+    """Return a setup with prefilters, where that recording is one to learn them from; kept in the folder.
+
+    Parameters
+    ----------
+    folder : RunFolder
+    made : Setup
+    name : str
+    """
+    deflection = made.config.deflection
+    is_learned = deflection.on and deflection.learn and bool(made.designs) and not made.prefilters
+    if name != UNCOMPENSATED or not is_learned:
+        return made
+    kept = read_recording(folder.path, name)
+    assert kept is not None  # it has just been written
+    return _prefiltered(folder, made, kept)
 
 
 def _recorded(
@@ -190,12 +210,14 @@ def summary(path: Path, made: Setup) -> dict[str, Any]:
     figures: dict[str, Any] = {"seconds": 0.0}
     if record is not None and len(record.data) > made.timeline.begin:
         figures["seconds"] = len(record.data[made.timeline.proper]) / record.rate
-        figures["position_error"] = _measures(record, made, "reference", "position")
-        if not made.config.session.live:
-            figures["tool_error"] = _measures(record, made, "wanted", "absolute")
+        live = made.config.session.live
+        if not (live and made.config.deflection.on):  # what the stage compensates it keeps to itself
+            figures["position_error"] = _measures(record, made, "reference", "position")
+        if not live or reads_laser(made.config):
+            figures["tool_error"] = _measures(record, made, wanted_name(made), "absolute")
     before = read_recording(path, UNCOMPENSATED)
     if before is not None and len(before.data) > made.timeline.begin:
-        figures["uncompensated_tool_error"] = _measures(before, made, "wanted", "absolute")
+        figures["uncompensated_tool_error"] = _measures(before, made, wanted_name(made), "absolute")
         if "tool_error" in figures:
             pairs = figures["uncompensated_tool_error"], figures["tool_error"]
             figures["improvement"] = {axis: pairs[0][axis]["mae"] / pairs[1][axis]["mae"] for axis in pairs[1]}
@@ -208,6 +230,16 @@ def read_recording(path: Path, name: str) -> Recording | None:
     """Read a recording of a run, or return None if there is none of this name."""
     files = [path / f"{name}.{suffix}" for suffix in ("csv", "wav") if (path / f"{name}.{suffix}").exists()]
     return recording.read(files[0]) if files else None
+
+
+def wanted_name(made: Setup) -> str:
+    """Return the signal that says where the tool is wanted: of a live run, what was sent to the stage.
+
+    Parameters
+    ----------
+    made : Setup
+    """
+    return "reference" if made.config.session.live else "wanted"
 
 
 def error_of(record: Recording, made: Setup, wanted: str, measured: str) -> np.ndarray:
@@ -235,7 +267,8 @@ def _require_space(path: Path, made: Setup) -> None:
     session, signals = made.config.session, len(RECORDED)
     suffixes: list[str] = [session.recording] * (1 + session.compare)
     if session.live:
-        signals, suffixes = len(RECORDED_LIVE), ["wav"] * (session.recording == "csv") + [session.recording]
+        signals = len(recorded_live(made.config))
+        suffixes = suffixes + ["wav"] * (session.recording == "csv")
     samples, channels = made.timeline.total, signals * len(made.config.stage.axes)
     needed = sum(bytes_of(samples, channels, "float64", suffix) for suffix in suffixes)
     require(path, needed, f"{samples / made.timeline.rate:g} s of {channels} channels")

@@ -7,7 +7,7 @@ from pathlib import Path
 from calibration.state_space.model import InnovationModel
 from ctlblocks import Block
 from stagectl.config import StageConfig
-from stagectl.experiments.piezo.deflection import lateness
+from stagectl.experiments.piezo.lasers import lateness
 from stagectl.experiments.piezo.prefilter_file import read_prefilters
 from stagectl.experiments.piezo.timeline import Timeline, timeline
 from stagectl.models.model_file import read_measured, read_model
@@ -68,13 +68,22 @@ class Setup:
         """The loops that were designed, or of a run that is made again those that were used."""
         return list(self.loops) or [each.loop for each in self.designs]
 
-    def controller(self, prefiltered: bool = False) -> StageController:
-        """Return the controllers, at their beginning; with `prefiltered`, those that the prefilters are made for."""
+    def loops_for(self, prefiltered: bool) -> list[StateFeedback]:
+        """Return the outer loops; with `prefiltered`, those that the prefilters are made for.
+
+        Parameters
+        ----------
+        prefiltered : bool
+        """
         loops = self.outer_loops
         for axis, each in enumerate(self.prefilters if prefiltered else ()):
             if each is not None:
                 loops[axis] = replace(loops[axis], forward=each.forward)
-        return stage_controller(self.config, loops)
+        return loops
+
+    def controller(self, prefiltered: bool = False) -> StageController:
+        """Return the controllers, at their beginning, around the loops of `loops_for`."""
+        return stage_controller(self.config, self.loops_for(prefiltered))
 
     def compensation(self) -> Block | None:
         """Return what undoes the hysteresis, or None."""
@@ -123,5 +132,5 @@ def refuse_unfit_prefilters(made: Setup) -> None:
     for at, each in enumerate(made.prefilters):
         if each is not None:
             name = f"{config.deflection.prefilter}: the prefilter of {config.stage.axes[at]}"
-            late = lateness(config.deflection, config.stage.rate)
+            late = lateness(config)
             refuse_unfit(each, made.designs[at], config.outer, late, name, made.measured[at])

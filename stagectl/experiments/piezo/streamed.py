@@ -10,9 +10,32 @@ from rigkit.stream_recorder import StreamRecorder
 from rigkit.stream_writer import Stream
 from stagectl.config import StageConfig
 from stagectl.experiments.piezo.cell import channels_of, ports_of
+from stagectl.experiments.piezo.lasers import reads_laser
 
 RECORDING, UNCOMPENSATED = "recording", "uncompensated"
 """Names of a run's recordings, less the suffix."""
+RECORDED_LIVE = ("reference", "position", "extension", "voltage")
+"""What is recorded of a live run; `recorded_live` says whether there is more."""
+
+
+def recorded_live(config: StageConfig) -> tuple[str, ...]:
+    """Return what is recorded of a live run: what lasers see as well, where they are read.
+
+    Parameters
+    ----------
+    config : StageConfig
+    """
+    return (*RECORDED_LIVE, "absolute") if reads_laser(config) else RECORDED_LIVE
+
+
+def recordings_of(config: StageConfig) -> list[str]:
+    """Return the names of a run's recordings, in the order in which they are made.
+
+    Parameters
+    ----------
+    config : StageConfig
+    """
+    return [UNCOMPENSATED] * config.session.compare + [RECORDING]
 
 
 def recorder(

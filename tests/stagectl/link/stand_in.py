@@ -56,7 +56,7 @@ class FirstOrderStage:
     def release(self) -> None:
         self.excited, self._scale = None, 1.0
 
-    def stick(self) -> None:
+    def suffer(self, _: str) -> None:
         self._stuck_at = float(self.position[1])
 
     def commit(self, parameters: Mapping[str, np.ndarray]) -> None:
@@ -74,7 +74,7 @@ def node(path: Path, settings: Settings, mishaps: tuple[Mishap, ...] = ()) -> tu
     processor = StageProcessor(
         Loops(stage.tick, stage.commit, stage.clear, stage.excite, stage.release), settings, monotonic()
     )
-    return CanNode(SlcanAdapter(path), processor, stage.stick, mishaps), stage
+    return CanNode(SlcanAdapter(path), processor, stage.suffer, mishaps), stage
 
 
 @contextmanager

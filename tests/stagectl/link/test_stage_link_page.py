@@ -15,7 +15,8 @@ from tests.contract.source_tree import ROOT
 PAGE = (ROOT / "docs/stage-link.md").read_text()
 ROWS = [[cell.strip() for cell in line.split("|")[1:-1]] for line in PAGE.splitlines() if line.startswith("| ")]
 TYPES = {"B": "u8", "H": "u16", "I": "u32", "Q": "u64"}
-RECORDS = [messages.HOST_HEARTBEAT, messages.STAGE_HEARTBEAT, messages.COMMAND, messages.REPLY, messages.STATUS]
+RECORDS = [messages.HOST_HEARTBEAT, messages.STAGE_HEARTBEAT, messages.COMMAND, messages.REPLY]
+RECORDS += [messages.STATUS, messages.LASER_STATUS]
 BUSES = [row for row in ROWS if row[0] in ("fd", "classic")]
 
 
@@ -38,7 +39,7 @@ def test_chunks_have_as_much_room_as_the_page_says() -> None:
 
 def test_ranges_are_those_of_the_code() -> None:
     found = {name: row for row in ROWS for name in re.findall(r"`(\w+)`", row[0]) if len(row) == 4}
-    for layout in (messages.REFERENCE, messages.POSITION, messages.EXTENSION, messages.VOLTAGE):
+    for layout in (messages.REFERENCE, messages.POSITION, messages.ABSOLUTE, messages.EXTENSION, messages.VOLTAGE):
         _, count, span, _ = found[layout.name]
         field = layout.fields[0]
         assert count == f"{field.scale:g} {field.unit}"
