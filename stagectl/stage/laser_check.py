@@ -1,6 +1,5 @@
 """The laser check: the first block behind the lasers, which lets no reading in that is stale, stuck or impossible."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -84,13 +83,13 @@ class LaserCheck(Block):
         self.inputs = (Port("reading", "m", axes), Port("age", "s", axes))
         self.outputs = (Port("valid", "m", axes), Port("valid_age", "s", axes), Port("fault"))
         self.limits = limits
-        self._bounds = np.zeros(7)
-        self._bounds[[kernel.ORIGIN, kernel.LARGEST, kernel.TOLERATED]] = origin, largest, TOLERATED
-        self._memory, self._latch = np.zeros((axes, 8)), np.zeros(6)
+        self._bounds = np.zeros(1, kernel.BOUNDS)
+        self._bounds["origin"], self._bounds["largest"], self._bounds["tolerated"] = origin, largest, TOLERATED
+        self._memory, self._latch = np.zeros(axes, kernel.MEMORY), np.zeros(1, kernel.LATCH)
 
     def prepare(self, rate: float, frames: int) -> None:
         """Forget what was seen."""
-        self._bounds[kernel.PERIOD] = 1.0 / rate
+        self._bounds["period"] = 1.0 / rate
         self.change(self.limits)
 
     def process(
@@ -102,29 +101,29 @@ class LaserCheck(Block):
     def change(self, limits: LaserLimits) -> None:
         """Take other limits (between ticks), and forget what was seen and what has latched."""
         self.limits = limits
-        own = [kernel.OLDEST, kernel.STUCK_READINGS, kernel.SPEED]
-        self._bounds[own] = limits.oldest, limits.stuck, limits.speed
+        bounds = self._bounds
+        bounds["oldest"], bounds["stuck"], bounds["speed"] = limits.oldest, limits.stuck, limits.speed
         self.clear()
 
     def clear(self) -> None:
         """Forget the fault (between ticks); if it is there still, it latches again."""
-        self._memory.fill(0.0)
-        self._memory[:, kernel.RAW] = np.nan
-        self._memory[:, kernel.RAW_AGE] = np.inf
-        self._latch.fill(0.0)
+        self._memory[:] = np.zeros(1, kernel.MEMORY)
+        self._memory["raw"], self._memory["raw_age"] = np.nan, np.inf
+        self._latch[:] = np.zeros(1, kernel.LATCH)
 
     @property
     def fault(self) -> LaserFault | None:
         """What latched, or None."""
-        kind, axis, value, age = self._latch[: kernel.HELD].tolist()
-        return None if kind == kernel.NONE else LaserFault(int(kind), int(axis), value, age)
+        kind, axis, value, age, *_ = self._latch[0].item()
+        return None if kind == kernel.NONE else LaserFault(kind, axis, value, age)
 
     @property
     def held(self) -> int:
         """How many invalid readings were held off since `prepare` or `clear`."""
-        return int(self._latch[kernel.HELD])
+        return int(self._latch["held"][0])
 
     def greatest_age(self) -> float:
         """Return the greatest age of a valid reading, s, since this was last asked."""
-        greatest, self._latch[kernel.GREATEST] = self._latch[kernel.GREATEST], 0.0
-        return float(greatest) if math.isfinite(greatest) else math.inf
+        greatest = float(self._latch["greatest"][0])
+        self._latch["greatest"] = 0.0
+        return greatest

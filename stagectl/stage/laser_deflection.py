@@ -50,27 +50,26 @@ class LaserDeflection(Block):
         self._rate = rate
         self._line = np.zeros((round(OLDEST * rate), self._axes))
         self._robot, self._age = np.zeros((2, self._axes)), np.zeros(self._axes)
-        self._state = np.zeros(3)
+        self._state = np.zeros(1, kernel.FADE)
+        self._state["rate"] = rate
         self.change(self.corner)
 
     def process(
         self, wanted: np.ndarray, laser: np.ndarray, age: np.ndarray, position: np.ndarray, reference: np.ndarray
     ) -> None:
         """Compensate one frame."""
-        kernel.run(
-            wanted, laser, age, position, reference,
-            self._line, self._robot, self._age, self._state, self._rate, self._pole,
-        )  # fmt: skip
+        seen = laser, age, position
+        kernel.run(wanted, seen, reference, self._line, self._robot, self._age, self._state)
 
     def change(self, corner: float) -> None:
         """Take another corner frequency, Hz (between ticks)."""
         self.corner = corner
-        self._pole = math.exp(-2.0 * math.pi * corner / self._rate)
+        self._state["pole"] = math.exp(-2.0 * math.pi * corner / self._rate)
 
     def fade_in(self) -> None:
         """Begin to compensate, along a raised cosine (between ticks)."""
-        self._state[kernel.STEP] = 1.0 / (self._ramp * self._rate)
+        self._state["step"] = 1.0 / (self._ramp * self._rate)
 
     def fade_out(self) -> None:
         """Cease to compensate, along a raised cosine (between ticks)."""
-        self._state[kernel.STEP] = -1.0 / (self._ramp * self._rate)
+        self._state["step"] = -1.0 / (self._ramp * self._rate)
