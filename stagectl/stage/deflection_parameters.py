@@ -79,7 +79,7 @@ def deflection_from(axes: Sequence[str], parameters: Mapping[str, np.ndarray]) -
     Parameters
     ----------
     axes : sequence of str
-    parameters : mapping of str to array, as of `deflection_parameters`
+    parameters : mapping of str to array, shapes (4,), (1,) and (1 + taps,), as of `deflection_parameters`
 
     Raises
     ------

@@ -20,7 +20,6 @@ from firmware_sim.robot_blocks import RobotArm
 from firmware_sim.stage_blocks import Milling, PiezoStage
 from firmware_sim.stage_excitation import Excitation
 from firmware_sim.stage_image import Held
-from firmware_sim.sticking_stage import StickingStage
 from firmware_sim.toroid_blocks import Toroid
 from firmware_sim.tracker_block import TrackerView
 from rigkit.faults import KINDS, Faults, FaultTable
@@ -244,7 +243,6 @@ EXAMPLES: dict[type[Block], Example] = {
     ClampedRobot: Example(ClampedRobot, rate=250.0, silent=16),
     ClampSearch: Example(lambda: ClampSearch(clamp_procedure(Clamping(), irb140().with_tool(0.1), (0, 2))), rate=250.0),
     HysteresisCompensation: Example(lambda: HysteresisCompensation([_loops(), None, _loops()])),
-    StickingStage: Example(StickingStage),
     Held: Example(lambda: Held("force", "N")),
     Excitation: Example(lambda: Excitation(500.0)),
     Milling: Example(lambda: Milling(start=0.0, seconds=5.0)),

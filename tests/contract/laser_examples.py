@@ -4,6 +4,7 @@ import numpy as np
 
 from firmware_sim.stage_cut import Cut
 from firmware_sim.stage_lasers import Lasers
+from firmware_sim.sticking_stage import StickingStage
 from stagectl.config import Deflection
 from stagectl.experiments.piezo.deflection import DeflectionReference
 from stagectl.link.blocks import ReceiveAbsolute
@@ -13,13 +14,15 @@ from stagectl.stage.laser_check import LaserCheck, LaserLimits
 from stagectl.stage.laser_deflection import LaserDeflection
 from tests.contract.conformance import Example
 
-LIMITS = LaserLimits(5_000.0, 1e-3, 200, 0.1)
+LIMITS = LaserLimits(5_000.0, 1e-3, 200, 1e9)
+"""As fast as noise."""
 
 LASER_EXAMPLES = {
     Cut: Example(lambda: Cut(start=0.0, seconds=5.0), Cut.begin),
     Lasers: Example(lambda: Lasers(2_500.0), rate=10_000.0),
-    LaserCheck: Example(lambda: LaserCheck(LIMITS, 225e-6, 1e-3, 3), rate=10_000.0),
+    LaserCheck: Example(lambda: LaserCheck(LIMITS, 0.0, 1e3, 3), rate=10_000.0),
     LaserDeflection: Example(lambda: LaserDeflection(2_000.0, 0.01, 3), LaserDeflection.fade_in, 10_000.0),
+    StickingStage: Example(StickingStage),
     DeflectionReference: Example(lambda: DeflectionReference(Deflection(), 3), rate=10_000.0),
     ReceiveAbsolute: Example(
         lambda: ReceiveAbsolute(StageLink(Link())),
