@@ -21,7 +21,7 @@ from stagectl.experiments.feed.process_run import channel, process_figures, run_
 from stagectl.experiments.feed.read_back import velocity_model
 from stagectl.robot.config import CellConfig
 from stagectl.robot.feed_config import ForceFeed
-from stagectl.robot.milling.feed_force_kernel import CONTROLLING
+from stagectl.robot.milling.feed_record import CONTROLLING
 
 PLANT = "firmware_sim.feed_blocks:FedTool"
 SEEDS = range(1, 6)

@@ -11,16 +11,14 @@ from stagectl.robot.feed_config import ForceFeed
 from stagectl.robot.milling import force_gain_kernel as outer
 from stagectl.robot.milling.feed_force import FeedForce
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
-from tests.stagectl.robot.milling.test_force_gain import by_riccati, process
+from tests.stagectl.robot.milling.test_force_gain import by_riccati, outer_of, process
 
 SAMPLE = 4e-3
 """s there are."""
 
 
-def _settings() -> np.ndarray:
-    settings = np.zeros(outer.SETTINGS)
-    settings[:] = 75e3, 1 / 0.018, 0.05**-2, 0.0, 1.0, SAMPLE
-    return settings
+def _settings() -> np.record:
+    return outer_of(75e3, 1 / 0.018, 0.05**-2, 0.0, 1.0, SAMPLE)
 
 
 @njit
@@ -40,7 +38,7 @@ def _closed_form(kappas: np.ndarray) -> float:
 def _riccati(kappas: np.ndarray) -> float:
     """Return the seconds of scipy's solver alone, on matrices that are made already."""
     settings = _settings()
-    made = [(*process(kappa, 1.1, settings), np.diag([0.0, 1.0, settings[outer.INTEGRAL]]),
+    made = [(*process(kappa, 1.1, settings), np.diag([0.0, 1.0, settings.integral]),
              np.array([[outer.control_weight(kappa, 1.1, settings)]])) for kappa in kappas]  # fmt: skip
     start = perf_counter()
     for each in made:

@@ -17,7 +17,7 @@ from stagectl.link.tell import Tell
 from stagectl.planning.milling import Planner
 from stagectl.planning.segments import Segments
 from stagectl.robot.milling.feed_force import FeedForce
-from stagectl.robot.milling.feed_force_kernel import CONTROLLING
+from stagectl.robot.milling.feed_record import CONTROLLING
 from stagectl.robot.tool_place import ToolPlace
 from stagectl.robot.wired_force import WiredForce
 from stagectl.robot.wired_port import WiredPort

@@ -12,7 +12,7 @@ from ctlblocks.recording import Recording
 from rigkit.figure_style import COLOURS, LIMIT
 from rigkit.report import Plot
 from stagectl.experiments.feed.process_run import channel
-from stagectl.robot.milling.feed_force_kernel import CONTROLLING
+from stagectl.robot.milling.feed_record import CONTROLLING
 
 BLUE, RED, GREEN, PURPLE, SKY, ORANGE, BLACK = COLOURS
 BOUND: dict[str, Any] = {**LIMIT}

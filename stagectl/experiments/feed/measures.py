@@ -13,7 +13,7 @@ from stagectl.planning.milling import Milled, finished
 from stagectl.planning.problem import Pocket
 from stagectl.planning.strips import Cut, costs, legal, place, untouched
 from stagectl.robot.config import CellConfig
-from stagectl.robot.milling.feed_force_kernel import CONTROLLING
+from stagectl.robot.milling.feed_record import CONTROLLING
 
 BRAKING = 0.1
 """s before the end of a segment that are not looked at: it is braked for."""

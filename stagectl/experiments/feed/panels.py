@@ -11,7 +11,7 @@ from stagectl.experiments.feed.pocketed import Kept
 from stagectl.experiments.feed.pockets import summary
 from stagectl.experiments.feed.report import HEAD, TYPE_HEAD, pocket_rows, type_rows
 from stagectl.robot.feed_config import ForceFeed
-from stagectl.robot.milling.feed_force_kernel import CONTROLLING, IDLE
+from stagectl.robot.milling.feed_record import CONTROLLING, IDLE
 
 SURE = 2.0
 """Standard deviations to either side of an estimate."""

@@ -15,7 +15,7 @@ from rigkit.experiment.runner import Conduct, remembered
 from rigkit.named_code import named_block
 from stagectl.robot.feed_config import ForceFeed
 from stagectl.robot.milling.feed_force import FeedForce
-from stagectl.robot.milling.feed_force_kernel import CONTROLLING
+from stagectl.robot.milling.feed_record import CONTROLLING
 from stagectl.wire.robot import RATE
 
 SEEN = (Port("velocity", "m/s"), Port("force", "N", 2))

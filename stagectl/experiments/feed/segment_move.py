@@ -5,7 +5,7 @@ import numpy as np
 from ctlblocks.block import Block, Port
 from stagectl.experiments.feed import segment_move_kernel as kernel
 from stagectl.planning.problem import Pocket
-from stagectl.robot.milling.feed_force_kernel import CONTROLLING
+from stagectl.robot.milling.feed_record import CONTROLLING
 from stagectl.robot.segment_config import SegmentTask
 
 

@@ -7,10 +7,8 @@ import numpy as np
 from calibration.state_space.model import InnovationModel
 from ctlblocks.block import Block, Port
 from stagectl.robot.feed_config import ForceFeed
-from stagectl.robot.milling import cutting_estimate_kernel as cutting
 from stagectl.robot.milling import feed_force_kernel as kernel
-from stagectl.robot.milling import force_gain_kernel as outer
-from stagectl.robot.milling import velocity_loop_kernel as inner
+from stagectl.robot.milling import feed_record as record
 from stagectl.robot.milling.velocity_loop import VelocityLoop, VelocityWeights, velocity_loop
 
 PHASES = ("idle", "approaching", "estimating", "controlling", "retreating", "retreated")
@@ -69,17 +67,13 @@ class FeedForce(Block):
         """Be idle, and know only the first guesses."""
         if rate != self.model.rate:
             raise ValueError(f"the velocity model is of {self.model.rate:g} samples/s, must be of {rate:g}")
-        settings, loop = self.settings, self.loop
-        self._learning = learning(settings, rate)
-        self._settings = _packed(settings, self._learning, rate)
-        self._weights = weights(settings, loop.lag, rate)
-        self._fixed = np.array([settings.kappa, math.hypot(1.0, settings.beta)])
-        self._matrices = np.vstack([loop.transition, loop.inlet, loop.outlet, loop.gain, loop.feedback])
-        self._loop = np.zeros(inner.SETTINGS)
-        self._loop[:] = loop.integral, loop.forward, -settings.retreat, settings.highest, 1.0 / rate
-        self._state, self._observed, self._work = np.zeros(kernel.STATE), np.zeros(loop.states), np.zeros(loop.states)
-        self._estimate = np.zeros(cutting.STATE)
-        self._estimate[:4] = settings.kappa, settings.kappa_deviation**2, settings.beta, settings.beta_deviation**2
+        self._feeds = np.zeros(1, record.FEED)  # numba takes a plain array quickly, a recarray slowly
+        self._feed: np.record = self._feeds.view(np.recarray)[0]
+        feed, settings = self._feed, self.settings
+        pack_outer(feed.outer, settings, self.loop.lag, rate)
+        pack_cutting(feed.cutting, settings, rate)
+        self.loop.pack(feed.loop, -settings.retreat, settings.highest, rate)
+        _pack(feed, settings, rate)
 
     def process(
         self,
@@ -98,38 +92,35 @@ class FeedForce(Block):
         phase: np.ndarray,
     ) -> None:
         """Control one frame."""
-        kernel.run(
-            velocity, force, is_valid, is_running,
-            reference, wanted, estimated, resultant, kappa, kappa_deviation, beta, beta_deviation, phase,
-            self._state, self._settings, self._weights, self._fixed, self._estimate, self._learning,
-            self._observed, self._work, self._matrices, self._loop,
-        )  # fmt: skip
+        seen = velocity, force, is_valid, is_running
+        made = reference, wanted, estimated, resultant, kappa, kappa_deviation, beta, beta_deviation, phase
+        kernel.run(seen, made, self._feeds)
 
     @property
     def reason(self) -> str:
         """Why it retreats or has retreated, or nothing, as where it was asked to."""
         settings = self.settings
         return {
-            kernel.FINE: "",
-            kernel.LEAVING: "",
-            kernel.OVERLOAD: f"the force is beyond force.overload, {settings.overload:g} N",
-            kernel.SENSOR: f"there is no valid force for {settings.blind:g} s",
-        }[int(self._state[kernel.REASON])]
+            record.FINE: "",
+            record.LEAVING: "",
+            record.OVERLOAD: f"the force is beyond force.overload, {settings.overload:g} N",
+            record.SENSOR: f"there is no valid force for {settings.blind:g} s",
+        }[int(self._feed.reason)]
 
     def retreat(self) -> None:
         """Go back along what is cut and stay, for want of nothing (between ticks); as any retreat once it has begun."""
-        if self._state[kernel.PHASE] < kernel.RETREATING:
-            kernel.retreat(self._state, kernel.LEAVING)
+        if self._feed.phase < record.RETREATING:
+            kernel.retreat(self._feed, record.LEAVING)
 
     @property
     def is_idle(self) -> bool:
         """Whether no segment is milled."""
-        return bool(self._state[kernel.PHASE] == kernel.IDLE)
+        return bool(self._feed.phase == record.IDLE)
 
     @property
     def has_retreated(self) -> bool:
         """Whether it stays where it has retreated to."""
-        return bool(self._state[kernel.PHASE] == kernel.RETREATED)
+        return bool(self._feed.phase == record.RETREATED)
 
 
 def velocity_weights(settings: ForceFeed) -> VelocityWeights:
@@ -137,21 +128,20 @@ def velocity_weights(settings: ForceFeed) -> VelocityWeights:
     return VelocityWeights(settings.velocity_integral, settings.velocity_effort, settings.doubt)
 
 
-def weights(settings: ForceFeed, lag: float, rate: float) -> np.ndarray:
-    """Return the outer problem as `force_gain_kernel` reads it, shape (settings,), for a loop of `lag` (s)."""
-    packed = np.zeros(outer.SETTINGS)
-    packed[:] = settings.stiffness, 1.0 / lag, settings.integral**-2, 0.0, settings.effort**2, 1.0 / rate
-    return packed
+def pack_outer(outer: np.record, settings: ForceFeed, lag: float, rate: float) -> None:
+    """Fill a record of `OUTER`, for a velocity loop of `lag` (s)."""
+    outer.stiffness, outer.lag, outer.period = settings.stiffness, 1.0 / lag, 1.0 / rate
+    outer.integral, outer.velocity, outer.control = settings.integral**-2, 0.0, settings.effort**2
 
 
-def learning(settings: ForceFeed, rate: float) -> np.ndarray:
-    """Return the estimator's settings as `cutting_estimate_kernel` reads them, shape (settings,)."""
-    packed = np.zeros(cutting.SETTINGS)
-    packed[:] = (
-        settings.stiffness, 1.0 / rate, settings.force_noise**2, settings.velocity_noise**2,
-        settings.kappa_drift**2 / rate, settings.beta_drift**2 / rate, settings.contact, LEAST_KAPPA, MOST_KAPPA,
-    )  # fmt: skip
-    return packed
+def pack_cutting(cutting: np.record, settings: ForceFeed, rate: float) -> None:
+    """Fill a record of `CUTTING` with the estimator's settings and the first guesses."""
+    cutting.stiffness, cutting.period, cutting.gate = settings.stiffness, 1.0 / rate, settings.contact
+    cutting.force_noise, cutting.velocity_noise = settings.force_noise**2, settings.velocity_noise**2
+    cutting.kappa_drift, cutting.beta_drift = settings.kappa_drift**2 / rate, settings.beta_drift**2 / rate
+    cutting.least, cutting.most = LEAST_KAPPA, MOST_KAPPA
+    cutting.kappa, cutting.kappa_variance = settings.kappa, settings.kappa_deviation**2
+    cutting.beta, cutting.beta_variance = settings.beta, settings.beta_deviation**2
 
 
 def _settled(noise: float, drift: float, regressor: float) -> float:
@@ -159,22 +149,24 @@ def _settled(noise: float, drift: float, regressor: float) -> float:
     return 0.5 * (math.sqrt(drift**2 + 4.0 * drift * noise / regressor**2) - drift)
 
 
-def _packed(settings: ForceFeed, known: np.ndarray, rate: float) -> np.ndarray:
+def _pack(feed: np.record, settings: ForceFeed, rate: float) -> None:
+    """Fill a record of `FEED` with what it is set to."""
+    gentle, known = settings.start == "gentle", feed.cutting
+    feed.force, feed.initial, feed.most = settings.force, settings.initial, settings.highest
+    feed.rise = math.exp(1.0 / (rate * settings.rise)) if gentle else 1.0
+    feed.enough = settings.enough * settings.force if gentle else np.inf
+    feed.approach = settings.approach if gentle else settings.initial
+    feed.risen = settings.highest if gentle else settings.initial
+    feed.step = settings.acceleration / rate
+    feed.contact, feed.contact_samples = settings.contact, TOUCHED
+    feed.lost_samples = max(1, round(settings.lost * rate))
     wide = math.hypot(1.0, settings.beta)
-    slope = known[cutting.PERIOD] * known[cutting.STIFFNESS]
-    noise = 2.0 * known[cutting.FORCE_NOISE] / slope**2 + wide**2 * known[cutting.VELOCITY_NOISE]
-    along = settings.force / wide
-    gentle = settings.start == "gentle"
-    packed = np.zeros(kernel.SETTINGS)
-    packed[:] = (
-        settings.force, settings.initial, math.exp(1.0 / (rate * settings.rise)) if gentle else 1.0,
-        settings.enough * settings.force if gentle else np.inf, settings.contact, TOUCHED,
-        max(1, round(settings.lost * rate)), settings.approach if gentle else settings.initial, settings.highest,
-        settings.acceleration / rate,
-        settings.overload, STRAINED, max(1, round(settings.blind * rate)), settings.retreat, settings.distance,
-        settings.activation**2 * _settled(noise, known[cutting.KAPPA_DRIFT], settings.force),
-        settings.activation**2 * _settled(known[cutting.FORCE_NOISE] * wide**2, known[cutting.BETA_DRIFT], along),
-        settings.kappa_deviation**2, settings.beta_deviation**2, float(settings.adapted),
-        settings.highest if gentle else settings.initial,
-    )  # fmt: skip
-    return packed
+    noise = 2.0 * known.force_noise / (known.period * known.stiffness) ** 2 + wide**2 * known.velocity_noise
+    kappa = _settled(noise, known.kappa_drift, settings.force)
+    beta = _settled(known.force_noise * wide**2, known.beta_drift, settings.force / wide)
+    feed.kappa_enough, feed.beta_enough = (settings.activation**2 * each for each in (kappa, beta))
+    feed.kappa_doubt, feed.beta_doubt = settings.kappa_deviation**2, settings.beta_deviation**2
+    feed.is_adapted, feed.fixed_kappa, feed.fixed_widening = settings.adapted, settings.kappa, wide
+    feed.overload, feed.overload_samples = settings.overload, STRAINED
+    feed.blind_samples = max(1, round(settings.blind * rate))
+    feed.retreat, feed.distance = settings.retreat, settings.distance

@@ -3,26 +3,27 @@
 import cmath
 import math
 
+import numpy as np
 from numba import njit
 
-STIFFNESS, LAG, INTEGRAL, VELOCITY, CONTROL, PERIOD, SETTINGS = range(7)
-"""Of `settings`: K_f, N/m; 1/s, of the velocity loop; weights, 1/s^2, (N s/m)^2 and 1; sample period, s."""
+Cubic = tuple[float, float, float, float]
+"""Coefficients from the third power down."""
 
 
 @njit(cache=True, nogil=True)
-def _held(x):  # type: ignore[no-untyped-def]
+def _held(x: float) -> float:
     """Return (e^x - 1) / x."""
     return math.expm1(x) / x if abs(x) > 1e-12 else 1.0
 
 
 @njit(cache=True, nogil=True)
-def sampled(kappa, widening, settings):  # type: ignore[no-untyped-def]
+def sampled(kappa: float, widening: float, outer: np.record) -> Cubic:
     """Return the sampled process: 1 - a, 1 - e, and n0, n1 of its numerator n0 + n1 (z - 1), N per m/s.
 
     The velocity loop has the pole a, the force e; from velocity reference to force is n / ((z - a) (z - e)).
     """
-    h, lag = settings[PERIOD], settings[LAG]
-    decay, gain = settings[STIFFNESS] * kappa, settings[STIFFNESS] * widening
+    h, lag = outer.period, outer.lag
+    decay, gain = outer.stiffness * kappa, outer.stiffness * widening
     slow_v, slow_f = -math.expm1(-h * lag), -math.expm1(-h * decay)
     through = gain * h * math.exp(-h * decay) * _held(h * (decay - lag))  # of a velocity, after a sample
     direct = gain * h * _held(-h * decay) - through  # of a reference, within the sample
@@ -30,26 +31,28 @@ def sampled(kappa, widening, settings):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def control_weight(kappa, widening, settings):  # type: ignore[no-untyped-def]
+def control_weight(kappa: float, widening: float, outer: np.record) -> float:
     """Return the weight of the feed, (N s/m)^2: relative to the force that it makes at the integral's frequency.
 
     So the loop is about as quick for every kappa.
     """
-    decay, gain = settings[STIFFNESS] * kappa, settings[STIFFNESS] * widening
-    return settings[CONTROL] * gain * gain / (decay * decay + settings[INTEGRAL])
+    decay, gain = outer.stiffness * kappa, outer.stiffness * widening
+    weight: float = outer.control * gain * gain / (decay * decay + outer.integral)
+    return weight
 
 
 @njit(cache=True, nogil=True)
-def _spectrum(slow_v, slow_f, n0, n1, weight, settings):  # type: ignore[no-untyped-def]
+def _spectrum(process: Cubic, weight: float, outer: np.record) -> Cubic:
     """Return the cubic in s = |z - 1|^2 whose roots are the closed loop's: its coefficients from s^3 down.
 
     On the unit circle |z - a|^2 = (1 - a)^2 + a s, |n|^2 = n0^2 - n1 (n0 - n1) s.
     """
-    h = settings[PERIOD]
+    slow_v, slow_f, n0, n1 = process
+    h = outer.period
     v0, v1 = slow_v * slow_v, 1.0 - slow_v
     f0, f1 = slow_f * slow_f, 1.0 - slow_f
     m0, m1 = n0 * n0, -n1 * (n0 - n1)
-    rate, speed = settings[INTEGRAL] * h * h, settings[VELOCITY] * v0
+    rate, speed = outer.integral * h * h, outer.velocity * v0
     return (
         weight * v1 * f1,
         weight * (v0 * f1 + v1 * f0) + m1 + speed * f1,
@@ -59,7 +62,7 @@ def _spectrum(slow_v, slow_f, n0, n1, weight, settings):  # type: ignore[no-unty
 
 
 @njit(cache=True, nogil=True)
-def _real_root(c3, c2, c1, c0):  # type: ignore[no-untyped-def]
+def _real_root(c3: float, c2: float, c1: float, c0: float) -> float:
     """Return a real root of a cubic by Cardano's formula, polished by Newton's method."""
     p2, p1, p0 = c2 / c3, c1 / c3, c0 / c3
     q = (3.0 * p1 - p2 * p2) / 9.0
@@ -79,7 +82,7 @@ def _real_root(c3, c2, c1, c0):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _inside(s):  # type: ignore[no-untyped-def]
+def _inside(s: complex) -> complex:
     """Return z - 1 for the one of z + 1 / z = 2 - s that lies within the unit circle."""
     half = 0.5 * cmath.sqrt(s * s - 4.0 * s)
     one, other = -0.5 * s + half, -0.5 * s - half
@@ -89,7 +92,7 @@ def _inside(s):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _poles(cubic):  # type: ignore[no-untyped-def]
+def _poles(cubic: Cubic) -> tuple[complex, complex, complex]:
     """Return z - 1 of the three poles of the closed loop."""
     c3, c2, c1, c0 = cubic
     first = _real_root(c3, c2, c1, c0)
@@ -105,14 +108,14 @@ def _poles(cubic):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def gains(kappa, widening, settings):  # type: ignore[no-untyped-def]
+def gains(kappa: float, widening: float, outer: np.record) -> tuple[float, float, float]:
     """Return the LQI gains on velocity (1), force (m/(N s)) and the integral of the force's error (m/(N s^2)).
 
     u = -l_v v - l_f f + l_i (sum of h (f_d - f)).
     """
-    slow_v, slow_f, n0, n1 = sampled(kappa, widening, settings)
-    weight = control_weight(kappa, widening, settings)
-    one, two, three = _poles(_spectrum(slow_v, slow_f, n0, n1, weight, settings))
+    slow_v, slow_f, n0, n1 = sampled(kappa, widening, outer)
+    weight = control_weight(kappa, widening, outer)
+    one, two, three = _poles(_spectrum((slow_v, slow_f, n0, n1), weight, outer))
     p2 = -(one + two + three).real
     p1 = (one * two + two * three + three * one).real
     p0 = -(one * two * three).real
@@ -120,4 +123,4 @@ def gains(kappa, widening, settings):  # type: ignore[no-untyped-def]
     least = p1 - slow_v * slow_f - through * n1  # of what l_v and l_f do together
     rest = p2 - slow_v - slow_f
     on_force = (least - slow_f * rest) / (n0 - slow_f * n1)
-    return (rest - on_force * n1) / slow_v, on_force, through / settings[PERIOD]
+    return (rest - on_force * n1) / slow_v, on_force, through / outer.period

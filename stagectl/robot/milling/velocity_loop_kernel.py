@@ -1,46 +1,51 @@
 """The compiled kernel of the feed's inner loop: a step of the observer, and the velocity asked of the robot."""
 
+import numpy as np
 from numba import njit
 
 from rigkit.flush_kernel import flushed
 
-INTEGRAL, FORWARD, LEAST, MOST, PERIOD, SETTINGS = range(6)
-"""Of `settings`: L_i, 1/s; l_r, 1; lowest and highest velocity that may be asked for, m/s; s."""
-
 
 @njit(cache=True, nogil=True)
-def observe(state, work, matrices, measured, asked):  # type: ignore[no-untyped-def]
-    """Go on to this sample with what was asked before it and what is measured now; return the velocity, m/s.
+def observe(loop: np.record, measured: float) -> float:
+    """Go on to this sample with what was asked before it and what is measured now (m/s); return the velocity, m/s.
 
-    `matrices` (n + 4, n): Phi, then Gamma, C, K and L.  Where nothing is measured (not a number) it only predicts.
+    Where nothing is measured (not a number) it only predicts.
     """
-    n = len(state)
+    n = loop.states
     seen = 0.0
     for i in range(n):
-        work[i] = matrices[n, i] * asked
+        ahead = loop.inlet[i] * loop.asked
         for j in range(n):
-            work[i] += matrices[i, j] * state[j]
-        seen += matrices[n + 1, i] * work[i]
+            ahead += loop.transition[i, j] * loop.state[j]
+        seen += loop.outlet[i] * ahead
+        loop.work[i] = ahead
     left = measured - seen
     if not left - left == 0.0:  # not finite
         left = 0.0
     velocity = 0.0
     for i in range(n):
-        state[i] = flushed(work[i] + matrices[n + 2, i] * left)
-        velocity += matrices[n + 1, i] * state[i]
+        loop.state[i] = flushed(loop.work[i] + loop.gain[i] * left)
+        velocity += loop.outlet[i] * loop.state[i]
     return velocity
 
 
 @njit(cache=True, nogil=True)
-def control(state, sum_, matrices, settings, wanted, velocity):  # type: ignore[no-untyped-def]
-    """Return the velocity asked of the robot (m/s), and the integral for the next sample (m), not wound up.
+def control(loop: np.record, wanted: float, velocity: float) -> None:
+    """Set the velocity asked of the robot, and the integral for the next sample, not wound up.
 
-    `wanted` and `velocity` in m/s; `sum_` in m.
+    `wanted` and `velocity` in m/s.
     """
-    asked = settings[FORWARD] * wanted - settings[INTEGRAL] * sum_
-    for i in range(len(state)):
-        asked -= matrices[len(state) + 3, i] * state[i]
-    given, error = min(max(asked, settings[LEAST]), settings[MOST]), wanted - velocity
+    asked = loop.forward * wanted - loop.integral * loop.integrated
+    for i in range(loop.states):
+        asked -= loop.feedback[i] * loop.state[i]
+    given, error = min(max(asked, loop.least), loop.most), wanted - velocity
     if (asked - given) * error <= 0.0:  # else it would go on asking for more
-        sum_ += settings[PERIOD] * error
-    return given, sum_
+        loop.integrated += loop.period * error
+    loop.asked = given
+
+
+@njit(cache=True, nogil=True)
+def rest(loop: np.record) -> None:
+    """Ask for nothing, and forget what was integrated."""
+    loop.asked = loop.integrated = 0.0

@@ -5,13 +5,22 @@ import pytest
 from scipy.linalg import expm, solve_discrete_are
 
 from stagectl.robot.milling import force_gain_kernel as kernel
+from stagectl.robot.milling.feed_record import OUTER
 
 H = 0.004
 
 
-def process(kappa: float, wide: float, settings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def outer_of(*values: float) -> np.record:
+    """Return an outer problem: K_f, 1 / lag, weights of integral, velocity and feed, and the period."""
+    outer: np.record = np.zeros(1, OUTER).view(np.recarray)[0]
+    for name, value in zip(OUTER.names or (), values, strict=False):
+        outer[name] = value
+    return outer
+
+
+def process(kappa: float, wide: float, settings: np.record) -> tuple[np.ndarray, np.ndarray]:
     """Sample velocity loop, force and the integral of its error, from (7.20) and (7.22)."""
-    stiffness, lag = settings[kernel.STIFFNESS], settings[kernel.LAG]
+    stiffness, lag = settings.stiffness, settings.lag
     flow = np.array([[-lag, 0.0, lag], [stiffness * wide, -stiffness * kappa, 0.0], [0.0, 0.0, 0.0]])
     held = expm(flow * H)
     transition = np.eye(3)
@@ -19,21 +28,21 @@ def process(kappa: float, wide: float, settings: np.ndarray) -> tuple[np.ndarray
     return transition, np.append(held[:2, 2], 0.0)[:, None]
 
 
-def by_riccati(kappa: float, wide: float, settings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def by_riccati(kappa: float, wide: float, settings: np.record) -> tuple[np.ndarray, np.ndarray]:
     """Return the gains on velocity, force and integral, and the closed loop's poles."""
     transition, drive = process(kappa, wide, settings)
-    cost = np.diag([settings[kernel.VELOCITY], 1.0, settings[kernel.INTEGRAL]])
+    cost = np.diag([settings.velocity, 1.0, settings.integral])
     effort = np.array([[kernel.control_weight(kappa, wide, settings)]])
     answer = solve_discrete_are(transition, drive, cost, effort)
     gains = np.linalg.solve(drive.T @ answer @ drive + effort, drive.T @ answer @ transition)
     return gains[0], np.linalg.eigvals(transition - drive @ gains)
 
 
-def settings_of(rng: np.random.Generator) -> np.ndarray:
-    settings = np.zeros(kernel.SETTINGS)
-    settings[kernel.STIFFNESS], settings[kernel.LAG] = 10 ** rng.uniform(4, 5.5), 10 ** rng.uniform(0.5, 2.3)
-    settings[kernel.INTEGRAL], settings[kernel.CONTROL] = 10 ** rng.uniform(1, 4), 10 ** rng.uniform(-2, 2)
-    settings[kernel.VELOCITY], settings[kernel.PERIOD] = rng.choice([0.0, 1e5]), H
+def settings_of(rng: np.random.Generator) -> np.record:
+    settings = outer_of()
+    settings.stiffness, settings.lag = 10 ** rng.uniform(4, 5.5), 10 ** rng.uniform(0.5, 2.3)
+    settings.integral, settings.control = 10 ** rng.uniform(1, 4), 10 ** rng.uniform(-2, 2)
+    settings.velocity, settings.period = rng.choice([0.0, 1e5]), H
     return settings
 
 
@@ -49,8 +58,7 @@ def test_the_closed_form_is_the_solution_of_the_riccati_equation() -> None:
 
 @pytest.mark.parametrize("kappa", [1e-4, 4e-4, 1e-3, 4e-3])
 def test_the_closed_loop_is_well_damped_for_every_kappa(kappa: float) -> None:
-    settings = np.zeros(kernel.SETTINGS)
-    settings[:] = 75e3, 1 / 0.018, 0.05**-2, 0.0, 1.0, H
+    settings = outer_of(75e3, 1 / 0.018, 0.05**-2, 0.0, 1.0, H)
     transition, drive = process(kappa, 1.1, settings)
     gains = np.array(kernel.gains(kappa, 1.1, settings)) * [1.0, 1.0, -1.0]
     poles = np.log(np.linalg.eigvals(transition - drive @ gains[None]).astype(complex)) / H
@@ -59,8 +67,7 @@ def test_the_closed_loop_is_well_damped_for_every_kappa(kappa: float) -> None:
 
 
 def test_the_process_is_sampled_exactly_where_both_poles_coincide() -> None:
-    settings = np.zeros(kernel.SETTINGS)
-    settings[:] = 75e3, 30.0, 1.0, 0.0, 1.0, H
+    settings = outer_of(75e3, 30.0, 1.0, 0.0, 1.0, H)
     slow_v, slow_f, n0, n1 = kernel.sampled(30.0 / 75e3, 1.2, settings)
     transition, drive = process(30.0 / 75e3, 1.2, settings)
     assert slow_v == pytest.approx(1.0 - transition[0, 0])

@@ -7,6 +7,7 @@ import pytest
 
 from calibration.state_space.model import InnovationModel
 from stagectl.robot.milling import velocity_loop_kernel as kernel
+from stagectl.robot.milling.feed_record import LOOP
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
 from stagectl.robot.milling.velocity_loop import VelocityLoop, VelocityWeights, velocity_loop
 
@@ -18,15 +19,14 @@ def followed(
     loop: VelocityLoop, wanted: np.ndarray, offset: float = 0.0, most: float = 1.0, noise: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the velocity, and what the observer takes it for, m/s, of the model with an offset at its input."""
-    matrices = np.vstack([loop.transition, loop.inlet, loop.outlet, loop.gain, loop.feedback])
-    settings = np.array([loop.integral, loop.forward, -most, most, H])
-    state, work, plant = np.zeros(loop.states), np.zeros(loop.states), np.zeros(MODEL.order)
-    asked, total, rng, found = 0.0, 0.0, np.random.default_rng(1), np.zeros((2, len(wanted)))
+    packed: np.record = np.zeros(1, LOOP).view(np.recarray)[0]
+    loop.pack(packed, -most, most, 1.0 / H)
+    plant, rng, found = np.zeros(MODEL.order), np.random.default_rng(1), np.zeros((2, len(wanted)))
     for n, each in enumerate(wanted):
         velocity = float((MODEL.C @ plant)[0])
-        seen = kernel.observe(state, work, matrices, velocity + noise * rng.standard_normal(), asked)
-        asked, total = kernel.control(state, total, matrices, settings, each, seen)
-        plant = MODEL.A @ plant + MODEL.B[:, 0] * (asked + offset)
+        seen = kernel.observe(packed, velocity + noise * rng.standard_normal())
+        kernel.control(packed, each, seen)
+        plant = MODEL.A @ plant + MODEL.B[:, 0] * (packed.asked + offset)
         found[:, n] = velocity, seen
     return found[0], found[1]
 
