@@ -147,6 +147,9 @@ class Cut(Block):
         Which piece.
     hardness : float, 1
         Of all pieces, over what is drawn.
+    step : float, 1
+        By what the half of a piece towards +x is harder than the other; the boards that are drawn are not there then.
+        1 for what is drawn.
     tool : float, m, diameter
     length, width, thickness : float, m, of the piece
     origin : sequence of float, m, 3, the middle of its top in the base
@@ -165,6 +168,7 @@ class Cut(Block):
         family: str = "",
         seed: int = 1,
         hardness: float = 1.0,
+        step: float = 1.0,
         tool: float = 6e-3,
         length: float = 50e-3,
         width: float = 50e-3,
@@ -173,6 +177,8 @@ class Cut(Block):
     ) -> None:
         x, y, z = origin
         piece = _drawn(cell, family).cut.piece(seed, hardness)
+        if step != 1.0:
+            piece = replace(piece, hardness=replace(piece.hardness, boards=(1.0, step), heading=0.0))
         self._cut = replace(piece, tool=tool, length=length, width=width, thickness=thickness, origin=(x, y, z))
 
     def prepare(self, rate: float, frames: int) -> None:

@@ -21,6 +21,7 @@ class ForceFeed(Section):
     activation: float = setting(
         2.0, "", "control begins when both deviations are below so many times what they come to", gt=1, le=100
     )
+    hesitation: float = setting(0.3, "s", "after which control begins though they are not", ge=0.004, le=60)
     start: Literal["gentle", "constant"] = setting(
         "gentle", "", "until then: the feed rises until there is force enough, or is `initial`, as in the thesis"
     )
@@ -36,6 +37,7 @@ class ForceFeed(Section):
     acceleration: float = setting(2.0, "m/s^2", "of the feed wanted", gt=0, le=100)
     overload: float = setting(80.0, "N", "force at which the tool retreats", gt=0, le=1e3)
     blind: float = setting(0.02, "s", "without a valid force the tool retreats", ge=0.004, le=1)
+    stuck: float = setting(0.2, "s", "in which a force is exactly the same until the tool retreats", ge=0.02, le=10)
     retreat: float = setting(0.02, "m/s", "speed of a retreat, back along the segment", gt=0, le=0.2)
     distance: float = setting(2e-3, "m", "of a retreat", gt=0, le=0.1)
     integral: float = setting(
@@ -45,6 +47,27 @@ class ForceFeed(Section):
         1.0, "", "outer loop: weight of the feed, as the force it makes at the integral's frequency", gt=0, le=1e3
     )
     adapted: bool = setting(True, "", "outer loop: gains follow kappa and beta, else they are those of the first guess")
+    renewal: float = setting(
+        1.5, "", "outer loop: gains are renewed where kappa has changed by such a factor since", gt=1, le=10
+    )
+    ripple: float = setting(
+        0.05,
+        "",
+        "part of the force from which on a ripple above 30 Hz is not fed back",
+        gt=0,
+        le=10,
+    )
+    chatter: float = setting(
+        0.7, "", "once the tool chatters, the feed is at most that part of what it was", gt=0, lt=1
+    )
+    careful_lag: float = setting(
+        0.06,
+        "s",
+        "outer loop: robot's lag, once it does not follow as identified or the loop oscillates",
+        gt=0,
+        le=10,
+    )
+    careful_integral: float = setting(0.15, "s", "outer loop: `integral` in that case", gt=0, le=10)
     velocity_integral: float = setting(0.05, "s", "inner loop: as `integral`, of velocity", gt=0, le=10)
     velocity_effort: float = setting(
         1.0, "", "inner loop: weight of the reference beside that of the velocity", gt=0, le=1e3

@@ -17,6 +17,7 @@ from stagectl.link.tell import Tell
 from stagectl.planning.milling import Planner
 from stagectl.planning.segments import Segments
 from stagectl.robot.milling.feed_force import FeedForce
+from stagectl.robot.milling.feed_notices import words
 from stagectl.robot.milling.feed_record import CONTROLLING
 from stagectl.robot.tool_place import ToolPlace
 from stagectl.robot.wired_force import WiredForce
@@ -42,7 +43,7 @@ class FeedGraph:
         self.move = SegmentMove(cell.segments, plan.pocket)
         self.port = WiredPort(cell, plan.home, tell)
         self.judged = WiredForce(cell.force_sensor, self._blame)
-        self.blamed = ""
+        self.blamed, self._tell, self._notice = "", tell, 0
         self.control: FeedForce | ConstantFeed = (
             FeedForce(cell.force, plan.model)
             if plan.feeds is None
@@ -76,6 +77,18 @@ class FeedGraph:
         """Let the planner choose the next segment, where one has ended (between ticks)."""
         self.segments.advance()
         self.take_feed()
+        self._notify()
+
+    def _notify(self) -> None:
+        """Report what force control has noticed since it was asked last."""
+        if not isinstance(self.control, FeedForce):
+            return
+        bits = self.control.notice
+        for what in words(bits & ~self._notice):
+            time, ripple = self.graph.ticks / RATE, round(self.control.ripple, 1)
+            self._tell("noticed", {"part": self.plan.name, "time_s": time, "segment": self.number, "what": what,
+                                   "ripple_hz": ripple})  # fmt: skip
+        self._notice = bits
 
     def follow(self) -> None:
         """Let the robot follow, and have the force sensor watched (between ticks)."""

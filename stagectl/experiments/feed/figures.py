@@ -11,12 +11,15 @@ from matplotlib.figure import Figure
 from ctlblocks.recording import Recording
 from rigkit.figure_style import COLOURS, LIMIT
 from rigkit.report import Plot
+from stagectl.experiments.feed.noticed import noticed
 from stagectl.experiments.feed.process_run import channel
 from stagectl.robot.milling.feed_record import CONTROLLING
 
 BLUE, RED, GREEN, PURPLE, SKY, ORANGE, BLACK = COLOURS
 BOUND: dict[str, Any] = {**LIMIT}
 """Keywords of a line that shows a limit."""
+MARKS = 6
+"""Notices that are drawn; all are in the report's table."""
 POINTS = 5_000
 """Drawn of a line."""
 
@@ -60,13 +63,26 @@ def control_plot(record: Recording, force: float, names: Names) -> Plot:
         panels[-1].legend(loc="best", ncols=2)
         panels[-1].set_ylim(bottom=min(-1.0, 1.05e3 * channel(record, names.feed).min()))
         panels[-1].set_ylim(top=1.2e3 * max(channel(record, names.feed).max(), 1e-3))
+    _mark(panels, record)
     panels[-1].set_ylabel("feed, mm/s")
     panels[-1].set_xlabel("time, s")
     return Plot(
         figure,
         "From above: the force's parts and its size; κ and β with twice their standard deviation, while the force is "
-        "controlled, true ones dashed; the feed.",
+        "controlled, true ones dashed; the feed.  Upright lines are where something was noticed.",
     )
+
+
+def _mark(panels: Sequence[Axes], record: Recording) -> None:
+    """Draw an upright line where force control has noticed something; what it was is said once, above."""
+    for number, each in enumerate(found := noticed(record)[:MARKS]):
+        for panel in panels:
+            panel.axvline(each.time, color=ORANGE, linewidth=0.8)
+        upright = panels[0].get_xaxis_transform()
+        panels[0].text(each.time, 1.0, f"{number + 1}", transform=upright, ha="center", va="bottom", fontsize="small")
+    if found:
+        told = [f"{number + 1}: {each.what}" for number, each in enumerate(found)]
+        panels[0].set_title("\n".join(told), fontsize="x-small", loc="left", pad=14.0)
 
 
 def _forces(panel: Axes, record: Recording, time: np.ndarray, step: int, force: float, names: Names) -> None:

@@ -1,22 +1,22 @@
 """What a milled pocket comes to: times, feeds and forces, in all and by type of strip."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ctlblocks.recording import Recording
+from stagectl.experiments.feed.held_force import BRAKING, held
+from stagectl.experiments.feed.noticed import noticed
 from stagectl.experiments.feed.pocketed import Pocketed
 from stagectl.experiments.feed.process_run import channel
 from stagectl.planning.milling import Milled, finished
 from stagectl.planning.problem import Pocket
 from stagectl.planning.strips import Cut, costs, legal, place, untouched
 from stagectl.robot.config import CellConfig
+from stagectl.robot.milling.feed_notices import NAMES, NOTICES
 from stagectl.robot.milling.feed_record import CONTROLLING
-
-BRAKING = 0.1
-"""s before the end of a segment that are not looked at: it is braked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,10 +155,14 @@ def figures(done: Pocketed, cell: CellConfig) -> dict[str, Any]:
     dict
         `fault` (or null), `segments`, `seconds` from the beginning of the first segment to the end of the last,
         `milling` (s, of these in segments), `force_mean`, `force_deviation` (N, while stationary), `force_peak` (N),
+        `force_error` (1, size of its mean error over the force wanted), `force_settled` (s, the longest from the
+        beginning of control in a segment until the mean over 0.1 s stays within 10 % in the first second),
+        `force_overshoot` (1, largest force in a segment over the one wanted; null where nothing was controlled),
+        `notices`: a list of `time` (s), `segment` and `what`, as `noticed` has them, and `noticed`: how often, by name;
         `types`: by type `segments`, `duration` (s, mean), `feed`, `slowest_feed` (m/s), `force_mean`,
         `force_deviation` (N).
     """
-    milled = strips(done, cell)
+    milled, notices = strips(done, cell), noticed(done.recording)
     by_type: dict[str, list[Strip]] = {}
     for each in milled:
         by_type.setdefault(each.name, []).append(each)
@@ -169,6 +173,9 @@ def figures(done: Pocketed, cell: CellConfig) -> dict[str, Any]:
         "milling": sum(each.duration for each in milled),
         **_force(milled),
         "force_peak": float(channel(done.recording, "resultant").max()),
+        **held(done.recording, cell),
+        "notices": [asdict(each) for each in notices],
+        "noticed": {NAMES[bit]: sum(each.what == text for each in notices) for bit, text in NOTICES.items()},
         "types": {name: _of_type(each) for name, each in sorted(by_type.items())},
     }
 

@@ -43,6 +43,8 @@ ADAPTED = (
     Signal("kappa_deviation", "control.kappa_deviation", "m/(N s)", 1),
     Signal("beta", "control.beta", "1", 1),
     Signal("beta_deviation", "control.beta_deviation", "1", 1),
+    Signal("notice", "control.notice", "1", 1),
+    Signal("ripple", "control.ripple", "Hz", 1),
 )
 """And what force control adds."""
 

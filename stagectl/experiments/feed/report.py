@@ -10,6 +10,7 @@ from rigkit.report import Fact, Report, Section, Table
 from rigkit.run_folder import read_events
 from stagectl.experiments.feed.figures import CELL, control_plot, time_plot
 from stagectl.experiments.feed.measures import as_milled
+from stagectl.experiments.feed.noticed import notice_rows, noticed
 from stagectl.experiments.feed.plan import CONTROLS
 from stagectl.experiments.feed.pocketed import Kept
 from stagectl.planning.figures import path_plot
@@ -21,6 +22,8 @@ HEAD = (
 TYPE_HEAD = (
     "type", "segments", "duration, s", "feed, mm/s", "lowest feed, mm/s", "force, N", "its deviation, N",
 )  # fmt: skip
+
+NOTICE_HEAD = "time, s", "segment", "noticed"
 
 
 def write_report(path: Path, task: str, pockets: Sequence[Kept], found: Mapping[str, Any], png: Path | None) -> None:
@@ -91,6 +94,7 @@ def _sections(path: Path, found: Mapping[str, Any], pockets: Sequence[Kept]) -> 
             f"{each.plan.control.capitalize()} control, piece {each.plan.piece}",
             f"{CONTROLS[each.plan.control].capitalize()}.",
             plots=(control_plot(each.done.recording, force, CELL),),
+            tables=_noticed(each),
         )
     milled = [as_milled(each.done) for each in pockets if each.plan.feeds is None and each.done.segments]
     if milled:
@@ -100,6 +104,12 @@ def _sections(path: Path, found: Mapping[str, Any], pockets: Sequence[Kept]) -> 
             yield Section(f"Types of {row['name']}", tables=(Table(TYPE_HEAD, tuple(type_rows(row))),))
     events = tuple((each["time"][:19].replace("T", " "), each["event"], _said(each)) for each in read_events(path))
     yield Section("Events", tables=(Table(("time, UTC", "event", "particulars"), events),))
+
+
+def _noticed(pocket: Kept) -> tuple[Table, ...]:
+    """Return a table of what force control has noticed, where there is anything."""
+    found = noticed(pocket.done.recording)
+    return (Table(NOTICE_HEAD, notice_rows(found)),) if found else ()
 
 
 def _said(event: dict[str, Any]) -> str:

@@ -9,6 +9,7 @@ from ctlblocks.block import Block, Port
 from stagectl.robot.feed_config import ForceFeed
 from stagectl.robot.milling import feed_force_kernel as kernel
 from stagectl.robot.milling import feed_record as record
+from stagectl.robot.milling import feed_watch_kernel as watch
 from stagectl.robot.milling.velocity_loop import VelocityLoop, VelocityWeights, velocity_loop
 
 PHASES = ("idle", "approaching", "estimating", "controlling", "retreating", "retreated")
@@ -17,6 +18,10 @@ STRAINED = 2
 """Samples of overload at which it retreats; one may be a spark of the sensor."""
 TOUCHED = 2
 """Samples of contact."""
+FORGET, FLOOR, PATIENCE = 0.25, 1e-3, 0.1
+"""s over which it is judged whether the robot follows, m/s that do not count, and s until it is said."""
+RINGING, NOISE = 0.08, 3.0
+"""s in which a resonator forgets, and the amplitude that noise alone hardly shows in it, over its deviation."""
 LEAST_KAPPA, MOST_KAPPA = 1e-5, 0.1
 """m/(N s), beyond which no estimate goes."""
 
@@ -32,7 +37,8 @@ class FeedForce(Block):
     Ports, one wide: `velocity` (m/s, mean since the last sample), `force` (N, 2 wide: against the feed and across it),
     `is_valid` (1 while the force is to be believed), `is_running` in; `reference` (m/s, asked of the robot), `wanted`
     (m/s, v_d), `estimated` (m/s), `resultant` (N, f_sN), `kappa` and `kappa_deviation` (m/(N s)), `beta` and
-    `beta_deviation` (1), `phase` out.
+    `beta_deviation` (1), `phase`, `notice` (bits, which `feed_notices` has in words) and `ripple` (Hz, as it is
+    sampled; 0 where none is taken out) out.
 
     Parameters
     ----------
@@ -47,16 +53,18 @@ class FeedForce(Block):
     Departs
     -------
     (7.25), (7.26): C is block diagonal, so that the filter falls apart into observer, kappa and beta; kappa's equation
-    has the mean of the force over the sample.  The outer loop works from sample to sample, so that gains that are
-    solved anew make no step.  v_init is not added to v_d but is its first value.  Approach, contact, limits and
-    retreat are not in the text.
+    has the mean of the force over the sample, and both filters take what is really left over for noise where that is
+    more.  (7.9): the force that is controlled is the size, without the sign of f_x, which noise turns where the force
+    is almost across.  (7.18) to (7.22): the gains are renewed where kappa or beta have changed enough, and the integral
+    takes the difference; between two renewals the integral of the error alone decides the mean force.  v_init is not
+    added to v_d but is its first value.  Approach, contact, limits, retreat and what is noticed are not in the text.
     """
 
     inputs = (Port("velocity", "m/s"), Port("force", "N", 2), Port("is_valid"), Port("is_running"))
     outputs = (
         Port("reference", "m/s"), Port("wanted", "m/s"), Port("estimated", "m/s"), Port("resultant", "N"),
         Port("kappa", "m/(N s)"), Port("kappa_deviation", "m/(N s)"), Port("beta"), Port("beta_deviation"),
-        Port("phase"),
+        Port("phase"), Port("notice"), Port("ripple", "Hz"),
     )  # fmt: skip
 
     def __init__(self, settings: ForceFeed, model: InnovationModel) -> None:
@@ -90,10 +98,15 @@ class FeedForce(Block):
         beta: np.ndarray,
         beta_deviation: np.ndarray,
         phase: np.ndarray,
+        notice: np.ndarray,
+        ripple: np.ndarray,
     ) -> None:
         """Control one frame."""
         seen = velocity, force, is_valid, is_running
-        made = reference, wanted, estimated, resultant, kappa, kappa_deviation, beta, beta_deviation, phase
+        made = (
+            reference, wanted, estimated, resultant, kappa, kappa_deviation, beta, beta_deviation,
+            phase, notice, ripple,
+        )  # fmt: skip
         kernel.run(seen, made, self._feeds)
 
     @property
@@ -104,13 +117,24 @@ class FeedForce(Block):
             record.FINE: "",
             record.LEAVING: "",
             record.OVERLOAD: f"the force is beyond force.overload, {settings.overload:g} N",
+            record.STUCK: f"the force has been exactly the same for {settings.stuck:g} s",
             record.SENSOR: f"there is no valid force for {settings.blind:g} s",
         }[int(self._feed.reason)]
+
+    @property
+    def notice(self) -> int:
+        """What has been noticed in this segment, as bits: as the port of that name."""
+        return int(self._feed.notice)
+
+    @property
+    def ripple(self) -> float:
+        """Frequency of the ripple, Hz, as it is sampled: that of its alias where it is above half the rate."""
+        return float(self._feed.waves.omega / (2.0 * math.pi * self._feed.loop.period))
 
     def retreat(self) -> None:
         """Go back along what is cut and stay, for want of nothing (between ticks); as any retreat once it has begun."""
         if self._feed.phase < record.RETREATING:
-            kernel.retreat(self._feed, record.LEAVING)
+            watch.retreat(self._feed, record.LEAVING)
 
     @property
     def is_idle(self) -> bool:
@@ -140,18 +164,22 @@ def pack_cutting(cutting: np.record, settings: ForceFeed, rate: float) -> None:
     cutting.force_noise, cutting.velocity_noise = settings.force_noise**2, settings.velocity_noise**2
     cutting.kappa_drift, cutting.beta_drift = settings.kappa_drift**2 / rate, settings.beta_drift**2 / rate
     cutting.least, cutting.most = LEAST_KAPPA, MOST_KAPPA
+    cutting.guess = settings.kappa
     cutting.kappa, cutting.kappa_variance = settings.kappa, settings.kappa_deviation**2
     cutting.beta, cutting.beta_variance = settings.beta, settings.beta_deviation**2
 
 
-def _settled(noise: float, drift: float, regressor: float) -> float:
-    """Return the variance that a random walk's filter comes to at a constant regressor."""
-    return 0.5 * (math.sqrt(drift**2 + 4.0 * drift * noise / regressor**2) - drift)
+def pack_waves(waves: np.record, settings: ForceFeed, rate: float) -> None:
+    """Fill a record of `WAVES` with what it is set to."""
+    omega = 2.0 * math.pi * record.SPACING / rate
+    waves.decay, waves.slow, waves.turn = math.exp(-1.0 / (RINGING * rate)), -math.expm1(-1.0 / (RINGING * rate)), omega
+    waves.cosine[:], waves.sine[:] = (f(omega * np.arange(1, record.BINS + 1)) for f in (np.cos, np.sin))
+    waves.floor, waves.noise, waves.share = 0.5 * settings.force, NOISE * settings.force_noise, settings.ripple
 
 
 def _pack(feed: np.record, settings: ForceFeed, rate: float) -> None:
     """Fill a record of `FEED` with what it is set to."""
-    gentle, known = settings.start == "gentle", feed.cutting
+    gentle = settings.start == "gentle"
     feed.force, feed.initial, feed.most = settings.force, settings.initial, settings.highest
     feed.rise = math.exp(1.0 / (rate * settings.rise)) if gentle else 1.0
     feed.enough = settings.enough * settings.force if gentle else np.inf
@@ -160,13 +188,15 @@ def _pack(feed: np.record, settings: ForceFeed, rate: float) -> None:
     feed.step = settings.acceleration / rate
     feed.contact, feed.contact_samples = settings.contact, TOUCHED
     feed.lost_samples = max(1, round(settings.lost * rate))
-    wide = math.hypot(1.0, settings.beta)
-    noise = 2.0 * known.force_noise / (known.period * known.stiffness) ** 2 + wide**2 * known.velocity_noise
-    kappa = _settled(noise, known.kappa_drift, settings.force)
-    beta = _settled(known.force_noise * wide**2, known.beta_drift, settings.force / wide)
-    feed.kappa_enough, feed.beta_enough = (settings.activation**2 * each for each in (kappa, beta))
+    feed.activation, feed.hesitation = settings.activation**2, round(settings.hesitation * rate)
     feed.kappa_doubt, feed.beta_doubt = settings.kappa_deviation**2, settings.beta_deviation**2
-    feed.is_adapted, feed.fixed_kappa, feed.fixed_widening = settings.adapted, settings.kappa, wide
+    feed.careful_lag, feed.careful_integral = 1.0 / settings.careful_lag, settings.careful_integral**-2
+    feed.chatter_share, feed.stuck_samples = settings.chatter, max(1, round(settings.stuck * rate))
+    feed.law.ratio, feed.law.is_adapted = settings.renewal, settings.adapted
+    feed.law.fixed_kappa, feed.law.fixed_widening = settings.kappa, math.hypot(1.0, settings.beta)
+    feed.follow.forget, feed.follow.floor = -math.expm1(-1.0 / (FORGET * rate)), FLOOR
+    feed.follow.patience = round(PATIENCE * rate)
+    pack_waves(feed.waves, settings, rate)
     feed.overload, feed.overload_samples = settings.overload, STRAINED
     feed.blind_samples = max(1, round(settings.blind * rate))
     feed.retreat, feed.distance = settings.retreat, settings.distance

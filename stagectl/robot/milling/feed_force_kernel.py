@@ -9,99 +9,79 @@ import numpy as np
 from numba import njit
 
 from stagectl.robot.milling import cutting_estimate_kernel as cutting
-from stagectl.robot.milling import force_gain_kernel as outer
+from stagectl.robot.milling import feed_watch_kernel as watch
+from stagectl.robot.milling import follow_kernel as follow
+from stagectl.robot.milling import force_law_kernel as law
 from stagectl.robot.milling import velocity_loop_kernel as inner
+from stagectl.robot.milling import wave_kernel as waves
 from stagectl.robot.milling.feed_record import (
     APPROACHING,
+    CHATTER,
     CONTROLLING,
     ESTIMATING,
     IDLE,
-    OVERLOAD,
+    MODEL,
+    OSCILLATION,
     RETREATED,
     RETREATING,
-    SENSOR,
+    RIPPLE,
+    UNKNOWN,
 )
 
 Signals = tuple[np.ndarray, ...]
 """Of a frame, shape (frames, 1) each, the force (frames, 2): what is seen, then what is made, as `FeedForce` has it."""
+SMOOTH = 0.2
+"""Of a mean of the forces, in a sample."""
+CREEP = 0.02
+"""Of the highest feed, to which chatter lowers it at most."""
 
 
 @njit(cache=True, nogil=True)
 def _begin(feed: np.record) -> None:
     """Begin a segment at rest: what was learned stays, but is in doubt."""
-    feed.phase, feed.reason, feed.wanted = APPROACHING, 0, 0.0
-    feed.last_velocity = feed.last_force = feed.back = 0.0
-    feed.touched = feed.lost = feed.strained = feed.blind = 0
+    feed.phase, feed.reason, feed.wanted, feed.cap = APPROACHING, 0, 0.0, feed.most
+    feed.returning = feed.initial
+    feed.last_velocity = feed.last_force = feed.back = feed.smooth_along = feed.smooth_across = 0.0
+    feed.touched = feed.lost = feed.strained = feed.blind = feed.stuck = feed.estimating = 0
+    feed.notice &= MODEL | OSCILLATION
     inner.rest(feed.loop)
     for i in range(feed.loop.states):
         feed.loop.state[i] = 0.0
+    follow.begin(feed.follow)
+    waves.begin(feed.waves)
     feed.cutting.kappa_variance, feed.cutting.beta_variance = feed.kappa_doubt, feed.beta_doubt
+    feed.cutting.kappa_left = feed.cutting.kappa_scatter = 0.0
+    feed.cutting.beta_left = feed.cutting.beta_scatter = 0.0
     feed.cutting.is_fresh = 0
 
 
 @njit(cache=True, nogil=True)
-def retreat(feed: np.record, reason: int) -> None:
-    """Go back, or, between segments, where that may lead into the wood, stay."""
-    feed.phase = RETREATING if feed.phase != IDLE else RETREATED
-    feed.reason, feed.back = reason, 0.0
-
-
-@njit(cache=True, nogil=True)
-def _watch(feed: np.record, force: float, along: float, is_seen: bool) -> None:
-    """Go over to another phase where contact, force or sensor say so."""
-    feed.blind = 0 if is_seen else feed.blind + 1
-    if feed.blind >= feed.blind_samples and feed.phase != IDLE:
-        retreat(feed, SENSOR)
+def _be_careful(feed: np.record, why: int) -> None:
+    """Pass the feed on without the inner loop, whose model is in doubt, and control the force more slowly."""
+    feed.notice |= why
+    if feed.is_careful:
         return
-    if not is_seen:
+    feed.is_careful = 1
+    feed.outer.lag, feed.outer.integral = feed.careful_lag, feed.careful_integral
+    feed.wanted = min(max(feed.loop.asked, 0.0), feed.cap)
+    if feed.phase == CONTROLLING:
+        law.begin(feed, feed.last_velocity, feed.last_force)
+
+
+@njit(cache=True, nogil=True)
+def _judge(feed: np.record, measured: float) -> None:
+    """Look whether the robot follows as identified, and what of the force is periodic."""
+    if follow.observe(feed.follow, feed.loop, measured):
+        _be_careful(feed, MODEL)
+    if feed.phase != CONTROLLING:
         return
-    feed.strained = feed.strained + 1 if abs(force) > feed.overload else 0
-    feed.touched = feed.touched + 1 if along > feed.contact else 0
-    feed.lost = feed.lost + 1 if along < 0.5 * feed.contact else 0
-    if feed.strained >= feed.overload_samples:
-        retreat(feed, OVERLOAD)
-    elif feed.phase == IDLE:
-        return
-    elif feed.phase == APPROACHING and feed.touched >= feed.contact_samples:
-        feed.phase = ESTIMATING
-    elif feed.phase != APPROACHING and feed.lost >= feed.lost_samples:
-        feed.phase = APPROACHING
-
-
-@njit(cache=True, nogil=True)
-def _is_known(feed: np.record) -> bool:
-    known: bool = feed.cutting.kappa_variance < feed.kappa_enough and feed.cutting.beta_variance < feed.beta_enough
-    return known
-
-
-@njit(cache=True, nogil=True)
-def _controlled(feed: np.record, velocity: float, force: float) -> float:
-    """Return the feed that the outer loop wants, m/s; from sample to sample, so that new gains make no step."""
-    if feed.is_adapted:
-        kappa, wide = feed.cutting.kappa, cutting.widening(feed.cutting)
-    else:
-        kappa, wide = feed.fixed_kappa, feed.fixed_widening
-    on_velocity, on_force, on_error = outer.gains(kappa, wide, feed.outer)
-    moved, risen = velocity - feed.last_velocity, force - feed.last_force
-    error = feed.force - feed.last_force
-    wanted: float = feed.wanted - on_velocity * moved - on_force * risen + on_error * feed.outer.period * error
-    return wanted
-
-
-@njit(cache=True, nogil=True)
-def _wanted(feed: np.record, velocity: float, force: float) -> float:
-    """Return the feed wanted in this phase, m/s."""
-    phase, wanted = feed.phase, 0.0
-    if phase == APPROACHING or phase == ESTIMATING:
-        most = feed.initial if phase == APPROACHING else feed.risen
-        wanted = feed.wanted
-        if not force >= feed.enough:
-            wanted = min(most, max(feed.approach, feed.wanted * feed.rise))
-    elif phase == CONTROLLING:
-        wanted = _controlled(feed, velocity, force)
-    elif phase == RETREATING:
-        wanted = -feed.retreat
-    return wanted
+    if waves.oscillates(feed.waves):
+        _be_careful(feed, OSCILLATION)
+    if waves.chatters(feed.waves):
+        feed.notice |= CHATTER
+        feed.cap = max(feed.chatter_share * min(feed.cap, feed.wanted), CREEP * feed.most)
+    if feed.waves.weight > 0.0:
+        feed.notice |= RIPPLE
 
 
 @njit(cache=True, nogil=True)
@@ -110,8 +90,60 @@ def _limited(feed: np.record, wanted: float) -> float:
     if feed.phase >= RETREATING:
         return wanted
     low, high = feed.wanted - feed.step, feed.wanted + feed.step
-    limited: float = min(max(wanted, low, 0.0), high, feed.most)
+    limited: float = min(max(wanted, low, 0.0), high, feed.cap)
     return limited
+
+
+@njit(cache=True, nogil=True)
+def _highest(feed: np.record) -> float:
+    """Return the feed that is allowed under control: it does not rise without contact, and gently with little force."""
+    if feed.lost:
+        return feed.wanted  # type: ignore[no-any-return]
+    if feed.waves.level < feed.enough:
+        return max(feed.approach, feed.wanted * feed.rise)  # type: ignore[no-any-return]
+    return feed.cap  # type: ignore[no-any-return]
+
+
+@njit(cache=True, nogil=True)
+def _controlled(feed: np.record, velocity: float, force: float, notched: float) -> float:
+    """Return the feed of the outer loop within its limits, m/s; without contact it does not rise."""
+    law.adapt(feed, velocity, notched)
+    asked = law.wanted(feed.law, velocity, notched)
+    given = _limited(feed, min(asked, _highest(feed)))
+    law.integrate(feed.law, feed.force - force, feed.outer.period, asked, given)
+    return given
+
+
+@njit(cache=True, nogil=True)
+def _wanted(feed: np.record, velocity: float, force: float, notched: float) -> float:
+    """Return the feed wanted in this phase, m/s."""
+    phase, wanted = feed.phase, 0.0
+    if phase == APPROACHING or phase == ESTIMATING:
+        most = min(feed.initial, feed.returning) if phase == APPROACHING else feed.risen
+        wanted = feed.wanted
+        if not force >= feed.enough:
+            wanted = min(most, max(feed.approach, feed.wanted * feed.rise))
+        wanted = _limited(feed, wanted)
+    elif phase == CONTROLLING:
+        wanted = _controlled(feed, velocity, force, notched)
+    elif phase == RETREATING:
+        wanted = -feed.retreat
+    return wanted
+
+
+@njit(cache=True, nogil=True)
+def _seen(feed: np.record, measured: float, along: float, across: float, is_seen: bool) -> tuple[float, float]:
+    """Take in the force, and go over to another phase where it says so; return it, and it without its ripple, N."""
+    force = math.hypot(along, across) if is_seen else feed.last_force
+    if feed.phase > CONTROLLING:
+        return force, force
+    if is_seen:
+        feed.smooth_along += SMOOTH * (along - feed.smooth_along)
+        feed.smooth_across += SMOOTH * (across - feed.smooth_across)
+        if math.isfinite(measured) and feed.phase != IDLE:
+            cutting.observe(feed.cutting, measured, along, across)
+    watch.observe(feed, along, across, is_seen)
+    return force, waves.observe(feed.waves, force)
 
 
 @njit(cache=True, nogil=True)
@@ -122,19 +154,27 @@ def _step(feed: np.record, measured: float, along: float, across: float, is_vali
     elif not is_running and feed.phase < RETREATING:
         feed.phase = IDLE
     velocity = inner.observe(feed.loop, measured)
+    if feed.is_careful:
+        velocity = measured if math.isfinite(measured) else feed.last_velocity
     is_seen = is_valid and math.isfinite(along + across)
-    force = math.copysign(math.hypot(along, across), along) if is_seen else feed.last_force
-    if feed.phase <= CONTROLLING:
-        if is_seen and math.isfinite(measured) and feed.phase != IDLE:
-            cutting.observe(feed.cutting, measured, along, across)
-        _watch(feed, force, along, is_seen)
-        if feed.phase == ESTIMATING and _is_known(feed):
-            feed.phase, feed.last_velocity, feed.last_force = CONTROLLING, velocity, force
-    feed.wanted = _limited(feed, _wanted(feed, velocity, force))
+    feed.strained = feed.strained + 1 if is_seen and math.hypot(along, across) > feed.overload else 0
+    if 0 < feed.strained < feed.overload_samples:  # perhaps a spark of the sensor
+        along, across = feed.last_along, feed.last_across
+    force, notched = _seen(feed, measured, along, across, is_seen)
+    feed.estimating = feed.estimating + 1 if feed.phase == ESTIMATING else 0
+    if feed.phase == ESTIMATING and (watch.is_known(feed, force) or feed.estimating > feed.hesitation):
+        feed.notice |= 0 if watch.is_known(feed, force) else UNKNOWN
+        feed.phase, feed.waves.samples = CONTROLLING, 0
+        law.begin(feed, velocity, notched)
     feed.last_velocity, feed.last_force = velocity, force
+    if IDLE < feed.phase <= CONTROLLING:
+        _judge(feed, measured)
+    feed.wanted = _wanted(feed, velocity, force, notched)
     if feed.phase == IDLE or feed.phase == RETREATED:
         feed.wanted = 0.0
         inner.rest(feed.loop)
+    elif feed.is_careful:
+        feed.loop.asked = min(max(feed.wanted, feed.loop.least), feed.loop.most)
     else:
         inner.control(feed.loop, feed.wanted, velocity)
     if feed.phase == RETREATING:
@@ -147,7 +187,7 @@ def _step(feed: np.record, measured: float, along: float, across: float, is_vali
 def run(seen: Signals, made: Signals, feeds: np.ndarray) -> None:
     """Run one frame: `feeds` (1,) of `FEED`."""
     feed, (velocity, force, is_valid, is_running) = feeds[0], seen
-    reference, wanted, estimated, resultant, kappa, kappa_deviation, beta, beta_deviation, phase = made
+    reference, wanted, estimated, resultant, kappa, kappa_deviation, beta, beta_deviation, phase, notice, ripple = made
     for n in range(len(velocity)):
         _step(feed, velocity[n, 0], force[n, 0], force[n, 1], is_valid[n, 0] > 0.5, is_running[n, 0] > 0.5)
         estimated[n, 0], resultant[n, 0] = feed.last_velocity, feed.last_force
@@ -155,3 +195,5 @@ def run(seen: Signals, made: Signals, feeds: np.ndarray) -> None:
         kappa[n, 0], beta[n, 0] = feed.cutting.kappa, feed.cutting.beta
         kappa_deviation[n, 0] = math.sqrt(feed.cutting.kappa_variance)
         beta_deviation[n, 0] = math.sqrt(feed.cutting.beta_variance)
+        notice[n, 0] = feed.notice
+        ripple[n, 0] = feed.waves.omega / (2.0 * math.pi * feed.loop.period) if feed.waves.weight > 0.0 else 0.0

@@ -8,6 +8,8 @@ from numba import njit
 
 Cubic = tuple[float, float, float, float]
 """Coefficients from the third power down."""
+FASTEST = 8.0
+"""Decay of the force in a sample, 1: its logarithm."""
 
 
 @njit(cache=True, nogil=True)
@@ -17,13 +19,26 @@ def _held(x: float) -> float:
 
 
 @njit(cache=True, nogil=True)
+def _flow(kappa: float, widening: float, outer: np.record) -> tuple[float, float]:
+    """Return how quickly the force decays, 1/s, and how much of it a feed makes, N/m.
+
+    A force that has decayed within a sample is taken for one that decays by e^-FASTEST in it, with the same gain at
+    rest: a quicker one leaves next to nothing in the numbers, and the cubic loses its leading coefficient.
+    """
+    decay, most = outer.stiffness * kappa, FASTEST / outer.period
+    if decay <= most:
+        return decay, outer.stiffness * widening
+    return most, most * widening / kappa
+
+
+@njit(cache=True, nogil=True)
 def sampled(kappa: float, widening: float, outer: np.record) -> Cubic:
     """Return the sampled process: 1 - a, 1 - e, and n0, n1 of its numerator n0 + n1 (z - 1), N per m/s.
 
     The velocity loop has the pole a, the force e; from velocity reference to force is n / ((z - a) (z - e)).
     """
     h, lag = outer.period, outer.lag
-    decay, gain = outer.stiffness * kappa, outer.stiffness * widening
+    decay, gain = _flow(kappa, widening, outer)
     slow_v, slow_f = -math.expm1(-h * lag), -math.expm1(-h * decay)
     through = gain * h * math.exp(-h * decay) * _held(h * (decay - lag))  # of a velocity, after a sample
     direct = gain * h * _held(-h * decay) - through  # of a reference, within the sample
@@ -36,7 +51,7 @@ def control_weight(kappa: float, widening: float, outer: np.record) -> float:
 
     So the loop is about as quick for every kappa.
     """
-    decay, gain = outer.stiffness * kappa, outer.stiffness * widening
+    decay, gain = _flow(kappa, widening, outer)
     weight: float = outer.control * gain * gain / (decay * decay + outer.integral)
     return weight
 

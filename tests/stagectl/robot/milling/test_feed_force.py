@@ -6,10 +6,16 @@ import numpy as np
 import pytest
 
 from stagectl.robot.feed_config import ForceFeed
+from stagectl.robot.milling import force_law_kernel as law
 from stagectl.robot.milling.feed_force import PHASES, FeedForce
+from stagectl.robot.milling.feed_notices import NOTICES, words
+from stagectl.robot.milling.feed_record import CHATTER
+from stagectl.robot.milling.feed_record import MODEL as NOT_AS_IDENTIFIED
 from stagectl.robot.milling.nominal_velocity import nominal_velocity
 
 H = 0.004
+NOISE = 0.01
+"""N: a sensor that shows the same twice is stuck."""
 MODEL = nominal_velocity(250.0)
 
 
@@ -23,13 +29,13 @@ class Bench:
         self.kappa, self.beta, self.stiffness, self.gap = 4e-4, 0.5, 75e3, ahead
         self.place = self.removed = self.velocity = 0.0
         self._state = np.zeros(MODEL.order)
-        self.force = np.zeros(2)
+        self.force, self.rng, self.noise, self.pull = np.zeros(2), np.random.default_rng(1), NOISE, 1.0
 
     def run(self, seconds: float, valid: float = 1.0, running: float = 1.0, force: float | None = None) -> np.ndarray:
         """Go on; return phase, feed wanted and resultant force, shape (samples, 3)."""
         told = []
         for _ in range(round(seconds / H)):
-            seen = self.force if force is None else np.array([force, 0.0])
+            seen = (self.force if force is None else np.array([force, 0.0])) + self.noise * self.rng.standard_normal(2)
             self.block.process(np.array([[self.velocity]]), seen[None], np.array([[valid]]), np.array([[running]]),
                                *self.outputs.values())  # fmt: skip
             self._move(self.of("reference"))
@@ -45,7 +51,7 @@ class Bench:
 
     def _move(self, asked: float) -> None:
         self.velocity = float((MODEL.C @ self._state)[0])
-        self._state = MODEL.A @ self._state + MODEL.B[:, 0] * asked
+        self._state = MODEL.A @ self._state + MODEL.B[:, 0] * asked * self.pull
         before = max(self.place - self.gap - self.removed, 0.0)
         self.place += H * self.velocity
         depth = max(self.place - self.gap - self.removed, 0.0)
@@ -59,7 +65,7 @@ class Bench:
 
 def test_it_is_idle_until_it_is_to_run_and_again_afterwards() -> None:
     bench = Bench()
-    assert (bench.run(0.1, running=0.0) == 0.0).all()
+    assert (bench.run(0.1, running=0.0)[:, :2] == 0.0).all()
     bench.run(0.5)
     assert bench.phase == "controlling"
     assert bench.run(0.1, running=0.0)[-1, 1] == 0.0
@@ -183,3 +189,77 @@ def test_a_velocity_that_is_no_number_is_waited_for() -> None:
 def test_a_model_of_another_rate_is_refused() -> None:
     with pytest.raises(ValueError, match="250 samples/s, must be of 500"):
         FeedForce(ForceFeed(), MODEL).prepare(500.0, 1)
+
+
+def ripples(bench: Bench, seconds: float, share: float, hertz: float) -> np.ndarray:
+    """Go on with a ripple on what the sensor shows; return the size of the force that is shown, N."""
+    told = []
+    for n in range(round(seconds / H)):
+        plain = bench.force.copy()
+        bench.force = plain * (1.0 + share * np.sin(2 * np.pi * hertz * n * H))
+        told.append(np.hypot(*bench.force))
+        seen, bench.force = bench.force, plain
+        bench.run(H, force=float(np.hypot(*seen)))
+    return np.array(told)
+
+
+@pytest.mark.parametrize("hertz", [7.0, 23.0, 83.0, 101.0])
+def test_a_ripple_moves_the_mean_force_by_less_than_a_hundredth(hertz: float) -> None:
+    bench = Bench()
+    bench.run(1.0)
+    assert ripples(bench, 8.0, 0.3, hertz)[500:].mean() == pytest.approx(10.0, rel=0.01)
+
+
+def test_gains_that_are_renewed_move_no_output() -> None:
+    bench = Bench()
+    bench.run(1.0)
+    feed: np.record = bench.block._feeds.copy().view(np.recarray)[0]  # noqa: SLF001 (what the law is about)
+    before = law.wanted(feed.law, 0.004, 9.0)
+    feed.cutting.kappa *= 3.0
+    law.adapt(feed, 0.004, 9.0)
+    assert feed.law.changes == bench.block._feed.law.changes + 1  # noqa: SLF001
+    assert law.wanted(feed.law, 0.004, 9.0) == pytest.approx(before, rel=1e-9)
+
+
+def test_a_force_almost_across_the_feed_is_controlled() -> None:
+    bench = Bench()
+    bench.beta = 4.0
+    told = bench.run(2.0)
+    assert bench.phase == "controlling"
+    assert told[-100:, 2].mean() == pytest.approx(10.0, rel=0.01)
+
+
+def test_a_sensor_whose_signs_are_turned_makes_no_difference() -> None:
+    bench = Bench()
+    for _ in range(500):
+        bench.run(H, force=-float(np.hypot(*bench.force)))
+    assert np.hypot(*bench.force) == pytest.approx(10.0, rel=0.02)
+
+
+def test_a_sensor_that_shows_the_same_again_and_again_makes_it_retreat() -> None:
+    bench = Bench()
+    bench.run(1.0)
+    bench.noise = 0.0
+    bench.run(0.3, force=9.0)
+    assert bench.phase in ("retreating", "retreated")
+    assert bench.block.reason == "the force has been exactly the same for 0.2 s"
+
+
+def test_a_robot_that_does_not_follow_as_identified_is_noticed_and_the_force_is_held_all_the_same() -> None:
+    bench = Bench()
+    bench.run(1.0)
+    assert bench.block.notice & NOT_AS_IDENTIFIED == 0
+    bench.pull = 0.5  # it goes half as fast as it is asked to
+    told = bench.run(3.0)
+    assert bench.block.notice & NOT_AS_IDENTIFIED
+    assert words(bench.block.notice & NOT_AS_IDENTIFIED) == [NOTICES[NOT_AS_IDENTIFIED]]
+    assert told[-250:, 2].mean() == pytest.approx(10.0, rel=0.01)
+
+
+def test_a_peak_that_grows_is_chatter_and_lowers_the_feed() -> None:
+    bench = Bench()
+    bench.run(1.5)
+    feed = bench.of("wanted")
+    ripples(bench, 1.0, 0.6, 71.0)
+    assert bench.block.notice & CHATTER
+    assert bench.of("wanted") < 0.85 * feed

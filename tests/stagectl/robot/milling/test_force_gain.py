@@ -50,6 +50,7 @@ def test_the_closed_form_is_the_solution_of_the_riccati_equation() -> None:
     rng, worst = np.random.default_rng(7), 0.0
     for _ in range(300):
         kappa, wide, settings = 10 ** rng.uniform(-5, -1.5), rng.uniform(1.0, 2.0), settings_of(rng)
+        kappa = min(kappa, kernel.FASTEST / (H * settings.stiffness))
         found = np.array(kernel.gains(kappa, wide, settings)) * [1.0, 1.0, -1.0]
         wanted = by_riccati(kappa, wide, settings)[0]
         worst = max(worst, float(np.abs(found - wanted).max() / np.abs(wanted).max()))
@@ -74,3 +75,11 @@ def test_the_process_is_sampled_exactly_where_both_poles_coincide() -> None:
     assert slow_f == pytest.approx(1.0 - transition[1, 1])
     assert n1 == pytest.approx(drive[1, 0])
     assert n0 == pytest.approx(transition[1, 0] * drive[0, 0] + drive[1, 0] * slow_v)
+
+
+@pytest.mark.parametrize("kappa", [0.03, 0.1])
+def test_a_force_that_follows_the_feed_within_a_sample_has_gains_as_well(kappa: float) -> None:
+    settings = outer_of(3e5, 1 / 0.018, 0.05**-2, 0.0, 1.0, H)
+    gains = np.array(kernel.gains(kappa, 3.0, settings))
+    assert np.isfinite(gains).all()
+    assert gains[2] > 0.0

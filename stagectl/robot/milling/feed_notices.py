@@ -1,0 +1,20 @@
+"""What force control has noticed, in words."""
+
+from stagectl.robot.milling.feed_record import CHATTER, MODEL, OSCILLATION, RIPPLE, UNKNOWN
+
+NOTICES = {
+    UNKNOWN: "control begins though kappa and beta are not known",
+    MODEL: "the robot no longer follows as identified: control goes on without the velocity model",
+    OSCILLATION: "the force oscillates: control goes on more slowly",
+    CHATTER: "the tool chatters: the feed is lowered",
+    RIPPLE: "the force has a ripple, which is not fed back",
+}
+"""By bit of the port `notice`."""
+
+NAMES = {UNKNOWN: "unknown", MODEL: "model", OSCILLATION: "oscillation", CHATTER: "chatter", RIPPLE: "ripple"}
+"""Keys of the same for other programs."""
+
+
+def words(bits: int) -> list[str]:
+    """Return in words what the bits of the port `notice` say."""
+    return [text for bit, text in NOTICES.items() if bits & bit]
