@@ -1,9 +1,9 @@
 """The compiled search for a loop's dead time: models with every one that is tried, estimated side by side."""
 
-import numpy as np
 from numba import njit
 
 from rigkit.flush_kernel import flushed
+from rigkit.record import Record
 from stagectl.robot.midranging import least_squares_kernel as squares
 from stagectl.robot.midranging import loop_model_kernel as model
 
@@ -15,7 +15,7 @@ estimated, and at least what an input gain off by this share leaves."""
 
 
 @njit(cache=True, nogil=True)
-def watch(loop: np.record, order: int, keep: float, measured: float) -> None:
+def watch(loop: Record, order: int, keep: float, measured: float) -> None:
     """Estimate every candidate from the output measured now, m, and see how far its own output is off."""
     for number in range(loop.candidates):
         candidate = loop.bank[number]
@@ -29,7 +29,7 @@ def watch(loop: np.record, order: int, keep: float, measured: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def apply(loop: np.record) -> None:
+def apply(loop: Record) -> None:
     """Give every candidate what the loop was given, its dead time later."""
     for number in range(loop.candidates):
         candidate = loop.bank[number]
@@ -39,7 +39,7 @@ def apply(loop: np.record) -> None:
 
 
 @njit(cache=True, nogil=True)
-def best(loop: np.record) -> int:
+def best(loop: Record) -> int:
     """Return which candidate is the nearest."""
     chosen = 0
     for number in range(1, loop.candidates):
@@ -49,7 +49,7 @@ def best(loop: np.record) -> int:
 
 
 @njit(cache=True, nogil=True)
-def choose(loop: np.record, order: int, chosen: int) -> None:
+def choose(loop: Record, order: int, chosen: int) -> None:
     """Use a candidate from now on, its estimate and its covariance; how the estimator forgets stays the loop's own."""
     candidate, own = loop.bank[chosen], loop.squares
     own.estimate[:] = candidate.squares.estimate

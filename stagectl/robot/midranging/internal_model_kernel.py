@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from rigkit.flush_kernel import flushed
+from rigkit.record import Record
 from stagectl.robot.midranging import identification_kernel as identification
 from stagectl.robot.midranging import least_squares_kernel as squares
 from stagectl.robot.midranging import loop_model_kernel as model
@@ -44,28 +45,28 @@ Answers = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.n
 
 
 @njit(cache=True, nogil=True)
-def _excitation(loop: np.record, count: int) -> float:
+def _excitation(loop: Record, count: int) -> float:
     """Return the square wave of the estimation phase, m; its first half is half as long."""
     sign = 1.0 if int((count + 0.5 * loop.half_period) // loop.half_period) % 2 == 0 else -1.0
     return float(sign * loop.amplitude)
 
 
 @njit(cache=True, nogil=True)
-def _learn(loop: np.record, order: int, measured: float) -> None:
+def _learn(loop: Record, order: int, measured: float) -> None:
     """Update one loop's estimate, and its model where that changed."""
     if squares.observe(loop.squares, order, measured):
         model.adopt(loop, order)
 
 
 @njit(cache=True, nogil=True)
-def _off(loop: np.record, number: int) -> float:
+def _off(loop: Record, number: int) -> float:
     """Return the mean square of a candidate's error over that of the output, noise apart."""
     error = max(loop.bank[number].error_power - 2.0 * loop.noise, 0.0)
     return float(error / max(loop.output_power - loop.noise, 1e-300))
 
 
 @njit(cache=True, nogil=True)
-def _advance_phase(axis: np.record, fast: float, slow: float) -> None:
+def _advance_phase(axis: Record, fast: float, slow: float) -> None:
     """End the estimation phase once it has taken its time and both models are accurate, or no more time is left."""
     for loop, measured in ((axis.fast, fast), (axis.slow, slow)):
         loop.output_power = flushed(axis.forget * loop.output_power + (1.0 - axis.forget) * measured * measured)
@@ -91,7 +92,7 @@ def _advance_phase(axis: np.record, fast: float, slow: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _take_over(axis: np.record, reason: int) -> None:
+def _take_over(axis: Record, reason: int) -> None:
     """Let valve position control go on from where both references are: nothing jumps."""
     axis.phase, axis.reason = TAKEN_OVER, reason
     control = axis.valve
@@ -102,13 +103,13 @@ def _take_over(axis: np.record, reason: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _bounded(axis: np.record, slow: float, whole: float) -> float:
+def _bounded(axis: Record, slow: float, whole: float) -> float:
     """Return a slow reference, m, within the travel of where both manipulators are to be together."""
     return float(min(max(slow, whole - axis.governor.travel), whole + axis.governor.travel))
 
 
 @njit(cache=True, nogil=True)
-def _filtered(loop: np.record, value: float) -> float:
+def _filtered(loop: Record, value: float) -> float:
     """Return the disturbance behind a loop's robustness filter, m."""
     filtered = float(flushed(loop.filter_pole * loop.filtered + (1.0 - loop.filter_pole) * value))
     loop.filtered = filtered
@@ -116,7 +117,7 @@ def _filtered(loop: np.record, value: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _control(axis: np.record) -> tuple[float, float]:
+def _control(axis: Record) -> tuple[float, float]:
     """Return the references of the fast loop, not yet governed, and the slow one, m: (3.2) and (3.3).
 
     The fast loop is asked for T_f e less what the slow one, by its model and what it was asked, will show by then; what
@@ -135,7 +136,7 @@ def _control(axis: np.record) -> tuple[float, float]:
 
 
 @njit(cache=True, nogil=True)
-def _valve(axis: np.record, error: float) -> tuple[float, float]:
+def _valve(axis: Record, error: float) -> tuple[float, float]:
     """Return both references of valve position control, whose slow integral stops at the bound."""
     control = axis.valve
     valve.step(control, error, 0.0)
@@ -145,7 +146,7 @@ def _valve(axis: np.record, error: float) -> tuple[float, float]:
 
 
 @njit(cache=True, nogil=True)
-def _look(axis: np.record, seen: tuple[float, float, float, float]) -> tuple[float, float]:
+def _look(axis: Record, seen: tuple[float, float, float, float]) -> tuple[float, float]:
     """Keep what is a number of a sample; return both positions, the models' where they are no numbers."""
     reference, relative, fast, slow = seen
     if not math.isfinite(reference + relative + fast + slow):
@@ -166,7 +167,7 @@ def _look(axis: np.record, seen: tuple[float, float, float, float]) -> tuple[flo
 
 
 @njit(cache=True, nogil=True)
-def _supervise(axis: np.record, fast: float, slow: float) -> None:
+def _supervise(axis: Record, fast: float, slow: float) -> None:
     """Let valve position control take over where a model diverges, or what is asked for is no number."""
     least, order = LEAST * axis.governor.travel, axis.order
     if not math.isfinite(least):
@@ -177,7 +178,7 @@ def _supervise(axis: np.record, fast: float, slow: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _step(axis: np.record, seen: tuple[float, float, float, float]) -> tuple[float, float]:
+def _step(axis: Record, seen: tuple[float, float, float, float]) -> tuple[float, float]:
     """Do one sample of one axis; return the references of either loop, the fast one about the middle, m.
 
     `seen`: reference, relative, fast (about the middle) and slow position, m.
@@ -210,7 +211,7 @@ def _step(axis: np.record, seen: tuple[float, float, float, float]) -> tuple[flo
 
 
 @njit(cache=True, nogil=True)
-def _apply(axis: np.record, loop: np.record, given: float) -> None:
+def _apply(axis: Record, loop: Record, given: float) -> None:
     """Remember what a loop's model showed and what it is given."""
     modelled = model.output(loop, axis.order)
     model.push(loop.outputs, modelled)

@@ -5,15 +5,15 @@ of the sensor is white in the output, and so correlated in the unsmoothed equati
 U D U' and updated by Bierman's algorithm: it stays positive whatever rounding does, for as long as the loop runs.
 """
 
-import numpy as np
 from numba import njit
 
 from rigkit.flush_kernel import flushed
+from rigkit.record import Record
 from stagectl.robot.midranging.axis_record import ORDER, SIZE
 
 
 @njit(cache=True, nogil=True)
-def reset(squares: np.record) -> None:
+def reset(squares: Record) -> None:
     """Say that nothing is known of the parameters but their estimate."""
     for row in range(SIZE):
         for column in range(SIZE):
@@ -22,12 +22,12 @@ def reset(squares: np.record) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _regressor(squares: np.record, order: int, row: int) -> float:
+def _regressor(squares: Record, order: int, row: int) -> float:
     return float(squares.outputs[row] if row < order else squares.inputs[row - order])
 
 
 @njit(cache=True, nogil=True)
-def _predicted(squares: np.record, order: int) -> float:
+def _predicted(squares: Record, order: int) -> float:
     total = 0.0
     for row in range(2 * order):
         total += squares.estimate[row] * _regressor(squares, order, row)
@@ -35,7 +35,7 @@ def _predicted(squares: np.record, order: int) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _turn(squares: np.record, order: int) -> float:
+def _turn(squares: Record, order: int) -> float:
     """Fill `turned`, and return the covariance seen by the regressors."""
     total = 0.0
     for column in range(2 * order):
@@ -48,7 +48,7 @@ def _turn(squares: np.record, order: int) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _update(squares: np.record, order: int, residual: float) -> None:
+def _update(squares: Record, order: int, residual: float) -> None:
     """Do (3.4) [Bierman 1977, ch. V], and scale the covariance down where its trace is above that of the start."""
     forgetting = squares.forgetting
     before = forgetting
@@ -70,7 +70,7 @@ def _update(squares: np.record, order: int, residual: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _bound(squares: np.record, order: int) -> None:
+def _bound(squares: Record, order: int) -> None:
     trace, most = 0.0, 2 * order * squares.start
     for column in range(2 * order):
         squared = 1.0
@@ -83,7 +83,7 @@ def _bound(squares: np.record, order: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def observe(squares: np.record, order: int, output: float) -> bool:
+def observe(squares: Record, order: int, output: float) -> bool:
     """Take one output in, m, and return whether the estimate was updated; `apply` follows with the sample's input."""
     smooth = flushed(squares.pole * squares.outputs[0] + (1.0 - squares.pole) * output)
     updated = abs(squares.inputs[0] - squares.slow_input) >= squares.gate
@@ -108,7 +108,7 @@ def observe(squares: np.record, order: int, output: float) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def apply(squares: np.record, value: float) -> None:
+def apply(squares: Record, value: float) -> None:
     """Take in what the loop is given this sample, m."""
     smooth = flushed(squares.pole * squares.inputs[0] + (1.0 - squares.pole) * value)
     for row in range(ORDER - 1, 0, -1):

@@ -4,6 +4,7 @@ import numpy as np
 from numba import njit
 
 from rigkit.flush_kernel import flushed
+from rigkit.record import Record
 from stagectl.robot.midranging.axis_record import LINE, ORDER
 from stagectl.robot.midranging.minimum_phase_kernel import mirror
 
@@ -43,7 +44,7 @@ def is_usable(estimate: np.ndarray, order: int) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def adopt(loop: np.record, order: int) -> None:
+def adopt(loop: Record, order: int) -> None:
     """Use the estimate if that may be; else go on with the last one."""
     estimate = loop.squares.estimate
     if not is_usable(estimate, order):
@@ -57,7 +58,7 @@ def adopt(loop: np.record, order: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def output(model: np.record, order: int) -> float:
+def output(model: Record, order: int) -> float:
     """Return the output of a `LOOP` or a `RESPONSE` now, m."""
     total = 0.0
     for row in range(order):
@@ -74,7 +75,7 @@ def push(values: np.ndarray, value: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def invert(loop: np.record, order: int, wanted: float) -> float:
+def invert(loop: Record, order: int, wanted: float) -> float:
     """Return what the loop must be given now for its output to be `wanted` one sample later, m."""
     total = wanted
     for row in range(order):
@@ -88,7 +89,7 @@ def invert(loop: np.record, order: int, wanted: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def desired(wanted: np.record, error: float, order: int) -> float:
+def desired(wanted: Record, error: float, order: int) -> float:
     """Return what the desired response makes of `error` one sample later, m."""
     push(wanted.inputs, error)
     value = output(wanted, order)
@@ -103,7 +104,7 @@ def delayed(line: np.ndarray, at: int, delay: int) -> float:
 
 
 @njit(cache=True, nogil=True)
-def shown(loop: np.record, order: int) -> float:
+def shown(loop: Record, order: int) -> float:
     """Return the model's output now behind its dead time, m."""
     if loop.delay == 0:
         return output(loop, order)
@@ -111,7 +112,7 @@ def shown(loop: np.record, order: int) -> float:
 
 
 @njit(cache=True, nogil=True)
-def ahead(loop: np.record, order: int, samples: int, held: float) -> float:
+def ahead(loop: Record, order: int, samples: int, held: float) -> float:
     """Return the model's output so many `samples` from now (>= 1), with its input `held` (m) from now on."""
     known = samples - loop.delay
     if known < 0:

@@ -1,14 +1,14 @@
 """The compiled governor of one axis: the inner control signal and the travel, kept within their limits."""
 
-import numpy as np
 from numba import njit
 
+from rigkit.record import Record
 from stagectl.robot.midranging.axis_record import ORDER
 from stagectl.robot.midranging.loop_model_kernel import push
 
 
 @njit(cache=True, nogil=True)
-def _past(governor: np.record) -> float:
+def _past(governor: Record) -> float:
     """Return what past errors and signals put into the control signal now, times the first denominator."""
     total = 0.0
     for row in range(ORDER):
@@ -18,7 +18,7 @@ def _past(governor: np.record) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _within_travel(governor: np.record, model: np.record, order: int, wanted: float) -> float:
+def _within_travel(governor: Record, model: Record, order: int, wanted: float) -> float:
     """Return the reference nearest to `wanted` that, held from now on, keeps the position within the travel.
 
     The free response f and the step response s of the loop's model: -travel <= f_j + s_j w <= travel for all j.
@@ -48,16 +48,14 @@ def _within_travel(governor: np.record, model: np.record, order: int, wanted: fl
 
 
 @njit(cache=True, nogil=True)
-def position(governor: np.record, measured: float, modelled: float) -> float:
+def position(governor: Record, measured: float, modelled: float) -> float:
     """Return the position that the control signal is made of, m: the model's and its offset, near what is measured."""
     smooth = modelled + governor.offset
     return float(min(max(smooth, measured - governor.lean), measured + governor.lean))
 
 
 @njit(cache=True, nogil=True)
-def govern(
-    governor: np.record, model: np.record, order: int, wanted: float, position: float, undelayed: float
-) -> float:
+def govern(governor: Record, model: Record, order: int, wanted: float, position: float, undelayed: float) -> float:
     """Return the reference that the fast loop may have now, m, and keep the share of (3.8) and the control signal.
 
     `undelayed`: where the loop would be without its dead time, m; the control signal is made of `position`.
@@ -77,7 +75,7 @@ def govern(
 
 
 @njit(cache=True, nogil=True)
-def keep(governor: np.record, given: float, position: float, past: float) -> None:
+def keep(governor: Record, given: float, position: float, past: float) -> None:
     """Remember what the inner controller makes of the reference it was given."""
     error = given - position
     control = float((governor.numerator[0] * error + past) / governor.denominator[0])

@@ -1,20 +1,20 @@
 """The compiled watch over a loop's model: the small-gain condition that internal model control diverges beyond."""
 
-import numpy as np
 from numba import njit
 
 from rigkit.flush_kernel import flushed
+from rigkit.record import Record
 
 
 @njit(cache=True, nogil=True)
-def begin(loop: np.record) -> None:
+def begin(loop: Record) -> None:
     """Forget what was watched."""
     loop.error_mean = loop.error_power = loop.output_mean = loop.output_power = 0.0
     loop.suspicion = 0
 
 
 @njit(cache=True, nogil=True)
-def is_diverging(loop: np.record, most: float, least: float, measured: float, modelled: float) -> bool:
+def is_diverging(loop: Record, most: float, least: float, measured: float, modelled: float) -> bool:
     """Take a sample in, m, and return whether the model's error has been larger than `most` times its output for long.
 
     Means apart, rms, and `least` (m) in any case.  At the frequency of a growing oscillation, F T (H - H^) / H^ = -1:

@@ -6,10 +6,11 @@ import numpy as np
 from numba import njit
 
 from rigkit.flush_kernel import flushed
+from rigkit.record import Record
 
 
 @njit(cache=True, nogil=True)
-def step(axis: np.record, error: float, signal: float) -> None:
+def step(axis: Record, error: float, signal: float) -> None:
     """Do one sample of one axis; where an input is no number, everything stays as it is."""
     if not math.isfinite(error + signal):
         axis.blind += 1

@@ -2,8 +2,9 @@
 
 import math
 
-import numpy as np
 from numba import njit
+
+from rigkit.record import Record
 
 SCATTER = 0.04
 """Of the residuals' mean, and of their mean square about it, in a sample: 0.1 s at 250 samples/s."""
@@ -23,20 +24,20 @@ def _updated(
 
 
 @njit(cache=True, nogil=True)
-def widening(cutting: np.record) -> float:
+def widening(cutting: Record) -> float:
     """Return sqrt(1 + beta^2)."""
     return math.sqrt(1.0 + cutting.beta * cutting.beta)
 
 
 @njit(cache=True, nogil=True)
-def beta_noise(cutting: np.record) -> float:
+def beta_noise(cutting: Record) -> float:
     """Return the variance of beta's equation, N^2: that of the sensor, or of what is really left over."""
     noise: float = max(cutting.force_noise * (1.0 + cutting.beta * cutting.beta), cutting.beta_scatter)
-    return noise
+    return float(noise)
 
 
 @njit(cache=True, nogil=True)
-def kappa_noise(cutting: np.record) -> float:
+def kappa_noise(cutting: Record) -> float:
     """Return the variance of kappa's equation, (m/s)^2: that of the sensors, or of what is really left over.
 
     A ripple of the teeth, or an arm that rings, is no noise of a sensor; without this it would go into kappa.
@@ -44,18 +45,18 @@ def kappa_noise(cutting: np.record) -> float:
     wide = widening(cutting)
     noise = 2.0 * cutting.force_noise / (cutting.period * cutting.stiffness) ** 2
     noise = max(noise + wide * wide * cutting.velocity_noise, cutting.kappa_scatter)
-    return noise  # type: ignore[no-any-return]
+    return float(noise)
 
 
 @njit(cache=True, nogil=True)
-def kappa_drift(cutting: np.record) -> float:
+def kappa_drift(cutting: Record) -> float:
     """Return the variance of what kappa changes by in a sample: of soft material in proportion to kappa."""
     drift: float = cutting.kappa_drift * max(1.0, cutting.kappa / cutting.guess) ** 2
     return drift
 
 
 @njit(cache=True, nogil=True)
-def _learn_beta(cutting: np.record, along: float, across: float) -> None:
+def _learn_beta(cutting: Record, along: float, across: float) -> None:
     variance = cutting.beta_variance + cutting.beta_drift
     beta, cutting.beta_variance, residual = _updated(cutting.beta, variance, along, across, beta_noise(cutting))
     cutting.beta = min(max(beta, -MOST_BETA), MOST_BETA)
@@ -65,7 +66,7 @@ def _learn_beta(cutting: np.record, along: float, across: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _learn_kappa(cutting: np.record, velocity: float, force: float) -> None:
+def _learn_kappa(cutting: Record, velocity: float, force: float) -> None:
     rise = (force - cutting.last_force) / (cutting.period * cutting.stiffness)
     mean, variance = 0.5 * (force + cutting.last_force), cutting.kappa_variance + kappa_drift(cutting)
     measured = widening(cutting) * velocity - rise
@@ -77,7 +78,7 @@ def _learn_kappa(cutting: np.record, velocity: float, force: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def observe(cutting: np.record, velocity: float, along: float, across: float) -> None:
+def observe(cutting: Record, velocity: float, along: float, across: float) -> None:
     """Take in a sample: mean velocity since the one before (m/s), force against the feed and across it (N).
 
     Nothing is learned while the force is within the gate, nor of kappa in the first sample after that.

@@ -6,6 +6,7 @@ import numpy as np
 
 from calibration.state_space.model import InnovationModel
 from ctlblocks.block import Block, Port
+from rigkit.record import Record
 from stagectl.robot.feed_config import ForceFeed
 from stagectl.robot.milling import feed_force_kernel as kernel
 from stagectl.robot.milling import feed_record as record
@@ -76,7 +77,7 @@ class FeedForce(Block):
         if rate != self.model.rate:
             raise ValueError(f"the velocity model is of {self.model.rate:g} samples/s, must be of {rate:g}")
         self._feeds = np.zeros(1, record.FEED)  # numba takes a plain array quickly, a recarray slowly
-        self._feed: np.record = self._feeds.view(np.recarray)[0]
+        self._feed: Record = self._feeds.view(np.recarray)[0]
         feed, settings = self._feed, self.settings
         pack_outer(feed.outer, settings, self.loop.lag, rate)
         pack_cutting(feed.cutting, settings, rate)
@@ -152,13 +153,13 @@ def velocity_weights(settings: ForceFeed) -> VelocityWeights:
     return VelocityWeights(settings.velocity_integral, settings.velocity_effort, settings.doubt)
 
 
-def pack_outer(outer: np.record, settings: ForceFeed, lag: float, rate: float) -> None:
+def pack_outer(outer: Record, settings: ForceFeed, lag: float, rate: float) -> None:
     """Fill a record of `OUTER`, for a velocity loop of `lag` (s)."""
     outer.stiffness, outer.lag, outer.period = settings.stiffness, 1.0 / lag, 1.0 / rate
     outer.integral, outer.velocity, outer.control = settings.integral**-2, 0.0, settings.effort**2
 
 
-def pack_cutting(cutting: np.record, settings: ForceFeed, rate: float) -> None:
+def pack_cutting(cutting: Record, settings: ForceFeed, rate: float) -> None:
     """Fill a record of `CUTTING` with the estimator's settings and the first guesses."""
     cutting.stiffness, cutting.period, cutting.gate = settings.stiffness, 1.0 / rate, settings.contact
     cutting.force_noise, cutting.velocity_noise = settings.force_noise**2, settings.velocity_noise**2
@@ -169,7 +170,7 @@ def pack_cutting(cutting: np.record, settings: ForceFeed, rate: float) -> None:
     cutting.beta, cutting.beta_variance = settings.beta, settings.beta_deviation**2
 
 
-def pack_waves(waves: np.record, settings: ForceFeed, rate: float) -> None:
+def pack_waves(waves: Record, settings: ForceFeed, rate: float) -> None:
     """Fill a record of `WAVES` with what it is set to."""
     omega = 2.0 * math.pi * record.SPACING / rate
     waves.decay, waves.slow, waves.turn = math.exp(-1.0 / (RINGING * rate)), -math.expm1(-1.0 / (RINGING * rate)), omega
@@ -177,7 +178,7 @@ def pack_waves(waves: np.record, settings: ForceFeed, rate: float) -> None:
     waves.floor, waves.noise, waves.share = 0.5 * settings.force, NOISE * settings.force_noise, settings.ripple
 
 
-def _pack(feed: np.record, settings: ForceFeed, rate: float) -> None:
+def _pack(feed: Record, settings: ForceFeed, rate: float) -> None:
     """Fill a record of `FEED` with what it is set to."""
     gentle = settings.start == "gentle"
     feed.force, feed.initial, feed.most = settings.force, settings.initial, settings.highest

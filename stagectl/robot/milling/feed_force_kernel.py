@@ -8,6 +8,7 @@ import math
 import numpy as np
 from numba import njit
 
+from rigkit.record import Record
 from stagectl.robot.milling import cutting_estimate_kernel as cutting
 from stagectl.robot.milling import feed_watch_kernel as watch
 from stagectl.robot.milling import follow_kernel as follow
@@ -37,7 +38,7 @@ CREEP = 0.02
 
 
 @njit(cache=True, nogil=True)
-def _begin(feed: np.record) -> None:
+def _begin(feed: Record) -> None:
     """Begin a segment at rest: what was learned stays, but is in doubt."""
     feed.phase, feed.reason, feed.wanted, feed.cap = APPROACHING, 0, 0.0, feed.most
     feed.returning = feed.initial
@@ -56,7 +57,7 @@ def _begin(feed: np.record) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _be_careful(feed: np.record, why: int) -> None:
+def _be_careful(feed: Record, why: int) -> None:
     """Pass the feed on without the inner loop, whose model is in doubt, and control the force more slowly."""
     feed.notice |= why
     if feed.is_careful:
@@ -69,7 +70,7 @@ def _be_careful(feed: np.record, why: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _judge(feed: np.record, measured: float) -> None:
+def _judge(feed: Record, measured: float) -> None:
     """Look whether the robot follows as identified, and what of the force is periodic."""
     if follow.observe(feed.follow, feed.loop, measured):
         _be_careful(feed, MODEL)
@@ -85,7 +86,7 @@ def _judge(feed: np.record, measured: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _limited(feed: np.record, wanted: float) -> float:
+def _limited(feed: Record, wanted: float) -> float:
     """Return the feed within its limits of speed and acceleration; a retreat has only that of speed."""
     if feed.phase >= RETREATING:
         return wanted
@@ -95,17 +96,17 @@ def _limited(feed: np.record, wanted: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _highest(feed: np.record) -> float:
+def _highest(feed: Record) -> float:
     """Return the feed that is allowed under control: it does not rise without contact, and gently with little force."""
     if feed.lost:
-        return feed.wanted  # type: ignore[no-any-return]
+        return float(feed.wanted)
     if feed.waves.level < feed.enough:
-        return max(feed.approach, feed.wanted * feed.rise)  # type: ignore[no-any-return]
-    return feed.cap  # type: ignore[no-any-return]
+        return float(max(feed.approach, feed.wanted * feed.rise))
+    return float(feed.cap)
 
 
 @njit(cache=True, nogil=True)
-def _controlled(feed: np.record, velocity: float, force: float, notched: float) -> float:
+def _controlled(feed: Record, velocity: float, force: float, notched: float) -> float:
     """Return the feed of the outer loop within its limits, m/s; without contact it does not rise."""
     law.adapt(feed, velocity, notched)
     asked = law.wanted(feed.law, velocity, notched)
@@ -115,7 +116,7 @@ def _controlled(feed: np.record, velocity: float, force: float, notched: float) 
 
 
 @njit(cache=True, nogil=True)
-def _wanted(feed: np.record, velocity: float, force: float, notched: float) -> float:
+def _wanted(feed: Record, velocity: float, force: float, notched: float) -> float:
     """Return the feed wanted in this phase, m/s."""
     phase, wanted = feed.phase, 0.0
     if phase == APPROACHING or phase == ESTIMATING:
@@ -132,7 +133,7 @@ def _wanted(feed: np.record, velocity: float, force: float, notched: float) -> f
 
 
 @njit(cache=True, nogil=True)
-def _seen(feed: np.record, measured: float, along: float, across: float, is_seen: bool) -> tuple[float, float]:
+def _seen(feed: Record, measured: float, along: float, across: float, is_seen: bool) -> tuple[float, float]:
     """Take in the force, and go over to another phase where it says so; return it, and it without its ripple, N."""
     force = math.hypot(along, across) if is_seen else feed.last_force
     if feed.phase > CONTROLLING:
@@ -147,7 +148,7 @@ def _seen(feed: np.record, measured: float, along: float, across: float, is_seen
 
 
 @njit(cache=True, nogil=True)
-def _step(feed: np.record, measured: float, along: float, across: float, is_valid: bool, is_running: bool) -> None:
+def _step(feed: Record, measured: float, along: float, across: float, is_valid: bool, is_running: bool) -> None:
     """Do a sample: velocity (m/s), force along and across (N), whether they are to be had, whether it runs."""
     if is_running and feed.phase == IDLE:
         _begin(feed)

@@ -2,9 +2,9 @@
 
 import math
 
-import numpy as np
 from numba import njit
 
+from rigkit.record import Record
 from stagectl.robot.milling import cutting_estimate_kernel as cutting
 from stagectl.robot.milling.feed_record import (
     APPROACHING,
@@ -19,14 +19,14 @@ from stagectl.robot.milling.feed_record import (
 
 
 @njit(cache=True, nogil=True)
-def retreat(feed: np.record, reason: int) -> None:
+def retreat(feed: Record, reason: int) -> None:
     """Go back, or, between segments, where that may lead into the wood, stay."""
     feed.phase = RETREATING if feed.phase != IDLE else RETREATED
     feed.reason, feed.back = reason, 0.0
 
 
 @njit(cache=True, nogil=True)
-def _count(feed: np.record, along: float, across: float) -> None:
+def _count(feed: Record, along: float, across: float) -> None:
     """Count the samples of contact and without it, and those in which the sensor shows the same again."""
     force = math.hypot(along, across)
     feed.touched = feed.touched + 1 if force > feed.contact else 0
@@ -37,7 +37,7 @@ def _count(feed: np.record, along: float, across: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def observe(feed: np.record, along: float, across: float, is_seen: bool) -> None:
+def observe(feed: Record, along: float, across: float, is_seen: bool) -> None:
     """Go over to another phase where contact, force or sensor say so; forces in N."""
     feed.blind = 0 if is_seen else feed.blind + 1
     if feed.blind >= feed.blind_samples and feed.phase != IDLE:
@@ -65,7 +65,7 @@ def _settled(noise: float, drift: float, regressor: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def is_known(feed: np.record, force: float) -> bool:
+def is_known(feed: Record, force: float) -> bool:
     """Return whether kappa and beta are known about as well as they come to be at this force, N."""
     known, wide = feed.cutting, cutting.widening(feed.cutting)
     level = max(force, known.gate)

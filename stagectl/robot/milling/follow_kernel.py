@@ -2,8 +2,9 @@
 
 import math
 
-import numpy as np
 from numba import njit
+
+from rigkit.record import Record
 
 MEAN, SHARE = 0.25, 0.5
 """Difference of the means, over the larger one, and mean square of the difference about them, over that of the larger
@@ -11,7 +12,7 @@ one, beyond which the robot does not follow as identified."""
 
 
 @njit(cache=True, nogil=True)
-def begin(follow: np.record) -> None:
+def begin(follow: Record) -> None:
     """Be at rest."""
     for i in range(len(follow.state)):
         follow.state[i] = 0.0
@@ -21,7 +22,7 @@ def begin(follow: np.record) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _foreseen(follow: np.record, loop: np.record) -> float:
+def _foreseen(follow: Record, loop: Record) -> float:
     """Return what the model makes of all that was asked, m/s, whatever was measured."""
     n, velocity = loop.states - 1, 0.0  # without the disturbance
     for i in range(n):
@@ -36,7 +37,7 @@ def _foreseen(follow: np.record, loop: np.record) -> float:
 
 
 @njit(cache=True, nogil=True)
-def observe(follow: np.record, loop: np.record, measured: float) -> bool:
+def observe(follow: Record, loop: Record, measured: float) -> bool:
     """Go on by a sample, m/s; return whether the robot has followed otherwise for long enough to be sure of it."""
     foreseen = _foreseen(follow, loop)
     if not math.isfinite(measured):
@@ -54,4 +55,4 @@ def observe(follow: np.record, loop: np.record, measured: float) -> bool:
     strange = follow.strange + 1 if is_strange else 0
     follow.seen, follow.foreseen, follow.strange = seen, model, strange
     follow.seen_power, follow.foreseen_power, follow.error_power = seen_power, foreseen_power, error_power
-    return strange >= follow.patience  # type: ignore[no-any-return]
+    return bool(strange >= follow.patience)

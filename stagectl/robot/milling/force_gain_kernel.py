@@ -3,8 +3,9 @@
 import cmath
 import math
 
-import numpy as np
 from numba import njit
+
+from rigkit.record import Record
 
 Cubic = tuple[float, float, float, float]
 """Coefficients from the third power down."""
@@ -19,7 +20,7 @@ def _held(x: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _flow(kappa: float, widening: float, outer: np.record) -> tuple[float, float]:
+def _flow(kappa: float, widening: float, outer: Record) -> tuple[float, float]:
     """Return how quickly the force decays, 1/s, and how much of it a feed makes, N/m.
 
     A force that has decayed within a sample is taken for one that decays by e^-FASTEST in it, with the same gain at
@@ -32,7 +33,7 @@ def _flow(kappa: float, widening: float, outer: np.record) -> tuple[float, float
 
 
 @njit(cache=True, nogil=True)
-def sampled(kappa: float, widening: float, outer: np.record) -> Cubic:
+def sampled(kappa: float, widening: float, outer: Record) -> Cubic:
     """Return the sampled process: 1 - a, 1 - e, and n0, n1 of its numerator n0 + n1 (z - 1), N per m/s.
 
     The velocity loop has the pole a, the force e; from velocity reference to force is n / ((z - a) (z - e)).
@@ -46,7 +47,7 @@ def sampled(kappa: float, widening: float, outer: np.record) -> Cubic:
 
 
 @njit(cache=True, nogil=True)
-def control_weight(kappa: float, widening: float, outer: np.record) -> float:
+def control_weight(kappa: float, widening: float, outer: Record) -> float:
     """Return the weight of the feed, (N s/m)^2: relative to the force that it makes at the integral's frequency.
 
     So the loop is about as quick for every kappa.
@@ -57,7 +58,7 @@ def control_weight(kappa: float, widening: float, outer: np.record) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _spectrum(process: Cubic, weight: float, outer: np.record) -> Cubic:
+def _spectrum(process: Cubic, weight: float, outer: Record) -> Cubic:
     """Return the cubic in s = |z - 1|^2 whose roots are the closed loop's: its coefficients from s^3 down.
 
     On the unit circle |z - a|^2 = (1 - a)^2 + a s, |n|^2 = n0^2 - n1 (n0 - n1) s.
@@ -123,7 +124,7 @@ def _poles(cubic: Cubic) -> tuple[complex, complex, complex]:
 
 
 @njit(cache=True, nogil=True)
-def gains(kappa: float, widening: float, outer: np.record) -> tuple[float, float, float]:
+def gains(kappa: float, widening: float, outer: Record) -> tuple[float, float, float]:
     """Return the LQI gains on velocity (1), force (m/(N s)) and the integral of the force's error (m/(N s^2)).
 
     u = -l_v v - l_f f + l_i (sum of h (f_d - f)).

@@ -1,8 +1,8 @@
 """The compiled kernel of the outer loop in position form: scheduled gains, a bumpless integral, anti-windup."""
 
-import numpy as np
 from numba import njit
 
+from rigkit.record import Record
 from stagectl.robot.milling import cutting_estimate_kernel as cutting
 from stagectl.robot.milling import force_gain_kernel as gain
 
@@ -13,7 +13,7 @@ def _is_near(value: float, other: float, ratio: float) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def adapt(feed: np.record, velocity: float, force: float) -> None:
+def adapt(feed: Record, velocity: float, force: float) -> None:
     """Renew the gains where kappa or the widening have left those in use by more than `ratio`.
 
     The integral takes what the change would move the output by, so the output stays.
@@ -32,7 +32,7 @@ def adapt(feed: np.record, velocity: float, force: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def begin(feed: np.record, velocity: float, force: float) -> None:
+def begin(feed: Record, velocity: float, force: float) -> None:
     """Take gains and integral such that the next feed wanted is the present one."""
     law = feed.law
     law.kappa = law.widening = law.on_velocity = law.on_force = 0.0
@@ -41,13 +41,13 @@ def begin(feed: np.record, velocity: float, force: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def wanted(law: np.record, velocity: float, force: float) -> float:
+def wanted(law: Record, velocity: float, force: float) -> float:
     """Return the feed that is wanted, m/s, before its limits; for the velocity (m/s) and the force fed back (N)."""
-    return law.integral - law.on_velocity * velocity - law.on_force * force  # type: ignore[no-any-return]
+    return float(law.integral - law.on_velocity * velocity - law.on_force * force)
 
 
 @njit(cache=True, nogil=True)
-def integrate(law: np.record, error: float, period: float, asked: float, given: float) -> None:
+def integrate(law: Record, error: float, period: float, asked: float, given: float) -> None:
     """Integrate the error of the force (N), unless the feed is limited on the side to which that would go on."""
     if (asked > given and error > 0.0) or (asked < given and error < 0.0):
         return

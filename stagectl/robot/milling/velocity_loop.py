@@ -6,6 +6,7 @@ import numpy as np
 from scipy.linalg import solve_discrete_are
 
 from calibration.state_space.model import InnovationModel
+from rigkit.record import Record
 from stagectl.robot.milling.feed_record import MOST_STATES
 
 
@@ -92,13 +93,13 @@ class VelocityLoop:
         """How many states the observer has."""
         return len(self.inlet)
 
-    def pack(self, loop: np.record, least: float, most: float, rate: float) -> None:
+    def pack(self, loop: Record, least: float, most: float, rate: float) -> None:
         """Fill a record of `LOOP`, at rest, m/s from `least` to `most` and samples/s."""
         n = self.states
         loop.states = n
         loop.transition[:n, :n] = self.transition
         for name in ("inlet", "outlet", "gain", "feedback"):
-            loop[name][:n] = getattr(self, name)
+            getattr(loop, name)[:n] = getattr(self, name)
         loop.integral, loop.forward, loop.least, loop.most, loop.period = (
             self.integral, self.forward, least, most, 1.0 / rate,
         )  # fmt: skip

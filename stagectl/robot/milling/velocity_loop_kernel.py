@@ -1,13 +1,13 @@
 """The compiled kernel of the feed's inner loop: a step of the observer, and the velocity asked of the robot."""
 
-import numpy as np
 from numba import njit
 
 from rigkit.flush_kernel import flushed
+from rigkit.record import Record
 
 
 @njit(cache=True, nogil=True)
-def observe(loop: np.record, measured: float) -> float:
+def observe(loop: Record, measured: float) -> float:
     """Go on to this sample with what was asked before it and what is measured now (m/s); return the velocity, m/s.
 
     Where nothing is measured (not a number) it only predicts.
@@ -31,7 +31,7 @@ def observe(loop: np.record, measured: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def control(loop: np.record, wanted: float, velocity: float) -> None:
+def control(loop: Record, wanted: float, velocity: float) -> None:
     """Set the velocity asked of the robot, and the integral for the next sample, not wound up.
 
     `wanted` and `velocity` in m/s.
@@ -46,6 +46,6 @@ def control(loop: np.record, wanted: float, velocity: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def rest(loop: np.record) -> None:
+def rest(loop: Record) -> None:
     """Ask for nothing, and forget what was integrated."""
     loop.asked = loop.integrated = 0.0

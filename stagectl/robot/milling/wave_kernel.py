@@ -2,10 +2,10 @@
 
 import math
 
-import numpy as np
 from numba import njit
 
 from rigkit.flush_kernel import flushed
+from rigkit.record import Record
 from stagectl.robot.milling.feed_record import BINS, LOW_BINS
 
 SPARK = 2.0
@@ -24,7 +24,7 @@ samples; samples until it is judged again, and after the beginning of control.""
 
 
 @njit(cache=True, nogil=True)
-def begin(waves: np.record) -> None:
+def begin(waves: Record) -> None:
     """Have seen nothing."""
     for j in range(BINS):
         waves.cosines[j] = waves.sines[j] = 0.0
@@ -34,7 +34,7 @@ def begin(waves: np.record) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _resonate(waves: np.record, rest: float) -> None:
+def _resonate(waves: Record, rest: float) -> None:
     """Take a sample less its mean (N) into the resonators; find the highest bins, and the frequency of the ripple."""
     decay, low, high, at, turned = waves.decay, 0.0, 0.0, LOW_BINS, 0.0
     for j in range(BINS):
@@ -59,7 +59,7 @@ def _resonate(waves: np.record, rest: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def observe(waves: np.record, force: float) -> float:
+def observe(waves: Record, force: float) -> float:
     """Take in a force, N; return it without its ripple, where there is one worth taking out."""
     level = waves.level + waves.slow * (force - waves.level)
     floor = max(level, waves.floor)
@@ -79,7 +79,7 @@ def observe(waves: np.record, force: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def oscillates(waves: np.record) -> bool:
+def oscillates(waves: Record) -> bool:
     """Return whether a large oscillation below 30 Hz goes on (once a sample, while the force is controlled)."""
     samples = waves.samples + 1
     swinging = waves.swinging + 1 if samples > SETTLING and waves.low > SWING else 0
@@ -88,7 +88,7 @@ def oscillates(waves: np.record) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def chatters(waves: np.record) -> bool:
+def chatters(waves: Record) -> bool:
     """Return whether a peak above 30 Hz has grown beyond what is usual in this cut (after `oscillates`)."""
     if waves.samples <= SETTLING:
         waves.usual = waves.high
