@@ -60,4 +60,4 @@ def test_a_row_says_meaning_unit_range_and_default() -> None:
 
 
 def test_a_bar_does_not_end_a_cell() -> None:
-    assert r'| `gate` | one \| the other |  | text, matching a\|b | `"a\|b"` |' in reference(Piped, "x.toml")
+    assert r'| `gate` | one \| the other |  | text, matching `a\|b` | `"a\|b"` |' in reference(Piped, "x.toml")

@@ -93,7 +93,7 @@ def test_a_short_run_is_finite_and_goes_through_the_travel(seeds: range) -> None
 
 
 def test_a_draw_is_the_same_wherever_it_is_made() -> None:
-    assert checksum(all_draws(STAGES)[:50]) == "3a9cb4b073c4c650"
+    assert checksum(all_draws(STAGES)[:50]) == "a387ae7bc07c0b03"
 
 
 def test_a_seed_has_the_same_stage_each_time_and_families_differ() -> None:
