@@ -21,6 +21,7 @@ from tests.stagectl.link.stand_in import PATIENT, running
 pytestmark = pytest.mark.stall(0.3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wire", ["egm", "rsi"])
 def test_robot_and_stage_are_told_apart_by_what_they_answer(wire: str, tmp_path: Path) -> None:
     wanted = Wanted(size=140e-6, period=2.0, repeats=2)
