@@ -75,7 +75,7 @@ def sweep(cell: CellConfig, live: bool, folder: RunFolder, tell: Tell, conduct: 
     if not once.has(NAME):
         steps = sweep_steps(cell)
         path, numbers = path_of(steps, _start(cell), RATE)
-        once.run(NAME, _made(cell, live, SweepRun(Sweep(path, numbers, APPROACH), steps, len(path), tell)))
+        once.run(NAME, _made(cell, live, path, SweepRun(Sweep(path, numbers, APPROACH), steps, len(path), tell)))
     record = records_of(folder.path, NAME)[NAME]
     return replace(record, data=record.data[record.select(["step_1"]).data[:, 0] > 0])
 
@@ -86,11 +86,11 @@ def is_swept(folder: RunFolder) -> bool:
 
 
 @contextmanager
-def _made(cell: CellConfig, live: bool, run: "SweepRun") -> Iterator[Part]:
+def _made(cell: CellConfig, live: bool, path: np.ndarray, run: "SweepRun") -> Iterator[Part]:
     if not live:
         yield run.part(simulated_robot(cell))
         return
-    _refuse_haste(cell, arm_with_tool(cell))
+    _refuse_haste(cell, arm_with_tool(cell), path)
     with led_arm(cell, False, run.tell, run.part) as part:
         yield part
 
@@ -105,8 +105,8 @@ def _start(cell: CellConfig) -> np.ndarray:
     return np.radians(cell.clamping.leave)
 
 
-def _refuse_haste(cell: CellConfig, arm: Arm) -> None:
-    fastest = np.abs(np.diff(sweep_path(cell), axis=0)).max(axis=0) * RATE
+def _refuse_haste(cell: CellConfig, arm: Arm, path: np.ndarray) -> None:
+    fastest = np.abs(np.diff(path, axis=0)).max(axis=0) * RATE
     refuse_haste(cell, arm, {"the sweep": list(fastest), "its approach": [APPROACH] * arm.joints})
 
 

@@ -143,13 +143,14 @@ def _measured(writes: Output[CellConfig], free: FreeRun, how: Way, stream: TextI
 
     with writes.begun(), raw_run(writes.raw, writes.config) as folder, stoppable() as stop:
         conduct = Conduct(lambda: stop.made)
-        if not Once(folder, conduct).has(free.name):
+        once = Once(folder, conduct)
+        if not once.has(free.name):
             if writes.is_recomputed:
                 raise ValueError(f"--recompute: {writes.raw}/ has no {free.name}.wav")
             if how.is_live:
                 robot = LedRobot(writes.config, Person(say, not how.is_sure))
                 say(f"steps: {free.seconds:.0f} s in real time")
-                Once(folder, conduct).run(free.name, free.wired(robot, folder.event, conduct.stopped))
+                once.run(free.name, free.wired(robot, folder.event, conduct.stopped))
                 robot.leave(folder.event, conduct.stopped)
             else:
                 with progress("steps", free.seconds) as meter:
@@ -157,7 +158,7 @@ def _measured(writes: Output[CellConfig], free: FreeRun, how: Way, stream: TextI
                         f"steps: {free.seconds:.0f} s of them, simulated some ten times as fast; the first time its "
                         "loops are compiled"
                     )
-                    Once(folder, replace(conduct, show=meter.show)).run(free.name, free.simulated())
+                    replace(once, conduct=replace(conduct, show=meter.show)).run(free.name, free.simulated())
         return free.velocities(records_of(folder.path, free.name)[free.name])
 
 

@@ -135,7 +135,7 @@ def _played(part: Part, conduct: Conduct, beside: Attendance, done: float) -> En
 
     def over() -> bool:
         see()
-        return bool(retreat is not None and retreat.fault()) or conduct.stopped()
+        return bool(part.fault()) or conduct.stopped()
 
     for phase in part.phases:
         if over():
@@ -145,7 +145,7 @@ def _played(part: Part, conduct: Conduct, beside: Attendance, done: float) -> En
             break
         phase.end()
     else:
-        if not over() or retreat is None or not retreat.fault():
+        if not over() or not part.fault():
             return Ended()
     if retreat is None:
         return Ended(STOPPED)
