@@ -16,11 +16,13 @@ from tests.stagectl.experiments.experiment_kills import COMMANDS, kills
 def main() -> None:
     """Kill, and print what was found of each kind."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("kinds", nargs="*", default=list(COMMANDS))
+    parser.add_argument("kinds", nargs="*", metavar="KIND", help=", ".join(COMMANDS))
     parser.add_argument("--kills", type=int, default=30)
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
-    for kind in given.kinds:
+    if unknown := [kind for kind in given.kinds if kind not in COMMANDS]:
+        parser.error(f"{unknown[0]} is no kind of run; it must be one of {', '.join(COMMANDS)}")
+    for kind in given.kinds or COMMANDS:
         begin, found = time.monotonic(), Counter[str]()
         with tempfile.TemporaryDirectory() as folder:
             for number, each in enumerate(kills(kind, Path(folder), given.kills, given.seed), start=1):
