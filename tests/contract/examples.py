@@ -46,6 +46,7 @@ from stagectl.robot.clamp_program import ClampProgram
 from stagectl.robot.clamp_search import ClampSearch
 from stagectl.robot.config import CellConfig, Robot
 from stagectl.robot.config import Tracker as TrackerConfig
+from stagectl.robot.kept_orientation import KeptOrientation
 from stagectl.robot.force_config import ForceSensor as ForceSensorConfig
 from stagectl.robot.force_line import ForceLine, MeasuredForce
 from stagectl.robot.midranging.estimation import Estimation
@@ -285,6 +286,7 @@ EXAMPLES: dict[type[Block], Example] = {
     MeasuredForce: Example(lambda: MeasuredForce(ForceLine(ForceSensorConfig(), print, now=lambda: 1.0)), _push, 250.0),
     TrackerView: Example(lambda: TrackerView(delay=0.0), rate=300_000.0),
     TrialPath: Example(lambda: TrialPath(*np.split(np.ones((100, 21)), (3, 9, 15), axis=1), 0.1, (0.02, 0.2))),
+    KeptOrientation: Example(lambda: KeptOrientation(1.0, 5e-3, 0.01, 0.02, print), rate=250.0),
     RelativePosition: Example(
         lambda: RelativePosition((3.0, 3.0, 3.0), (True, False, False), 0.004, 0.01, 0.02), rate=2_000.0
     ),

@@ -20,6 +20,7 @@ from stagectl.experiments.toroid.stage_reference import StageReference
 from stagectl.experiments.toroid.standstill import Standstill
 from stagectl.link.tell import Tell
 from stagectl.robot.cartesian_correction import CartesianCorrection
+from stagectl.robot.kept_orientation import KeptOrientation
 from stagectl.robot.midranging.valve_position import ValvePosition
 from stagectl.robot.port import arm_of
 from stagectl.robot.wired_port import WiredPort
@@ -116,18 +117,19 @@ class CellGraph:
         nominal = plan.path.joints(plan.arm, times[:: slow // quick])
         self.port = WiredPort(cell, nominal[0], tell)
         self.seen = WiredTracker(cell.tracker, self.port.hold)
-        tracked = (cell.feedback.delay, TOUCH_OFF[0], cell.toroid.lead - TOUCH_OFF[1])
+        between = TOUCH_OFF[0], cell.toroid.lead - TOUCH_OFF[1]
         graph.add("path", _played("nominal", "rad", pace.rate / slow, nominal), slow)
         graph.add(
             "wanted", _played("position", "m", pace.rate / quick, plan.path.wanted(times - cell.feedback.lag)), quick
         )
         graph.add("seen", self.seen, quick)
-        graph.add("relative", RelativePosition(plan.corners, plan.by_laser, *tracked), quick)
+        graph.add("relative", RelativePosition(plan.corners, plan.by_laser, cell.feedback.delay, *between), quick)
         graph.add("standstill", Standstill(), slow)
         graph.add("midranging", ValvePosition(plan.controllers()), slow)
         graph.add("wish", Gain(1.0, "m", "m/s", 3), slow)
         graph.add("moved", Gain(plan.robot_share, "m", "m", 3), slow)
-        graph.add("unturned", Gain(0.0, "m", "rad", 3), slow)
+        kept = (plan.turning, cell.feedback.most_turn, *between)
+        graph.add("upright", KeptOrientation(*kept, self.port.hold), slow)
         graph.add("correction", CartesianCorrection(arm_of(cell), cell.robot.tool), slow)
         graph.add("port", self.port, slow)
         self.stage: Stage | None = None
@@ -153,15 +155,16 @@ class CellGraph:
     def _connect_controllers(self) -> None:
         slow = f"midranging.{'slow' if self.plan.has_stage else 'fast'}_reference"
         self.graph.connect("port.holding", "standstill.holding", delayed=True)
+        self.graph.connect("port.holding", "upright.holding", delayed=True)
         self.graph.connect("wish.scaled", "midranging.control", delayed=True)
         for source, target in (
             ("standstill.reference", "midranging.reference"),
             ("relative.deviation", "midranging.relative"),
             ("midranging.fast_reference", "wish.signal"),
             (slow, "moved.signal"),
-            (slow, "unturned.signal"),
             ("moved.scaled", "correction.translation"),
-            ("unturned.scaled", "correction.rotation"),
+            ("seen.workpiece_orientation", "upright.orientation"),
+            ("upright.rotation", "correction.rotation"),
             ("path.nominal", "port.nominal"),
             ("correction.correction", "port.correction"),
         ):

@@ -136,6 +136,11 @@ class Plan:
         """By what the robot moves the workpiece for a metre that the tool is to be moved in it."""
         return -1.0 if self.setup in ("B", "C") else 0.0
 
+    @property
+    def turning(self) -> float:
+        """In which the robot turns the workpiece back, s; 0 where it never does."""
+        return self.cell.feedback.orientation if self.robot_share else 0.0
+
     def controllers(self) -> list[ValvePositionAxis]:
         """Return the PI controllers of every axis; of setup B the first of each is the robot's."""
         feedback, idle = self.cell.feedback, Pi(0.0, 0.0)

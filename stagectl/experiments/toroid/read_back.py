@@ -1,5 +1,6 @@
 """Runs of the cell in their folder: what they are made from, kept there and read back."""
 
+import tomllib
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -149,8 +150,15 @@ def _refuse_other(path: Path) -> None:
         raise ValueError(f"{path}/ is not the folder of a run of the cell: it has no {CONFIG} and {STAGE}")
 
 
+def _not_known(path: Path) -> list[str]:
+    """Return settings that switch off what the program of a run's folder did not do yet."""
+    feedback = tomllib.loads((path / CONFIG).read_text(encoding="utf-8")).get("feedback", {})
+    return [] if "orientation" in feedback else ["feedback.orientation=0"]
+
+
 def _plans(path: Path, setups: Sequence[str], settings: Sequence[str] = ()) -> list[Plan]:
     """Return setups as a run's folder has them, with the stage's loops that were used."""
+    settings = [*_not_known(path), *settings]
     cell, stage = rig_file.load(path / CONFIG, CellConfig, settings), rig_file.load(path / STAGE, StageConfig)
     origin = read_origin(path / RUN)
     told = origin.designed.get("loops", {}) if origin else {}
