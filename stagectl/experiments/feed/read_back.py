@@ -114,4 +114,4 @@ def _told(path: Path) -> dict[str, Told]:
     return found
 
 
-FORCE = Kind("force run", read_back, apart=("learning.model",), what_if=False)
+FORCE = Kind("force run", read_back, apart=("learning.model",), what_if=False, is_older=is_of_feed)
