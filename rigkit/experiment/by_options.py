@@ -11,6 +11,7 @@ import typer
 from pydantic.fields import FieldInfo
 
 from rigkit import config as rig_file
+from rigkit.allowed import unit
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, laid_over, words, write_json
 from rigkit.config import Section
 from rigkit.config_fault import checked
@@ -37,8 +38,8 @@ class ByOptions(Generic[Made]):
     ----------
     kind : Kind
     config, options : subclasses of Section
-        Of the rig file; and what it may be begun with: `run`, `paced`, and keys of its own, each an option of the
-        command.
+        Of the rig file; and what it may be begun with: `run`, `paced`, and keys of its own, which are numbers, texts
+        or true and false: each is an option of the command.
     live : str
         Key of the rig file that has it lead real devices.
     make : callable(config, options) -> Experiment
@@ -113,13 +114,10 @@ class ByOptions(Generic[Made]):
 
 
 def _option(field: FieldInfo) -> Any:
-    """Return the option for a key; one that is one of some words is any text: `checked` refuses another in a line."""
-    of, words_of = field.annotation, ()
-    if get_origin(of) is Literal:
-        of, words_of = str, get_args(of)
-    declared = field.json_schema_extra
-    unit = str(declared.get("unit", "")) if isinstance(declared, dict) else ""
-    metavar = "|".join(words_of) or unit.upper() or None
+    """Return the option for a key; one that is one of some words takes any: `checked` refuses another in a line."""
+    words_of: tuple[Any, ...] = get_args(field.annotation) if get_origin(field.annotation) is Literal else ()
+    of = type(words_of[0]) if words_of else field.annotation
+    metavar = "|".join(map(str, words_of)) or unit(field).upper() or None
     return Annotated[of, typer.Option(metavar=metavar, help=_sentence(field.description))]
 
 
