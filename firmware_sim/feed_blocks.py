@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ctlblocks.block import Block, Port
 from firmware_sim.plants.feed_process import FeedOptions, FeedProcess
 from firmware_sim.plants.options import chosen
+from firmware_sim.run_of import run_of
 
 
 @dataclass(eq=False, kw_only=True)
@@ -28,16 +27,6 @@ class FedTool(FeedOptions, Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Build it anew."""
-        self._plant = FeedProcess(rate, **chosen(self, FeedOptions))
+        self.plant = FeedProcess(rate, **chosen(self, FeedOptions))
 
-    def process(
-        self,
-        asked: np.ndarray,
-        velocity: np.ndarray,
-        force: np.ndarray,
-        true_force: np.ndarray,
-        kappa: np.ndarray,
-        beta: np.ndarray,
-    ) -> None:
-        """Go on for one frame."""
-        self._plant.run(asked, velocity, force, true_force, kappa, beta)
+    process = run_of(FeedProcess)

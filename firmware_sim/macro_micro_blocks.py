@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ctlblocks.block import Block, Port
 from firmware_sim.plants.macro_micro import MacroMicroOptions, MacroMicroPlant
 from firmware_sim.plants.options import chosen
+from firmware_sim.run_of import run_of
 
 
 @dataclass(eq=False, kw_only=True)
@@ -32,17 +31,6 @@ class MacroMicro(MacroMicroOptions, Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Build it anew, at rest."""
-        self._plant = MacroMicroPlant(rate, **chosen(self, MacroMicroOptions))
+        self.plant = MacroMicroPlant(rate, **chosen(self, MacroMicroOptions))
 
-    def process(
-        self,
-        fast_reference: np.ndarray,
-        slow_reference: np.ndarray,
-        relative: np.ndarray,
-        fast: np.ndarray,
-        slow: np.ndarray,
-        control: np.ndarray,
-        position: np.ndarray,
-    ) -> None:
-        """Move it over one frame."""
-        self._plant.run(fast_reference, slow_reference, relative, fast, slow, control, position)
+    process = run_of(MacroMicroPlant)

@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ctlblocks.block import Block, Port
 from firmware_sim.plants.milling import PocketMilling, PocketOptions
 from firmware_sim.plants.options import chosen
+from firmware_sim.run_of import run_of
 
 
 @dataclass(eq=False, kw_only=True)
@@ -30,8 +29,4 @@ class PocketCut(PocketOptions, Block):
         """Clamp it."""
         self.plant = PocketMilling(rate, **chosen(self, PocketOptions))
 
-    def process(
-        self, tool: np.ndarray, give: np.ndarray, force: np.ndarray, moment: np.ndarray, teeth_force: np.ndarray
-    ) -> None:
-        """Go on for one frame."""
-        self.plant.run(tool, give, force, moment, teeth_force)
+    process = run_of(PocketMilling)

@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ctlblocks.block import Block, Port
 from firmware_sim.plants.oak import OakMilling, OakOptions
 from firmware_sim.plants.options import chosen
+from firmware_sim.run_of import run_of
 
 
 @dataclass(eq=False, kw_only=True)
@@ -31,14 +30,4 @@ class OakCut(OakOptions, Block):
         """Clamp it."""
         self.plant = OakMilling(rate, **chosen(self, OakOptions))
 
-    def process(
-        self,
-        tool: np.ndarray,
-        force: np.ndarray,
-        moment: np.ndarray,
-        teeth_force: np.ndarray,
-        kappa: np.ndarray,
-        beta: np.ndarray,
-    ) -> None:
-        """Go on for one frame."""
-        self.plant.run(tool, force, moment, teeth_force, kappa, beta)
+    process = run_of(OakMilling)

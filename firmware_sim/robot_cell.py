@@ -40,10 +40,8 @@ def cell_controller(cell: CellConfig, block: Blocks | None = None) -> RobotContr
     simulator = cell.simulator
     rate = RATE if block is None else _CUT_RATE
     given: dict[str, Any] = {"arm": cell.robot.arm, "tool": cell.robot.tool, "rate": rate, **simulator.options}
-    try:
+    with _named("simulator.options"):
         plant = RobotPlant(**given)
-    except TypeError as fault:
-        raise ValueError(f"simulator.options: {fault}") from None
     clamp = np.diag([simulator.clamp] * 3 + [simulator.clamp_turn] * 3)
     end = ENDS[cell.robot.wire](cell.robot.late)
     if block is None:

@@ -1,7 +1,7 @@
 """The robot's controller: guided motion 250 times a second around the simulated arm, and the program beside it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -54,12 +54,11 @@ class Cut(Protocol):
 
 @dataclass
 class CommandCounts:
-    """What became of the commands: taken, late or twice, garbled, and cycles that had none."""
+    """What became of the commands: taken, late or twice, garbled."""
 
     taken: int = 0
     late: int = 0
     garbled: int = 0
-    cycles_without: int = 0
 
 
 class WireEnd(Protocol):
@@ -157,7 +156,6 @@ class RobotController:
     def advance(self) -> bytes | None:
         """Run one cycle and return the report; None while mute."""
         self.cycle += 1
-        self.counts.cycles_without += self.idle > 0
         self.idle += 1
         if self.motion is Motion.RUNNING:
             self._end.look(self)
@@ -245,37 +243,3 @@ class RobotController:
                 self._cut.run(self.pose[:, :3], give, *self._pushed)
                 self.wrench[:, :3], self.wrench[:, 3:] = self._pushed[:2]
         self._asked[:] = self._reference
-
-
-@dataclass
-class Mangled:
-    """A line of datagrams that loses, delays, swaps and doubles them as a network does, by a seed.
-
-    Parameters
-    ----------
-    seed : int
-    lost, doubled, late : float, 0 to 1, part of them
-        A late one comes after the next.
-    """
-
-    seed: int = 0
-    lost: float = 0.0
-    doubled: float = 0.0
-    late: float = 0.0
-    _waiting: list[bytes] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        """Begin to draw."""
-        self._rng = np.random.default_rng(self.seed)
-
-    def take(self, data: bytes) -> list[bytes]:
-        """Return what comes out as `data` goes in."""
-        draw = self._rng.random()
-        waiting, self._waiting = self._waiting, []
-        if draw < self.lost:
-            return waiting
-        if draw < self.lost + self.late:
-            self._waiting = [data]
-            return waiting
-        copies = 2 if draw < self.lost + self.late + self.doubled else 1
-        return [data] * copies + waiting

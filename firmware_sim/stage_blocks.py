@@ -2,13 +2,12 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ctlblocks.block import Block, Port
 from firmware_sim.plants.milling_disturbance import MillingDisturbance, MillingOptions
 from firmware_sim.plants.options import chosen
 from firmware_sim.plants.piezo_stage import PiezoStagePlant
 from firmware_sim.plants.piezo_stage_options import PiezoStageOptions
+from firmware_sim.run_of import run_of
 
 
 @dataclass(eq=False, kw_only=True)
@@ -28,19 +27,9 @@ class PiezoStage(PiezoStageOptions, Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Build it anew, at rest."""
-        self._plant = PiezoStagePlant(rate, **chosen(self, PiezoStageOptions))
+        self.plant = PiezoStagePlant(rate, **chosen(self, PiezoStageOptions))
 
-    def process(
-        self,
-        voltage: np.ndarray,
-        force: np.ndarray,
-        base: np.ndarray,
-        extension: np.ndarray,
-        position: np.ndarray,
-        absolute: np.ndarray,
-    ) -> None:
-        """Run it over one frame."""
-        self._plant.run(voltage, force, base, extension, position, absolute)
+    process = run_of(PiezoStagePlant)
 
 
 @dataclass(eq=False, kw_only=True)
@@ -56,8 +45,6 @@ class Milling(MillingOptions, Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Draw the cut."""
-        self._cut = MillingDisturbance(rate, **chosen(self, MillingOptions))
+        self.plant = MillingDisturbance(rate, **chosen(self, MillingOptions))
 
-    def process(self, force: np.ndarray, base: np.ndarray) -> None:
-        """Go on for one frame."""
-        self._cut.run(force, base)
+    process = run_of(MillingDisturbance)

@@ -25,6 +25,6 @@ class StickingStage(PiezoStage):
         absolute: np.ndarray,
     ) -> None:
         """Run it over one frame."""
-        super().process(voltage, force, base, extension, position, absolute)
+        self.plant.run(voltage, force, base, extension, position, absolute)
         if not math.isnan(self.stuck_at):
             position[:, 1] = self.stuck_at

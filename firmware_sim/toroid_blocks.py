@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ctlblocks.block import Block, Port
 from firmware_sim.plants.options import chosen
 from firmware_sim.plants.toroid_cut import ToroidCut, ToroidOptions
+from firmware_sim.run_of import run_of
 
 
 @dataclass(eq=False, kw_only=True)
@@ -28,18 +27,6 @@ class Toroid(ToroidOptions, Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Draw it."""
-        self._plant = ToroidCut(rate, **chosen(self, ToroidOptions))
+        self.plant = ToroidCut(rate, **chosen(self, ToroidOptions))
 
-    def process(
-        self,
-        tool: np.ndarray,
-        workpiece: np.ndarray,
-        orientation: np.ndarray,
-        force: np.ndarray,
-        moment: np.ndarray,
-        plate_force: np.ndarray,
-        cut: np.ndarray,
-        face: np.ndarray,
-    ) -> None:
-        """Go on for one frame."""
-        self._plant.run(tool, workpiece, orientation, force, moment, plate_force, cut, face)
+    process = run_of(ToroidCut)

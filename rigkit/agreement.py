@@ -210,18 +210,6 @@ def agreed(found: Sequence[Difference], accept: Collection[str], what: str, way_
     return list(_notes(found, accept, what))
 
 
-def together(*notes: Sequence[str]) -> list[str]:
-    """Return the notes of comparisons with the same accepted keys: that nothing differs there is so if all say it.
-
-    Examples
-    --------
-    >>> together(["--accept a: nothing differs there"], ["RUN/ began otherwise: a was 1, is 2; accepted"])
-    ['RUN/ began otherwise: a was 1, is 2; accepted']
-    """
-    every = dict.fromkeys(text for each in notes for text in each)
-    return [text for text in every if not text.endswith(_IDLE) or all(text in each for each in notes)]
-
-
 def accepted(found: Iterable[Difference], accept: Collection[str]) -> list[str]:
     """Return the keys whose harmful difference has been accepted."""
     return [each.key for each in found if each.is_harmful and each.key in accept]

@@ -70,8 +70,8 @@ def wanted(field: FieldInfo) -> str:
 
 
 def without_unit(field: FieldInfo) -> str:
-    """Say all that a key may hold but its unit, such as "a whole number >= 8000 and <= 192000"."""
-    return ", ".join((f"{kind(field.annotation)} {_bounds(field)}".strip(), *_form(field)))
+    """Say all that a key may hold but its unit, such as "a whole number >= 8000 and <= 192000", for a page."""
+    return ", ".join((f"{kind(field.annotation)} {_bounds(field)}".strip(), *_form(field, "`")))
 
 
 def unit(field: FieldInfo) -> str:
@@ -100,14 +100,14 @@ def _bounds(field: FieldInfo) -> str:
     return " and ".join(f"{sign} {_number(bound)}" for sign, bound in limited if bound is not None)
 
 
-def _form(field: FieldInfo) -> list[str]:
+def _form(field: FieldInfo, quote: str = "") -> list[str]:
     parts = []
     if (shortest := _limit(field, "min_length")) is not None:
         parts.append("not empty" if shortest == 1 else f"at least {shortest} long")
     if (longest := _limit(field, "max_length")) is not None:
         parts.append(f"at most {longest} long")
     if (pattern := _limit(field, "pattern")) is not None:
-        parts.append(f"matching {pattern}")
+        parts.append(f"matching {quote}{pattern}{quote}")
     return parts
 
 

@@ -4,7 +4,6 @@
 """
 
 import inspect
-import re
 import sys
 from collections.abc import Iterator, Mapping
 
@@ -47,8 +46,7 @@ def _tables(values: BaseModel, path: tuple[str, ...]) -> Iterator[str]:
         yield from ("", _row(_HEAD), _row(["---"] * len(_HEAD)))
     for name, value, field in plain:
         default = f"`{value_text(value)}`" if value or not isinstance(value, Mapping) else "empty"
-        allowed = re.sub(r"matching (\S+)", r"matching `\1`", without_unit(field))
-        yield _row((f"`{key_text(name)}`", field.description or "", declared_unit(field), allowed, default))
+        yield _row((f"`{key_text(name)}`", field.description or "", declared_unit(field), without_unit(field), default))
     for name, value, _ in named:
         if isinstance(value, BaseModel):
             yield from _tables(value, (*path, name))

@@ -1,6 +1,7 @@
 """The command line `stagectl`: its commands, each in a module of its own."""
 
 from rigkit.program import Program
+from stagectl.experiments import registry
 
 PROGRAM = Program(
     "The piezo stage follows its reference, and takes back what pushes it away.",
@@ -8,12 +9,7 @@ PROGRAM = Program(
         "example-config": "stagectl.commands.example_commands:example_config",
         "example-cell": "stagectl.commands.example_commands:example_cell",
         "example-pocket": "stagectl.commands.example_commands:example_pocket",
-        "run": "stagectl.experiments.piezo.command:run_command",
-        "midrange": "stagectl.experiments.midranging.command:midrange",
-        "step": "stagectl.experiments.step.command:step",
-        "cell": "stagectl.experiments.toroid.command:cell",
-        "ilc": "stagectl.experiments.trials.command:ilc",
-        "force": "stagectl.experiments.feed.command:force",
+        **{each.name: each.command for each in registry.EXPERIMENTS},
         "plan": "stagectl.commands.plan_command:plan",
         "robot-files": "stagectl.commands.robot_files_command:robot_files",
         "estimate-force": "stagectl.robot.milling.force_command:estimate_force_command",
@@ -30,16 +26,14 @@ PROGRAM = Program(
     ("stagectl", "firmware_sim"),
 )
 _BOTH = ("replay", "report", "export", "doctor", "prune", "daemon", "status", "stop")
-STAGE = PROGRAM.part("The piezo stage.", "example-config", "run", "acknowledge", *_BOTH)
+STAGE = PROGRAM.part(
+    "The piezo stage.", "example-config", *(each.name for each in registry.STAGE), "acknowledge", *_BOTH
+)
 CELL = PROGRAM.part(
     "The robot cell.",
     "example-cell",
     "example-pocket",
-    "cell",
-    "midrange",
-    "step",
-    "ilc",
-    "force",
+    *(each.name for each in registry.CELL),
     "plan",
     "estimate-force",
     "robot-files",

@@ -94,6 +94,17 @@ def is_file(text: str) -> bool:
     return Path(text).suffix.lower() in (".wav", ".csv")
 
 
+def is_one_tone(text: str) -> bool:
+    """Say whether `text` names one tone at each time, whose overtones and phase can be told."""
+    return not is_file(text) and FORMS[text.partition(":")[0]].is_one_tone
+
+
+def sweep_of(text: str) -> tuple[float, float] | None:
+    """Return first and last frequency, Hz, where `text` names a linear sweep."""
+    kind, *numbers = text.split(":")
+    return None if is_file(text) else FORMS[kind].sweep(list(map(float, numbers)))
+
+
 def _numbers(text: str, kind: str, rest: str, rate: float) -> list[float]:
     names = FORMS[kind].numbers
     try:

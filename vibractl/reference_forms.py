@@ -21,11 +21,17 @@ class Form:
         Its signal of amplitude 1 at times, shape (frames,), s.
     root : callable(numbers) -> float or None, Hz
         The frequency of which it has the multiples only, if there is one; ValueError where it does not fit the length.
+    is_one_tone : bool
+        Whether it is one tone at each time: then a report shows that tone's overtones and phase.
+    sweep : callable(numbers) -> (float, float) or None, Hz
+        First and last frequency, where it is a linear sweep between them: what SEG-Y headers say.
     """
 
     numbers: tuple[str, ...]
     shape: Callable[[np.ndarray, Sequence[float]], np.ndarray]
     root: Callable[[Sequence[float]], float | None] = lambda _: None
+    is_one_tone: bool = False
+    sweep: Callable[[Sequence[float]], tuple[float, float] | None] = lambda _: None
 
 
 def _chirp(time: np.ndarray, numbers: Sequence[float]) -> np.ndarray:
@@ -46,8 +52,8 @@ def _root_of_sine(numbers: Sequence[float]) -> float:
 
 
 FORMS = {
-    "chirp": Form(("F0", "F1", "SECONDS"), _chirp),
-    "sine": Form(("F0", "SECONDS"), _sine, _root_of_sine),
+    "chirp": Form(("F0", "F1", "SECONDS"), _chirp, is_one_tone=True, sweep=lambda numbers: (numbers[0], numbers[1])),
+    "sine": Form(("F0", "SECONDS"), _sine, _root_of_sine, True, lambda numbers: (numbers[0], numbers[0])),
 }
 
 

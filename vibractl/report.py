@@ -16,7 +16,7 @@ from vibractl.figures.spectrogram import spectrogram_plot
 from vibractl.figures.spectrum import error_plot, response_plot
 from vibractl.figures.tracking import error_time_plot, tracking_plot
 from vibractl.quality_table import RISE, floor_said, summary
-from vibractl.reference import is_file
+from vibractl.reference import is_file, is_one_tone
 from vibractl.setup import Setup
 from vibractl.transfer_matrix import TransferMatrix
 
@@ -123,7 +123,7 @@ def _sections(result: Result, events: list[dict[str, Any]]) -> Iterator[Section]
         figures = spectrogram_plot(other), response_plot(other), error_plot(other), learning_plot(other)
         yield Section(_PLACES[other.judge.place.name], _ELSEWHERE, plots=figures)
     yield Section("Tracking", plots=(tracking_plot(result), error_time_plot(result)))
-    if not is_file(made.reference.text):  # of a recording, nothing says which phase its overtones would have
+    if is_one_tone(made.reference.text):  # else nothing says which phase its overtones would have
         yield Section("Overtones and phase", plots=(overtone_plot(result), phase_plot(result)))
     yield Section("Drives", plots=(drive_plot(result), drive_spectrum_plot(result)), tables=(headroom_table(result),))
     if isinstance(made, Setup) and result.model is not None:

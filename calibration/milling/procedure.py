@@ -7,6 +7,7 @@ from calibration.milling.session import CHIRPS, calibrate, output_of, raw_trials
 from calibration.milling.sweep_session import sweep, sweep_steps
 from calibration.output import Wish
 from ctlblocks.recording import Recording
+from rigkit.experiment.procedure import strips_of
 from rigkit.experiment.runner import Conduct
 from rigkit.experiment.strips import PERIOD, strip
 from rigkit.experiment.watch import WINDOW
@@ -18,9 +19,8 @@ from stagectl.daemon.cell.options import MillingOptions
 from stagectl.daemon.cell.trial_runner import TrialRunner
 from stagectl.daemon.cell_gauges import Motion, timed
 from stagectl.daemon.conductor import Conductor
-from stagectl.daemon.force_strip import force_strip
 from stagectl.experiments.trials.campaign import FREE
-from stagectl.experiments.trials.daemon import SOURCES
+from stagectl.experiments.trials.daemon import ON_TOOL, SOURCES
 from stagectl.experiments.trials.done import DoneTrial
 from stagectl.experiments.trials.panels import along, errors, path
 from stagectl.experiments.trials.surroundings import refuse_wrong_plants
@@ -127,9 +127,8 @@ class MillingProcedure:
             self._desk.show("free_space", errors("Free space", dict(enumerate(self._free, start=1))))
 
     def _draw(self) -> None:
-        found = force_strip(self._conductor.watch)
-        if found is not None:
-            self._desk.show("force", found)
+        for name, panel in strips_of(self._conductor.watch, (ON_TOOL,)):
+            self._desk.show(name, panel)
         time, torque = self._sweeping.watch.lately("torque")
         if len(time):
             names = tuple(f"joint {joint}" for joint in range(1, 7))

@@ -1,6 +1,7 @@
 """The command `calibrate velocity`: the robot's velocity model for `stagectl force`."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, TextIO
 
@@ -84,37 +85,28 @@ def velocity_command(
         refuse_taken([out], again)
         write_model(out, found.model)
     else:
-        if is_live:
-            refuse_unattended(cell, is_sure)
+        person = _person(cell, is_sure, words(json)) if is_live else None
         kind, made = f"calibration of velocity, {'live' if is_live else 'simulated'}", [out.with_suffix(".csv")]
         writes = output(out, kind, cell, Wish(again, recompute, accept or []), made, GOING_ON, inputs=[config])
         free = FreeRun(_plan(writes.config), axis, seconds, seed)
-        found = _of_robot(writes, free, Way(is_live, is_sure), order, words(json))
+        found = _of_robot(writes, free, person, order, words(json))
     _tell(found, out, json)
 
 
-@dataclass(frozen=True)
-class Way:
-    """How the steps are made.
-
-    Parameters
-    ----------
-    is_live, is_sure : bool
-        On the robot; without asking before it moves.
-    """
-
-    is_live: bool
-    is_sure: bool
+def _person(cell: CellConfig, is_sure: bool, stream: TextIO) -> Person:
+    """Return who is asked beside a live robot; ValueError where nobody can be."""
+    refuse_unattended(cell, is_sure)
+    return Person(partial(print, file=stream, flush=True), not is_sure)
 
 
-def _of_robot(writes: Output[CellConfig], free: FreeRun, how: Way, order: int, stream: TextIO) -> Velocity:
+def _of_robot(writes: Output[CellConfig], free: FreeRun, person: Person | None, order: int, stream: TextIO) -> Velocity:
     """Make the steps, or read them; identify, and write what comes of it."""
     out = writes.out
     for note in writes.notes:
         print(note, file=stream)  # noqa: T201
     if not writes.is_recomputed:
         require(out.parent, bytes_of(round(free.seconds * RATE), CHANNELS, "float64", "wav"), "the recording")
-    measured = _measured(writes, free, how, stream)
+    measured = _measured(writes, free, person)
     measured = replace(measured, provenance={**measured.provenance, **writes.provenance})
     found = _identified(measured, order, writes.config)
     recording.write(out.with_suffix(".csv"), measured)
@@ -135,21 +127,17 @@ def _plan(cell: CellConfig) -> FeedPlan:
     return feed_plan(cell, pocket, nominal_velocity(RATE))
 
 
-def _measured(writes: Output[CellConfig], free: FreeRun, how: Way, stream: TextIO) -> Recording:
+def _measured(writes: Output[CellConfig], free: FreeRun, person: Person | None) -> Recording:
     """Make the steps, recorded as they go, or read them; say beforehand how long that takes."""
-
-    def say(text: str) -> None:
-        print(text, file=stream, flush=True)  # noqa: T201
-
     with writes.begun(), raw_run(writes.raw, writes.config) as folder, stoppable() as stop:
         conduct = Conduct(lambda: stop.made)
         once = Once(folder, conduct)
         if not once.has(free.name):
             if writes.is_recomputed:
                 raise ValueError(f"--recompute: {writes.raw}/ has no {free.name}.wav")
-            if how.is_live:
-                robot = LedRobot(writes.config, Person(say, not how.is_sure))
-                say(f"steps: {free.seconds:.0f} s in real time")
+            if person is not None:
+                robot = LedRobot(writes.config, person)
+                person.tell(f"steps: {free.seconds:.0f} s in real time")
                 once.run(free.name, free.wired(robot, folder.event, conduct.stopped))
                 robot.leave(folder.event, conduct.stopped)
             else:

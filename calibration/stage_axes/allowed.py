@@ -6,9 +6,8 @@ from calibration.stage_axes.above import HeardResponse
 from calibration.state_space.model import InnovationModel
 from stagectl.config import Outer
 from stagectl.stage.allowed_gains import BINS, AllowedGains, frequencies_above, of_axis
+from stagectl.stage.measured_response import SMALL
 
-SMALL = 0.5
-"""Largest gain of the loop where the model knows nothing: with it, whatever the phase is there, Ms is 2 at most."""
 ANSWER = 1.0
 """Largest answer to a reference there, where it is not known what a laser sees."""
 

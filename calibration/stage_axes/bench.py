@@ -46,10 +46,6 @@ class ExcitedAxis(Protocol):
     def loop(self) -> Pid | None:
         """The axis' inner loop, whose reference is excited; None: its voltage is."""
 
-    @property
-    def centre(self) -> float:
-        """What the drive deviates from, V or m."""
-
     def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Excite it about its rest: `experiment.Emit`.
 
@@ -85,11 +81,6 @@ class RecordedBench:
     config: StageConfig
     axis: int
     loop: Pid | None
-
-    @property
-    def centre(self) -> float:
-        """What the drive deviated from, V or m."""
-        return centre_of(self.config, self.loop)
 
     def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Refuse, by a RawFolderError.
@@ -138,11 +129,6 @@ class Bench:
     stopped: Callable[[], bool]
     see: See = unseen
 
-    @property
-    def centre(self) -> float:
-        """What the drive deviates from: the rest voltage, V, or the middle of the extension's references, m."""
-        return centre_of(self.config, self.loop)
-
     def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Excite the axis about its rest: `experiment.Emit`.
 
@@ -164,7 +150,7 @@ class Bench:
         ExcitationError : the stage was shut by its guard.
         """
         axes, lead = len(self.config.stage.axes), self._lead
-        whole = np.full((lead + len(drive), axes), self.centre)
+        whole = np.full((lead + len(drive), axes), centre_of(self.config, self.loop))
         whole[lead:, self.axis] += drive[:, 0]
         graph, shut, start, record = self._wired(whole)
         try:

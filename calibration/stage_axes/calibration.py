@@ -8,7 +8,7 @@ import numpy as np
 from calibration.experiment import RawFolder
 from calibration.identification.workflow import Identification
 from calibration.stage_axes.above import HeardResponse
-from calibration.stage_axes.allowed import SMALL, quiet_above
+from calibration.stage_axes.allowed import quiet_above
 from calibration.stage_axes.bench import ExcitedAxis
 from calibration.stage_axes.experiment import Experiment, record
 from calibration.stage_axes.faster import at_rate, control_at_rate, stack_at_rate
@@ -20,7 +20,7 @@ from stagectl.config import Inner, Outer, StageConfig
 from stagectl.stage.allowed_gains import AllowedGains, of_axis
 from stagectl.stage.design import Design, NoLoop
 from stagectl.stage.design_refinement import designed
-from stagectl.stage.measured_response import MeasuredResponse
+from stagectl.stage.measured_response import SMALL, MeasuredResponse
 from stagectl.stage.piezo_pid import Pid, gain_at_rest, pid, robust_pid
 from stagectl.stage.sensitivity import Robustness, robustness
 from stagectl.stage.state_space import plant_of

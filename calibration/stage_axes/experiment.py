@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibration.experiment import Plan, RawFolder
-from calibration.stage_axes.bench import HEARD, ExcitationError, ExcitedAxis
+from calibration.stage_axes.bench import HEARD, ExcitationError, ExcitedAxis, centre_of
 from calibration.stage_axes.chirp import Chirp
 from calibration.stage_axes.level import APPROACH, HEADROOM, Step, strongest
 from rigkit.agreement import GOING_ON
@@ -234,7 +234,8 @@ def _amplitude(bench: ExcitedAxis, steps: Sequence[Step], heard: Excited) -> flo
     )
     low, high = limits.voltage if bench.loop is None else limits.extension
     slew = limits.voltage_slew if bench.loop is None else limits.extension_slew
-    most = USED * min(high - bench.centre, bench.centre - low, slew / top)
+    centre = centre_of(config, bench.loop)
+    most = USED * min(high - centre, centre - low, slew / top)
     return _rounded(min(strongest(steps, np.maximum(room, 0.0)), most))
 
 

@@ -113,13 +113,3 @@ def simo() -> Heard:
 def stretched(axis: int) -> Heard:
     """Return what picks the extension of one axis, counted from 0."""
     return lambda part: part.extension[:, axis : axis + 1]
-
-
-def modes_of(model: InnovationModel, top: float) -> list[tuple[float, float]]:
-    """Return natural frequency (Hz) and damping ratio of the oscillating modes below `top` Hz."""
-    modes = model.modes
-    return [
-        (float(frequency), float(damping))
-        for frequency, damping in zip(modes.frequency, modes.damping, strict=True)
-        if damping < 1 and frequency <= top
-    ]

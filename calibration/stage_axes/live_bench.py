@@ -59,11 +59,6 @@ class LiveBench:
                 "the wire"
             )
 
-    @property
-    def centre(self) -> float:
-        """What the drive deviates from: the rest voltage, V, or the middle of the extension's references, m."""
-        return centre_of(self.config, self.loop)
-
     def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Excite the axis about its rest: `experiment.Emit`.
 
@@ -92,7 +87,7 @@ class LiveBench:
             upload(self.link, inner_parameters(AXES, loops))
         played = rounded(DRIVES[kind], drive[:, 0])
         heard = self._heard(kind, played)
-        emitted = heard.voltage[:, self.axis] if self.loop is None else self.centre + played
+        emitted = heard.voltage[:, self.axis] if self.loop is None else centre_of(self.config, self.loop) + played
         return emitted[:, np.newaxis], np.hstack([heard.extension, heard.position, np.zeros_like(heard.position)])
 
     def _heard(self, kind: Drive, played: np.ndarray) -> Heard:

@@ -13,7 +13,6 @@ from calibration.subspace.modal_regression import regress, responses, sums
 from calibration.subspace.regression import Terms
 
 _HALVINGS = 5
-SETTLED = 1e-5
 _ENOUGH = 20_000
 """Samples on which all steps but the last are taken: what so many leave uncertain the last one corrects."""
 

@@ -22,7 +22,6 @@ class Arm:
     motor_inertia : kg m^2, 6 drives
     coulomb, viscous : N m and N m s/rad, 6 joints
     torque_limit : N m, 6 drives
-    speed_limit : deg/s, 6 joints
     """
 
     chain: tuple[tuple[float, float, float, float], ...]
@@ -36,7 +35,6 @@ class Arm:
     coulomb: Six
     viscous: Six
     torque_limit: Six
-    speed_limit: Six
 
     @property
     def links(self) -> np.ndarray:
@@ -74,9 +72,8 @@ IRB140 = Arm(
     coulomb=(8.0, 9.0, 6.0, 1.4, 1.2, 0.6),
     viscous=(8.0, 10.0, 6.0, 1.2, 1.0, 0.6),
     torque_limit=(350.0, 550.0, 280.0, 70.0, 60.0, 35.0),
-    speed_limit=(250.0, 250.0, 260.0, 360.0, 360.0, 450.0),
 )
-"""Chain and speeds from the manufacturer's numbers (ros-industrial/abb_experimental irb140_support; Corke's robotics
+"""Chain from the manufacturer's numbers (ros-industrial/abb_experimental irb140_support; Corke's robotics
 toolbox); 98 kg in all [ABB, Product specification IRB 140].  How masses are spread, stiffness, friction and drives are
 assumed, so that the lowest mode is where such arms have it, and so that joint 3 is soft across its axis, as on the arm
 of Sörnmo 2015, sec. 4.5."""
@@ -107,7 +104,6 @@ KUKA = Arm(
     coulomb=(250.0, 300.0, 200.0, 50.0, 45.0, 25.0),
     viscous=(300.0, 350.0, 250.0, 60.0, 50.0, 30.0),
     torque_limit=(9.0e3, 1.6e4, 9.0e3, 2.2e3, 2.0e3, 1.2e3),
-    speed_limit=(105.0, 101.0, 107.0, 136.0, 129.0, 206.0),
 )
 """A KUKA-like arm of 240 kg payload and 2.7 m reach; every number is of the size that such arms have, none is measured.
 Stiffness and masses are chosen together so that the lowest mode is between 10 and 30 Hz."""

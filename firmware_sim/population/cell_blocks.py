@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from ctlblocks.block import Block, Port
 from firmware_sim.clamped_robot import ClampedRobot
 from firmware_sim.force_sensor_block import ForceSensor as AnyForceSensor
@@ -13,6 +11,7 @@ from firmware_sim.guided_robot import GuidedRobot
 from firmware_sim.plants.tooth_cut import ToothCutPlant
 from firmware_sim.population.cell_population import CELLS
 from firmware_sim.population.cells import DrawnCell, draw_cell
+from firmware_sim.run_of import run_of
 from firmware_sim.tracker_block import TrackerView
 
 
@@ -183,17 +182,6 @@ class Cut(Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Clamp it."""
-        self._plant = ToothCutPlant(rate, self._cut)
+        self.plant = ToothCutPlant(rate, self._cut)
 
-    def process(
-        self,
-        tool: np.ndarray,
-        give: np.ndarray,
-        force: np.ndarray,
-        moment: np.ndarray,
-        teeth_force: np.ndarray,
-        kappa: np.ndarray,
-        beta: np.ndarray,
-    ) -> None:
-        """Go on for one frame."""
-        self._plant.run(tool, give, force, moment, teeth_force, kappa, beta)
+    process = run_of(ToothCutPlant)

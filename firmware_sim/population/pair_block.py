@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from ctlblocks.block import Block, Port
 from firmware_sim.plants.manipulator_pair import ManipulatorPairPlant
 from firmware_sim.population.pair_population import PAIRS
 from firmware_sim.population.pairs import draw_pair
+from firmware_sim.run_of import run_of
 
 
 class Pair(Block):
@@ -53,17 +52,6 @@ class Pair(Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Build it anew, at rest."""
-        self._plant = ManipulatorPairPlant(rate, self._pair, *self._events)
+        self.plant = ManipulatorPairPlant(rate, self._pair, *self._events)
 
-    def process(
-        self,
-        fast_reference: np.ndarray,
-        slow_reference: np.ndarray,
-        relative: np.ndarray,
-        fast: np.ndarray,
-        slow: np.ndarray,
-        control: np.ndarray,
-        position: np.ndarray,
-    ) -> None:
-        """Move it over one frame."""
-        self._plant.run(fast_reference, slow_reference, relative, fast, slow, control, position)
+    process = run_of(ManipulatorPairPlant)

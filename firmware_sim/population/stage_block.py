@@ -1,11 +1,10 @@
 """A stage of the population as a Block."""
 
-import numpy as np
-
 from ctlblocks.block import Block, Port
 from firmware_sim.plants.flexure_stage import FlexureStagePlant
 from firmware_sim.population.stage_population import STAGES
 from firmware_sim.population.stages import draw_stage
+from firmware_sim.run_of import run_of
 
 
 class Stage(Block):
@@ -31,16 +30,6 @@ class Stage(Block):
 
     def prepare(self, rate: float, frames: int) -> None:
         """Build it anew, at rest."""
-        self._plant = FlexureStagePlant(rate, self._drawn.plant)
+        self.plant = FlexureStagePlant(rate, self._drawn.plant)
 
-    def process(
-        self,
-        voltage: np.ndarray,
-        force: np.ndarray,
-        base: np.ndarray,
-        extension: np.ndarray,
-        position: np.ndarray,
-        absolute: np.ndarray,
-    ) -> None:
-        """Run it over one frame."""
-        self._plant.run(voltage, force, base, extension, position, absolute)
+    process = run_of(FlexureStagePlant)

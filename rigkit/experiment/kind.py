@@ -78,12 +78,15 @@ class Kind:
         Keys of the rig file whose files it does not depend on.
     what_if : bool
         Whether a replay may lay settings over the rig file: what would have been made of the same sensors.
+    is_older : callable(Path) -> bool
+        Whether a folder that does not say its kind, as those of version 0.1.0, is a run of this one.
     """
 
     name: str
     read: Callable[[Path, Records, Sequence[str]], Experiment]
     apart: tuple[str, ...] = ()
     what_if: bool = True
+    is_older: Callable[[Path], bool] = lambda _: False
 
 
 def kind_of(path: Path) -> str:

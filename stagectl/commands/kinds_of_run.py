@@ -8,15 +8,12 @@ from ctlblocks.recording import Recording
 from rigkit.experiment import again, kept
 from rigkit.experiment.kind import Kind, kind_of
 from rigkit.experiment.replayed import Replayed
-from stagectl.experiments.feed.read_back import FORCE, is_of_feed
 from stagectl.experiments.kinds import KINDS
 from stagectl.experiments.piezo.replay import remade as from_log
 from stagectl.experiments.piezo.replay import replay
 from stagectl.experiments.piezo.report import run_report
 from stagectl.experiments.piezo.run_setup import setup_as_run, setup_of
 from stagectl.experiments.piezo.setup import Setup
-from stagectl.experiments.toroid.read_back import STAGE, TOROID
-from stagectl.experiments.trials.read_back import TRIALS, is_of_trials
 
 
 def reported(path: Path, png: Path | None) -> dict[str, Any]:
@@ -75,10 +72,4 @@ def _stage(path: Path, settings: Sequence[str]) -> Setup:
 def _kind(path: Path) -> Kind | None:
     """Return the kind of a run that the one runner knows; a folder that does not say so, by a file that only it has."""
     known = kind_of(path)
-    if not known and (path / STAGE).is_file():
-        known = TOROID.name
-    if not known and is_of_trials(path):
-        known = TRIALS.name
-    if not known and is_of_feed(path):
-        known = FORCE.name
-    return KINDS.get(known)
+    return KINDS.get(known) if known else next((kind for kind in KINDS.values() if kind.is_older(path)), None)

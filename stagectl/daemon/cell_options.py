@@ -1,5 +1,7 @@
 """What every procedure of the cell may be begun with."""
 
+from collections.abc import Iterator
+
 from rigkit.config import Section, setting
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$"
@@ -11,6 +13,10 @@ class Paced(Section):
     """Simulated, in real time or not."""
 
     paced: bool = setting(False, "", "in real time; else the simulation goes as fast as it can")
+
+    def led_to(self, data: str) -> Iterator[Section]:  # noqa: ARG002 (to none)
+        """Read the rig files that these options lead to in the data folder, beside the daemon's own."""
+        return iter(())
 
     def refuse_live(self, key: str, is_live: bool) -> None:
         """Refuse to be paced where `key` has the procedure live, by ValueError: the robot's reports are the clock."""

@@ -1,11 +1,11 @@
 """What robot, tracker, laser and stage say: the names under which it is seen and recorded."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from ctlblocks import Port
 from ctlblocks.recording import Recording
-from ctlblocks.replay import Record, Replay, numbered
+from ctlblocks.replay import Replay, numbered
 
 AXES = ("x", "y", "z")
 SLOW, QUICK = 40, 5
@@ -68,19 +68,6 @@ PLATE = (Signal("position", "position"), Signal("extension", "extension"))
 def by_axis(port: Port) -> tuple[str, ...]:
     """Return how the channels of a port are called: by the axes of three, by numbers of any other count."""
     return tuple(f"{port.name}_{axis}" for axis in AXES) if port.width == len(AXES) else numbered(port)
-
-
-def named(record: Record, signals: tuple[Signal, ...], provenance: dict[str, str]) -> Recording:
-    """Return what was recorded, its channels under the names of their axes and joints.
-
-    Parameters
-    ----------
-    record : Record
-    signals : tuple of Signal
-    provenance : dict of str to str
-    """
-    names = tuple(name for signal in signals for name in signal.channels)
-    return replace(record.recording(provenance), names=names)
 
 
 def played(record: Recording, signals: tuple[Signal, ...]) -> Replay:

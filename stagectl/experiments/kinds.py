@@ -1,10 +1,7 @@
-"""The registry of experiments: every kind of run that the one runner knows, by the name in its `run.json`."""
+"""Every kind of run that the one runner knows, by the name in its `run.json`."""
 
+from rigkit.code_name import resolve
 from rigkit.experiment.kind import Kind
-from stagectl.experiments.feed.read_back import FORCE
-from stagectl.experiments.midranging.read_back import MIDRANGING
-from stagectl.experiments.step.experiment import STEPS
-from stagectl.experiments.toroid.read_back import TOROID
-from stagectl.experiments.trials.read_back import TRIALS
+from stagectl.experiments.registry import EXPERIMENTS
 
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (FORCE, MIDRANGING, STEPS, TOROID, TRIALS)}
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (resolve(each.kind) for each in EXPERIMENTS if each.kind)}

@@ -35,11 +35,6 @@ class Outbox:
         self._counters: dict[int, int] = {}
         self._block = np.zeros((1 if classic else BLOCK, len(AXES)))
 
-    @property
-    def data_size(self) -> int:
-        """Bytes of a parameter set in a frame."""
-        return len(self._chunk.fields) - 1
-
     def command(self, command: Command, token: int, argument: int) -> None:
         """Let a command be sent."""
         self._waiting.append((messages.COMMAND, (command, token, argument)))

@@ -51,13 +51,12 @@ class ForceInbox:
     drift : array, shape (6,), N and N m, at the last rest but the first
     seen : float, s, when the last good record came
     fault : str, its name; empty for none
-    rests : int, that have been whole
     """
 
     def __init__(self, sensor: ForceSensor, tell: Callable[[str], None]) -> None:
         self.sensor, self.counts = sensor, ForceCounts()
         self.wrench, self.zero, self.drift = np.full(6, np.nan), np.full(6, np.nan), np.zeros(6)
-        self.seen, self.fault, self.rests = -np.inf, "", 0
+        self.seen, self.fault = -np.inf, ""
         self.is_watched = self.is_resting = False
         self._sequence, self._tell = Sequence(FORCE_SENSORS[sensor.wire]().modulus), tell
         self._end: float | None = None
@@ -135,7 +134,6 @@ class ForceInbox:
         if not noise <= sensor.noise:
             self._fail("restless", f"force varies by {noise:.3g} N rms, must be <= {sensor.noise:g} N", always=True)
             return
-        self.rests += 1
         if not self.is_tared:
             self.zero = seen.mean(axis=0)
             return

@@ -110,10 +110,6 @@ class ForceStream:
         self._carrier.ask(self._talk.finish)
         self._carrier.close()
 
-    def ask(self, call: Callable[[], None]) -> None:
-        """Have `call` made by the thread, between datagrams; return once it is made."""
-        self._carrier.ask(call)
-
     def until(self, met: Callable[[], bool], seconds: float) -> bool:
         """Return whether `met` holds, as soon as something has come after which it does, or after `seconds`."""
         with self._carrier.arrived:

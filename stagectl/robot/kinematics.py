@@ -1,4 +1,4 @@
-"""Kinematics of a serial arm: frames, the geometric Jacobian, and small corrections through its inverse.
+"""Kinematics of a serial arm: frames and the geometric Jacobian.
 
 Every function takes one set of joint angles or a stack of them, shape (..., joints), in one call.  Positions and
 rotations are in the axes of the base; six-vectors have three translations (m) first and three rotations (rad) after.
@@ -7,12 +7,6 @@ rotations are in the axes of the base; six-vectors have three translations (m) f
 import numpy as np
 
 from stagectl.robot.arm import Arm
-
-LARGEST_CORRECTION = 1e-3
-"""m; (2.6) holds for |dx| < 1 mm."""
-
-LARGEST_ROTATION = 5e-3
-"""rad; at so much, 0.2 m from the flange a tool has moved by that 1 mm."""
 
 NEAR_SINGULAR = 0.02
 """Singular values of the Jacobian, rotations weighed by the reach, over the reach: below this they are damped."""
@@ -87,79 +81,6 @@ def turns(axis: np.ndarray, at: np.ndarray, flange: np.ndarray) -> np.ndarray:
     array, shape (..., 6), m/rad and 1
     """
     return np.concatenate([np.cross(axis, flange - at), axis], axis=-1)
-
-
-def damped_inverse(matrix: np.ndarray, length: float) -> np.ndarray:
-    """Invert Jacobians; exact where they are regular, bounded where they are near singular.
-
-    A singular value s below s0 = `NEAR_SINGULAR` * `length` counts as (s^2 + mu^2) / s with
-    mu^2 = s0^2 (1 - (s / s0)^2)^2: it goes to infinity, smoothly from s on, so that nothing moves along a direction
-    that is lost.  The other directions are exact.
-
-    Parameters
-    ----------
-    matrix : array, shape (..., 6, joints), m/rad and 1
-    length : float, m
-        By which rotations are weighed against translations.
-
-    Returns
-    -------
-    array, shape (..., joints, 6), rad/m and 1
-
-    Source
-    ------
-    Damped least squares: Y. Nakamura, H. Hanafusa, J. Dyn. Sys. Meas. Control 108, 1986; damping of the small
-    singular values alone: A. A. Maciejewski, C. A. Klein, J. Robotic Systems 5, 1988.
-    """
-    weights = np.array([1.0, 1.0, 1.0, length, length, length])
-    left, size, right = np.linalg.svd(weights[:, None] * matrix, full_matrices=False)
-    least = NEAR_SINGULAR * length
-    damping = (least * np.clip(1 - (size / least) ** 2, 0.0, None)) ** 2
-    inverse = size / (size**2 + damping)
-    found: np.ndarray = (right.swapaxes(-1, -2) * inverse[..., None, :]) @ (left.swapaxes(-1, -2) * weights)
-    return found
-
-
-def correction(arm: Arm, joint_angle: np.ndarray, move: np.ndarray) -> np.ndarray:
-    """Return the joint angles' change that moves the flange by a little.
-
-    Parameters
-    ----------
-    arm : Arm
-    joint_angle : array, shape (..., joints), rad
-    move : array, shape (..., 6), m and rad
-        Wanted, in the axes of the base.
-
-    Returns
-    -------
-    array, shape (..., joints), rad
-
-    Raises
-    ------
-    ValueError : a translation of 1 mm and more, a rotation of 5 mrad and more, or no number.
-
-    Source
-    ------
-    Sornmo 2015, eq. (2.6).
-
-    Departs
-    -------
-    Rotations have a limit of their own, and near a singularity the inverse is damped.
-    """
-    wanted = np.asarray(move, float)
-    if wanted.ndim == 0 or wanted.shape[-1] != 6:
-        raise ValueError(f"a correction has shape {wanted.shape}, must be (..., 6)")
-    for name, part, limit, unit in (
-        ("translation", wanted[..., :3], LARGEST_CORRECTION, "m"),
-        ("rotation", wanted[..., 3:], LARGEST_ROTATION, "rad"),
-    ):
-        size = np.linalg.norm(part, axis=-1).ravel()
-        wrong = np.flatnonzero(~(size < limit))
-        if len(wrong):
-            raise ValueError(f"a correction's {name} is {size[wrong[0]]:.6g} {unit}, must be < {limit:g} {unit}")
-    inverse = damped_inverse(jacobian(arm, joint_angle), arm.reach)
-    found: np.ndarray = (inverse @ wanted[..., None])[..., 0]
-    return found
 
 
 def _steps(arm: Arm, angle: np.ndarray) -> np.ndarray:

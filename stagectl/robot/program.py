@@ -9,7 +9,6 @@ from typing import Protocol, Self
 
 import numpy as np
 
-from ctlblocks.block import Block, Port
 from rigkit.ring import Ring
 from stagectl.link.bus import LinkError
 from stagectl.link.robot_stream import Requests, Stream
@@ -207,22 +206,3 @@ class TorqueSignals:
         sample[1:7] = np.radians(sample[1:7])
         self.samples.put(sample[None])
         self.newest, self._behind = sample, min(self._behind, now - values[0])
-
-
-class MotorTorque(Block):
-    """Hold the newest torque signal: `torque` (N m, 6) and `angle` (rad, 6) of the motors out; NaN until one has come.
-
-    Parameters
-    ----------
-    signals : Torques
-    """
-
-    outputs = (Port("torque", "N m", 6), Port("angle", "rad", 6))
-
-    def __init__(self, signals: Torques) -> None:
-        self.signals = signals
-
-    def process(self, torque: np.ndarray, angle: np.ndarray) -> None:
-        """Fill one frame."""
-        newest = self.signals.newest
-        torque[:], angle[:] = newest[7:], newest[1:7]

@@ -1,4 +1,4 @@
-"""The optical tracker: its line, and the pose of the frame it follows as a Block."""
+"""The optical tracker: its line."""
 
 import time
 from collections.abc import Callable
@@ -6,7 +6,6 @@ from typing import Self
 
 import numpy as np
 
-from ctlblocks.block import Block, Port
 from stagectl.link.bus import LinkError
 from stagectl.link.robot_stream import Stream
 from stagectl.robot.config import Tracker
@@ -60,11 +59,6 @@ class TrackerLine:
         """What became of its samples."""
         return self.inbox.counts
 
-    @property
-    def age(self) -> float:
-        """How long ago the frame was seen, s."""
-        return self._now() - self.inbox.seen
-
     def start(self) -> None:
         """Be watched: from now on, being blind for too long holds the robot."""
         self.inbox.begin(self._now())
@@ -72,25 +66,3 @@ class TrackerLine:
     def stop(self) -> None:
         """Be watched no more."""
         self.inbox.end()
-
-
-class TrackedPose(Block):
-    """Hold the followed frame's newest pose: `position` (m, 3), `orientation` (1, 4) and its `age` (s) out.
-
-    The orientation is a unit quaternion w x y z; pose NaN until the frame has been seen.
-
-    Parameters
-    ----------
-    line : TrackerLine
-    """
-
-    outputs = (Port("position", "m", 3), Port("orientation", "1", 4), Port("age", "s"))
-
-    def __init__(self, line: TrackerLine) -> None:
-        self.line = line
-
-    def process(self, position: np.ndarray, orientation: np.ndarray, age: np.ndarray) -> None:
-        """Fill one frame."""
-        pose = self.line.inbox.pose
-        position[:], orientation[:] = pose[:3], pose[3:]
-        age.fill(self.line.age)

@@ -7,7 +7,7 @@ import numpy as np
 from stagectl.stage.state_feedback import StateFeedback
 
 SMALL = 0.5
-"""Gain of the loop that a deflection's compensation is where its sensors see the plate differently, at any phase."""
+"""Largest gain of a loop where no model knows its phase: whatever that is, Ms is 2 at most."""
 
 
 @dataclass(frozen=True, eq=False)

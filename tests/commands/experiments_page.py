@@ -5,15 +5,10 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+from stagectl.experiments.registry import EXPERIMENTS
+
+NAMES = [each.name for each in EXPERIMENTS]
 STATED = Path(__file__).with_name("experiments.toml")
-EXPERIMENTS = {
-    "run": ("`stagectl run`", "[the piezo stage](stage.md)"),
-    "midrange": ("`stagectl midrange`", "[a position shared by robot and stage](midranging.md)"),
-    "step": ("`stagectl step`", "[steps on robot and stage](midranging.md#what-the-pair-is)"),
-    "cell": ("`stagectl cell`", "[the toroid in steel](cell.md)"),
-    "ilc": ("`stagectl ilc`", "[learning to mill](ilc.md)"),
-    "force": ("`stagectl force`", "[milling by force](force-control.md)"),
-}
 ABILITIES = {
     "simulated": "runs without hardware",
     "live": "runs with `--live`, over the machine's wires",
@@ -31,29 +26,32 @@ ABILITIES = {
 HEAD = """# What each experiment can do
 
 Made by `make docs` from `tests/commands/experiments.toml`, each cell with the test that shows it. The suite refuses a
-cell whose test is not there, and an option or a procedure of the daemon that this page does not know.
+cell whose test is not there, and an option or a procedure of the daemon that this page does not know.  What the one
+runner does for every experiment is shown on those that there were.
 """
 
 
 def stated() -> dict[str, dict[str, dict[str, Any]]]:
-    """Return what is stated of each ability of each experiment."""
-    return tomllib.loads(STATED.read_text(encoding="utf-8"))
+    """Return what is stated of each ability of each experiment, that of `[every]` where nothing is."""
+    found = tomllib.loads(STATED.read_text(encoding="utf-8"))
+    every = found.pop("every")
+    return {name: every | cells for name, cells in found.items()}
 
 
 def page() -> str:
     """Return the page."""
     known = stated()
-    lines = [HEAD, f"| | {' | '.join(f'`{name}`' for name in EXPERIMENTS)} |", "|---" * (len(EXPERIMENTS) + 1) + "|"]
+    lines = [HEAD, f"| | {' | '.join(f'`{name}`' for name in NAMES)} |", "|---" * (len(NAMES) + 1) + "|"]
     for ability in ABILITIES:
-        cells = (known[each][ability] for each in EXPERIMENTS)
+        cells = (known[each][ability] for each in NAMES)
         lines.append(
             f"| {ability.replace('_', ' ')} | {' | '.join('no' if 'why' in cell else 'yes' for cell in cells)} |"
         )
     lines += ["", *(f"- **{name.replace('_', ' ')}**: {what}." for name, what in ABILITIES.items()), ""]
-    for name, (command, what) in EXPERIMENTS.items():
-        lines += [f"## {command}: {what}", "", "| | | shown by |", "|---|---|---|"]
+    for each in EXPERIMENTS:
+        lines += [f"## `stagectl {each.name}`: [{each.what}]({each.page})", "", "| | | shown by |", "|---|---|---|"]
         for ability in ABILITIES:
-            cell = known[name][ability]
+            cell = known[each.name][ability]
             said = f"no: {cell['why']}" if "why" in cell else "; ".join(filter(None, ["yes", cell.get("note", "")]))
             test = f"`{cell['test']}`" if cell.get("test") else ""
             lines.append(f"| {ability.replace('_', ' ')} | {said} | {test} |")

@@ -9,19 +9,18 @@ from typing import Any
 import pytest
 import typer
 
+from rigkit.code_name import resolve
 from stagectl.application import PROGRAM
-from stagectl.daemon.cell.procedures import PROCEDURES
-from stagectl.experiments.kinds import KINDS
-from tests.commands.experiments_page import ABILITIES, EXPERIMENTS, page, stated
+from stagectl.daemon.cell.procedures import SERVED
+from stagectl.experiments import registry
+from tests.commands.experiments_page import ABILITIES, NAMES, page, stated
 
 ROOT = Path(__file__).parents[2]
-OF_STAGE = {"run"}
-"""A procedure of the stage's daemon, not of the cell's."""
 
 
 def cells() -> Iterator[tuple[str, str, dict[str, Any]]]:
     known = stated()
-    return ((each, ability, known[each][ability]) for each in EXPERIMENTS for ability in ABILITIES)
+    return ((each, ability, known[each][ability]) for each in NAMES for ability in ABILITIES)
 
 
 @cache
@@ -41,7 +40,7 @@ def test_the_page_is_what_is_stated() -> None:
 
 
 def test_every_cell_is_stated_and_nothing_else() -> None:
-    assert {name: set(known) for name, known in stated().items()} == {name: set(ABILITIES) for name in EXPERIMENTS}
+    assert {name: set(known) for name, known in stated().items()} == {name: set(ABILITIES) for name in NAMES}
 
 
 @pytest.mark.parametrize("cell", [pytest.param(cell, id=f"{name}-{ability}") for name, ability, cell in cells()])
@@ -52,22 +51,16 @@ def test_each_cell_names_a_test_that_is_there_or_says_why_not(cell: dict[str, An
         assert name in functions_of(ROOT / path)
 
 
-@pytest.mark.parametrize("name", EXPERIMENTS)
+@pytest.mark.parametrize("name", NAMES)
 def test_options_are_as_stated(name: str) -> None:
     known, options = stated()[name], options_of(name)
     assert ("why" not in known["live"]) == ("--live" in options)
-    keys = {key for each in PROCEDURES if each.name == name for key in each.options.model_fields}
+    keys = set(resolve(SERVED[name].options).model_fields) if name in SERVED else set()
     assert ("why" not in known["resume"]) == ("--resume" in options or "resume" in keys)
 
 
-def test_procedures_are_as_stated() -> None:
-    served = {each.name: bool(each.on_pause) for each in PROCEDURES}
-    for name, known in stated().items():
-        if name in OF_STAGE:
-            continue
-        assert ("why" not in known["daemon"]) == (name in served)
-        assert ("why" not in known["pause"]) == served.get(name, False)
-
-
-def test_every_kind_of_the_registry_has_a_row() -> None:
-    assert len(KINDS) == 5, "midrange, step, cell, ilc, force: a new one wants a row"
+@pytest.mark.parametrize("name", [each.name for each in registry.CELL])
+def test_procedures_are_as_stated(name: str) -> None:
+    known = stated()[name]
+    assert ("why" not in known["daemon"]) == (name in SERVED)
+    assert ("why" not in known["pause"]) == (name in SERVED and bool(SERVED[name].on_pause))

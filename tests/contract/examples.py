@@ -16,7 +16,6 @@ from firmware_sim.guided_robot import GuidedRobot
 from firmware_sim.macro_micro_blocks import MacroMicro
 from firmware_sim.milling_blocks import PocketCut
 from firmware_sim.plant_blocks import ImpulseResponse, Vibrator, VibratorArray, VibratorImpulseResponse
-from firmware_sim.robot_blocks import RobotArm
 from firmware_sim.stage_blocks import Milling, PiezoStage
 from firmware_sim.stage_excitation import Excitation
 from firmware_sim.stage_image import Held
@@ -45,10 +44,7 @@ from stagectl.robot.clamp_port import GuidedArm
 from stagectl.robot.clamp_program import ClampProgram
 from stagectl.robot.clamp_search import ClampSearch
 from stagectl.robot.config import CellConfig, Robot
-from stagectl.robot.config import Tracker as TrackerConfig
 from stagectl.robot.kept_orientation import KeptOrientation
-from stagectl.robot.force_config import ForceSensor as ForceSensorConfig
-from stagectl.robot.force_line import ForceLine, MeasuredForce
 from stagectl.robot.midranging.estimation import Estimation
 from stagectl.robot.midranging.internal_model import InternalModel, InternalModelAxis
 from stagectl.robot.midranging.reference_governor import Governor
@@ -56,9 +52,8 @@ from stagectl.robot.midranging.tuning import LoopModel, lambda_tuned
 from stagectl.robot.midranging.valve_position import ValvePosition, ValvePositionAxis
 from stagectl.robot.milling.force_model import ForceEstimate
 from stagectl.robot.port import RobotPort
-from stagectl.robot.port_blocks import JointCommand, JointReport, PoseCommand, PoseReport
-from stagectl.robot.program import MotorTorque, RobotProgram, TorqueSignals
-from stagectl.robot.tracker import TrackedPose, TrackerLine
+from stagectl.robot.port_blocks import JointCommand
+from stagectl.robot.program import RobotProgram, TorqueSignals
 from stagectl.stage.controller import PiezoController, StageController
 from stagectl.stage.guard import VoltageGuard
 from stagectl.stage.hysteresis import HysteresisModel
@@ -177,21 +172,6 @@ def _robot(mode: Literal["joints", "pose"] = "joints") -> RobotPort:
     return RobotPort(CellConfig(robot=Robot(mode=mode)))
 
 
-def _report(block: JointReport | PoseReport) -> None:
-    report = pack_report(Report(1, 0.0, np.full(6, 0.1), np.full(6, 0.2), np.full(7, 0.5)))
-    block.port.conversation.take(report, ("127.0.0.1", 1), 0.0)
-
-
-def _sight(block: TrackedPose) -> None:
-    block.line.inbox.pose = np.full(7, 0.5)
-    block.line.inbox.seen = 0.0
-
-
-def _push(block: MeasuredForce) -> None:
-    block.line.inbox.wrench = np.full(6, 0.5)
-    block.line.inbox.seen = 0.0
-
-
 def _guided_arm() -> Block:
     port = _robot()
     port.conversation.guard.place(np.full(6, 0.1))
@@ -264,26 +244,16 @@ EXAMPLES: dict[type[Block], Example] = {
     ForceEstimate: Example(lambda: ForceEstimate(wide_model()), rate=250.0),
     Sweep: Example(lambda: Sweep(np.full((300, 6), 0.1), np.ones(300), 1.0), rate=250.0),
     CartesianCorrection: Example(lambda: CartesianCorrection(irb140(), 0.1), rate=250.0),
-    RobotArm: Example(RobotArm, rate=8_000.0),
-    JointReport: Example(lambda: JointReport(_robot()), _report, 250.0),
-    PoseReport: Example(lambda: PoseReport(_robot()), _report, 250.0),
     JointCommand: Example(lambda: JointCommand(_robot()), rate=250.0),
-    PoseCommand: Example(lambda: PoseCommand(_robot("pose")), rate=250.0),
-    TrackedPose: Example(lambda: TrackedPose(TrackerLine(TrackerConfig(), print, now=lambda: 1.0)), _sight, 250.0),
     GuidedArm: Example(_guided_arm, _signal, 250.0),
     LiveSeen: Example(lambda: LiveSeen(_live_pair()), _report_pose, 250.0),
     LiveSend: Example(lambda: LiveSend(_live_pair(), 0.02), rate=250.0),
-    MotorTorque: Example(
-        lambda: MotorTorque(TorqueSignals(Robot(), "127.0.0.1", lambda: 0.0)),
-        start=lambda block: block.signals.newest.fill(7.0),
-    ),
     GuidedRobot: Example(lambda: GuidedRobot(arm="kuka"), rate=8_000.0),
     Toroid: Example(lambda: Toroid(seconds=0.5), rate=10_000.0),
     PocketCut: Example(
         lambda: PocketCut(length=0.15, width=0.15, thickness=0.02, cell=5e-4, layer=5e-3), rate=10_000.0
     ),
     ForceSensor: Example(lambda: ForceSensor(sample_rate=8_000.0), rate=8_000.0),
-    MeasuredForce: Example(lambda: MeasuredForce(ForceLine(ForceSensorConfig(), print, now=lambda: 1.0)), _push, 250.0),
     TrackerView: Example(lambda: TrackerView(delay=0.0), rate=300_000.0),
     TrialPath: Example(lambda: TrialPath(*np.split(np.ones((100, 21)), (3, 9, 15), axis=1), 0.1, (0.02, 0.2))),
     KeptOrientation: Example(lambda: KeptOrientation(1.0, 5e-3, 0.01, 0.02, print), rate=250.0),

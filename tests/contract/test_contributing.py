@@ -1,5 +1,7 @@
-"""CONTRIBUTING.md's plant, robot and learning law are what they say: taken by their names, and run."""
+"""CONTRIBUTING.md's plant, robot, learning law and experiment are what they say: taken by their names, and run."""
 
+import os
+import subprocess
 import sys
 import textwrap
 from pathlib import Path
@@ -33,15 +35,21 @@ from vibractl.learning.gains import Gains
 from vibractl.learning.kinds_of_law import KINDS, KindOfLaw
 
 PAGE = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-LONGEST = 36
+LONGEST = 60
 """Lines of a module of the page."""
+
+
+def source_of(begin: str) -> str:
+    """Return the page's code that begins so."""
+    parts = [textwrap.dedent(part.split("```")[0]) for part in PAGE.split("```python\n")]
+    source = next(part for part in parts if part.startswith(begin))
+    assert len(source.splitlines()) <= LONGEST
+    return source
 
 
 def from_page(name: str) -> ModuleType:
     """Make the page's module of that name."""
-    parts = [textwrap.dedent(part.split("```")[0]) for part in PAGE.split("```python\n")]
-    source = next(part for part in parts if part.startswith(f'"""{name}'))
-    assert len(source.splitlines()) <= LONGEST
+    source = source_of(f'"""{name}')
     module = ModuleType(name)
     exec(source, module.__dict__)  # noqa: S102 (the page's own code)
     return module
@@ -142,3 +150,47 @@ def test_a_tracker_of_another_make_is_a_line_of_the_registry(monkeypatch: pytest
     np.testing.assert_allclose(inbox.pose[:3], [0.1, 0.2, 0.4])
     with pytest.raises(ConfigError, match='force_sensor.wire is "own": must be one of netft'):
         rig_file.load(None, CellConfig, ["force_sensor.wire=own"])
+
+
+REGISTERED = """
+import sys
+from rigkit.experiment.registration import Registration, Served
+from stagectl.experiments import registry
+own = ({entry},)
+registry.CELL += own
+registry.EXPERIMENTS += own
+from stagectl.application import PROGRAM
+from stagectl.daemon.cell.procedures import procedures
+for words in (
+    ["--help"],
+    ["ramp", "--of", "stage", "--period", "1", "--repeats", "2", "--out", "RUN"],
+    ["report", "RUN"],
+    ["replay", "RUN"],
+    ["export", "RUN", "--to", "parquet"],
+):
+    sys.argv[1:] = words
+    assert PROGRAM.run() == 0, words
+made = next(each for each in procedures(lambda maker: maker) if each.name == "ramp")
+print(made.run, sorted(made.options.model_fields))
+"""
+
+
+def test_its_experiment_is_run_reported_replayed_exported_and_served(tmp_path: Path) -> None:
+    (tmp_path / "own").mkdir()
+    (tmp_path / "own" / "__init__.py").touch()
+    (tmp_path / "own" / "ramps.py").write_text(source_of('"""own/ramps.py'), encoding="utf-8")
+    code = REGISTERED.format(entry=source_of("Registration("))
+    paths = {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])}
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, env=os.environ | paths, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "Ask robot and stage for ramps" in done.stdout
+    assert " µm off" in done.stdout
+    assert "own.ramps:procedure ['highest', 'kind', 'of', 'paced', 'period', 'repeats', 'run', 'size']" in done.stdout
+    assert {each.name for each in (tmp_path / "RUN").iterdir()} >= {
+        "steps.wav",
+        "report.html",
+        "summary.json",
+        "export",
+    }

@@ -1,8 +1,10 @@
 """The force sensor's box over UDP in real time, with the program's own end on the other side."""
 
+import re
 import socket
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from threading import Event, Thread
 
 import numpy as np
@@ -14,7 +16,8 @@ from firmware_sim.robot_cell import cell_force_box
 from stagectl.link.bus import LinkError
 from stagectl.robot.config import CellConfig
 from stagectl.robot.force_config import ForceSensor
-from stagectl.robot.force_line import ForceLine, MeasuredForce
+from stagectl.robot.force_inbox import ForceInbox
+from stagectl.robot.force_stream import ForceStream
 from stagectl.wire.force_sensor import Request, pack_request, unpack_records
 from tests.until import until
 
@@ -54,55 +57,58 @@ def served() -> Iterator[Served]:
         made.end()
 
 
-def test_zero_force_is_taken_at_rest_and_a_push_is_seen(served: Served) -> None:
+@contextmanager
+def heard(config: ForceSensor, reasons: list[str]) -> Iterator[ForceInbox]:
+    """Follow what comes over the wire, and take zero force."""
+    inbox = ForceInbox(config, reasons.append)
+    with ForceStream(config, inbox, time.monotonic, BUSY):
+        inbox.rest(time.monotonic())
+        until(lambda: inbox.is_tared)
+        yield inbox
+
+
+def test_zero_force_is_taken_at_rest_a_push_is_seen_and_is_a_drift_at_the_next_rest(served: Served) -> None:
     reasons: list[str] = []
-    by_name = served.config.model_copy(update={"host": "localhost"})
-    with ForceLine(by_name, reasons.append, patience=BUSY) as line:
-        assert not line.rest().any()
+    with heard(served.config.model_copy(update={"host": "localhost"}), reasons) as inbox:
         served.wrench[0] = 0.0, 25.0, 0.0, 0.0, 0.0, 1.0
-        line.start()
-        block = MeasuredForce(line)
-        outputs = force, moment, _, valid = [np.empty((1, port.width)) for port in block.outputs]
-
-        def is_seen() -> bool:
-            block.process(*outputs)
-            return bool(abs(force[0, 1] - 25.0) < 1.0 and abs(moment[0, 2] - 1.0) < 0.1 and valid[0, 0] == 1.0)
-
-        until(is_seen)
-        assert line.counts.garbled == 0
+        until(lambda: bool(abs(inbox.wrench[1] - 25.0) < 1.0 and abs(inbox.wrench[5] - 1.0) < 0.1 and inbox.is_good))
+        assert inbox.counts.garbled == 0
         assert not reasons
-        with pytest.raises(LinkError, match="the force sensor has drifted: at rest by .*, 25"):
-            line.rest()
+        inbox.rest(time.monotonic())
+        until(lambda: bool(reasons))
+        assert re.match("the force sensor has drifted: at rest by .*, 25", reasons[0])
 
 
 @pytest.mark.parametrize(("mishap", "name"), [("force-silent", "silent"), ("force-saturate", "saturated")])
-def test_faults_hold_the_robot_by_name(served: Served, mishap: str, name: str) -> None:
+def test_faults_are_told_by_name(served: Served, mishap: str, name: str) -> None:
     reasons: list[str] = []
-    with ForceLine(served.config, reasons.append, patience=BUSY) as line:
-        line.rest()
-        line.start()
+    with heard(served.config, reasons) as inbox:
+        inbox.begin(time.monotonic())
         served.box.suffer(mishap)
         until(lambda: bool(reasons))
-        assert line.inbox.fault == name
+        assert inbox.fault == name
         assert reasons[0].startswith(f"the force sensor is {name}")
 
 
-def test_a_drift_is_refused_at_the_next_rest(served: Served) -> None:
-    with ForceLine(served.config, print, patience=BUSY) as line:
-        line.rest()
+def test_a_drift_of_the_box_is_told_at_the_next_rest(served: Served) -> None:
+    reasons: list[str] = []
+    with heard(served.config, reasons) as inbox:
         served.box.suffer("force-drift")
-        with pytest.raises(LinkError, match="drifted"):
-            line.rest()
+        inbox.rest(time.monotonic())
+        until(lambda: inbox.fault == "drifted")
 
 
 def test_a_box_that_is_not_there_is_told_of() -> None:
+    def enter(config: ForceSensor) -> None:
+        with ForceStream(config, ForceInbox(config, print), time.monotonic, 0.2):
+            pass
+
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
-        config = ForceSensor(port=free.getsockname()[1])
-        with pytest.raises(LinkError, match="sends nothing within 0.2 s"), ForceLine(config, print, patience=0.2):
-            pass
+        with pytest.raises(LinkError, match="sends nothing within 0.2 s"):
+            enter(ForceSensor(port=free.getsockname()[1]))
     with pytest.raises(LinkError, match="force_sensor.host no.such.host.invalid is not known"):
-        ForceLine(ForceSensor(host="no.such.host.invalid"), print).__enter__()
+        enter(ForceSensor(host="no.such.host.invalid"))
 
 
 def test_it_sends_as_many_as_are_wanted_stops_and_takes_bias() -> None:

@@ -56,6 +56,8 @@ def test_nothing_else_finds_code_by_a_name() -> None:
     own |= {
         "rigkit/config_options.py",
         "stagectl/daemon/cell/rig.py",
+        "stagectl/daemon/cell/procedures.py",
+        "stagectl/experiments/kinds.py",
         "rigkit/code_name.py",
         "firmware_sim/population/__init__.py",
         "firmware_sim/population/kinds.py",

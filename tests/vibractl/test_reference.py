@@ -9,7 +9,7 @@ import soundfile
 
 from ctlblocks import recording
 from ctlblocks.recording import Recording
-from vibractl.reference import Reference, reference_from
+from vibractl.reference import Reference, is_one_tone, reference_from, sweep_of
 from vibractl.reference_forms import FORMS, Form, choices
 
 RATE = 44_100.0
@@ -104,8 +104,20 @@ def test_a_new_form_is_a_function_and_a_line(monkeypatch: pytest.MonkeyPatch) ->
     assert made.root is None
     assert made.signal[:, 1] == pytest.approx(10.0 * _beat(np.arange(88_200) / 44_100.0, (40.0, 43.0, 2.0)))
     assert "beat:F0:F1:SECONDS" in choices("a file")
+    assert not is_one_tone(made.text)
+    assert sweep_of(made.text) is None
     with pytest.raises(ValueError, match=r"'beat:40' is not beat:F0:F1:SECONDS"):
         reference_from("beat:40", 44_100.0, 10.0, 0.0, 1, 20)
+
+
+@pytest.mark.parametrize(
+    ("text", "one_tone", "sweep"),
+    [("chirp:90:40.5:5", True, (90.0, 40.5)), ("sine:24:5", True, (24.0, 24.0)), ("a:b/chirp.WAV", False, None)],
+)
+def test_a_form_says_whether_it_is_one_tone_and_what_it_sweeps(
+    text: str, one_tone: bool, sweep: tuple[float, float] | None
+) -> None:
+    assert (is_one_tone(text), sweep_of(text)) == (one_tone, sweep)
 
 
 def _beat(time: np.ndarray, numbers: Sequence[float]) -> np.ndarray:

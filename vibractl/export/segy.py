@@ -9,6 +9,7 @@ from scipy.signal import firwin, resample_poly
 
 from rigkit.export.optional import optional
 from vibractl.export.content import Content
+from vibractl.reference import sweep_of
 from vibractl.spectrum import DECIMATOR_BETA, DECIMATOR_CORNER
 
 INTERVALS_US = (2000, 1000, 500, 250, 125, 50)
@@ -163,13 +164,12 @@ def _place(segyio: Any, trace: int, shot: int, channel: int, unit: str, is_refer
 
 
 def _sweep(content: Content, fields: list[int]) -> dict[int, int]:
-    """Return first and last frequency, length, type and tapers of a chirp or sine; nothing where it is a recording."""
-    kind, *numbers = content.text.split(":")
-    length = round(1000 * content.frames / content.rate)
-    if kind not in ("chirp", "sine") or length > LARGEST_COUNT:
+    """Return first and last frequency, length, type and tapers of a sweep; nothing where it is none."""
+    ends, length = sweep_of(content.text), round(1000 * content.frames / content.rate)
+    if ends is None or length > LARGEST_COUNT:
         return {}
     taper = round(content.config.reference.taper * length)
-    values = (round(float(numbers[0])), round(float(numbers[-2])), length, LINEAR, taper, taper, COSINE_SQUARED)
+    values = (*map(round, ends), length, LINEAR, taper, taper, COSINE_SQUARED)
     return dict(zip(fields, values, strict=True))
 
 

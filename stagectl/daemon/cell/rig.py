@@ -1,27 +1,21 @@
 """The robot cell as the daemon's rig."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
 from ctlblocks.room import free
 from rigkit import config as rig_file
 from rigkit.code_name import resolve
-from rigkit.config import Section
 from rigkit.disk_space import RESERVE, refuse_full
 from rigkit.faults import FaultTable
 from rigkit.named_code import KnownCode
-from rigkit.run_folder import CONFIG
 from rigkit.service.not_begun import making
-from rigkit.service.paths import data_file, run_path
 from rigkit.service.reload import Change, edits, reloaded
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Gauge
-from stagectl.config import StageConfig
-from stagectl.daemon.cell.procedures import PROCEDURES
-from stagectl.experiments.toroid.options import CellOptions
+from stagectl.daemon.cell.procedures import procedures
 from stagectl.experiments.toroid.plan import stage_of
-from stagectl.experiments.trials.options import IlcOptions
 from stagectl.robot.config import CellConfig
 from stagectl.robot.port import arm_of
 
@@ -61,7 +55,7 @@ class RobotCell:
         self._known = KnownCode(self.config, stage_of(None))
         self.name = self.config.rig.name
         self._under_way: UnderWay | None = None
-        self.procedures: Sequence[Procedure] = tuple(each.told(self._runner(each.maker)) for each in PROCEDURES)
+        self.procedures: Sequence[Procedure] = procedures(self._runner)
 
     def gauges(self) -> Sequence[Gauge]:
         """Return what the procedure under way measures, and room on the disk."""
@@ -110,7 +104,7 @@ class RobotCell:
     def _runner(self, maker: str) -> Callable[[Desk, Any], None]:
         def run(desk: Desk, options: Any) -> None:
             with making(desk):
-                for each in _led_to(self.config.daemon.data, options):
+                for each in options.led_to(self.config.daemon.data):
                     self._known.refuse_other(each)
                 self._under_way = under_way = resolve(maker)(self.config, options, desk)
             try:
@@ -119,14 +113,6 @@ class RobotCell:
                 self._under_way = None
 
         return run
-
-
-def _led_to(data: str, options: Any) -> Iterator[Section]:
-    """Read the rig files that options lead to, beside the daemon's own."""
-    if isinstance(options, CellOptions) and options.stage:
-        yield rig_file.load(data_file(data, "stage", options.stage), StageConfig, as_written=True)
-    if isinstance(options, IlcOptions) and options.resume and (file := run_path(data, options.run) / CONFIG).is_file():
-        yield rig_file.load(file, CellConfig, as_written=True)
 
 
 def _usable(config: CellConfig) -> CellConfig:

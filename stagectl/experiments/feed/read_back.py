@@ -1,6 +1,6 @@
 """Runs of force-controlled milling in their folder: what they are made from, kept there and read back."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -63,11 +63,13 @@ class Files:
         folder.take_in(self.model, MODEL)
         return [JOB, MODEL]
 
-    def experiment(self, cell: CellConfig, bench: Bench | None = None) -> Experiment:
+    def experiment(
+        self, cell: CellConfig, bench: Bench | None = None, told: Mapping[str, Told] | None = None
+    ) -> Experiment:
         """Return the run."""
         if self.job.pocket is None:
             return FedProcess(cell, self.velocity)
-        return Pockets(cell, self.job, self.velocity, bench)
+        return Pockets(cell, self.job, self.velocity, bench, told)
 
 
 def velocity_model(file: Path | None) -> InnovationModel:
@@ -98,9 +100,7 @@ def read_back(path: Path, records: Records, settings: Sequence[str] = ()) -> Exp
         raise ValueError(f"{path}/ is not the folder of a run of force control: it has no {CONFIG} and {JOB}")
     cell, job = rig_file.load(path / CONFIG, CellConfig), read_job(path / JOB)
     files = Files(job, path / MODEL if (path / MODEL).exists() else None)
-    if job.pocket is None:
-        return FedProcess(cell, files.velocity)
-    return Pockets(cell, job, files.velocity, told=_told(path))
+    return files.experiment(cell, told=_told(path))
 
 
 def _told(path: Path) -> dict[str, Told]:
@@ -114,4 +114,4 @@ def _told(path: Path) -> dict[str, Told]:
     return found
 
 
-FORCE = Kind("force run", read_back, apart=("learning.model",), what_if=False)
+FORCE = Kind("force run", read_back, apart=("learning.model",), what_if=False, is_older=is_of_feed)

@@ -1,6 +1,5 @@
 """The command `stagectl midrange`: the macro and the micro manipulator under one of the controllers."""
 
-import sys
 from typing import Annotated, Any
 
 import typer
@@ -11,10 +10,8 @@ from rigkit.command import (
     JsonOption,
     PngOption,
     SetOption,
-    application,
     laid_over,
     print_table,
-    run,
     words,
     write_json,
 )
@@ -99,14 +96,3 @@ def _tell_table(rows: list[dict[str, Any]], json: str | None) -> None:
     head = ["setup", "AIMC", "MVPC + anti-windup", "MVPC", "AIMC, mm s a step", "runs"]
     print_table("IAE of steps over AIMC's", head, shown, words(json))
     write_json(json, {"setups": rows})
-
-
-def main() -> int:
-    """Run the command alone and return its exit status."""
-    app = application("A macro and a micro manipulator share one position.")
-    app.command("midrange")(midrange)
-    return run(app, "stagectl", "firmware_sim")
-
-
-if __name__ == "__main__":
-    sys.exit(main())

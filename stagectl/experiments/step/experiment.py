@@ -76,7 +76,7 @@ class Steps:
     @property
     def designed(self) -> dict[str, Any]:
         """What was asked."""
-        return self.wanted.model_dump()
+        return self.wanted.model_dump(include=set(Wanted.model_fields))
 
     @property
     def room(self) -> int:

@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from ctlblocks.recording import Recording
+from rigkit.command import print_table
 from rigkit.experiment.kept import early_facts
 from rigkit.figure_style import COLOURS, styled
 from rigkit.report import Fact, Plot, Report, Section, Table
@@ -35,6 +36,12 @@ def _row(name: str, told: Mapping[str, Any]) -> Iterator[str]:
     yield f"{told['bandwidth']:.4g}"
     yield f"{1e6 * told['noise']:.3g}"
     yield f"{100 * told['unexplained']:.2g}"
+
+
+def tell(figures: Mapping[str, Any], out: TextIO) -> None:
+    """Tell a person what is read off, and what the model does not describe."""
+    print_table("responses", HEAD, rows(figures), out)
+    out.writelines(f"{sentence}\n" for sentence in unlike(figures))
 
 
 def write_report(

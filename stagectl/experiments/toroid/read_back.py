@@ -175,4 +175,4 @@ def _plans(path: Path, setups: Sequence[str], settings: Sequence[str] = ()) -> l
     return [plan(setup, cell, stage, loops, is_live) for setup in setups]
 
 
-TOROID = Kind("cell runs", read_back, apart=("learning.model",))
+TOROID = Kind("cell runs", read_back, apart=("learning.model",), is_older=lambda path: (path / STAGE).is_file())

@@ -27,6 +27,8 @@ TITLE = "learning to mill"
 SOURCES = {**REFERENCE, "age": "seen.age", "force": "felt.force", "valid": "felt.valid"}
 """What is seen of a trial."""
 
+ON_TOOL = Strip("force", "N", ("force",), AXES, "Force on the tool", valid="valid")
+
 
 def procedure(config: CellConfig, options: IlcOptions, desk: Desk) -> ExperimentProcedure:
     """Return trials in the air, then in material; or those that are left of a run.
@@ -73,7 +75,6 @@ class _View:
         self._first, self._model = made.first, model
         self._motion, self._done = Motion(made.first.cell), made.done
         self.sources = SOURCES
-        self._strips = [Strip("force", "N", ("force",), AXES, "Force on the tool", valid="valid")]
 
     def gauges(self, watch: Watch) -> Iterator[Gauge]:
         """Give where the tool is, how fast the joints turn, when it was seen, and the force on it."""
@@ -81,7 +82,7 @@ class _View:
 
     def lately(self, watch: Watch) -> Iterator[tuple[str, Panel]]:
         """Draw the last seconds."""
-        return strips_of(watch, self._strips)
+        return strips_of(watch, (ON_TOOL,))
 
     def after(self, part: str, path: Path) -> Mapping[str, Panel]:
         """Return what is drawn of a trial that came to its end, and of all before."""

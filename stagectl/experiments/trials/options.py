@@ -1,11 +1,16 @@
 """What learning to mill may be begun with under the daemon."""
 
+from collections.abc import Iterator
 from typing import Literal, Self
 
 from pydantic import model_validator
 
-from rigkit.config import setting
+from rigkit import config as rig_file
+from rigkit.config import Section, setting
+from rigkit.run_folder import CONFIG
+from rigkit.service.paths import run_path
 from stagectl.daemon.cell_options import NAME, Run
+from stagectl.robot.config import CellConfig
 
 
 class IlcOptions(Run):
@@ -23,3 +28,8 @@ class IlcOptions(Run):
         if self.resume and not self.run:
             raise ValueError('run is "", must be the name of the run to go on with, since resume is true')
         return self
+
+    def led_to(self, data: str) -> Iterator[Section]:
+        """Read the rig file of the run that is to go on."""
+        if self.resume and (file := run_path(data, self.run) / CONFIG).is_file():
+            yield rig_file.load(file, CellConfig, as_written=True)

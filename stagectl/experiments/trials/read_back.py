@@ -91,4 +91,4 @@ def was_live(path: Path) -> bool:
     return bool(origin and origin.designed.get("live"))
 
 
-TRIALS = Kind("milling trials", read_back, apart=("learning.model",), what_if=False)
+TRIALS = Kind("milling trials", read_back, apart=("learning.model",), what_if=False, is_older=is_of_trials)

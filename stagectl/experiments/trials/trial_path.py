@@ -75,8 +75,3 @@ class TrialPath(Block):
         if not self.reason:
             self.reason = reason
             self._tell("retreat", {"reason": reason})
-
-    @property
-    def is_clear(self) -> bool:
-        """Whether a retreat has lifted the tool."""
-        return bool(self.reason) and self._lifted > self._steps

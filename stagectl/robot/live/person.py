@@ -28,7 +28,7 @@ class Person:
     def __init__(self, tell: Callable[[str], None], asks: bool) -> None:
         if asks:
             refuse_without_terminal()
-        self._tell, self._asks = tell, asks
+        self.tell, self._asks = tell, asks
 
     def confirm(self, what: str, stopped: Callable[[], bool]) -> None:
         """Say what comes, and wait for Enter; what was typed before does not count.
@@ -44,7 +44,7 @@ class Person:
         Stopped : it is to stop.
         ValueError : the terminal has gone.
         """
-        self._tell(f"{what}; then Enter" if self._asks else what)
+        self.tell(f"{what}; then Enter" if self._asks else what)
         if not self._asks:
             return
         line = sys.stdin.fileno()

@@ -209,6 +209,3 @@ FEED = np.dtype(
     align=True,
 )
 """All of force control."""
-
-MEMORY = FEED.names[FEED.names.index("phase") :]  # type: ignore[index,union-attr]  # a record has names
-"""What a segment begins without."""

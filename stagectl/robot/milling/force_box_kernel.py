@@ -16,7 +16,6 @@ SLACK = 1e-10
 NOTHING = 1e-10
 """Of the largest share that one of three slabs has in a fourth: a share that is rounding."""
 
-ROWS = PARTS
 """Of `work` (3, 6)."""
 
 

@@ -6,8 +6,6 @@ from stagectl.robot.midranging.minimum_phase import minimum_phase
 from stagectl.robot.milling.axis_model import AxisModel
 from stagectl.robot.pocket_config import Inverse
 
-INVERSES: tuple[Inverse, ...] = ("regularised", "mirrored")
-
 
 def mirrored_inverse(axis: AxisModel, frequency: np.ndarray) -> np.ndarray:
     """Return the inverse of a model whose zeros outside the unit circle are mirrored into it, and its delay undone.

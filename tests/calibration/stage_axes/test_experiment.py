@@ -32,10 +32,6 @@ class Bending:
     config: StageConfig = field(default_factory=lambda: rig_file.load(None, StageConfig, list(QUICK)))
     played: list[float] = field(default_factory=list)
 
-    @property
-    def centre(self) -> float:
-        return self.config.limits.rest_voltage
-
     def emit(self, drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         if self.records:
             return refuse_to_emit(drive)
@@ -45,7 +41,7 @@ class Bending:
         heard = np.zeros((len(drive), 9))
         heard[:, :1] = 20e-6 + GAIN[1] * drive * 0.1
         heard[:, 3:4] = middle + self.rest + straight * (1 + self.further * np.abs(straight))
-        return drive + self.centre, heard
+        return drive + self.config.limits.rest_voltage, heard
 
 
 def recorded(bench: Bending, folder: Path) -> Experiment:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calibration.stage_axes.above import HeardResponse
-from calibration.stage_axes.allowed import ANSWER, SMALL, quiet_above
+from calibration.stage_axes.allowed import ANSWER, quiet_above
 from calibration.stage_axes.bench import left_alone
 from calibration.stage_axes.calibration import inner_loop
 from rigkit import config as rig_file
@@ -14,6 +14,7 @@ from stagectl.config import Outer, StageConfig
 from stagectl.stage.allowed_gains import AllowedGains, frequencies_above
 from stagectl.stage.design import NoLoop, design
 from stagectl.stage.design_refinement import designed
+from stagectl.stage.measured_response import SMALL
 from tests.stagectl.experiments.piezo.linear_stage import model
 
 AT_REST = abs(model("z").frequency_response(np.zeros(1))[0, 0, 0])

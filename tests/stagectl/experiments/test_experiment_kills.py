@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from stagectl.experiments.registry import EXPERIMENTS
 from tests.stagectl.experiments.experiment_kills import COMMANDS, kills
 
 
@@ -12,3 +13,7 @@ from tests.stagectl.experiments.experiment_kills import COMMANDS, kills
 def test_whatever_was_recorded_before_a_kill_is_there_and_goes_on(kind: str, tmp_path: Path) -> None:
     found = list(kills(kind, tmp_path, 4, 7))
     assert len(found) == 4
+
+
+def test_no_experiment_is_left_out() -> None:
+    assert list(COMMANDS) == [each.name for each in EXPERIMENTS]

@@ -1,12 +1,12 @@
 """The robot port without its socket: what is lost, late, doubled or missing, each with its name."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import pytest
 
-from firmware_sim.robot_controller import Mangled
 from stagectl.robot.arm import irb140
 from stagectl.robot.config import Robot, RobotLimits
 from stagectl.robot.conversation import PortState, RobotConversation
@@ -115,6 +115,40 @@ def test_late_and_doubled_reports_are_counted_and_not_answered(line: Line) -> No
     assert line.talk.counts.late == 2
     assert line.talk.report is sent
     assert line.talk.give() is None
+
+
+@dataclass
+class Mangled:
+    """A line of datagrams that loses, delays, swaps and doubles them as a network does, by a seed.
+
+    Parameters
+    ----------
+    seed : int
+    lost, doubled, late : float, 0 to 1, part of them
+        A late one comes after the next.
+    """
+
+    seed: int = 0
+    lost: float = 0.0
+    doubled: float = 0.0
+    late: float = 0.0
+    _waiting: list[bytes] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Begin to draw."""
+        self._rng = np.random.default_rng(self.seed)
+
+    def take(self, data: bytes) -> list[bytes]:
+        """Return what comes out as `data` goes in."""
+        draw = self._rng.random()
+        waiting, self._waiting = self._waiting, []
+        if draw < self.lost:
+            return waiting
+        if draw < self.lost + self.late:
+            self._waiting = [data]
+            return waiting
+        copies = 2 if draw < self.lost + self.late + self.doubled else 1
+        return [data] * copies + waiting
 
 
 def test_a_line_that_mangles_is_followed(line: Line) -> None:

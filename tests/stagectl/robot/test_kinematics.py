@@ -2,15 +2,7 @@ import numpy as np
 import pytest
 
 from stagectl.robot.arm import irb140
-from stagectl.robot.kinematics import (
-    LARGEST_CORRECTION,
-    correction,
-    damped_inverse,
-    forward,
-    frames,
-    jacobian,
-    turns,
-)
+from stagectl.robot.kinematics import forward, frames, jacobian, turns
 
 ARM = irb140()
 
@@ -75,10 +67,6 @@ def test_a_stack_of_angles_gives_what_one_set_after_the_other_gives() -> None:
     single = angles(12)
     np.testing.assert_array_equal(frames(ARM, stack).reshape(12, 7, 4, 4), [frames(ARM, angle) for angle in single])
     np.testing.assert_array_equal(jacobian(ARM, stack).reshape(12, 6, 6), [jacobian(ARM, angle) for angle in single])
-    move = np.full((3, 4, 6), 1e-4)
-    np.testing.assert_allclose(
-        correction(ARM, stack, move).reshape(12, 6), [correction(ARM, angle, move[0, 0]) for angle in single], rtol=1e-9
-    )
 
 
 def test_a_turn_about_a_joints_own_axis_is_its_column() -> None:
@@ -86,48 +74,6 @@ def test_a_turn_about_a_joints_own_axis_is_its_column() -> None:
     link = frames(ARM, angle)
     columns = turns(link[:-1, :3, 2], link[:-1, :3, 3], link[-1, :3, 3])
     np.testing.assert_allclose(columns.T, jacobian(ARM, angle), atol=1e-15)
-
-
-def test_a_correction_moves_the_flange_by_what_was_asked() -> None:
-    start, wanted = np.radians([10.0, 20.0, -40.0, 30.0, 60.0, -70.0]), np.array([3e-4, -4e-4, 2e-4, 1e-3, 0, -2e-3])
-    got = moved(forward(ARM, start), forward(ARM, start + correction(ARM, start, wanted)))
-    np.testing.assert_allclose(got[:3], wanted[:3], atol=3e-6)
-    np.testing.assert_allclose(got[3:], wanted[3:], atol=3e-6)
-
-
-def test_a_regular_jacobian_is_inverted_exactly() -> None:
-    matrix = jacobian(ARM, np.radians([10.0, 20.0, -40.0, 30.0, 60.0, -70.0]))
-    np.testing.assert_allclose(damped_inverse(matrix, ARM.reach) @ matrix, np.eye(6), atol=1e-12)
-
-
-def test_near_a_singularity_joints_move_little_and_what_is_not_lost_is_still_corrected() -> None:
-    """The wrist is stretched: joints 4 and 6 turn about one axis."""
-    worst = 0.0
-    for bend in np.geomspace(1e-9, 0.3, 200):
-        start = np.radians([10.0, 20.0, -40.0, 30.0, 0.0, -70.0])
-        start[4] = bend
-        across = np.array([5e-4, -5e-4, 4e-4, 0.0, 0.0, 0.0])
-        worst = max(worst, float(np.abs(correction(ARM, start, across)).max()))
-        matrix = jacobian(ARM, start)
-        axis = matrix[3:, 3]  # of joint 4, which the wrist can always turn about
-        turn = np.concatenate([np.zeros(3), 1e-3 * axis])
-        got = matrix @ correction(ARM, start, turn)
-        np.testing.assert_allclose(got[3:] @ axis, 1e-3, rtol=0.01)
-    assert worst < 0.05  # rad; undamped, 5e5
-
-
-@pytest.mark.parametrize(
-    ("move", "says"),
-    [
-        ([LARGEST_CORRECTION, 0, 0, 0, 0, 0], "translation is 0.001 m, must be < 0.001 m"),
-        ([np.nan, 0, 0, 0, 0, 0], "translation is nan m"),
-        ([0, 0, 0, 0, 0.005, 0], "rotation is 0.005 rad, must be < 0.005 rad"),
-        ([0, 0, 0], r"shape \(3,\), must be"),
-    ],
-)
-def test_a_correction_that_is_too_large_or_no_number_is_refused(move: list[float], says: str) -> None:
-    with pytest.raises(ValueError, match=says):
-        correction(ARM, np.zeros(6), np.array(move))
 
 
 def test_a_wrong_number_of_joints_is_refused() -> None:

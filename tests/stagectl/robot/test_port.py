@@ -19,7 +19,7 @@ from stagectl.link.clock import run_linked
 from stagectl.robot.config import CellConfig, Robot
 from stagectl.robot.conversation import PortState
 from stagectl.robot.port import RobotFault, RobotPort
-from stagectl.robot.port_blocks import JointCommand, JointReport, PoseCommand
+from stagectl.robot.port_blocks import JointCommand
 from stagectl.wire.robot import RATE
 from tests.until import EVER
 
@@ -81,7 +81,6 @@ def graph(bench: Bench, correction: np.ndarray) -> Graph:
     made = Graph(RATE)
     made.add("path", Replay(played, {"nominal": names[:6], "correction": names[6:]}))
     made.add("send", JointCommand(bench.port))
-    made.add("robot", JointReport(bench.port))
     made.connect("path.nominal", "send.nominal")
     made.connect("path.correction", "send.correction")
     made.prepare()
@@ -104,7 +103,8 @@ def test_some_hundred_cycles_go_round_and_the_robot_does_what_the_graph_says(ben
     assert (bench.port.counts.lost, bench.port.counts.late, bench.port.counts.unanswered) == (0, 0, 0)
     np.testing.assert_allclose(bench.port.sent, bench.robot.plant.home + correction[-1], atol=1e-12)
     assert abs(bench.robot.motor_angle[0, 0] - correction[-1, 0]) < 1e-4
-    np.testing.assert_allclose(made.signal("robot.joint_angle")[0], bench.robot.motor_angle[0], atol=2e-4)
+    assert bench.port.report is not None
+    np.testing.assert_allclose(bench.port.report.joint_angle, bench.robot.motor_angle[0], atol=2e-4)
 
 
 def test_a_limit_stops_the_graph_and_the_robot_and_is_acknowledged_by_a_person(bench: Bench) -> None:
@@ -151,19 +151,17 @@ def test_a_robot_that_falls_silent_is_a_fault_within_real_time() -> None:
 
 def test_poses_are_sent_in_pose_mode() -> None:
     for made in _open(Bench("pose")):
-        block = PoseCommand(made.port)
-        block.prepare(RATE, 1)
         made.cycle()
         report = made.port.report
         assert report is not None
-        place, turn = report.pose[None, :3].copy(), report.pose[None, 3:].copy()
+        start = report.pose.copy()
         made.port.start()
         for cycle in range(300):
-            correction = np.array([[0.0, 5e-4 * min(cycle / 100, 1.0), 0.0]])
-            made.cycle(partial(block.process, place, turn, correction))
+            wanted = start + np.array([0.0, 5e-4 * min(cycle / 100, 1.0), *np.zeros(5)])
+            made.cycle(partial(made.port.conversation.wanted.put, start, wanted))
         assert made.port.reason == ""
         assert made.port.report is not None
-        assert abs(made.port.report.pose[1] - place[0, 1] - 5e-4) < 1e-4
+        assert abs(made.port.report.pose[1] - start[1] - 5e-4) < 1e-4
         with pytest.raises(ValueError, match="robot.mode is 'pose', must be 'joints'"):
             JointCommand(made.port)
 

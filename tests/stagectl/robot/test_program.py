@@ -5,7 +5,7 @@ import pytest
 
 from stagectl.link.bus import LinkError
 from stagectl.robot.config import Robot
-from stagectl.robot.program import MotorTorque, RobotProgram, TorqueSignals
+from stagectl.robot.program import RobotProgram, TorqueSignals
 
 
 def signals() -> TorqueSignals:
@@ -20,9 +20,6 @@ def test_signals_are_read_however_the_line_is_cut() -> None:
     assert (made.samples.written, made.garbled) == (3, 0)
     np.testing.assert_allclose(made.newest[1:7], np.radians(np.arange(10, 16)))
     np.testing.assert_array_equal(made.newest[7:], np.arange(16, 22))
-    torque, angle = np.full((2, 6), np.nan), np.full((2, 6), np.nan)
-    MotorTorque(made).process(torque, angle)
-    np.testing.assert_array_equal(torque, np.tile(np.arange(16, 22), (2, 1)))
 
 
 @pytest.mark.parametrize(("clock", "late"), [(0.0, 0.0), (1e4, -1e4)])

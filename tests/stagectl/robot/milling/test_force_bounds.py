@@ -109,11 +109,11 @@ def test_slabs_that_rounding_could_confuse_have_their_box() -> None:
     slab = np.vstack([np.eye(3), 0.5 * np.eye(3)])
     middle = np.array([1.0, -2.0, 3.0, 0.5, -1.0, 1.5])
     low, high = np.zeros((2, 3))
-    assert boxes.search_box(middle, slab, np.ones(6), low, high, np.zeros((boxes.ROWS, 6))) == boxes.FOUND
+    assert boxes.search_box(middle, slab, np.ones(6), low, high, np.zeros((boxes.PARTS, 6))) == boxes.FOUND
     assert low == pytest.approx([0.0, -3.0, 2.0])
     assert high == pytest.approx([2.0, -1.0, 4.0])
     middle[3] = 9.0
-    assert boxes.search_box(middle, slab, np.ones(6), low, high, np.zeros((boxes.ROWS, 6))) == boxes.EMPTY
+    assert boxes.search_box(middle, slab, np.ones(6), low, high, np.zeros((boxes.PARTS, 6))) == boxes.EMPTY
 
 
 @pytest.mark.parametrize(

@@ -1,16 +1,19 @@
 """Both inverses of a model with a delay and a zero outside of the unit circle."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 
 from stagectl.robot.milling.axis_model import AxisModel
-from stagectl.robot.milling.model_inverse import INVERSES, inverse
+from stagectl.robot.milling.model_inverse import inverse
+from stagectl.robot.pocket_config import Inverse
 from tests.stagectl.robot.milling.trial_models import RATE, axis
 
 FREQUENCY = np.linspace(0.0, 40.0, 81)
 
 
-@pytest.mark.parametrize("kind", INVERSES)
+@pytest.mark.parametrize("kind", get_args(Inverse))
 def test_without_such_a_zero_both_undo_the_model_with_its_delay(kind) -> None:  # type: ignore[no-untyped-def]
     model = axis(delay=3, zero=0.4)
     undone = model.response(FREQUENCY) * inverse(model, FREQUENCY, kind, 0.0)
