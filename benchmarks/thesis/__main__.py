@@ -9,9 +9,9 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from benchmarks.machine import machine
 from benchmarks.page_table import DOCS
@@ -52,13 +52,16 @@ def values_of(rows: Sequence[Row], folder: Path) -> tuple[dict[str, Any], dict[s
 
 def main() -> int:
     """Run, print, and keep where that is asked for."""
-    asked = _asked()
+    asked, refuse = _asked()
     if asked.case:
         print(json_text(made.CASES[asked.case[0]](*asked.case[1:]), indent=2))
         return 0
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     whole = chapters()
-    rows = chosen(asked.only, whole)
+    try:
+        rows = chosen(asked.only, whole)
+    except ValueError as wrong:
+        refuse(str(wrong))
     values, done, failed = values_of(rows, asked.folder)
     print("\n".join(failed), file=sys.stderr)
     if asked.write and not failed:
@@ -73,13 +76,13 @@ def main() -> int:
     return 1 if failed else 0
 
 
-def _asked() -> argparse.Namespace:
+def _asked() -> tuple[argparse.Namespace, Callable[[str], NoReturn]]:
     words = argparse.ArgumentParser(prog="python -m benchmarks.thesis")
     words.add_argument("--only", nargs="+", default=[], metavar="FIGURE", help="such as 5.7, 'Tab. 5.1', or a chapter")
     words.add_argument("--write", action="store_true", help="keep the values, and write the page")
     words.add_argument("--folder", type=Path, default=FOLDER, help="where the groups run")
     words.add_argument("--case", nargs="+", metavar="CASE", help="print a figure that no program prints")
-    return words.parse_args()
+    return words.parse_args(), words.error
 
 
 if __name__ == "__main__":

@@ -6,11 +6,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
+from scipy.signal import butter, sosfiltfilt, welch
+
+from ctlblocks.recording import read
+from vibractl.model_file import read_model
 
 RAW, TOOL, LINK = "as measured", "by the tool's deflection", "by the link's motion"
 LIMIT = 40.0
 """dB that the objective is below the reference [Sörnmo 2015, sec. 6.3]."""
+ROBOT, STAGE = (5.0, 35.0), (40.0, 150.0)
+"""Hz: where the modes of the robot are, and those of the stage."""
+DIAGONAL = 150.0
+"""Hz, to which G is diagonally dominant [Sörnmo 2015, fig. 6.8]."""
 BELOW = 10.0
 """Hz, to which forces are compared: all that learning looks at."""
 CUTTING = 5.0
@@ -87,6 +94,50 @@ def watched(quality: str, events: str, run: str) -> dict[str, Any]:
         "loudest_chirp": float(max(worst)) if worst else None,
         "restored_after": max(0, met - identifying[-1]) if identifying and met is not None else None,
     }
+
+
+def spectra(surface: str) -> dict[str, dict[str, float]]:
+    """Look at the spectra of where the tool was in the workpiece, radially and along its axis, but for both ends.
+
+    Returns
+    -------
+    dict
+        By direction: `robot` and `stage`, Hz, the largest peak in the robot's and in the stage's band; `amplitude`, um,
+        what the stage's band comes to as a sine.
+    """
+    record = read(Path(surface))
+    cut = record.select([f"cut_{axis}" for axis in "xyz"]).data[len(record.data) // 10 : -len(record.data) // 10]
+    told = {}
+    for name, series in (("radial", np.hypot(cut[:, 1], cut[:, 2])), ("axial", cut[:, 0])):
+        frequency, power = welch(series, record.rate, nperseg=8192)
+        robot, stage = (np.flatnonzero((frequency >= low) & (frequency <= high)) for low, high in (ROBOT, STAGE))
+        told[name] = {
+            "robot": float(frequency[robot[np.argmax(power[robot])]]),
+            "stage": float(frequency[stage[np.argmax(power[stage])]]),
+            "amplitude": 1e6 * float(np.sqrt(2.0 * power[stage].sum() * frequency[1])),
+        }
+    return told
+
+
+def models(loaded: str, unloaded: str) -> dict[str, float]:
+    """Compare the vibrator's two model files: medians over the lines, 1.
+
+    Returns
+    -------
+    dict
+        `cross_low`, `cross_high`: |G21| over |G11| below 150 Hz and above; `moved`: how far G11 without preload is from
+        G11 with it, over that.
+    """
+    found, idle = (read_model(Path(name)) for name in (loaded, unloaded))
+    cross = np.abs(found.response[:, 1, 0]) / np.abs(found.response[:, 0, 0])
+    low = found.frequency < DIAGONAL
+    own = found.response[:, 0, 0]
+    there = np.interp(idle.frequency, found.frequency, own.real) + 1j * np.interp(
+        idle.frequency, found.frequency, own.imag
+    )
+    moved = np.abs(idle.response[:, 0, 0] - there) / np.abs(there)
+    medians = (cross[low], cross[~low], moved)
+    return dict(zip(("cross_low", "cross_high", "moved"), (float(np.median(each)) for each in medians), strict=True))
 
 
 def force_error(estimate: str = "force.csv", sensor: str = "LEARNED/logs/milled-0/force.csv") -> dict[str, Any]:

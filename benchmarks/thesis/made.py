@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from benchmarks import planning, planning_chapter_7, time_domain_ilc
-from benchmarks.thesis.derived import clamped, compared, force_error, ratios, shots, watched
+from benchmarks.thesis.derived import clamped, compared, force_error, models, ratios, shots, spectra, watched
 from firmware_sim.plants.piezo_stage import PiezoStagePlant
 from stagectl.planning.exact import least_time
+from stagectl.planning.features import FeaturesPlanner
 from stagectl.planning.milling import Milled, mill, total
 from stagectl.planning.pocket import planner
 from stagectl.planning.problem import Pocket
@@ -27,6 +28,10 @@ ACCELERATING = 0.243
 """s a segment."""
 SLOWER = 4.0
 """Times longer, sec. 8.3."""
+LOOPS = (("whole", 0.0, 1000.0, 1.0), ("faster", 0.0, 1000.0, 10.0), ("smaller", 300.0, 700.0, 1.0))
+"""Name, V from and to, Hz."""
+DRAWN = 10
+"""Tables on which weights are trained."""
 CREEPING = (10.0, 30.0)
 """s after the ramp to 500 V."""
 
@@ -43,6 +48,31 @@ def creep() -> dict[str, float]:
     means = [extension[begin : begin + rate].mean(axis=0) for begin in (first, last)]
     grown = 1e6 * (means[1] - means[0]) / (CREEPING[1] - CREEPING[0])
     return dict(zip("xyz", map(float, grown), strict=True))
+
+
+def loops() -> dict[str, float]:
+    """Say how far the loop of x's stack opens over its span, seed 1, by the triangle: V and Hz; 1."""
+    told = {}
+    for name, low, high, frequency in LOOPS:
+        samples = round(10_000 / frequency)
+        up = np.linspace(low, high, samples // 2, endpoint=False)
+        triangle = np.tile(np.concatenate([up, np.linspace(high, low, samples // 2, endpoint=False)]), 4)
+        voltage = triangle[:, None] * np.ones(3)
+        still = np.zeros_like(voltage)
+        extension, position, absolute = (np.zeros_like(voltage) for _ in range(3))
+        PiezoStagePlant(10_000.0).run(voltage, still, still, extension, position, absolute)
+        last = extension[-samples:, 0]
+        rising, falling = last[: samples // 2], last[samples // 2 :][::-1]
+        told[name] = float(np.abs(falling - rising).max() / np.ptp(last))
+    return told
+
+
+def weights() -> dict[str, float]:
+    """Train the features' weights on 13 x 13 cells: means, and their largest deviations from table to table, 1."""
+    pockets = [pocket for pocket, _ in planning.drawn(DRAWN, 13, 13, "EWNS")]
+    found = np.array([FeaturesPlanner(pocket, seed).weights for seed, pocket in enumerate(pockets)])
+    mean, spread = found.mean(axis=0), np.abs(found - found.mean(axis=0)).max(axis=0)
+    return {"w1": mean[0], "w2": mean[1], "w1_spread": spread[0], "w2_spread": spread[1]}
 
 
 def time_domain() -> dict[str, Any]:
@@ -128,6 +158,8 @@ def ten_by_twenty() -> dict[str, str]:
 
 CASES: Mapping[str, Callable[..., Mapping[str, Any]]] = {
     "creep": creep,
+    "loops": loops,
+    "weights": weights,
     "time-domain": time_domain,
     "chapter-7": chapter_7,
     "two-directions": two_directions,
@@ -136,8 +168,10 @@ CASES: Mapping[str, Callable[..., Mapping[str, Any]]] = {
     "ten-by-twenty": ten_by_twenty,
     "clamped": clamped,
     "force-error": force_error,
+    "models": models,
     "ratios": ratios,
     "shots": shots,
+    "spectra": spectra,
     "compared": compared,
     "watched": watched,
 }
