@@ -26,8 +26,8 @@ LOSSES = """\
   blocks, which checks, limits and records every sample. The two agree.
 - **Planners that learn** are not always optimal even where their rates are right; `exact` is.
 - **Features**: no random, sine or shock test by standards, no waveform of unlimited length in one pass, no
-  constraint in the law, no nonlinear model; and nothing of this has run on a real machine, while all the systems
-  below have."""
+  constraint in the law, no nonlinear model; and nothing of this has run on a real machine, while the
+  systems for shakers and robots below have."""
 IDENTIFICATION = """\
 ## Identification
 
