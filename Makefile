@@ -12,7 +12,7 @@ STUDIES = $(basename $(notdir $(wildcard studies/*.toml)))
 TABLES := identification measured_pairs planning force_control
 KEY = $(shell cat pyproject.toml | sha256sum | cut -c1-16) $(CURDIR)
 
-.PHONY: run test check soak bench studies peers mutants setup packages docs site dist clean help
+.PHONY: run test check soak bench studies peers thesis mutants setup packages docs site dist clean help
 
 help:            ## this list
 	@grep -hE '^[a-z]+: .*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 10
@@ -55,10 +55,15 @@ studies: setup   ## the studies of studies/ at full size, up to hours each, then
 	done
 	$(BIN)/python -m benchmarks.study_tables $(STUDIES:%=runs/studies/%)
 
-peers: setup     ## identification against other packages, which it installs: a quarter of an hour
+peers: setup     ## docs/peers.md, docs/identification-peers.md: beside other packages, which it installs: a quarter of an hour
 	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[peers]'
-	$(BIN)/python -m benchmarks.identification_peers
-	$(BIN)/python -m benchmarks.response_peers
+	$(BIN)/python -m benchmarks.identification_peers > docs/identification-peers.new
+	mv docs/identification-peers.new docs/identification-peers.md
+	$(BIN)/python -m benchmarks.response_peers --write
+	$(BIN)/python -m benchmarks.peers --write
+
+thesis: setup    ## docs/thesis.md: every figure and table of the thesis beside ours, twenty minutes; goes on after a stop
+	$(BIN)/python -m benchmarks.thesis --write
 
 mutants: setup   ## faults put into the code on purpose, which tests should catch: MUTANTS=30 of the sample of 300, an hour
 	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[mutants]'

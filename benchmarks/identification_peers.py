@@ -12,13 +12,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import metadata
-from pathlib import Path
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from benchmarks.identification_methods import METHODS, PROPOSALS, RATE, Matrices
 from benchmarks.identification_targets import Row, targets
+from benchmarks.machine import processor
 from benchmarks.measured_process import Job, Outcome, measured
 from calibration.fit_measures import nrmse
 from calibration.state_space.model import InnovationModel
@@ -160,7 +160,7 @@ def proposals() -> dict[tuple[int, int], list[int]]:
 
 def main() -> None:
     print("# Identification, against other packages on the same records\n")
-    machine = f"{os.cpu_count()} processors ({_processor()}), Python {platform.python_version()}"
+    machine = f"{os.cpu_count()} processors ({processor()}), Python {platform.python_version()}"
     print(f"Made by `python -m benchmarks.identification_peers`, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC, on {machine},")
     print(f"numpy {np.__version__}; {', '.join(_version(name) for name in PACKAGES)}.")
     print(f"\nLoad average at the start {os.getloadavg()[0]:.1f}: the clock shows what others left of the machine, the")
@@ -171,14 +171,6 @@ def main() -> None:
     made = [row for case in CASES for row in table(*case)]
     targets(made, proposals())
     print(f"\nLoad average at the end {os.getloadavg()[0]:.1f}.")
-
-
-def _processor() -> str:
-    """Return its maker's name for it, where the system knows."""
-    known = Path("/proc/cpuinfo")
-    lines = known.read_text(encoding="utf-8").splitlines() if known.exists() else []
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor() or platform.machine()
 
 
 def _radius(matrix: np.ndarray) -> float:

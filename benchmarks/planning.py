@@ -29,9 +29,9 @@ def two_directions(tables: int = 200) -> None:
     """Compare chapter 7's rule and Q-learning on pockets of two directions."""
     rows = []
     for size in (12, 13):
-        pockets = list(_draw(tables, size, size, "EW"))
+        pockets = list(drawn(tables, size, size, "EW"))
         for name in ("sequential", "qlearning"):
-            rows.append([f"{size} x {size}", name, *_told(_gaps(name, pockets))])
+            rows.append([f"{size} x {size}", name, *_told(gaps(name, pockets))])
     put(table(["cells", "planner", "optimal, %", "mean gap, %", "worst, %"], rows), "planning.md", "two directions")
 
 
@@ -39,9 +39,9 @@ def four_directions(tables: int = 50) -> None:
     """Compare the features, and for what two directions cost, Q-learning, on pockets of four."""
     rows = []
     for size in ((12, 12), (18, 18), (10, 20)):
-        pockets = list(_draw(tables, *size, "EWNS"))
+        pockets = list(drawn(tables, *size, "EWNS"))
         for name in ("features", "qlearning"):
-            rows.append([f"{size[0]} x {size[1]}", name, *_told(_gaps(name, pockets))])
+            rows.append([f"{size[0]} x {size[1]}", name, *_told(gaps(name, pockets))])
     put(table(["cells", "planner", "optimal, %", "mean gap, %", "worst, %"], rows), "planning.md", "four directions")
 
 
@@ -49,8 +49,8 @@ def slowdown(tables: int = 50) -> None:
     """Make what is cut from the side that a planner begins with 40 % slower, and see when it leaves that side."""
     rows = []
     for lift in LIFTS:
-        pockets = [pocket for pocket, _ in _draw(tables, 18, 18, "EWNS", lift)]
-        runs = {name: np.array([_slowed(name, pocket) for pocket in pockets]) for name in ("qlearning", "features")}
+        pockets = [pocket for pocket, _ in drawn(tables, 18, 18, "EWNS", lift)]
+        runs = {name: np.array([slowed(name, pocket) for pocket in pockets]) for name in ("qlearning", "features")}
         sooner = np.mean(runs["features"][:, 1] < runs["qlearning"][:, 1])
         for name, (stays, times) in ((name, run.T) for name, run in runs.items()):
             left = [f"{stays.mean():.2f}", f"{stays.max():.0f}", f"{100 * np.mean(stays <= SOON):.0f}"]
@@ -60,7 +60,7 @@ def slowdown(tables: int = 50) -> None:
     put(table(head, rows), "planning.md", "slowdown")
 
 
-def _slowed(name: str, pocket: Pocket) -> tuple[float, float]:
+def slowed(name: str, pocket: Pocket) -> tuple[float, float]:
     """Return how many segments a planner mills before it leaves its first side, and how long the pocket takes, s."""
     first = mill(pocket, planner(name, pocket))[0].cut.side
     slow = replace(pocket, true={"theta": {first: SLOWDOWN}})
@@ -69,12 +69,12 @@ def _slowed(name: str, pocket: Pocket) -> tuple[float, float]:
     return float(stays), total(segments)
 
 
-def _draw(tables: int, rows: int, cols: int, feeds: str, lift: float = LIFT) -> Iterator[tuple[Pocket, float]]:
+def drawn(tables: int, rows: int, cols: int, feeds: str, lift: float = LIFT) -> Iterator[tuple[Pocket, float]]:
     rng = np.random.default_rng([rows, cols, len(feeds)])
     return (draw(rng, rows, cols, 2, feeds, lift) for _ in range(tables))
 
 
-def _gaps(name: str, pockets: list[tuple[Pocket, float]]) -> np.ndarray:
+def gaps(name: str, pockets: list[tuple[Pocket, float]]) -> np.ndarray:
     return np.array([
         total(mill(pocket, planner(name, pocket, seed))) / best - 1.0 for seed, (pocket, best) in enumerate(pockets)
     ])  # fmt: skip

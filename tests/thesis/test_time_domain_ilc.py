@@ -19,19 +19,19 @@ def found() -> Outcome:
 
 @pytest.mark.slow
 def test_order_18_does_not_say_all_of_the_response(found: Outcome) -> None:
-    """Page 140: VAF 75.9 %.  Measured here: 91.7 %."""
+    """Page 140: VAF 75.9 %.  Measured here: 87.1 %."""
     assert 70 < found.vaf < 95
 
 
 @pytest.mark.slow
 def test_zeros_lie_outside_of_the_unit_circle_so_that_the_inverse_cannot_be_causal(found: Outcome) -> None:
-    """Page 140: four.  Measured here: 7."""
+    """Page 140: four.  Measured here: 10."""
     assert found.outside >= 4
 
 
 @pytest.mark.slow
 def test_learning_through_its_inverse_diverges_though_the_error_shrinks_at_first(found: Outcome) -> None:
-    """Measured: 13 times smaller at shot 8; at shot 18 the drive has run away."""
+    """Measured: 18 times smaller at shot 9; at shot 16 the drive has run away."""
     assert found.error.min() < 0.2 * found.error[0]
     assert found.level[-1] > 0
 
