@@ -24,7 +24,8 @@ from calibration.vibrator import Calibration
 from calibration.vibrator_sweep import TOLERANCE
 from rigkit.figure_style import COLOURS, LIMIT, styled
 from rigkit.report import Fact, Plot, Report, Section, Table
-from vibractl.config import Characterisation, RigConfig
+from vibractl.characterisation_config import Characterisation
+from vibractl.config import RigConfig
 from vibractl.decibels import rms
 from vibractl.transfer_matrix import TransferMatrix
 

@@ -66,8 +66,14 @@ def reference_drive(config: RigConfig, matrix: TransferMatrix, rng: np.random.Ge
     ValueError : the reference cannot be made, or learning and the model do not fit it.
     """
     settings, rate = config.characterisation, float(config.audio.rate)
-    reference = reference_of(config)
-    law = learning_law(config.learning.model_copy(update={"start": "inverse"}), matrix, reference, rate, Plans())
+    reference, plans = reference_of(config), Plans(backend=config.spectrum.backend)
+    law = learning_law(
+        config.learning.model_copy(update={"start": "inverse"}),
+        matrix,
+        reference,
+        rate,
+        plans,
+    )
     frequency = law.matrix.frequency
     seconds = np.sqrt(len(reference.signal) * len(reference.sounded)) / rate
     drive = 2.0 / seconds * (law.start @ law.spread.T)  # of steady tones, as strong as it is while the reference lasts

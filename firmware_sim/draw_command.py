@@ -9,6 +9,7 @@ from firmware_sim.population.draw import Draw, Quantity
 from firmware_sim.population.kinds import KINDS, population
 from firmware_sim.population.signal_config import SignalConfig
 from rigkit.command import JsonOption, SetOption, print_table, words, write_json
+from rigkit.common_options import one_of
 from rigkit.config import Section, load
 from rigkit.toml_text import value_text
 from stagectl.config import StageConfig
@@ -26,7 +27,9 @@ MODELS: dict[str, type[Section]] = {
 
 
 def draw_command(
-    kind: Annotated[str, typer.Argument(metavar="KIND", help=f"One of {', '.join(KINDS)}.")],
+    kind: Annotated[
+        str, typer.Argument(metavar="KIND", help=f"One of {', '.join(KINDS)}.", autocompletion=one_of(KINDS))
+    ],
     seed: Annotated[int, typer.Option(help="Which machine, >= 0.")],
     family: Annotated[str, typer.Option(help="One of the kind's families; the seed's own without.")] = "",
     out: Annotated[

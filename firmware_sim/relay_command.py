@@ -8,8 +8,9 @@ from typing import Annotated
 
 import typer
 
-from firmware_sim.ready import say
+from firmware_sim.ready import be_ready, say
 from firmware_sim.relay import Relay, adapter_in, listen
+from rigkit.command import JsonOption
 from rigkit.relay.frame import IDENTIFIER
 from rigkit.stop import SIGNALS, on_signals
 
@@ -19,6 +20,7 @@ def relay_command(
     folder: Annotated[Path | None, typer.Option(metavar="DIR", help="Where the adapter appears, as can.")] = None,
     identifier: Annotated[int, typer.Option(min=0, max=0x7FF, help="Of the frames that count.")] = IDENTIFIER,
     patience: Annotated[float, typer.Option(min=0.03, max=10, metavar="SECONDS", help="Without one it opens.")] = 0.2,
+    json: JsonOption = None,
 ) -> None:
     """Put the relay of an amplifier's supply behind a CAN adapter, until Ctrl-C; it says when it closes and opens.
 
@@ -35,8 +37,8 @@ def relay_command(
     start = time.monotonic()
 
     def tell(closed: bool) -> None:
-        say(f"{time.monotonic() - start:8.3f} s: {'closed' if closed else 'open'}")
+        say(f"{time.monotonic() - start:8.3f} s: {'closed' if closed else 'open'}", json)
 
     with on_signals(dict.fromkeys(SIGNALS, stop.set)):
-        say(f"CAN adapter: {adapter.path}")
+        be_ready(f"CAN adapter: {adapter.path}", {"can": str(adapter.path)}, json)
         listen(adapter, Relay(identifier, patience), time.monotonic, tell, stop)

@@ -7,14 +7,19 @@ from typing import Annotated
 import typer
 
 from firmware_sim.plate_file import seen_plate
-from firmware_sim.ready import say
+from firmware_sim.ready import be_ready
 from firmware_sim.robot_bench import MISHAPS, Addresses, RobotBench, robot_mishap
 from firmware_sim.robot_cell import cell_controller, cell_cut, cell_force_box, cell_wood
-from rigkit.command import ConfigOption, SetOption
+from rigkit.command import ConfigOption, JsonOption, SetOption
 from rigkit.config import load
 from rigkit.stop import SIGNALS, on_signals
 from rigkit.written import written_file
 from stagectl.robot.config import CellConfig
+
+FaultOption = Annotated[
+    list[str] | None,
+    typer.Option(metavar="NAME@SECONDS", help=f"One of {', '.join(MISHAPS)}; may be given many times."),
+]
 
 
 def robot_command(
@@ -31,10 +36,8 @@ def robot_command(
         typer.Option(metavar="FILE", help="`plate` in the --folder of `firmware-sim stage`: the spindle is on it."),
     ] = None,
     log: Annotated[Path | None, written_file("FILE", "Write the motor torques to this CSV file.")] = None,
-    fault: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME@SECONDS", help=f"One of {', '.join(MISHAPS)}; may be given many times."),
-    ] = None,
+    fault: FaultOption = None,
+    json: JsonOption = None,
 ) -> None:
     """Put a robot's controller behind UDP and TCP, and tracker and force sensor beside it, until Ctrl-C.
 
@@ -67,5 +70,7 @@ def robot_command(
         "tracker": bench.tracker.address,
         "force sensor": force.address,
     }
+    figures = {name.replace(" ", "_"): f"{host}:{port}" for name, (host, port) in lines.items()}
+    text = "\n".join(f"{name}: {host}:{port}" for name, (host, port) in lines.items())
     with on_signals(dict.fromkeys(SIGNALS, stop.set)):
-        bench.run(lambda: say("\n".join(f"{name}: {host}:{port}" for name, (host, port) in lines.items())), stop)
+        bench.run(lambda: be_ready(text, figures, json), stop)

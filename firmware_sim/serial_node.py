@@ -4,12 +4,12 @@ import contextlib
 import os
 import select
 import time
-import tty
 from collections.abc import Callable
 from pathlib import Path
 from threading import Event
 from typing import Literal
 
+from rigkit.posix import refuse_without, tty
 from stagectl.link.laser_protocol import END, LONGEST_LINE, said
 
 _WAIT = 0.01
@@ -44,6 +44,7 @@ class SerialNode:
         self.is_silent = False
         self._path, self._displacement, self._mode = path, displacement, mode
         self._period, self._unit, self._now = 1.0 / rate, unit, now
+        refuse_without(tty, "pseudo-terminals")
         self._host, self._device = os.openpty()
         for end in (self._host, self._device):
             tty.setraw(end)

@@ -3,10 +3,11 @@
 import contextlib
 import os
 import select
-import tty
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+
+from rigkit.posix import refuse_without, tty
 
 LENGTHS = (0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64)
 """Bytes of a frame by its length code, ISO 11898-1."""
@@ -71,6 +72,7 @@ class SlcanAdapter:
         """Plug the adapter in; its channel is closed at first."""
         if self._ends is not None:
             return
+        refuse_without(tty, "pseudo-terminals")
         host, device = os.openpty()
         for end in (host, device):
             tty.setraw(end)

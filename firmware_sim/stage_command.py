@@ -9,11 +9,11 @@ import typer
 
 from firmware_sim.can_node import MISHAPS, mishap
 from firmware_sim.plants.milling_disturbance import DEFLECTIONS
-from firmware_sim.ready import say
+from firmware_sim.ready import be_ready
 from firmware_sim.stage_bench import StageBench
 from firmware_sim.stage_image import StageImage
 from firmware_sim.stage_processor import Settings
-from rigkit.command import ConfigOption, SetOption
+from rigkit.command import ConfigOption, JsonOption, SetOption
 from rigkit.config import load
 from rigkit.stop import SIGNALS, on_signals
 from stagectl.config import StageConfig
@@ -32,6 +32,7 @@ def stage_command(
         list[str] | None,
         typer.Option(metavar="NAME@SECONDS", help=f"One of {', '.join(MISHAPS)}; may be given many times."),
     ] = None,
+    json: JsonOption = None,
 ) -> None:
     """Put the stage's processor behind a CAN adapter and the laser sensor behind a serial line, until Ctrl-C.
 
@@ -62,4 +63,9 @@ def stage_command(
     )
     stop = Event()
     with on_signals(dict.fromkeys(SIGNALS, stop.set)):
-        bench.run(lambda: say(f"CAN adapter: {bench.can}\nlaser sensor: {bench.laser}"), stop)
+        bench.run(lambda: _say_ready(bench, json), stop)
+
+
+def _say_ready(bench: StageBench, json: str | None) -> None:
+    figures = {"can": str(bench.can), "laser": str(bench.laser)}
+    be_ready(f"CAN adapter: {bench.can}\nlaser sensor: {bench.laser}", figures, json)

@@ -6,8 +6,8 @@ import typer
 
 from firmware_sim.jack_client import JackClient
 from firmware_sim.laboratory import Laboratory, Wiring, plant_block
-from firmware_sim.ready import say
-from rigkit.command import ConfigOption, SetOption, laid_over
+from firmware_sim.ready import be_ready
+from rigkit.command import ConfigOption, JsonOption, SetOption, laid_over
 from rigkit.config import load
 from rigkit.stop import SIGNALS, on_signals
 from vibractl.config import RigConfig
@@ -19,6 +19,7 @@ def vibrator_command(
     settings: SetOption = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Which vibrator: simulator.options.seed.")] = None,
     name: Annotated[str, typer.Option(help="The JACK client's name, which PortAudio lists as a device.")] = "shaker",
+    json: JsonOption = None,
 ) -> None:
     """Put the marine vibrator behind a JACK audio server, wired as the rig file says, until Ctrl-C.
 
@@ -37,7 +38,7 @@ def vibrator_command(
     wiring = Wiring.of(rig.audio)
     laboratory = Laboratory(plant_block(rig.simulator.plant, rig.simulator.options), wiring)
     client = JackClient(laboratory, rig.audio.rate, name)
+    figures = {"name": name, "inputs": wiring.outputs, "outputs": wiring.inputs, "rate": rig.audio.rate}
+    text = f"{name} is ready: {wiring.outputs} in, {wiring.inputs} out, {rig.audio.rate} samples/s"
     with on_signals(dict.fromkeys(SIGNALS, client.end)):
-        client.run(
-            lambda: say(f"{name} is ready: {wiring.outputs} in, {wiring.inputs} out, {rig.audio.rate} samples/s")
-        )
+        client.run(lambda: be_ready(text, figures, json))

@@ -1,8 +1,9 @@
 """How much memory and time the process may take that reads a file of arrays, which may be damaged."""
 
-import resource
 import signal
 from pathlib import Path
+
+from rigkit.posix import resource
 
 ROOM = 2**29
 """Bytes that a library may take beside what it has read."""
@@ -13,7 +14,7 @@ SLOWEST = 2e7
 
 
 def let_have(size: int, room: int = ROOM) -> None:
-    """Let this process have so much more than it has now, before it reads what follows.
+    """Let this process have so much more than it has now, before it reads what follows; no limit where there is none.
 
     Parameters
     ----------
@@ -22,6 +23,8 @@ def let_have(size: int, room: int = ROOM) -> None:
     room : int, bytes
         What it may take beside.
     """
+    if resource is None:
+        return
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
     wanted, hard = pages * resource.getpagesize() + room + size, resource.getrlimit(resource.RLIMIT_AS)[1]
     resource.setrlimit(resource.RLIMIT_AS, (wanted if hard == resource.RLIM_INFINITY else min(wanted, hard), hard))

@@ -13,8 +13,8 @@ from rich.table import Table
 from rich.text import Text
 
 from rigkit import atomic, os_fault
+from rigkit.common_options import SHORT, VersionOption
 from rigkit.json_text import json_text
-from rigkit.provenance import software
 from rigkit.stop import Stopped
 from rigkit.written import Application, made_folder
 
@@ -53,9 +53,9 @@ def laid_over(settings: list[str] | None, flags: Mapping[str, object]) -> list[s
 def application(purpose: str) -> typer.Typer:
     """Make a command line without commands that says `purpose` in its help; `command` of the result adds them.
 
-    Its own option `--version` says which software it is.
+    Its own options say which software it is, and install or show what completes it in the shell that called it.
     """
-    app = Application(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="markdown")
+    app = Application(pretty_exceptions_enable=False, rich_markup_mode="markdown")
     app.callback(help=purpose)(_own_options)  # so that a lone command keeps its name, too
     return app
 
@@ -77,7 +77,7 @@ def run(app: typer.Typer, *packages: str) -> int:
         status = app(standalone_mode=False)
         return status if isinstance(status, int) else 0
     except typer.TyperException as fault:
-        return _end(f"error: {fault.format_message().rstrip('.')}; --help shows how to call this", USER_ERROR)
+        return _end(f"error: {_misread(fault)}; --help shows how to call this", USER_ERROR)
     except Stopped as end:
         return _end(str(end), STOPPED)
     except OSError as fault:
@@ -123,18 +123,19 @@ def print_table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]], 
     Console(file=stream, width=None if stream.isatty() else WIDEST_TABLE).print(table)
 
 
-def _say_version(is_wanted: bool) -> None:
-    if is_wanted:
-        sys.stdout.write(f"{software(())}\n")
-        raise typer.Exit
-
-
-def _own_options(
-    version: Annotated[  # noqa: ARG001 (read by its callback)
-        bool, typer.Option("--version", is_eager=True, callback=_say_version, help="Show the version and exit.")
-    ] = False,
-) -> None:
+def _own_options(version: VersionOption = False) -> None:  # noqa: ARG001 (read by its callback)
     """Stand for the command line itself."""
+
+
+def _misread(fault: typer.TyperException) -> str:
+    """Return what is wrong with a command line; of an option that is not there, those that may have been meant."""
+    option: str = getattr(fault, "option_name", "")
+    if option in ("--set", SHORT["--set"]):
+        return f"No such option: {option}: this command reads no settings that it could lay over"
+    near: Sequence[str] = getattr(fault, "possibilities", None) or ()
+    if option and near:
+        return f"No such option: {option}. Did you mean {' or '.join(sorted(near))}?"
+    return fault.format_message().rstrip(".")
 
 
 def _end(text: str, status: int) -> int:

@@ -9,12 +9,15 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from rigkit.allowed import field_at, limits, model_at, wanted
+from rigkit.config_paths import keys
 from rigkit.toml_text import key_text, value_text
 
 Model = TypeVar("Model", bound=BaseModel)
 
 LONGEST_VALUE = 60
 """Characters of a value that an error shows."""
+MOST_NAMED = 3
+"""Keys of other tables that an error names."""
 
 _RANGE_FAULTS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 
@@ -69,7 +72,7 @@ def _explained(
     reason = fault.get("ctx", {}).get("error")
     if field is None and fault["type"] == "extra_forbidden":
         path = (*way, str(location[len(way)]))
-        return path, _unknown(path, model_at(model, way), data, whole)
+        return path, _unknown(path, model, data, whole)
     if field is None and reason is not None:
         return way, str(reason)
     value = f"{key_text(*way)} is {shown(_value(data, way))}"
@@ -83,11 +86,14 @@ def _explained(
     return way, f"{value}, must be {wanted(field)}{meaning}"
 
 
-def _unknown(path: Sequence[str], table: type[BaseModel], data: Mapping[str, Any], whole: str) -> str:
+def _unknown(path: Sequence[str], model: type[BaseModel], data: Mapping[str, Any], whole: str) -> str:
+    """Say that there is no such key, and which may have been meant: one of its table, or its name in another one."""
     *parents, name = path
     where = f"[{key_text(*parents)}]" if parents else whole
-    near = get_close_matches(name, table.model_fields, n=1)
-    hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(table.model_fields)}"
+    its = list(model_at(model, parents).model_fields)
+    elsewhere = [key_text(*key) for key, _ in keys(model) if key[-1] == name]
+    near = get_close_matches(name, its, n=1) or elsewhere[:MOST_NAMED]
+    hint = f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(its)}"
     return f"{key_text(*path)} is {shown(_value(data, path))}, but {where} has no {name}; {hint}"
 
 

@@ -22,8 +22,13 @@ _TIED = "\0"
 
 def dump(config: BaseModel) -> str:
     """Write the values of a configuration as TOML; `load` gives an equal one, every number to its last bit."""
+    return dump_values(config.model_dump())
+
+
+def dump_values(values: Mapping[str, Any]) -> str:
+    """Write values as TOML, tables within each other."""
     lines: list[str] = []
-    for path, table in _tables(config.model_dump(), ()):
+    for path, table in _tables(values, ()):
         lines += [f"[{key_text(*path)}]"] if path else []
         lines += [f"{key_text(name)} = {value_text(value)}" for name, value in table.items()]
         lines += [""]

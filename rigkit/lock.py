@@ -1,10 +1,10 @@
 """The lock on a folder: held by one process at a time, gone with it however it ends."""
 
-import fcntl
 import os
 from pathlib import Path
 
 from ctlblocks.room import writing
+from rigkit.posix import fcntl
 
 
 class FolderInUseError(ValueError):
@@ -13,6 +13,8 @@ class FolderInUseError(ValueError):
 
 class Lock:
     """Hold the file `path` locked until `release`.  The file stays; only the lock on it counts.
+
+    A system without such locks (no `fcntl`) keeps nobody out.
 
     Parameters
     ----------
@@ -28,7 +30,8 @@ class Lock:
     def __init__(self, path: Path) -> None:
         self._handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
         try:
-            fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if fcntl is not None:
+                fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             holder = os.pread(self._handle, 20, 0).decode(errors="replace").strip()
             os.close(self._handle)
@@ -58,7 +61,8 @@ def holder(path: Path) -> int | None:
     except FileNotFoundError:
         return None
     try:
-        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        if fcntl is not None:
+            fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:
         text = os.pread(handle, 20, 0).decode(errors="replace").strip()
         return int(text) if text.isdigit() else None

@@ -1,6 +1,5 @@
 """A lock on what there is once on a machine, such as a device or an address: held by one process, from any folder."""
 
-import fcntl
 import hashlib
 import os
 import re
@@ -11,6 +10,7 @@ from pathlib import Path
 
 from rigkit.json_file import JsonError, json_value
 from rigkit.json_text import json_text
+from rigkit.posix import fcntl, refuse_without
 
 FOLDER = "VIBROSTAGE_LOCKS"
 """Names, in the environment, the folder of the locks; without it, one that all users of the machine share."""
@@ -32,10 +32,11 @@ class MachineLock:
     Raises
     ------
     DeviceInUseError : another process holds it, or this one does already; it says which, and since when.
-    OSError : the folder of the locks cannot be used.
+    OSError : the folder of the locks cannot be used, or the system has no locks.
     """
 
     def __init__(self, name: str) -> None:
+        refuse_without(fcntl, f"file locks, by which {name} is held alone")
         path = _path(name)
         path.parent.mkdir(parents=True, exist_ok=True)
         if path.parent.stat().st_uid == os.getuid():
@@ -65,6 +66,8 @@ def holder_of(name: str) -> int | None:
 
     The file is another's to write where it is not this user's, or root's.
     """
+    if fcntl is None:
+        return None
     try:
         handle = os.open(_path(name), os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC)
     except OSError:

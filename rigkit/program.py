@@ -1,8 +1,9 @@
-"""A program of several commands, of which only the one that is called is imported."""
+"""A program of several commands, of which only the one that is called, or completed, is imported."""
 
 import ast
+import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
 from importlib.util import find_spec
@@ -42,6 +43,8 @@ class Program:
 
     def run(self) -> int:
         """Run the command line that this process was called with, and return its exit status."""
+        if (typed := _typed()) is not None:
+            return run(self.described(typed), *self.packages)
         called = next(iter(sys.argv[1:]), "")
         if called in self.programs:
             sys.argv[:2] = [f"{Path(sys.argv[0]).name} {called}"]
@@ -53,27 +56,51 @@ class Program:
         """Make a command line of these commands alone, or of all where none is named."""
         app = application(self.purpose)
         for name in names or self.commands:
-            module, _, attribute = self._places(name)[0].partition(":")
-            command = getattr(import_module(module), attribute)
-            if isinstance(command, typer.Typer):
-                app.add_typer(command, name=name)
-            else:
-                app.command(name)(command)
+            self._add(app, name)
         return app
 
-    def described(self) -> typer.Typer:
-        """Make a command line that knows each command by its help, and imports none."""
-        app = application(self.purpose)
+    def described(self, typed: Sequence[str] = ()) -> typer.Typer:
+        """Make a command line that knows each command by its help, and imports none but the one that was typed.
+
+        Parameters
+        ----------
+        typed : sequence of str
+            The words that a shell is to complete, the program's own left out.
+        """
+        app, called = application(self.purpose), next(iter(typed), "")
         for name in self.commands:
-            app.command(name)(_described(help_of(self._places(name)[1])))
+            if name == called:
+                self._add(app, name)
+            else:
+                app.command(name)(_described(help_of(self._places(name)[1])))
         for name, place in self.programs.items():
-            app.command(name)(_described(resolve(place).purpose))
+            program: Program = resolve(place)
+            if name == called:
+                app.add_typer(program.described(typed[1:]), name=name)
+            else:
+                app.command(name)(_described(program.purpose))
         return app
+
+    def _add(self, app: typer.Typer, name: str) -> None:
+        module, _, attribute = self._places(name)[0].partition(":")
+        command = getattr(import_module(module), attribute)
+        if isinstance(command, typer.Typer):
+            app.add_typer(command, name=name)
+        else:
+            app.command(name)(command)
 
     def _places(self, name: str) -> tuple[str, str]:
         """Return where a command stands, and where its help does."""
         code = self.commands[name]
         return (code, code) if isinstance(code, str) else code
+
+
+def _typed() -> list[str] | None:
+    """Return what has been typed where a shell asks to complete it; None where a command is to be run."""
+    name = Path(sys.argv[0]).name.replace("-", "_").upper()
+    if f"_{name}_COMPLETE" not in os.environ:
+        return None
+    return (os.environ.get("COMP_WORDS") or os.environ.get("_TYPER_COMPLETE_ARGS", "")).split()[1:]
 
 
 def help_of(code: str) -> str:

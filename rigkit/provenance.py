@@ -6,7 +6,7 @@ import subprocess
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from functools import cache
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 _CHECKOUT = Path(__file__).parent.parent
@@ -25,7 +25,16 @@ def software(packages: Sequence[str] = ("numpy", "scipy", "numba", "pyfftw")) ->
     own = f"vibrostage {version('vibrostage')}"
     if commit := _commit():
         own += f" ({commit})"
-    return ", ".join([own, *(f"{name} {version(name)}" for name in packages), f"Python {platform.python_version()}"])
+    theirs = [f"{name} {found}" for name in packages if (found := _version(name))]
+    return ", ".join([own, *theirs, f"Python {platform.python_version()}"])
+
+
+def _version(package: str) -> str:
+    """Return the version of a package that may be missing, as pyfftw may; empty then."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return ""
 
 
 def _commit() -> str:

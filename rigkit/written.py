@@ -15,6 +15,8 @@ from typing import Any, get_args
 import typer
 from typer.models import ParameterInfo
 
+from rigkit.common_options import common, name_of
+
 JSON = "json"
 """Name of the option whose text is a file to write, or "-"."""
 
@@ -48,7 +50,7 @@ def _checked(function: Callable[..., Any]) -> Callable[..., Any]:
     told = {name: _told(name, each) for name, each in inspect.signature(function, eval_str=True).parameters.items()}
 
     @functools.wraps(function)
-    def command(**given: Any) -> Any:
+    def command(version: bool = False, **given: Any) -> Any:  # noqa: ARG001 (read by its callback)
         paths = {name: (told[name], list(_paths(name, value))) for name, value in given.items()}
         _refuse(paths)
         files = [
@@ -57,6 +59,7 @@ def _checked(function: Callable[..., Any]) -> Callable[..., Any]:
         with _told_over(files):
             return function(**given)
 
+    command.__signature__ = common(function)  # type: ignore[attr-defined]
     return command
 
 
@@ -99,11 +102,8 @@ def _told(name: str, parameter: inspect.Parameter) -> tuple[str, str]:
         return f"--{JSON}", "file"
     if info is None:
         return name, ""
-    declared = [info.default, *(info.param_decls or ())]  # within `Annotated` the first name stands as the default
-    names = [each for each in declared if isinstance(each, str) and each.startswith("--")]
-    shown = names[0] if names else f"--{name.replace('_', '-')}"
-    if not isinstance(info, typer.models.OptionInfo):
-        shown = str(info.metavar or name)
+    is_option = isinstance(info, typer.models.OptionInfo)
+    shown = name_of(parameter, info) if is_option else str(info.metavar or name)
     return shown, ("folder" if info.dir_okay else "file") if info.writable else ""
 
 

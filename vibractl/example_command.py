@@ -7,12 +7,16 @@ import typer
 
 from rigkit import config as rig_file
 from rigkit.command import JsonOption, words, write_json
+from rigkit.common_options import one_of
 from vibractl.config import RigConfig
 from vibractl.presets import PRESETS
 
 
 def example_config(
-    preset: Annotated[str | None, typer.Option(metavar="underwater", help="A short one for a purpose.")] = None,
+    preset: Annotated[
+        str | None,
+        typer.Option(metavar="underwater", help="A short one for a purpose.", autocompletion=one_of(PRESETS)),
+    ] = None,
     json: JsonOption = None,
 ) -> None:
     """Print a complete rig file for the simulator: every key with its unit, range and default.

@@ -11,6 +11,7 @@ from rigkit.stop import Stopped, stoppable
 from vibractl.config import RigConfig
 from vibractl.fft_measurement import measured
 from vibractl.fft_plans import Plans, user_wisdom
+from vibractl.fft_transform import library_of
 from vibractl.reference_option import ReferenceOption
 from vibractl.setup import reference_of, transforms
 
@@ -29,6 +30,8 @@ def plan_command(
     Example: `vibractl plan-ffts --config rig.toml --reference chirp:40:90:60`
     """
     rig = rig_file.load(config, RigConfig, laid_over(settings, {"reference.signal": reference}))
+    if library_of(rig.spectrum.backend) == "scipy":
+        raise ValueError("spectrum.backend is scipy, or pyfftw is not installed: SciPy's FFTs have no plans to measure")
     sizes = transforms(rig, len(reference_of(rig).signal))
     path, before = user_wisdom(), Plans.of_user()
     if before.note:

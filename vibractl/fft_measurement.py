@@ -5,7 +5,8 @@ import signal
 from collections.abc import Iterator, Sequence
 from multiprocessing.connection import Connection
 
-from vibractl.fft_plans import Plans, Transform
+from vibractl.fft_plans import Plans
+from vibractl.fft_transform import Transform
 
 _LOOK = 0.2
 """s between two looks at that process."""

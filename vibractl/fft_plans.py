@@ -1,59 +1,16 @@
-"""FFTW's plans of a run: measured beforehand where there are such, else estimated at once; stored as wisdom."""
+"""The FFT plans of a run: FFTW's are measured beforehand or estimated, and stored as wisdom; SciPy has none."""
 
 import threading
 from pathlib import Path
-from typing import Literal, NamedTuple, Self
+from typing import Self
 
-import numpy as np
 import platformdirs
-import pyfftw
 
-Effort = Literal["FFTW_ESTIMATE", "FFTW_MEASURE"]
+from vibractl.fft_transform import Effort, FftwTransform, Planned, ScipyTransform, Transform, fftw, library_of
+from vibractl.spectrum_config import Backend
 
 _PLANNER = threading.Lock()
 """FFTW has one memory of plans for the whole process: one run at a time may put its own there."""
-
-
-class Transform(NamedTuple):
-    """The size of a real FFT and its inverse.
-
-    Parameters
-    ----------
-    frames : int, samples, >= 2
-    width : int, channels, >= 1
-    """
-
-    frames: int
-    width: int
-
-
-class Planned:
-    """A transform and its inverse, each of which destroys its input.
-
-    Parameters
-    ----------
-    transform : Transform
-    effort : Effort
-        FFTW_ESTIMATE takes milliseconds, FFTW_MEASURE seconds to minutes; neither, where FFTW knows a plan.
-    """
-
-    def __init__(self, transform: Transform, effort: Effort) -> None:
-        frames, width = transform
-        self.time = pyfftw.empty_aligned((width, frames), dtype=np.float64)
-        """Array, shape (width, frames), any unit."""
-        self.bins = pyfftw.empty_aligned((width, frames // 2 + 1), dtype=np.complex128)
-        """Complex array, shape (width, frames // 2 + 1), any unit."""
-        flags = (effort, "FFTW_DESTROY_INPUT")
-        self._forward = pyfftw.FFTW(self.time, self.bins, axes=(1,), flags=flags, threads=1)
-        self._backward = pyfftw.FFTW(self.bins, self.time, axes=(1,), direction="FFTW_BACKWARD", flags=flags, threads=1)
-
-    def forward(self) -> None:
-        """Transform `time` to `bins`."""
-        self._forward.execute()
-
-    def backward(self) -> None:
-        """Transform `bins` to `time`, without the division by `frames`."""
-        self._backward.execute()
 
 
 class Plans:
@@ -68,35 +25,45 @@ class Plans:
     wisdom : bytes
         FFTW's own text.  What FFTW does not take, since it is damaged or was made on another kind of processor or by
         another version, counts as none.
+    backend : Backend
+        `spectrum.backend`.  With SciPy there is no wisdom: its transforms follow from SciPy's version alone.
+
+    Raises
+    ------
+    ValueError : that library is not installed.
     """
 
-    def __init__(self, wisdom: bytes = b"") -> None:
-        with _PLANNER:
-            pyfftw.forget_wisdom()
-            self.is_taken = not wisdom or bool(pyfftw.import_wisdom((wisdom, b"", b""))[0])
-            """Whether there was no wisdom, or FFTW took it."""
-            self._wisdom: bytes = pyfftw.export_wisdom()[0]
-            pyfftw.forget_wisdom()
+    def __init__(self, wisdom: bytes = b"", backend: Backend = "auto") -> None:
+        self.library = library_of(backend)
+        """Which one transforms."""
+        self.is_taken, self._wisdom = True, b""
+        """Whether there was no wisdom, or FFTW took it."""
+        if self.library == "fftw":
+            with _PLANNER:
+                fftw().forget_wisdom()
+                self.is_taken = not wisdom or bool(fftw().import_wisdom((wisdom, b"", b""))[0])
+                self._wisdom = fftw().export_wisdom()[0]
+                fftw().forget_wisdom()
         self.note = ""
         """What a person should know of where the plans come from; empty for nothing."""
 
     @classmethod
-    def of_run(cls, path: Path) -> Self:
+    def of_run(cls, path: Path, backend: Backend = "auto") -> Self:
         """Return the plans that a run has stored in `path`; estimates, and a note, where they cannot be had."""
         try:
-            return cls._read(path)
+            return cls._read(path, backend)
         except OSError as fault:
-            plans = cls()
+            plans = cls(backend=backend)
             plans.note = _estimated(path, fault.strerror or str(fault))
             return plans
 
     @classmethod
-    def of_user(cls) -> Self:
+    def of_user(cls, backend: Backend = "auto") -> Self:
         """Return the plans that this user has measured; estimates where there are none."""
         try:
-            return cls._read(user_wisdom())
+            return cls._read(user_wisdom(), backend)
         except OSError:  # of an optimisation: whatever is wrong with the folder, a run goes on
-            return cls()
+            return cls(backend=backend)
 
     @property
     def wisdom(self) -> bytes:
@@ -105,19 +72,23 @@ class Plans:
 
     def planned(self, transform: Transform, effort: Effort = "FFTW_ESTIMATE") -> Planned:
         """Plan a transform, and remember how; from any thread."""
+        if self.library == "scipy":
+            return ScipyTransform(transform)
         with _PLANNER:
-            pyfftw.forget_wisdom()
-            pyfftw.import_wisdom((self._wisdom, b"", b""))
+            fftw().forget_wisdom()
+            fftw().import_wisdom((self._wisdom, b"", b""))
             try:
-                made = Planned(transform, effort)
-                self._wisdom = pyfftw.export_wisdom()[0]
+                made = FftwTransform(transform, effort)
+                self._wisdom = fftw().export_wisdom()[0]
             finally:
-                pyfftw.forget_wisdom()
+                fftw().forget_wisdom()
         return made
 
     @classmethod
-    def _read(cls, path: Path) -> Self:
-        plans = cls(path.read_bytes())
+    def _read(cls, path: Path, backend: Backend) -> Self:
+        if library_of(backend) == "scipy":
+            return cls(backend=backend)
+        plans = cls(path.read_bytes(), backend)
         if not plans.is_taken:
             plans.note = _estimated(path, "damaged, or from another version of FFTW or another kind of processor")
         return plans

@@ -8,7 +8,7 @@ from vibractl.fft_plans import Plans
 from vibractl.learner import Timeline, timeline
 from vibractl.place import Place, at_accelerometers
 from vibractl.reference import Reference
-from vibractl.setup import reference_of
+from vibractl.setup import reference_of, transformed_by
 from vibractl.spectrum import Decimator
 
 
@@ -81,4 +81,5 @@ class Judging:
         if not max(outputs) < sensors:
             raise ValueError(f"learning.side is {side}, must be 1 to {sensors}, or 0")
         near = at_accelerometers(Decimator(config.learning.decimation).apply(reference.signal), outputs)
-        return cls(config, reference, timeline(config, reference), (near,))
+        plans = Plans(backend=config.spectrum.backend)
+        return cls(transformed_by(plans, config), reference, timeline(config, reference), (near,), plans)

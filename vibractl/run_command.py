@@ -10,11 +10,13 @@ import typer
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, laid_over, print_table, words, write_json
+from rigkit.common_options import one_of
 from rigkit.progress import progress
 from rigkit.run_folder import RunFolder, read_quality
 from rigkit.stop import Stopped, stoppable
 from vibractl.audio_stream import AudioError
 from vibractl.config import RigConfig
+from vibractl.learning.kinds_of_law import KINDS
 from vibractl.library.command import LibraryOption, TagOption, chosen_entry
 from vibractl.loudness import FitOption
 from vibractl.quality import Marks
@@ -34,7 +36,9 @@ def run_command(
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
     watch: Annotated[bool, typer.Option("--watch", help="Reidentify bands that diverge, while it goes on.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Begin faint, and rise as the objective allows.")] = False,
-    law: Annotated[str | None, typer.Option(help="kalman, or thesis for the text's own law.")] = None,
+    law: Annotated[
+        str | None, typer.Option(help="kalman, or thesis for the text's own law.", autocompletion=one_of(KINDS))
+    ] = None,
     seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
     fit_amplitude: FitOption = False,
     warm: Annotated[

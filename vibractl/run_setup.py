@@ -67,10 +67,10 @@ def create(
     matrix, notes = model_for(model, config, accept)
     far = read_far_field(model, len(config.audio.far_field_channels))
     if entry is None:
-        made, broken = setup(config, matrix, far, plans=Plans.of_user()), None
+        made, broken = setup(config, matrix, far, plans=Plans.of_user(config.spectrum.backend)), None
         made = _within_limits(made, lambda quieter: setup(quieter, matrix, far, plans=made.plans), fit_amplitude)
     else:
-        made, broken = warm_setup(config, matrix, far, entry, Plans.of_user())
+        made, broken = warm_setup(config, matrix, far, entry, Plans.of_user(config.spectrum.backend))
     made, config = replace(made, said=(*notes, *made.said)), made.config
     require_room(path, made, shots or config.session.shots)
     kept, source = with_own_reference(config)
@@ -81,7 +81,8 @@ def create(
         if source is not None:
             folder.take_in(source, kept.reference.signal)
             parts.append(kept.reference.signal)
-        folder.write(WISDOM, made.plans.wisdom)
+        if made.plans.wisdom:
+            folder.write(WISDOM, made.plans.wisdom)
         if entry is not None:
             write_entry(folder.path / START, entry)
             parts.append(START)
@@ -120,10 +121,12 @@ def with_own_reference(config: RigConfig) -> tuple[RigConfig, Path | None]:
 
 
 def settings_of(path: Path, overrides: tuple[str, ...] = ()) -> RigConfig:
-    """Return the settings of a run folder, with what is laid over them; an older one has left the hum in."""
+    """Return the settings of a run folder, laid over with others; older ones left the hum in, and had FFTW alone."""
     file = path / "config.toml"
-    says_nothing = file.is_file() and not re.search(rb"^mains\b", file.read_bytes(), re.MULTILINE)
-    config = rig_file.load(file, RigConfig, ("quality.mains=false",) * says_nothing + overrides)
+    text = file.read_bytes() if file.is_file() else b""
+    before = {rb"^mains\b": "quality.mains=false", rb"^\[spectrum\]": "spectrum.backend=fftw"}
+    older = [setting for key, setting in before.items() if text and not re.search(key, text, re.MULTILINE)]
+    config = rig_file.load(file, RigConfig, (*older, *overrides))
     own = path / config.reference.signal
     if is_file(config.reference.signal) and own.is_file():
         config = config.model_copy(update={"reference": config.reference.model_copy(update={"signal": str(own)})})
@@ -143,7 +146,7 @@ def setup_of(path: Path, overrides: tuple[str, ...] = (), model: Path | None = N
             "`vibractl replay` takes as well"
         )
     config = settings_of(path, overrides)
-    plans = Plans.of_run(path / WISDOM)
+    plans = Plans.of_run(path / WISDOM, config.spectrum.backend)
     matrix = read_model(model or path / MODEL)
     far = read_far_field(model or path / MODEL, len(config.audio.far_field_channels))
     entry = read_entry(path / START) if config.learning.start == "library" else None

@@ -6,7 +6,8 @@ import numpy as np
 
 from vibractl.config import RigConfig
 from vibractl.far_field import FarField
-from vibractl.fft_plans import Plans, Transform
+from vibractl.fft_plans import Plans
+from vibractl.fft_transform import Transform
 from vibractl.guard import Violation, violation
 from vibractl.learner import Learner, Timeline, silences, timeline
 from vibractl.learning.algorithm import Algorithm
@@ -21,6 +22,7 @@ from vibractl.mains import NOMINAL, PIECE, Mains
 from vibractl.place import Place, Where, at_accelerometers, in_far_field
 from vibractl.reference import Reference, reference_from
 from vibractl.spectrum import Decimator
+from vibractl.spectrum_config import Spectrum
 from vibractl.transfer_matrix import TransferMatrix
 
 LEAST_WITHIN = 0.99
@@ -189,7 +191,8 @@ def setup(
     ------
     ValueError : the reference, the model and the settings do not fit together.
     """
-    plans = plans or Plans()
+    plans = plans or Plans(backend=config.spectrum.backend)
+    config = transformed_by(plans, config)
     reference = reference_of(config)
     if reference.root is not None and 2 * reference.root > min(config.learning.band[1], config.quality.judged_to):
         raise ValueError(
@@ -238,6 +241,11 @@ def warm_setup(
         return made, None
     start = config.learning.start
     return setup(_starting(config, "by-law" if start == "library" else start), matrix, far, plans=plans), broken
+
+
+def transformed_by(plans: Plans, config: RigConfig) -> RigConfig:
+    """Return settings that name the library by which a run is transformed, so that its folder says it."""
+    return config.model_copy(update={"spectrum": Spectrum(backend=plans.library)})
 
 
 def _starting(config: RigConfig, start: str) -> RigConfig:

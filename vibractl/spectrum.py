@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.signal import firwin, upfirdn
 
-from vibractl.fft_plans import Plans, Transform
+from vibractl.fft_plans import Plans
+from vibractl.fft_transform import Transform
 
 DECIMATOR_REACH = 24
 """Taps of the decimator to each side, times its factor: 100 dB with the transition below."""

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.signal import StateSpace, cont2discrete
 
 from calibration.frequency_domain.modal_form import ModalForm
+from calibration.state_space.conversion import control_package
 from rigkit.model_file import ModelFile, read_model_file, write_model_file
 
 FORMAT = "vibrostage.response-model/1"
@@ -114,9 +115,7 @@ class ResponseModel:
 
     def to_control(self) -> Any:
         """Return a `control.StateSpace`, continuous or discrete; python-control must be installed."""
-        import control
-
-        return control.ss(*self.matrices, 0 if self.rate is None else 1 / self.rate)
+        return control_package().ss(*self.matrices, 0 if self.rate is None else 1 / self.rate)
 
     def save(self, path: str | Path, **provenance: str) -> Path:
         """Write it as an HDF5 model file, which `read_response_model` takes; return where it is."""

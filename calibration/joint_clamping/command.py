@@ -26,6 +26,7 @@ from calibration.raw_run import raw_run
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, laid_over, print_table, words, write_json
+from rigkit.common_options import one_of
 from rigkit.experiment.runner import Conduct
 from rigkit.provenance import now, software
 from rigkit.written import made_folder, written_file
@@ -38,6 +39,10 @@ WAY_OF = {"best": "", "none": RAW, "clamp": CLAMP, "tool": TOOL, "link": LINK}
 PoseOption = Annotated[
     list[str] | None, typer.Option(metavar="DEG,...", help="Clamping pose; may be given many times.")
 ]
+CompensateOption = Annotated[
+    str,
+    typer.Option(metavar="WAY", help=f"Arm's side known by {', '.join(WAY_OF)}.", autocompletion=one_of(WAY_OF)),
+]
 
 
 def joints_command(
@@ -48,7 +53,7 @@ def joints_command(
     live: Annotated[bool, typer.Option("--live", help="The robot behind its wires, as [robot] says.")] = False,
     pose: PoseOption = None,
     poses: Annotated[Path | None, typer.Option(metavar="FILE", help="Clamping poses, one a line, in deg.")] = None,
-    compensate: Annotated[str, typer.Option(metavar="WAY", help=f"Arm's side known by {', '.join(WAY_OF)}.")] = "best",
+    compensate: CompensateOption = "best",
     advise: Annotated[bool, typer.Option("--advise", help="Say where to clamp for each joint; move nothing.")] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Print every motion, and make none.")] = False,
     angle: Annotated[str, typer.Option(metavar="NAME", help="With --from: channel of the motor's angle.")] = "angle",

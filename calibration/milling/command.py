@@ -22,6 +22,7 @@ from calibration.output import AgainOption, Output, RecomputeOption, Wish
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
+from rigkit.common_options import one_of
 from rigkit.experiment.runner import Conduct
 from rigkit.stop import Stopped, stoppable
 from rigkit.written import written_file
@@ -41,7 +42,9 @@ Tell = Callable[[str], None]
 def milling_command(
     out: Annotated[Path | None, written_file("FILE", "Model file; recordings and report beside it.")] = None,
     config: ConfigOption = None,
-    task: Annotated[str, typer.Option(metavar="TASK", help=f"{', '.join(TASKS)}.")] = "pocket28",
+    task: Annotated[
+        str, typer.Option(metavar="TASK", help=f"{', '.join(TASKS)}.", autocompletion=one_of(TASKS))
+    ] = "pocket28",
     is_live: Annotated[bool, typer.Option("--live", help="The robot of [robot]; else the simulated cell.")] = False,
     is_sure: Annotated[bool, typer.Option("--yes", help="Live: go on from motion to motion without asking.")] = False,
     dry: Annotated[bool, typer.Option("--dry-run", help="Print every motion, and make none.")] = False,

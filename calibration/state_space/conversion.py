@@ -11,6 +11,20 @@ import numpy as np
 from calibration.state_space.model import InnovationModel
 
 
+def control_package() -> Any:
+    """Import python-control.
+
+    Raises
+    ------
+    ImportError : it is not installed; it says how to install it.
+    """
+    try:
+        import control
+    except ImportError as fault:
+        raise ImportError(f"python-control is not there ({fault}): pip install 'vibrostage[control]'") from None
+    return control
+
+
 def to_control(model: InnovationModel) -> Any:
     """Return a `control.StateSpace` from inputs to outputs, with the signals' names.
 
@@ -20,10 +34,8 @@ def to_control(model: InnovationModel) -> Any:
     ------
     ImportError : python-control is not installed.
     """
-    import control
-
     names = model.input_names or tuple(f"e[{name}]" for name in model.output_names)
-    return control.StateSpace(*_matrices(model), 1 / model.rate, inputs=names, outputs=model.output_names)
+    return control_package().StateSpace(*_matrices(model), 1 / model.rate, inputs=names, outputs=model.output_names)
 
 
 def from_control(system: Any, gain: np.ndarray | None = None, innovation: np.ndarray | None = None) -> InnovationModel:

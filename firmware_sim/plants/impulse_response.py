@@ -1,7 +1,6 @@
 """A linear plant from measured impulse responses: convolution without added latency, in frames of any length."""
 
 import numpy as np
-import pyfftw
 from numba import njit
 
 BLOCK = 256
@@ -36,13 +35,9 @@ class ImpulseResponsePlant:
         spectra = np.fft.rfft(padded[1:], 2 * BLOCK, axis=1) / (2 * BLOCK)
         self._partitions = np.ascontiguousarray(spectra.transpose(0, 2, 3, 1))
         self._past = np.zeros((max(parts - 1, 1), inputs, BLOCK + 1), complex)
-        self._recent = pyfftw.zeros_aligned((inputs, 2 * BLOCK))
-        self._spectrum = pyfftw.zeros_aligned((inputs, BLOCK + 1), complex)
-        self._product = pyfftw.zeros_aligned((outputs, BLOCK + 1), complex)
-        self._tail = pyfftw.zeros_aligned((outputs, 2 * BLOCK))
-        plan = {"axes": (1,), "flags": ("FFTW_ESTIMATE",), "threads": 1}
-        self._forward = pyfftw.FFTW(self._recent, self._spectrum, **plan)
-        self._inverse = pyfftw.FFTW(self._product, self._tail, direction="FFTW_BACKWARD", **plan)
+        self._recent = np.zeros((inputs, 2 * BLOCK))
+        self._product = np.zeros((outputs, BLOCK + 1), complex)
+        self._tail = np.zeros((outputs, 2 * BLOCK))
         self._total = np.zeros(BLOCK)
         self._position = 0
         self._newest = 0
@@ -69,11 +64,10 @@ class ImpulseResponsePlant:
 
     def _end_block(self) -> None:
         if len(self._partitions):
-            self._forward.execute()
             self._newest = (self._newest - 1) % len(self._past)
-            self._past[self._newest] = self._spectrum
+            np.fft.rfft(self._recent, axis=1, out=self._past[self._newest])
             _tail(self._past, self._newest, self._partitions, self._product)
-            self._inverse.execute()
+            np.fft.irfft(self._product, 2 * BLOCK, axis=1, norm="forward", out=self._tail)
         self._recent[:, :BLOCK] = self._recent[:, BLOCK:]
         self._position = 0
 

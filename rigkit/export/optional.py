@@ -26,5 +26,5 @@ def optional(package: str) -> Any:
         return importlib.import_module(package)
     except ImportError as fault:
         raise ValueError(
-            f"this format needs {package}, which is not there ({fault}): pip install vibrostage[export]"
+            f"this format needs {package}, which is not there ({fault}): pip install 'vibrostage[export]'"
         ) from None

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from rigkit.code_name import resolve
-from rigkit.command import ConfigOption, SetOption
+from rigkit.command import ConfigOption, JsonOption, SetOption, write_json
 from rigkit.config import Section
 from rigkit.service.access import TOKENS, new_tokens
 from rigkit.service.config import Daemon
@@ -48,8 +48,11 @@ def daemon_of(choose: Choose) -> Callable[..., None]:
         renew: Annotated[
             bool, typer.Option("--new-tokens", help="Make new tokens; the old are worth nothing.")
         ] = False,
+        json: JsonOption = None,
     ) -> None:
         """Run as a service: states, page, API, metrics.  It begins DISARMED; Ctrl-C stops and ends.
+
+        --json says where it is reached, once it is.
 
         Example: `daemon --config rig.toml`, then open its address in a browser
         """
@@ -60,10 +63,13 @@ def daemon_of(choose: Choose) -> Callable[..., None]:
             Path(table.data).mkdir(parents=True, exist_ok=True)
             new_tokens(Path(table.data) / TOKENS)
         made: Rig = resolve(kind.rig)(load)
-        run(made, table, _say, config)
+        place = {"address": table.address, "tokens": str(Path(table.data) / TOKENS)}
+
+        def say(text: str) -> None:
+            write_json(json, {"program": made.program, "rig": made.name, "state": "DISARMED", **place})
+            sys.stdout.flush()
+            sys.stderr.write(f"{text}\n")
+
+        run(made, table, say, config)
 
     return daemon_command
-
-
-def _say(text: str) -> None:
-    sys.stderr.write(f"{text}\n")

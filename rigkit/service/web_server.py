@@ -3,7 +3,6 @@
 import asyncio
 import gc
 import multiprocessing
-import resource
 import signal
 import threading
 from collections.abc import Iterator, Mapping
@@ -14,6 +13,7 @@ from typing import Any
 
 import uvicorn
 
+from rigkit.posix import resource
 from rigkit.service.access import Tokens, names, origins
 from rigkit.service.config import Daemon
 from rigkit.service.connections import PatientProtocol, Waiting
@@ -90,6 +90,8 @@ class _Loop(asyncio.SelectorEventLoop):
 
 
 def _allow_files() -> None:
+    if resource is None:
+        return
     allowed, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = OPEN_FILES if most == resource.RLIM_INFINITY else min(OPEN_FILES, most)
     resource.setrlimit(resource.RLIMIT_NOFILE, (max(allowed, wanted), most))

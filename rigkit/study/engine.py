@@ -165,7 +165,7 @@ class Study:
 
 def cores() -> int:
     """Return how many this process may use."""
-    return len(os.sched_getaffinity(0))
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _result(future: Future[Outcome], task: Task, lost: tuple[type[BaseException], ...]) -> Outcome | None:

@@ -1,7 +1,6 @@
 """One task, performed in this process: its commands in a folder of their own, then its figures."""
 
 import os
-import resource
 import shutil
 import sys
 import time
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rigkit.json_file import read_json
+from rigkit.posix import resource
 from rigkit.provenance import now
 from rigkit.study import programs
 from rigkit.study.json_path import reduced, value_at
@@ -159,5 +159,7 @@ def _figures(task: Task, place: Path) -> tuple[dict[str, Any], list[str]]:
 
 def _processor_time() -> float:
     """Return the processor time, s, of this process and of those that it started and that have ended."""
+    if resource is None:
+        return time.process_time()
     each = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return sum(one.ru_utime + one.ru_stime for one in each)
+    return float(sum(one.ru_utime + one.ru_stime for one in each))

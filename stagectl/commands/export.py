@@ -10,10 +10,12 @@ from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import atomic
 from rigkit.command import JsonOption, RunArgument, print_table, words, write_json
+from rigkit.common_options import one_of
 from rigkit.experiment.kept import recordings
 from rigkit.export.mcap_file import write_mcap
 from rigkit.export.optional import refuse_missing
 from rigkit.export.parquet_file import write_recording
+from rigkit.export.place import FileOption, OutOption, place_of
 from rigkit.provenance import software
 from rigkit.run_folder import CONFIG, EVENTS, SUMMARY, make_whole
 from rigkit.run_origin import say_at_work
@@ -31,26 +33,31 @@ def export(
     path: RunArgument,
     formats: Annotated[
         list[str] | None,
-        typer.Option("--to", "--format", help="mcap or parquet; may be given many times; both without."),
+        typer.Option(
+            "--to",
+            "--format",
+            help="mcap or parquet; may be given many times; both without.",
+            autocompletion=one_of(FORMATS),
+        ),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="PLACE", help="Folder, RUN/export without; or the file, for mcap alone.")
-    ] = None,
+    out: OutOption = None,
+    file: FileOption = None,
     json: JsonOption = None,
 ) -> None:
     """Write the recordings of a run for other programs: MCAP for PlotJuggler and Foxglove, Parquet for data frames.
 
-    Example: `stagectl export RUN/ --to mcap --out run.mcap`
+    Example: `stagectl export RUN/ --to mcap --file run.mcap`
     """
     say_changed(path)
     say_at_work(path)
-    place = path / FOLDER if out is None else out if out.is_dir() else out.parent
+    to = place_of(out, file, (".mcap",))
+    place = path / FOLDER if to is None else to if to.is_dir() else to.parent
     there = set(place.iterdir()) if place.is_dir() else set()
-    written = export_run(path, tuple(dict.fromkeys(formats or FORMATS)), out)
-    say_over([file for file in written if file in there])
-    rows = [[str(file), f"{file.stat().st_size / 1e6:.3g}"] for file in written]
+    written = export_run(path, tuple(dict.fromkeys(formats or FORMATS)), to)
+    say_over([each for each in written if each in there])
+    rows = [[str(each), f"{each.stat().st_size / 1e6:.3g}"] for each in written]
     print_table(f"{path}: exported", ["file", "MB"], rows, words(json))
-    write_json(json, {"files": [str(file) for file in written]})
+    write_json(json, {"files": [str(each) for each in written]})
 
 
 def export_run(path: Path, formats: Sequence[str] = FORMATS, out: Path | None = None) -> list[Path]:

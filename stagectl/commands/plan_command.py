@@ -8,6 +8,7 @@ import typer
 from rigkit import atomic
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.common_options import one_of
 from rigkit.experiment.runner import Conduct
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
@@ -25,7 +26,9 @@ from stagectl.robot.config import CellConfig
 PocketFile = Annotated[Path, typer.Argument(metavar="POCKET.json", help="The pocket, its tool and its costs.")]
 PathFile = Annotated[Path | None, typer.Argument(metavar="PATH.json", help="With --check: the path to look at.")]
 Check = Annotated[bool, typer.Option("--check", help="Say whether PATH.json mills the pocket.")]
-Name = Annotated[str, typer.Option("--planner", metavar="NAME", help=f"{', '.join(PLANNERS)}.")]
+Name = Annotated[
+    str, typer.Option("--planner", metavar="NAME", help=f"{', '.join(PLANNERS)}.", autocompletion=one_of(PLANNERS))
+]
 Count = Annotated[int, typer.Option("--pockets", min=1, help="How many to mill, learning from each to the next.")]
 Untrained = Annotated[
     bool, typer.Option("--untrained", help=f"The planner does not know the rates: {', '.join(UNTRAINED)}.")

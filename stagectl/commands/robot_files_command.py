@@ -12,6 +12,7 @@ import typer
 from rigkit import atomic
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, words, write_json
+from rigkit.common_options import one_of
 from rigkit.written import made_folder
 from stagectl.robot.config import CellConfig
 from stagectl.robot.port import arm_of
@@ -25,7 +26,9 @@ _OVERALL = 1.1
 _COMM_TIMEOUT, _FILTER = 1.0, 20.0
 """s, Hz: of guided motion, as the simulated controller has them."""
 
-Maker = Annotated[str, typer.Argument(metavar="MAKER", help=f"One of {', '.join(MAKERS)}.")]
+Maker = Annotated[
+    str, typer.Argument(metavar="MAKER", help=f"One of {', '.join(MAKERS)}.", autocompletion=one_of(MAKERS))
+]
 Out = Annotated[Path, made_folder("FOLDER", "Where they are written.", "--out")]
 
 

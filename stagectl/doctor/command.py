@@ -7,7 +7,9 @@ import typer
 
 from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.issue_file import SUFFIX, write_issue_file
 from rigkit.progress import progress
+from rigkit.written import written_file
 from stagectl.config import StageConfig
 from stagectl.doctor.examination import examined
 from stagectl.doctor.wake_up import is_real_time_granted, wake_ups
@@ -16,11 +18,18 @@ from stagectl.robot.config import CellConfig
 PERIOD = 1e-3
 """s between two moments that are waited for: the stage's frames."""
 
+DEVICES = "serial.tools.list_ports:comports"
+"""What lists the serial ports."""
+ReportOption = Annotated[
+    Path | None, written_file("FILE.zip", "What one is asked for in an issue, without names.", "--report")
+]
+
 
 def doctor_command(
     config: ConfigOption = None,
     stage: Annotated[Path | None, typer.Option(metavar="FILE", help="Rig file of the stage.")] = None,
     seconds: Annotated[float, typer.Option(help="Of waiting; let what usually runs beside it run.")] = 10.0,
+    report: ReportOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -33,6 +42,8 @@ def doctor_command(
     """
     if not 0.5 <= seconds <= 3600.0:
         raise ValueError(f"--seconds is {seconds:g}, must be 0.5 to 3600")
+    if report is not None and report.suffix.lower() != SUFFIX:
+        raise ValueError(f"--report is {report}, must end in {SUFFIX}")
     cell = rig_file.load(config, CellConfig, settings or [])
     its_stage = rig_file.load(stage, StageConfig, [])
     with progress("waking up, again and again", seconds) as meter:
@@ -43,6 +54,9 @@ def doctor_command(
     for each in found:
         if each.advice:
             words(json).write(f"{each.check}: {each.advice}\n")
+    if report is not None:
+        lines = write_issue_file(report, {"cell.toml": cell, "stage.toml": its_stage}, found, DEVICES)
+        words(json).write(f"{report} holds:\n" + "".join(f"  {line}\n" for line in lines))
     failed = any(each.grade == "fail" for each in found)
     write_json(
         json,

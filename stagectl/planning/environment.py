@@ -2,12 +2,16 @@
 
 from typing import Any
 
-import gymnasium
 import numpy as np
-from gymnasium.spaces import Box, Discrete
 
 from stagectl.planning.problem import Pocket
 from stagectl.planning.strips import NO_WAY, Cut, after, costs, cutting, legal, moving, untouched
+
+try:
+    import gymnasium
+    from gymnasium.spaces import Box, Discrete
+except ImportError as fault:
+    raise ImportError(f"gymnasium is not there ({fault}): pip install 'vibrostage[gym]'") from None
 
 PATIENCE = 4
 """Steps per row and column after which an episode is cut short."""

@@ -63,6 +63,17 @@ def options() -> dict[str, set[str]]:
     }
 
 
+def outs() -> dict[str, str]:
+    """Return how each command that has --out names what is given to it."""
+    leaves = ((name, words, command) for name in APPLICATIONS for words, command in _leaves(_program(name)))
+    return {
+        " ".join((name, *words)): str(each.metavar)
+        for name, words, command in leaves
+        for each in command.params
+        if "--out" in each.opts
+    }
+
+
 @cache
 def _program(name: str) -> Any:
     """Return a program whose commands return what they are given."""

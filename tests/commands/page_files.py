@@ -8,6 +8,7 @@ from tests.commands.dry_parse import Parsed
 
 WRITTEN = frozenset(
     (
+        "--file",
         "--out",
         "--json",
         "--png",

@@ -96,4 +96,4 @@ def test_every_program_says_its_version_and_python_m_is_the_same_program(
     assert module.endswith(".__main__")
     monkeypatch.setattr(sys, "argv", [program, "--version"])
     assert getattr(importlib.import_module(module), main)() == 0
-    assert re.fullmatch(r"vibrostage \d+\.\d+\.\d+( \([0-9a-f]{12}\+?\))?, Python [\d.]+\n", capsys.readouterr().out)
+    assert re.fullmatch(r"vibrostage \d+\.\d+(\.\w+)*( \([0-9a-f]{12}\+?\))?, Python [\d.]+\n", capsys.readouterr().out)

@@ -12,7 +12,8 @@ from tests.vibractl.linear_rig import linear_model
 from vibractl import fft_command
 from vibractl.__main__ import main
 from vibractl.fft_measurement import measured
-from vibractl.fft_plans import Plans, Transform, user_wisdom
+from vibractl.fft_plans import Plans, user_wisdom
+from vibractl.fft_transform import Transform
 from vibractl.run_setup import WISDOM
 
 REFERENCE = "chirp:40:90:0.2"

@@ -11,7 +11,8 @@ from tests.vibractl.far_field_plant import far_config, far_model_file
 from tests.vibractl.linear_rig import linear_config, linear_matrix, linear_model
 from tests.vibractl.test_session import run
 from vibractl.config import RigConfig
-from vibractl.fft_plans import Plans, Transform, user_wisdom
+from vibractl.fft_plans import Plans, user_wisdom
+from vibractl.fft_transform import Transform
 from vibractl.replay import replay
 from vibractl.run_setup import WISDOM, create, setup_of
 from vibractl.session import Session

@@ -8,6 +8,7 @@ import typer
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
+from rigkit.issue_file import SUFFIX, write_issue_file
 from rigkit.progress import progress
 from rigkit.stop import Stopped
 from rigkit.written import written_file
@@ -16,6 +17,15 @@ from vibractl.doctor.examination import Examination, announcement, duration, exa
 from vibractl.doctor.report import write_report
 from vibractl.model_origin import model_for
 
+DEVICES = "sounddevice:query_devices"
+"""What lists the sound devices."""
+ReportOption = Annotated[
+    Path | None,
+    written_file(
+        "FILE", ".html: a page with figures; .zip: what one is asked for in an issue, without names.", "--report"
+    ),
+]
+
 
 def doctor_command(
     config: ConfigOption = None,
@@ -23,7 +33,12 @@ def doctor_command(
         Path | None, typer.Option(metavar="FILE", help="Model file to compare the rig with, channel by channel.")
     ] = None,
     accept: AcceptOption = None,
-    report: Annotated[Path | None, written_file("FILE", "Write an HTML page with figures.")] = None,
+    report: Annotated[
+        Path | None,
+        written_file(
+            "FILE", ".html: a page with figures; .zip: all that one is asked for in an issue, names taken out."
+        ),
+    ] = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -34,6 +49,8 @@ def doctor_command(
 
     Example: `vibractl doctor --config rig.toml --report doctor.html`
     """
+    if report is not None and report.suffix.lower() not in (".html", SUFFIX):
+        raise ValueError(f"--report is {report}, must end in .html or {SUFFIX}")
     made = rig_file.load(config, RigConfig, settings or ())
     matrix, notes = (None, []) if model is None else model_for(model, made, accept or ())
     stream, total = words(json), duration(made)
@@ -47,7 +64,10 @@ def doctor_command(
     except KeyboardInterrupt:
         raise Stopped("stopped; every output is ramped down to zero") from None
     _print(found, json)
-    if report is not None:
+    if report is not None and report.suffix.lower() == SUFFIX:
+        lines = write_issue_file(report, {"rig.toml": made}, found.verdicts, DEVICES)
+        stream.write(f"{report} holds:\n" + "".join(f"  {line}\n" for line in lines))
+    elif report is not None:
         write_report(report, found)
     verdict = "fail" if found.failed else "pass"
     checks = [each.figures() for each in found.verdicts]

@@ -103,7 +103,8 @@ def write_import(path: Path, given: Import, tell: Callable[[int, Marks], None]) 
         if source is not None:
             folder.take_in(source, kept.reference.signal)
             parts.append(kept.reference.signal)
-        folder.write(WISDOM, given.made.plans.wisdom)
+        if given.made.plans.wisdom:
+            folder.write(WISDOM, given.made.plans.wisdom)
         folder.event("importing", {"files": _files(given), "software": software()})
         for remark in given.remarks:
             folder.event("warning" if remark.is_warning else "remark", {"text": remark.text})

@@ -120,6 +120,8 @@ def _refuse_changed(
         kept = settings_of(place)
     found = []
     if whole is not None:
+        if whole.spectrum.backend == "auto":
+            whole = whole.model_copy(update={"spectrum": kept.spectrum})
         found += differences(kept.model_dump(mode="json"), whole, UNCHANGED)
     elif reference is not None and not is_file(reference):
         told = kept.model_dump(mode="json")

@@ -9,9 +9,11 @@ import typer
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, laid_over, print_table, words, write_json
+from rigkit.common_options import one_of
 from rigkit.progress import progress
 from rigkit.written import written_file
 from vibractl.config import RigConfig
+from vibractl.learning.kinds_of_law import KINDS
 from vibractl.model_file import read_far_field
 from vibractl.model_origin import model_for
 from vibractl.predict.prediction import RUNS, Prediction, predict
@@ -26,7 +28,9 @@ def predict_command(
     reference: ReferenceOption = None,
     shots: Annotated[int | None, typer.Option(help="Shots of each simulated run.")] = None,
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
-    law: Annotated[str | None, typer.Option(help="kalman, or thesis for the text's own law.")] = None,
+    law: Annotated[
+        str | None, typer.Option(help="kalman, or thesis for the text's own law.", autocompletion=one_of(KINDS))
+    ] = None,
     report: Annotated[Path | None, written_file("FILE", "Write an HTML page with figures.")] = None,
     accept: AcceptOption = None,
     settings: SetOption = None,

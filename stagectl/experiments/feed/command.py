@@ -11,6 +11,7 @@ from ctlblocks import clock
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, laid_over, print_table, words, write_json
+from rigkit.common_options import one_of
 from rigkit.experiment.command import CommandLine, refuse_png_alone
 from rigkit.experiment.runner import STOPPED
 from rigkit.written import written_file
@@ -26,11 +27,20 @@ from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_needless_yes, refuse_unattended
 from stagectl.robot.live.person import Person
 
-Task = Annotated[str, typer.Option(metavar="TASK", help=f"{', '.join(POCKETS)}, POCKET.json, or {PROCESS}.")]
+Task = Annotated[
+    str,
+    typer.Option(
+        metavar="TASK",
+        help=f"{', '.join(POCKETS)}, POCKET.json, or {PROCESS}.",
+        autocompletion=one_of([*POCKETS, PROCESS]),
+    ),
+]
 Newtons = Annotated[float | None, typer.Option("--force", metavar="N", help="The force wanted.")]
 Out = Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make for recordings and report.")]
 Model = Annotated[Path | None, typer.Option(metavar="FILE", help="The robot's velocity model.")]
-Name = Annotated[str, typer.Option("--planner", metavar="NAME", help=f"{', '.join(PLANNERS)}.")]
+Name = Annotated[
+    str, typer.Option("--planner", metavar="NAME", help=f"{', '.join(PLANNERS)}.", autocompletion=one_of(PLANNERS))
+]
 Untrained = Annotated[
     bool, typer.Option("--untrained", help=f"The planner does not know the rates: {', '.join(UNTRAINED)}.")
 ]

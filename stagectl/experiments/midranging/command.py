@@ -15,6 +15,7 @@ from rigkit.command import (
     words,
     write_json,
 )
+from rigkit.common_options import one_of
 from rigkit.experiment.command import CommandLine, RunOption, refuse_png_alone
 from stagectl.experiments.midranging.experiment import Midranging
 from stagectl.experiments.midranging.read_back import MIDRANGING
@@ -29,7 +30,10 @@ LiveOption = Annotated[bool, typer.Option("--live", help="The robot of [robot] a
 ScenarioOption = Annotated[
     str,
     typer.Option(
-        "--scenario", metavar="NAME", help="table-3.1, thesis-1, thesis-2, toroid, or a CSV or WAV file, in m."
+        "--scenario",
+        metavar="NAME",
+        help="table-3.1, thesis-1, thesis-2, toroid, or a CSV or WAV file, in m.",
+        autocompletion=one_of(["table-3.1", "thesis-1", "thesis-2", "toroid"]),
     ),
 ]
 
@@ -38,7 +42,12 @@ def midrange(
     scenario_name: ScenarioOption,
     controller_name: Annotated[
         str,
-        typer.Option("--controller", metavar="NAME", help=f"{', '.join(CONTROLLERS)}; table-3.1 runs all it needs."),
+        typer.Option(
+            "--controller",
+            metavar="NAME",
+            help=f"{', '.join(CONTROLLERS)}; table-3.1 runs all it needs.",
+            autocompletion=one_of(CONTROLLERS),
+        ),
     ] = "aimc",
     config: ConfigOption = None,
     live: LiveOption = False,

@@ -9,6 +9,7 @@ import typer
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, laid_over, print_table, words, write_json
+from rigkit.common_options import one_of
 from rigkit.progress import progress
 from rigkit.run_folder import RunFolder
 from rigkit.stop import Stopped, stoppable
@@ -28,10 +29,15 @@ def run_command(
     ] = None,
     config: ConfigOption = None,
     reference: Annotated[
-        str | None, typer.Option(help="hold, or a WAV or CSV file of positions in m, a channel an axis.")
+        str | None,
+        typer.Option(
+            help="hold, or a WAV or CSV file of positions in m, a channel an axis.", autocompletion=one_of(["hold"])
+        ),
     ] = None,
     seconds: Annotated[float | None, typer.Option(help="Length of the run.")] = None,
-    scenario: Annotated[str | None, typer.Option(help="milling-x, milling-y or milling-z.")] = None,
+    scenario: Annotated[
+        str | None, typer.Option(metavar="milling-x|milling-y|milling-z", help="What disturbs it.")
+    ] = None,
     seed: Annotated[int | None, typer.Option(help="Which simulated stage.")] = None,
     live: Annotated[bool, typer.Option("--live", help="The stage behind its CAN adapter.")] = False,
     accept: AcceptOption = None,

@@ -11,6 +11,7 @@ from ctlblocks.clock import Offline, Paced
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
+from rigkit.common_options import one_of
 from rigkit.experiment.command import CommandLine, refuse_given
 from rigkit.experiment.resumed import GoingOn
 from rigkit.run_folder import CONFIG
@@ -33,12 +34,18 @@ ModelsOption = Annotated[
 LiveOption = Annotated[
     bool, typer.Option("--live", help="The robot of [robot], [tracker], and in setups C the stage of [link].")
 ]
+SetupOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="SETUP",
+        help=f"{', '.join(SETUPS)}; {ALL} for one after the other.",
+        autocompletion=one_of([*SETUPS, ALL]),
+    ),
+]
 
 
 def cell(
-    setup: Annotated[
-        str | None, typer.Option(metavar="SETUP", help=f"{', '.join(SETUPS)}; {ALL} for one after the other.")
-    ] = None,
+    setup: SetupOption = None,
     out: Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make for recordings and report.")] = None,
     resume: ResumeOption = None,
     config: ConfigOption = None,

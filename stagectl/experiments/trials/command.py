@@ -9,6 +9,7 @@ import typer
 from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, PngOption, SetOption, print_table, words, write_json
+from rigkit.common_options import one_of
 from rigkit.experiment.command import CommandLine, refuse_given
 from rigkit.experiment.kept import ended_early
 from rigkit.experiment.runner import STOPPED
@@ -50,12 +51,16 @@ LogsOption = Annotated[
 PlayOption = Annotated[
     Path | None, typer.Option("--path", metavar="LOGDIR", help="Write the path to play first, sent.csv; run nothing.")
 ]
+TaskOption = Annotated[
+    str | None,
+    typer.Option(metavar="TASK", help=f"{', '.join(TASKS)}.  [default: {TASK}]", autocompletion=one_of(TASKS)),
+]
 
 
 def ilc(
     method: MethodOption = None,
     iterations: IterationsOption = None,
-    task: Annotated[str | None, typer.Option(metavar="TASK", help=f"{', '.join(TASKS)}.  [default: {TASK}]")] = None,
+    task: TaskOption = None,
     out: Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make for trials and report.")] = None,
     resume: ResumeOption = None,
     is_live: Annotated[bool, typer.Option("--live", help="The robot of [robot]; else the simulated cell.")] = False,

@@ -3,9 +3,9 @@
 import os
 import select
 import sys
-import termios
 from collections.abc import Callable
 
+from rigkit.posix import refuse_without, termios
 from rigkit.stop import Stopped
 
 _LOOK = 0.1
@@ -43,10 +43,12 @@ class Person:
         ------
         Stopped : it is to stop.
         ValueError : the terminal has gone.
+        OSError : the system has none.
         """
         self.tell(f"{what}; then Enter" if self._asks else what)
         if not self._asks:
             return
+        refuse_without(termios, "terminals, at which a person confirms")
         line = sys.stdin.fileno()
         termios.tcflush(line, termios.TCIFLUSH)
         while not stopped():

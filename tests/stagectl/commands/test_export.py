@@ -42,9 +42,11 @@ def test_every_recording_is_exported_bit_for_bit(run: Path) -> None:
     np.testing.assert_array_equal(np.column_stack([table[name].to_numpy() for name in NAMES]), NOISE)
 
 
-def test_a_file_may_be_named(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("option", ["--file", "--out"])
+def test_a_file_may_be_named(option: str, run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By --out as well: so it was before there was --file."""
     place = run.parent / "new" / "x.mcap"
-    monkeypatch.setattr("sys.argv", ["stagectl", "export", str(run), "--to", "mcap", "--out", str(place)])
+    monkeypatch.setattr("sys.argv", ["stagectl", "export", str(run), "--to", "mcap", option, str(place)])
     assert main() == 0
     assert [path.name for path in place.parent.iterdir()] == ["x.mcap"]
 
@@ -55,6 +57,8 @@ def test_a_file_may_be_named(run: Path, monkeypatch: pytest.MonkeyPatch) -> None
         (["--to", "mat"], "--to is 'mat', must be one of mcap, parquet"),
         (["--to", "parquet", "--out", "x.mcap"], "--out is x.mcap, must be a folder for --to parquet"),
         (["--out", "x.mcap"], "--out is x.mcap, must be a folder for --to mcap, parquet"),
+        (["--to", "mcap", "--file", "x.csv"], "--file is x.csv, must end in .mcap"),
+        (["--out", "x", "--file", "x.mcap"], "--out x and --file x.mcap are given, must be one of them"),
     ],
 )
 def test_what_cannot_be_exported_is_one_line(

@@ -2,6 +2,7 @@
 
 import json
 import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -87,3 +88,25 @@ def test_the_command_judges_this_machine(monkeypatch: pytest.MonkeyPatch, tmp_pa
 def test_a_mistake_is_one_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     assert doctor(monkeypatch, "--seconds", "0") == 2
     assert "--seconds is 0, must be 0.5 to 3600" in capsys.readouterr().err
+
+
+def test_a_zip_holds_what_an_issue_needs_and_no_private_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["stagectl", "doctor", "--seconds", "0.5", "--report", str(tmp_path / "d.zip"), "--json", "-"]
+    monkeypatch.setattr(sys, "argv", [*words, "--set", "robot.address=10.1.2.3"])
+    main()  # its verdict is of the machine that it runs on
+    assert "d.zip holds:" in capsys.readouterr().err
+    with zipfile.ZipFile(tmp_path / "d.zip") as archive:
+        parts = {name: archive.read(name).decode() for name in archive.namelist()}
+    assert {"cell.toml", "stage.toml", "verdicts.json", "machine.json", "devices.json"} < set(parts)
+    assert 'address = "<robot.address>"' in parts["cell.toml"]
+    assert not [name for name, text in parts.items() if "10.1.2.3" in text]
+
+
+def test_a_report_of_another_kind_is_refused(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["stagectl", "doctor", "--report", "d.html"])
+    assert main() == 2
+    assert "--report is d.html, must end in .zip" in capsys.readouterr().err

@@ -1,6 +1,8 @@
 """The doctor at the shell: what it says before and after, its exit status, and Ctrl-C."""
 
 import json
+import tomllib
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -42,11 +44,30 @@ def test_a_failed_verdict_is_status_1_with_what_to_do(
     assert "loopback: put a cable from output 3 to input 3" in streams.err
 
 
+def test_a_zip_holds_what_an_issue_needs_and_no_private_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    private = ("--set", "rig.name=Adas basement", "--set", f"daemon.data={tmp_path}/secret")
+    assert call(monkeypatch, "--report", tmp_path / "d.zip", *private) == 0
+    said = capsys.readouterr().out
+    with zipfile.ZipFile(tmp_path / "d.zip") as archive:
+        parts = {name: archive.read(name).decode() for name in archive.namelist()}
+    assert set(parts) == {"README.txt", "rig.toml", "verdicts.json", "machine.json", "devices.json"}
+    assert all(f"  {name}: " in said for name in parts if name != "README.txt")
+    assert not [name for name, text in parts.items() if "basement" in text or "secret" in text]
+    settings = tomllib.loads(parts["rig.toml"])
+    assert (settings["rig"]["name"], settings["audio"]["rate"]) == ("<rig.name>", 44_100)
+    assert settings["simulator"]["plant"] == "vibrator"
+    assert [each["check"] for each in json.loads(parts["verdicts.json"])][:2] == ["card", "recordings"]
+    assert json.loads(parts["machine.json"])["libraries"]["numpy"] == np.__version__
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["--set", "limits.peak=11"], "limits.peak is 11 V, must be <= audio.output_full_scale, 10 V"),
         (["--set", "reference.signal=chirp:40"], "reference 'chirp:40' is not chirp:F0:F1:SECONDS"),
+        (["--report", "d.pdf"], "--report is d.pdf, must end in .html or .zip"),
         (["--report", "/nowhere/d.html"], "--report /nowhere/d.html cannot be: /nowhere is no folder"),
     ],
 )
