@@ -40,7 +40,7 @@ LONGEST = (
 )
 """Files of which one would be left over at the end, while the other core has nothing to do.  The first compiles most of
 what there is to compile; beside it are those that compile next to nothing, lest two workers compile the same.  The
-README's commands are not among them: by their turn their kernels are there."""
+commands of docs/commands.md are not among them: by their turn their kernels are there."""
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -19,21 +19,31 @@ from stagectl.config import StageConfig
 from stagectl.robot.config import CellConfig
 from tests.commands.brought import BROUGHT
 from tests.commands.dry_parse import APPLICATIONS, Parsed, helps, parse
-from tests.commands.page_commands import TOOLS, block_commands, command_of
+from tests.commands.page_commands import TOOLS, block_commands, command_of, commands
 from tests.commands.page_files import is_made, reads, writes
 from tests.commands.running import HOUR, MAINS, run
 from tests.contract.source_tree import ROOT
 from vibractl.config import RigConfig
 
 STATED = tomllib.loads((Path(__file__).parent / "docs.toml").read_text())
-ALL = {f"docs/{page.name}": found for page in sorted((ROOT / "docs").glob("*.md")) if (found := block_commands(page))}
+COMMANDS_PAGE = tomllib.loads((Path(__file__).parent / "commands_page.toml").read_text())
+ALL = {
+    page.relative_to(ROOT).as_posix(): found
+    for page in sorted((ROOT / "docs").rglob("*.md"))
+    if (found := block_commands(page))
+}
+README = {"README.md": block_commands(ROOT / "README.md")}
+TABLES = {each.text for each in commands(ROOT / "docs" / "commands.md")}
+"""The commands of docs/commands.md, which test_commands_page.py runs."""
 KINDS = {"vibractl": (RigConfig,), "stagectl": (StageConfig, CellConfig), "vibrostage": (StudyFile, RigConfig)}
 """What the rig files of a program can be; of the others any."""
 EXAMPLE = re.compile(rf"(?:`|^ {{4}})((?:{'|'.join(APPLICATIONS)}) [^`]+?)(?:`|$)", re.MULTILINE)
 LINE_BREAK = re.compile(r"(?<=\S)\n {4}(?=\S)")
 """Inside an example that is too long for a line."""
 QUICK = [page for page, found in ALL.items() if {each.text for each in found} & set(STATED["appended"])]
+READ = ALL | README
 pages = pytest.mark.parametrize("page", ALL)
+read_pages = pytest.mark.parametrize("page", READ)
 
 
 def test_what_is_stated_of_commands_is_of_commands_that_are_there_and_for_a_reason() -> None:
@@ -45,9 +55,15 @@ def test_what_is_stated_of_commands_is_of_commands_that_are_there_and_for_a_reas
     assert len(printed) > 80
 
 
-@pages
+def test_each_of_the_readme_is_one_that_is_run() -> None:
+    texts = {each.text for each in README["README.md"]}
+    assert len(texts) > 10
+    assert texts <= TABLES - set(COMMANDS_PAGE["not_run"])
+
+
+@read_pages
 def test_each_is_a_command_with_options_and_values_that_can_be(page: str) -> None:
-    for command in ALL[page]:
+    for command in READ[page]:
         if command.words[0] not in TOOLS:
             _refuse_wrong_settings(command.words[0], parse(command.words))
 
@@ -61,20 +77,20 @@ def test_so_is_each_example_of_a_help() -> None:
     assert len(examples) > 30
 
 
-@pages
+@read_pages
 def test_each_file_that_one_reads_was_made_before_or_is_brought_by_the_reader(page: str) -> None:
     made = [Path(name) for name in STATED["brought"].get(page, ())]
-    for command in ALL[page]:
+    for command in READ[page]:
         parsed = Parsed("", {}) if command.words[0] in TOOLS else parse(command.words)
         absent = [str(path) for path in reads(parsed) if not is_made(path, made)]
         assert not absent, f"{command.text}: nothing has made {', '.join(absent)}"
         made += [*writes(parsed), *([Path(command.into)] if command.into else [])]
 
 
-@pages
+@read_pages
 def test_no_two_make_the_same(page: str) -> None:
     """A run's folder and a model that are there already are refused."""
-    named = [parse(each.words).options.get("--out", ()) for each in ALL[page] if each.words[0] not in TOOLS]
+    named = [parse(each.words).options.get("--out", ()) for each in READ[page] if each.words[0] not in TOOLS]
     made = [str(path) for out in named for path in out]
     assert sorted(set(made)) == sorted(made)
 

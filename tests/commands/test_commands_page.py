@@ -1,6 +1,6 @@
-"""The commands of the README do what it says, in an empty folder, in their order.
+"""The commands of docs/commands.md do what it says, in an empty folder, in their order.
 
-`make test` runs them shortened as readme.toml states; `make soak` runs them as they are printed.
+`make test` runs them shortened as commands_page.toml states; `make soak` runs them as they are printed.
 """
 
 import shlex
@@ -14,8 +14,8 @@ from tests.commands.page_commands import commands
 from tests.commands.running import HOUR, MAINS, run
 from tests.contract.source_tree import ROOT
 
-STATED = tomllib.loads((Path(__file__).parent / "readme.toml").read_text())
-COMMANDS = commands(ROOT / "README.md")
+STATED = tomllib.loads((Path(__file__).parent / "commands_page.toml").read_text())
+COMMANDS = commands(ROOT / "docs" / "commands.md")
 
 
 def test_what_is_stated_of_commands_is_of_commands_that_are_there_and_for_a_reason() -> None:
