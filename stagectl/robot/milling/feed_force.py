@@ -23,8 +23,9 @@ FORGET, FLOOR, PATIENCE = 0.25, 1e-3, 0.1
 """s over which it is judged whether the robot follows, m/s that do not count, and s until it is said."""
 RINGING, NOISE = 0.08, 3.0
 """s in which a resonator forgets, and the amplitude that noise alone hardly shows in it, over its deviation."""
-USUAL, UNUSUAL = 0.5, 0.4
-"""s over which the force's usual scatter is a mean, and in which kappa is none that is known until that is said."""
+USUAL, UNUSUAL = 0.5, 0.5
+"""s over which the force's usual scatter is a mean, and, after as long of control, in which kappa is none that is known
+until that is said."""
 LEAST_KAPPA, MOST_KAPPA = 1e-5, 0.1
 """m/(N s), beyond which no estimate goes."""
 

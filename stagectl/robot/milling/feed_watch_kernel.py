@@ -66,7 +66,8 @@ def recognize(feed: Record) -> None:
     known = feed.cutting
     ratio = known.kappa / known.guess
     is_strange = ratio > feed.familiar or ratio * feed.familiar < 1.0
-    feed.strange = feed.strange + 1 if is_strange else 0
+    has_begun = feed.waves.samples > feed.familiar_samples  # while the tool goes in, less of it cuts
+    feed.strange = feed.strange + 1 if is_strange and has_begun else 0
     if feed.strange < feed.familiar_samples:
         return
     feed.notice |= SCALE
