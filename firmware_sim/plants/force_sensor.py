@@ -59,6 +59,8 @@ class ForceSensorOptions:
     bias, moment_bias : float, N and N m rms, what it shows of nothing
     drift : float, N a minute, by which that moves; of the moments a tenth, N m
     crosstalk : float, 1 rms, of each axis in each other; between force and moment over 0.1 m
+    scale : float, 1
+        What it shows over what there is, of all six: another cable, or a box that is set to other counts.
     range_force, range_moment : float, N and N m, where it saturates; along z twice the force
     silent, silent_for : float, s, when it begins to send nothing, and for how long
     stuck, stuck_for : float, s, when its gages go to their end, and for how long
@@ -76,6 +78,7 @@ class ForceSensorOptions:
     moment_bias: float = option(0.5, "N m", 0.0, 100.0)
     drift: float = option(0.3, "N", -1_000.0, 1_000.0)
     crosstalk: float = option(0.005, "1", 0.0, 0.1)
+    scale: float = option(1.0, "1", 0.01, 100.0)
     range_force: float = option(400.0, "N", 1.0, 1e5)
     range_moment: float = option(40.0, "N m", 0.1, 1e4)
     silent: float = option(NEVER, "s", 0.0)
@@ -170,6 +173,7 @@ class ForceSensorPlant(ForceSensorOptions):
         self.range = np.array([1.0, 1.0, 2.0, 1.0, 1.0, 1.0]) * np.repeat([self.range_force, self.range_moment], 3)
         self._gages = gages = np.zeros(1, GAGES)
         gages["mix"] = np.eye(6) + self.crosstalk * rng.standard_normal((6, 6)) * arm[:, None] / arm
+        gages["mix"] *= self.scale
         gages["bias"] = size * rng.standard_normal(6)
         gages["drift"] = self.drift / 60 * arm * rng.choice([-1.0, 1.0], 6)
         gages["noise"], gages["ends"] = np.repeat([self.noise, self.moment_noise], 3), self.range

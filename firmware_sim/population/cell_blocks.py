@@ -119,12 +119,13 @@ class ForceSensor(AnyForceSensor):
     seed : int
     family : str
         Of the cell; the seed's own without.  It changes nothing of the sensor.
+    scale : float, 1
     run_number : int
         As there.
     """
 
-    def __init__(self, *, seed: int = 1, family: str = "", run_number: int = 0) -> None:
-        super().__init__(**_drawn(seed, family).sensor, run_number=run_number)
+    def __init__(self, *, seed: int = 1, family: str = "", scale: float = 1.0, run_number: int = 0) -> None:
+        super().__init__(**_drawn(seed, family).sensor, scale=scale, run_number=run_number)
 
 
 class Cut(Block):

@@ -57,6 +57,20 @@ class ForceFeed(Section):
         gt=0,
         le=10,
     )
+    brake: float = setting(
+        1.2,
+        "",
+        "times the force wanted, and twice its usual scatter, beyond which the feed is braked",
+        ge=1.05,
+        le=100,
+    )
+    familiar: float = setting(
+        1e4,
+        "",
+        "kappa of this material is within such a factor of `kappa`, else it is noticed; 10000 where not known",
+        ge=1.1,
+        le=1e4,
+    )
     chatter: float = setting(
         0.7, "", "once the tool chatters, the feed is at most that part of what it was", gt=0, lt=1
     )

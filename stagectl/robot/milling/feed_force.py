@@ -23,6 +23,9 @@ FORGET, FLOOR, PATIENCE = 0.25, 1e-3, 0.1
 """s over which it is judged whether the robot follows, m/s that do not count, and s until it is said."""
 RINGING, NOISE = 0.08, 3.0
 """s in which a resonator forgets, and the amplitude that noise alone hardly shows in it, over its deviation."""
+USUAL, UNUSUAL = 0.5, 0.5
+"""s over which the force's usual scatter is a mean, and, after as long of control, in which kappa is none that is known
+until that is said."""
 LEAST_KAPPA, MOST_KAPPA = 1e-5, 0.1
 """m/(N s), beyond which no estimate goes."""
 
@@ -81,6 +84,7 @@ class FeedForce(Block):
         feed, settings = self._feed, self.settings
         pack_outer(feed.outer, settings, self.loop.lag, rate)
         pack_cutting(feed.cutting, settings, rate)
+        feed.brake.samples = half_followed(self.model)
         self.loop.pack(feed.loop, -settings.retreat, settings.highest, rate)
         _pack(feed, settings, rate)
 
@@ -118,6 +122,10 @@ class FeedForce(Block):
             record.FINE: "",
             record.LEAVING: "",
             record.OVERLOAD: f"the force is beyond force.overload, {settings.overload:g} N",
+            record.UNFAMILIAR: (
+                f"for its feed the force must be beyond force.overload, {settings.overload:g} N, by what is known of "
+                "the material: the force sensor's scale?"
+            ),
             record.STUCK: f"the force has been exactly the same for {settings.stuck:g} s",
             record.SENSOR: f"there is no valid force for {settings.blind:g} s",
         }[int(self._feed.reason)]
@@ -178,6 +186,19 @@ def pack_waves(waves: Record, settings: ForceFeed, rate: float) -> None:
     waves.floor, waves.noise, waves.share = 0.5 * settings.force, NOISE * settings.force_noise, settings.ripple
 
 
+def half_followed(model: InnovationModel) -> int:
+    """Return after how many samples a step of the velocity asked for is followed by half."""
+    share = model.simulate(np.ones((round(model.rate), 1)))[:, 0]
+    return int(np.argmax(share >= 0.5 * share[-1]))
+
+
+def pack_brake(feed: Record, settings: ForceFeed, rate: float) -> None:
+    """Fill what brakes the feed, and what is known of kappa, in a record of `FEED`."""
+    brake = feed.brake
+    brake.share, brake.slow, brake.noise = settings.brake, -math.expm1(-1.0 / (USUAL * rate)), settings.force_noise
+    feed.familiar, feed.familiar_samples = settings.familiar, round(UNUSUAL * rate)
+
+
 def _pack(feed: Record, settings: ForceFeed, rate: float) -> None:
     """Fill a record of `FEED` with what it is set to."""
     gentle = settings.start == "gentle"
@@ -198,6 +219,7 @@ def _pack(feed: Record, settings: ForceFeed, rate: float) -> None:
     feed.follow.forget, feed.follow.floor = -math.expm1(-1.0 / (FORGET * rate)), FLOOR
     feed.follow.patience = round(PATIENCE * rate)
     pack_waves(feed.waves, settings, rate)
+    pack_brake(feed, settings, rate)
     feed.overload, feed.overload_samples = settings.overload, STRAINED
     feed.blind_samples = max(1, round(settings.blind * rate))
     feed.retreat, feed.distance = settings.retreat, settings.distance

@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from rigkit.record import Record
+from stagectl.robot.milling import brake_kernel as brake
 from stagectl.robot.milling import cutting_estimate_kernel as cutting
 from stagectl.robot.milling import feed_watch_kernel as watch
 from stagectl.robot.milling import follow_kernel as follow
@@ -17,6 +18,7 @@ from stagectl.robot.milling import velocity_loop_kernel as inner
 from stagectl.robot.milling import wave_kernel as waves
 from stagectl.robot.milling.feed_record import (
     APPROACHING,
+    BRAKED,
     CHATTER,
     CONTROLLING,
     ESTIMATING,
@@ -43,13 +45,14 @@ def _begin(feed: Record) -> None:
     feed.phase, feed.reason, feed.wanted, feed.cap = APPROACHING, 0, 0.0, feed.most
     feed.returning = feed.initial
     feed.last_velocity = feed.last_force = feed.back = feed.smooth_along = feed.smooth_across = 0.0
-    feed.touched = feed.lost = feed.strained = feed.blind = feed.stuck = feed.estimating = 0
+    feed.touched = feed.lost = feed.strained = feed.blind = feed.stuck = feed.estimating = feed.strange = 0
     feed.notice &= MODEL | OSCILLATION
     inner.rest(feed.loop)
     for i in range(feed.loop.states):
         feed.loop.state[i] = 0.0
     follow.begin(feed.follow)
     waves.begin(feed.waves)
+    brake.begin(feed.brake)
     feed.cutting.kappa_variance, feed.cutting.beta_variance = feed.kappa_doubt, feed.beta_doubt
     feed.cutting.kappa_left = feed.cutting.kappa_scatter = 0.0
     feed.cutting.beta_left = feed.cutting.beta_scatter = 0.0
@@ -83,6 +86,25 @@ def _judge(feed: Record, measured: float) -> None:
         feed.cap = max(feed.chatter_share * min(feed.cap, feed.wanted), CREEP * feed.most)
     if feed.waves.weight > 0.0:
         feed.notice |= RIPPLE
+    watch.recognize(feed)
+
+
+@njit(cache=True, nogil=True)
+def _is_braked(feed: Record, velocity: float, force: float, notched: float) -> bool:
+    """Brake where the force has risen at once, and go on under control from there once it is back."""
+    was = feed.brake.is_on
+    if brake.observe(feed, force, notched):
+        feed.notice |= BRAKED
+        asked = brake.asked(feed, velocity, force)
+        if feed.phase == CONTROLLING:
+            asked = min(asked, max(law.wanted(feed.law, velocity, notched), 0.0))
+        feed.wanted = feed.loop.asked = asked
+        return True
+    if was and feed.phase <= CONTROLLING:
+        feed.wanted = min(brake.target(feed, velocity, force), feed.cap)
+        inner.begin(feed.loop, feed.wanted)
+        law.begin(feed, velocity, notched)
+    return False
 
 
 @njit(cache=True, nogil=True)
@@ -170,6 +192,8 @@ def _step(feed: Record, measured: float, along: float, across: float, is_valid: 
     feed.last_velocity, feed.last_force = velocity, force
     if IDLE < feed.phase <= CONTROLLING:
         _judge(feed, measured)
+    if _is_braked(feed, velocity, force, notched):
+        return
     feed.wanted = _wanted(feed, velocity, force, notched)
     if feed.phase == IDLE or feed.phase == RETREATED:
         feed.wanted = 0.0

@@ -1,6 +1,6 @@
 """What force control has noticed, in words."""
 
-from stagectl.robot.milling.feed_record import CHATTER, MODEL, OSCILLATION, RIPPLE, UNKNOWN
+from stagectl.robot.milling.feed_record import BRAKED, CHATTER, MODEL, OSCILLATION, RIPPLE, SCALE, UNKNOWN
 
 NOTICES = {
     UNKNOWN: "control begins though kappa and beta are not known",
@@ -8,10 +8,20 @@ NOTICES = {
     OSCILLATION: "the force oscillates: control goes on more slowly",
     CHATTER: "the tool chatters: the feed is lowered",
     RIPPLE: "the force has a ripple, which is not fed back",
+    BRAKED: "the force rose at once: the feed was braked",
+    SCALE: "kappa is none that is known of this material: another material, depth or tool, or the force sensor's scale",
 }
 """By bit of the port `notice`."""
 
-NAMES = {UNKNOWN: "unknown", MODEL: "model", OSCILLATION: "oscillation", CHATTER: "chatter", RIPPLE: "ripple"}
+NAMES = {
+    UNKNOWN: "unknown",
+    MODEL: "model",
+    OSCILLATION: "oscillation",
+    CHATTER: "chatter",
+    RIPPLE: "ripple",
+    BRAKED: "braked",
+    SCALE: "scale",
+}
 """Keys of the same for other programs."""
 
 

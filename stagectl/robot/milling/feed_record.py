@@ -7,11 +7,12 @@ MOST_STATES = 8
 
 IDLE, APPROACHING, ESTIMATING, CONTROLLING, RETREATING, RETREATED = range(6)
 """Of `phase`."""
-FINE, OVERLOAD, SENSOR, LEAVING, STUCK = range(5)
+FINE, OVERLOAD, SENSOR, LEAVING, STUCK, UNFAMILIAR = range(6)
 """Of `reason`."""
-UNKNOWN, MODEL, OSCILLATION, CHATTER, RIPPLE = 1, 2, 4, 8, 16
+UNKNOWN, MODEL, OSCILLATION, CHATTER, RIPPLE, BRAKED, SCALE = 1, 2, 4, 8, 16, 32, 64
 """Bits of `notice`: control began before kappa and beta were known; the robot no longer follows as identified; the
-loop oscillates; the tool chatters; a periodic ripple is taken out of the fed-back force."""
+loop oscillates; the tool chatters; a periodic ripple is taken out of the fed-back force; the feed was braked; kappa is
+none that this material can have."""
 BINS, LOW_BINS, SPACING = 29, 7, 4.0
 """Resonators at 4, 8, ... 116 Hz: how many, how many of them below 30 Hz, and Hz from one to the next."""
 
@@ -150,6 +151,22 @@ WAVES = np.dtype(
 )
 """Periodic parts of the force, as `wave_kernel` follows them."""
 
+BRAKE = np.dtype(
+    [
+        ("share", "f8"),  # of the force wanted, beyond which it brakes
+        ("slow", "f8"),  # of the scatter, in a sample
+        ("noise", "f8"),  # N, least scatter
+        ("samples", "i8"),  # in which the robot has followed by half
+        # memory
+        ("state", "f8", _N),
+        ("last", "f8"),  # N
+        ("scatter", "f8"),  # N, slow mean of what the force is off its mean
+        ("is_on", "i8"),
+    ],
+    align=True,
+)
+"""What stops the feed where the force rises at once, as `brake_kernel` does."""
+
 FEED = np.dtype(
     [
         ("outer", OUTER),
@@ -158,6 +175,7 @@ FEED = np.dtype(
         ("law", LAW),
         ("follow", FOLLOW),
         ("waves", WAVES),
+        ("brake", BRAKE),
         # what is wanted, and how it is come to
         ("force", "f8"),  # f_d, N
         ("initial", "f8"),  # v_init, m/s
@@ -177,6 +195,8 @@ FEED = np.dtype(
         ("careful_lag", "f8"),  # 1/s and 1/s^2, in place of those of `outer` where model or loop are in doubt
         ("careful_integral", "f8"),
         ("chatter_share", "f8"),  # of the feed, once the tool has chattered
+        ("familiar", "f8"),  # 1, factor of the first guess within which kappa can be
+        ("familiar_samples", "i8"),  # out of it, after which that is said
         # faults
         ("overload", "f8"),  # N
         ("overload_samples", "i8"),
@@ -203,6 +223,7 @@ FEED = np.dtype(
         ("returning", "f8"),  # m/s, at which contact is looked for
         ("cap", "f8"),  # m/s, highest feed in this segment
         ("is_careful", "i8"),
+        ("strange", "i8"),  # samples in which kappa is none that it can be
         ("notice", "i8"),
         ("back", "f8"),  # m
     ],

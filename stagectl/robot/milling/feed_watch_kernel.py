@@ -13,8 +13,10 @@ from stagectl.robot.milling.feed_record import (
     OVERLOAD,
     RETREATED,
     RETREATING,
+    SCALE,
     SENSOR,
     STUCK,
+    UNFAMILIAR,
 )
 
 
@@ -56,6 +58,21 @@ def observe(feed: Record, along: float, across: float, is_seen: bool) -> None:
         feed.phase = ESTIMATING
     elif feed.phase != APPROACHING and feed.lost >= feed.lost_samples:
         feed.phase, feed.returning = APPROACHING, max(feed.approach, feed.wanted)
+
+
+@njit(cache=True, nogil=True)
+def recognize(feed: Record) -> None:
+    """Notice a kappa that this material cannot have, and retreat where by what it can have the force is an overload."""
+    known = feed.cutting
+    ratio = known.kappa / known.guess
+    is_strange = ratio > feed.familiar or ratio * feed.familiar < 1.0
+    has_begun = feed.waves.samples > feed.familiar_samples  # while the tool goes in, less of it cuts
+    feed.strange = feed.strange + 1 if is_strange and has_begun else 0
+    if feed.strange < feed.familiar_samples:
+        return
+    feed.notice |= SCALE
+    if feed.waves.level * ratio / feed.familiar > feed.overload:
+        retreat(feed, UNFAMILIAR)
 
 
 @njit(cache=True, nogil=True)

@@ -13,6 +13,7 @@ from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, wor
 from rigkit.written import made_folder, written_file
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.force_estimate import TIE_BREAKS, ForceEstimates
+from stagectl.robot.milling.force_interval import ForceIntervals, force_intervals
 from stagectl.robot.milling.force_plot import AXES, force_plot
 from stagectl.robot.milling.torque_check import refuse_other_torques
 from stagectl.robot.milling.torque_file import read_force_model
@@ -51,40 +52,44 @@ def estimate_force_command(
     read = read_torque_log(log, arm, angles)
     refuse_other_torques(read, made)
     found = made.estimate(read.joint_angle, read.torque, read.rate)
-    atomic.write(out, force_table(read.time, found))
+    likely = force_intervals(made, found, read.joint_angle, read.torque, read.rate)
+    atomic.write(out, force_table(read.time, found, likely))
     if png is not None:
         with atomic.folder(png), atomic.replacing(png / PICTURE) as temporary:
             force_plot(read.time, found).savefig(temporary)
-    figures = force_figures(read, found)
-    rows = [
-        [f"{axis}, N", *(f"{figures[axis][name]:.2f}" for name in ("mean", "rms", "peak", "width"))] for axis in AXES
-    ]
-    head = ["force on the tool", "mean", "rms", "peak", "median width of its bounds"]
+    figures = force_figures(read, found, likely)
+    names = "mean", "rms", "peak", "width", "width_95"
+    rows = [[f"{axis}, N", *(f"{figures[axis][name]:.2f}" for name in names)] for axis in AXES]
+    head = ["force on the tool", "mean", "rms", "peak", "median width of its bounds", "of its 95 % interval"]
     print_table(f"{log}: {len(read.time)} samples at {read.rate:g} a second", head, rows, words(json))
     for text in _remarks(read, figures):
         print(text, file=words(json))  # noqa: T201
     write_json(json, figures)
 
 
-def force_table(time: np.ndarray, found: ForceEstimates) -> str:
+def force_table(time: np.ndarray, found: ForceEstimates, likely: ForceIntervals) -> str:
     """Return the CSV file's text; cells are empty where nothing is determined.
 
     Parameters
     ----------
     time : array, shape (samples,), s
     found : ForceEstimates
+    likely : ForceIntervals
     """
     names = [f"{what}_{axis} [N]" for what in ("force", "lower", "upper") for axis in AXES]
+    beside = [f"{what}_95_{axis} [N]" for what in ("lower", "upper") for axis in AXES]
     table = np.column_stack([found.force, found.low, found.high])
-    lines = [",".join(["time [s]", *names, "unique [1]", "objective [1]"])]
-    for at, row, unique, objective in zip(time, table, found.unique, found.objective, strict=True):
+    lines = [",".join(["time [s]", *names, "unique [1]", "objective [1]", *beside])]
+    ends = np.column_stack([likely.low, likely.high])
+    for at, row, unique, objective, end in zip(time, table, found.unique, found.objective, ends, strict=True):
         told = [f"{each:.9g}" for each in row] + [f"{int(unique)}", f"{objective:.9g}"]
+        told += [f"{each:.9g}" for each in end]
         lines.append(",".join([f"{at:.9g}", *(told if np.isfinite(objective) else [""] * len(told))]))
     return "\n".join(lines) + "\n"
 
 
-def force_figures(log: TorqueLog, found: ForceEstimates) -> dict[str, Any]:
-    """Return what `--json` writes: of every axis mean, rms, peak and median width (N), and what the log lacks."""
+def force_figures(log: TorqueLog, found: ForceEstimates, likely: ForceIntervals) -> dict[str, Any]:
+    """Return what `--json` writes: of every axis mean, rms, peak and median widths (N), and what the log lacks."""
     told = np.isfinite(found.objective)
     figures: dict[str, Any] = {
         "samples": len(told),
@@ -97,12 +102,14 @@ def force_figures(log: TorqueLog, found: ForceEstimates) -> dict[str, Any]:
     }
     for place, axis in enumerate(AXES):
         force, width = found.force[told, place], (found.high - found.low)[told, place]
+        narrow = (likely.high - likely.low)[told, place]
         some = force if len(force) else np.array([np.nan])
         figures[axis] = {
             "mean": float(some.mean()),
             "rms": float(np.sqrt(np.mean(some**2))),
             "peak": float(np.abs(some).max()),
             "width": float(np.median(width)) if len(width) else np.nan,
+            "width_95": float(np.median(narrow)) if len(narrow) else np.nan,
         }
     return figures
 

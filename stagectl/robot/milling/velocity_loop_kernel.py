@@ -46,6 +46,16 @@ def control(loop: Record, wanted: float, velocity: float) -> None:
 
 
 @njit(cache=True, nogil=True)
+def begin(loop: Record, wanted: float) -> None:
+    """Go on from another control of the velocity: ask for `wanted`, m/s, in this sample, with that wanted."""
+    asked = loop.forward * wanted
+    for i in range(loop.states):
+        asked -= loop.feedback[i] * loop.state[i]
+    loop.asked = min(max(wanted, loop.least), loop.most)
+    loop.integrated = (asked - loop.asked) / loop.integral
+
+
+@njit(cache=True, nogil=True)
 def rest(loop: Record) -> None:
     """Ask for nothing, and forget what was integrated."""
     loop.asked = loop.integrated = 0.0

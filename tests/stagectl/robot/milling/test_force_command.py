@@ -54,11 +54,13 @@ def read_force(path: Path) -> np.ndarray:
 def test_a_log_becomes_forces_with_their_bounds(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def] # noqa: ANN001
     assert call(a_log(), "--json", "figures.json", "--png", "png", head="time,a,b,c,d,e,f,g,h,i,j,k,l\n") == 0
     found = read_force(tmp_path / "force.csv")
-    assert found.shape == (SAMPLES, 12)
+    assert found.shape == (SAMPLES, 18)
     assert found[:, 0] == pytest.approx(3.0 + np.arange(SAMPLES) / RATE)
     assert found[:, 1:4] == pytest.approx(np.tile(FORCE, (SAMPLES, 1)), abs=1e-3)
     assert (found[:, 4:7] < FORCE).all()
     assert (found[:, 7:10] > FORCE).all()
+    assert (found[:, 4:7] <= found[:, 12:15]).all()
+    assert (found[:, 15:18] <= found[:, 7:10]).all()
     figures = json.loads((tmp_path / "figures.json").read_text())
     assert figures["rate"] == pytest.approx(250.0)
     assert figures["by_friction_alone"] == 1.0

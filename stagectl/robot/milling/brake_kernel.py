@@ -1,0 +1,74 @@
+"""The compiled kernel that brakes the feed where the force rises faster than feedback would follow."""
+
+from numba import njit
+
+from rigkit.record import Record
+from stagectl.robot.milling.feed_record import CONTROLLING, ESTIMATING
+
+SCATTERS = 2.0
+"""Of the usual scatter, beside the share of the force wanted, beyond which it brakes: a ripple's peak is at 1.6."""
+RELEASE = 0.5
+"""Of the way from the force wanted to where it brakes, at which it ends."""
+LEAD = 2.0
+"""Of the way from the feed that would make the force wanted to the velocity, by which less is asked for."""
+
+
+@njit(cache=True, nogil=True)
+def begin(brake: Record) -> None:
+    """Have seen nothing."""
+    brake.scatter, brake.last, brake.is_on = brake.noise, 0.0, 0
+
+
+@njit(cache=True, nogil=True)
+def observe(feed: Record, force: float, notched: float) -> bool:
+    """Take in a force, N, as it is and without its ripple; return whether the feed is braked in this sample.
+
+    The scatter goes on while it brakes, so that chatter, which no feed ends, does not hold the tool for good.
+    """
+    brake = feed.brake
+    if feed.phase != CONTROLLING and feed.phase != ESTIMATING:
+        brake.is_on = 0
+        return False
+    beyond = (brake.share - 1.0) * feed.force + SCATTERS * brake.scatter
+    seen = min(force, notched)
+    least = feed.force + (RELEASE if brake.is_on else 1.0) * beyond
+    brake.is_on = 1 if (seen if brake.is_on else 0.5 * (seen + brake.last)) > least else 0
+    brake.last = seen
+    if feed.phase == CONTROLLING:
+        brake.scatter += brake.slow * (abs(force - feed.waves.level) - brake.scatter)
+    return bool(brake.is_on)
+
+
+@njit(cache=True, nogil=True)
+def target(feed: Record, velocity: float, force: float) -> float:
+    """Return the feed that makes the force wanted with the chip of now, m/s."""
+    return float(max(velocity, 0.0) * feed.force / max(force, feed.force))
+
+
+@njit(cache=True, nogil=True)
+def _foreseen(feed: Record, velocity: float, goal: float) -> float:
+    """Return the velocity in the time in which the robot follows by half, if `goal` is asked for until then, m/s."""
+    loop, brake = feed.loop, feed.brake
+    n = loop.states
+    if feed.is_careful:
+        return velocity
+    for i in range(n):
+        brake.state[i] = loop.state[i]
+    for _ in range(brake.samples):
+        velocity = 0.0
+        for i in range(n):
+            ahead = loop.inlet[i] * goal
+            for j in range(n):
+                ahead += loop.transition[i, j] * brake.state[j]
+            loop.work[i] = ahead
+        for i in range(n):
+            brake.state[i] = loop.work[i]
+            velocity += loop.outlet[i] * loop.work[i]
+    return velocity
+
+
+@njit(cache=True, nogil=True)
+def asked(feed: Record, velocity: float, force: float) -> float:
+    """Return what is asked of the robot meanwhile, m/s: as much less than the target as it will still be faster."""
+    goal = target(feed, velocity, force)
+    return float(min(max(goal - LEAD * (_foreseen(feed, velocity, goal) - goal), 0.0), feed.loop.most))
