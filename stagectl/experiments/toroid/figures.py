@@ -9,7 +9,8 @@ import numpy as np
 from ctlblocks.recording import Recording
 from stagectl.devices.signals import AXES
 from stagectl.experiments.toroid.measures import Contour, accuracy, contour
-from stagectl.experiments.toroid.plan import SETUPS, Plan
+from stagectl.experiments.toroid.plan import SETUPS, TOUCH_OFF, Plan
+from stagectl.experiments.toroid.turned import turned
 
 BEFORE = 0.25
 """s before a hold that are not measured: a stage that is at fault goes to rest while the robot still moves."""
@@ -22,16 +23,17 @@ def figures(made: Plan, records: Mapping[str, Recording], reason: str) -> dict[s
     ----------
     made : Plan
     records : mapping of str to Recording
-        `cell` and `surface`.
+        `cell`, `tracker` and `surface`.
     reason : str
 
     Returns
     -------
     dict
         `setup`, `what`, `seconds`, `fault` (or null); where something was milled `circle_mae`, `circle_std`,
-        `circle_max`, `surface_std`, `roughness` (m); `seen`, the same but roughness of what `deviation` says, where the
-        tool was followed; with a stage, by axis, `travel` (lowest and highest reference
-        wished for, m, from the middle), `travel_limit` (m) and `seconds_at_end` (s).
+        `circle_max`, `surface_std`, `roughness` (m); `turned`, by how much the workpiece was seen to turn (rad, rms);
+        `seen`, the same as of what was milled, but for roughness, of what `deviation` says, where the tool was
+        followed; with a stage, by axis, `travel` (lowest and highest reference wished for, m, from the middle),
+        `travel_limit` (m) and `seconds_at_end` (s).
     """
     found: dict[str, Any] = {
         "setup": made.setup,
@@ -42,6 +44,8 @@ def figures(made: Plan, records: Mapping[str, Recording], reason: str) -> dict[s
     milled = milled_contour(made, records)
     if milled is not None:
         found |= asdict(accuracy(milled))
+    if (turn := _turned(made, records)) is not None:
+        found["turned"] = turn
     if (seen := seen_deviation(made, records)) is not None:
         radial, axial = np.abs(seen[:, 1]), seen[:, 2]
         spread = {"circle_std": float(seen[:, 1].std()), "surface_std": float(axial.std())}
@@ -101,6 +105,13 @@ def seen_deviation(made: Plan, records: Mapping[str, Recording]) -> np.ndarray |
     _, y, z = made.path.wanted(time - made.cell.feedback.lag).T
     outwards = (off[:, 1] * y + off[:, 2] * z) / np.hypot(y, z)
     return np.column_stack([time, outwards, off[:, 0]])
+
+
+def _turned(made: Plan, records: Mapping[str, Recording]) -> float | None:
+    tracker, touched = records["tracker"], (TOUCH_OFF[0], made.cell.toroid.lead - TOUCH_OFF[1])
+    orientation = tracker.select([f"workpiece_{number}" for number in range(4, 8)]).data
+    turn = turned(orientation, tracker.rate, touched, _milling(made, records["cell"]))
+    return turn if np.isfinite(turn) else None
 
 
 def _milling(made: Plan, cell: Recording) -> tuple[float, float]:

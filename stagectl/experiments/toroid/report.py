@@ -16,8 +16,8 @@ from stagectl.experiments.toroid.plots import Run, deviation_plot, polar_plot, s
 
 PAGE = "report.html"
 HEAD = (
-    "µm", "MAE, circle", "σ, circle", "largest", "σ, surface", "roughness", "travel used", "at an end, s",
-    "held because",
+    "µm", "MAE, circle", "σ, circle", "largest", "σ, surface", "roughness", "turned, mrad", "travel used",
+    "at an end, s", "held because",
 )  # fmt: skip
 
 
@@ -57,6 +57,7 @@ def _row(row: dict[str, Any]) -> Iterator[str]:
         else:
             seen = row.get("seen", {})
             yield f"{1e6 * seen[key]:.1f} seen" if key in seen else "-"
+    yield f"{1e3 * row['turned']:.2f}" if "turned" in row else "-"
     if "travel" in row:
         most = max(max(-low, high) for low, high in row["travel"].values())
         yield f"{1e6 * most:.0f} of {1e6 * row['travel_limit']:.0f}"

@@ -116,3 +116,16 @@ def test_the_report_has_the_table_the_contours_and_the_travel(folder: Path, tmp_
 def test_another_folder_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="is not the folder of a run of the cell"):
         list(replayed(tmp_path, TOROID))
+
+
+def test_a_run_of_before_orientations_were_kept_is_replayed_without(tmp_path: Path) -> None:
+    plan = short("B", "feedback.orientation=0")
+    made = Toroid([plan])
+    with create(tmp_path / "run", TOROID, plan.cell, made, Files(STAGE).take_into) as kept:
+        run(kept, TOROID, made, Conduct())
+    config = tmp_path / "run" / "config.toml"
+    lines = config.read_text(encoding="utf-8").splitlines(keepends=True)
+    config.write_text("".join(line for line in lines if not line.startswith(("orientation ", "most_turn "))))
+    assert all(each.identical for each in replayed(tmp_path / "run", TOROID))
+    told = replayed(tmp_path / "run", TOROID, ["feedback.orientation=1"])
+    assert not all(each.identical for each in told)

@@ -5,6 +5,7 @@ import pytest
 
 from ctlblocks.clock import Paced
 from stagectl.devices.signals import AXES
+from stagectl.experiments.toroid.figures import figures
 from tests.stagectl.experiments.toroid.short_cell import Milled, milled, short
 
 
@@ -94,3 +95,14 @@ def test_the_toroids_arm_and_workpiece_win_over_those_of_other_experiments() -> 
     made = short("A", "simulator.options.arm=irb140", "simulator.options.payload=1.0", "simulator.options.seed=5")
     options = made.plant_options()["robot"]
     assert (options["arm"], options["payload"], options["seed"]) == ("kuka", 20.0, 5)
+
+
+def test_the_workpiece_is_kept_in_the_orientation_in_which_it_was_touched_off() -> None:
+    turned = []
+    for seconds in (0.0, 0.5):
+        settings = "toroid.turn=0.05", f"feedback.orientation={seconds}", "simulator.options.seed=3"
+        done = milled("B", *settings)
+        assert done.reason == ""
+        turned.append(figures(short("B", *settings), done.recordings, done.reason)["turned"])
+    assert turned[1] < 0.8 * turned[0]
+    assert turned[0] > 1e-4
