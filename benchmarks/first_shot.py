@@ -15,7 +15,8 @@ from rigkit import config as rig_file
 from vibractl.audio import Line
 from vibractl.capture import Capture
 from vibractl.config import RigConfig
-from vibractl.fft_plans import Effort, Plans
+from vibractl.fft_plans import Plans
+from vibractl.fft_transform import Effort
 from vibractl.model_file import write_model
 from vibractl.run_setup import create
 from vibractl.session import Session

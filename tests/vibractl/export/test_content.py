@@ -78,5 +78,5 @@ def test_a_shot_of_another_length_is_refused_by_name(run: Path, tmp_path: Path) 
 
 
 def test_a_package_that_is_missing_is_named_with_how_to_get_it() -> None:
-    with pytest.raises(ValueError, match=r"this format needs no_such_package.*pip install vibrostage\[export\]"):
+    with pytest.raises(ValueError, match=r"this format needs no_such_package.*pip install 'vibrostage\[export\]'"):
         optional("no_such_package")
