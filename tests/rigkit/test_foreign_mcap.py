@@ -212,6 +212,6 @@ def test_a_package_that_is_missing_is_named(tmp_path: Path, monkeypatch: pytest.
 
     monkeypatch.setattr("rigkit.export.optional.importlib.import_module", missing)
     with pytest.raises(
-        ValueError, match=r"needs mcap_ros2.decoder, which is not there .* pip install vibrostage\[export\]"
+        ValueError, match=r"needs mcap_ros2.decoder, which is not there .* pip install 'vibrostage\[export\]'"
     ):
         read_signals(path)
