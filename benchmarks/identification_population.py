@@ -1,8 +1,8 @@
 """Systems drawn by seed, identified with no option given: how much of the response is missed, and what is said of it.
 
 `python -m benchmarks.identification_population [FIRST] [--write]`, 120 records, a quarter of an hour on two cores;
-prints a table, and with --write puts it into docs/identification.md.  Beside the default stands what it was before
-loops, dead time, outliers and horizons were looked for: horizon 20 and MOESP, all told.
+prints a table, and with --write puts it into docs/validation/identification.md.  Beside the default stands what it was
+before loops, dead time, outliers and horizons were looked for: horizon 20 and MOESP, all told.
 
 Missed: root mean square of the frequency response's error over that of the response, all channels, at those of 200
 frequencies up to 0.48 of the rate, geometric from a thousandth of it on, at which every input has at least a thousandth
@@ -169,7 +169,7 @@ def main() -> None:
         *("records", "N", "refused", f"response missed, {three}", "as it was before", "order within 1"),
         *("damping off", "covered, %: median, 5 %", "processor, s"),
     ]
-    put(table(head, rows), "identification.md", "drawn systems")
+    put(table(head, rows), "validation/identification.md", "drawn systems")
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
 """How fast each learning law gets there in front of measured impulse responses; and one run of learning, for others.
 
 `python -m benchmarks.measured_pairs [LAW ...] [SEED ...] [--write]`, a minute or two a seed; prints a line a run and
-then the table of `docs/learning.md`.  Every machine is measured by the product's own calibration, then it learns
-`SHOTS` shots of the default reference, without audio; a run whose next drive would break the guard's limits ends there.
+then the table of `docs/validation/learning.md`.  Every machine is measured by the product's own calibration, then it
+learns `SHOTS` shots of the default reference, without audio; a run whose next drive would break a limit of the guard
+ends there.
 """
 
 import json
@@ -144,7 +145,7 @@ def main(laws: list[str], seeds: list[int]) -> None:
                 print(f"{name}, {law};", *runs_told, flush=True)
     head = ["plant", "law", "identified in, s", "shot, median", "worst", f"never in {SHOTS}"]
     head += [f"IAE: first / best by shot {EARLY}", "first / last", f"scaled reference / by {EARLY}", "... / last"]
-    put(table([*head, "errors within bound, %"], rows), "learning.md", "measured pairs")
+    put(table([*head, "errors within bound, %"], rows), "validation/learning.md", "measured pairs")
 
 
 if __name__ == "__main__":

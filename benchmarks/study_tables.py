@@ -21,9 +21,9 @@ from rigkit.study.tables import endings_table, markdown
 KEPT = DOCS / "populations"
 PAGE = DOCS / "populations.md"
 PLACES = {
-    "ablation": "learning.md",
+    "ablation": "validation/learning.md",
     "around": "calibration.md",
-    "learning": "learning.md",
+    "learning": "validation/learning.md",
     "prediction": "predict.md",
     "quiet": "calibration.md",
     "soft-start": "learning.md",

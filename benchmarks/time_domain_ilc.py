@@ -1,8 +1,8 @@
 """Time-domain ILC (6.8): how well a state-space model fits the vibrator, and what learning makes of it.
 
-`python -m benchmarks.time_domain_ilc [SEED ...]`, a minute; prints the table of `docs/learning.md`.  Side 1 of the
-simulated vibrator is excited from 10 to 400 Hz, identified at orders 18 (the thesis') and 40, and learns the default
-reference through the model's non-causal inverse, without audio.
+`python -m benchmarks.time_domain_ilc [SEED ...]`, a minute; prints the table of `docs/validation/learning.md`.  Side 1
+of the simulated vibrator is excited from 10 to 400 Hz, identified at orders 18 (the thesis') and 40, and learns the
+default reference through the model's non-causal inverse, without audio.
 """
 
 import sys

@@ -1,6 +1,6 @@
 """What the default law does beyond chapter 6, on the simulated vibrator of seed 1 and a model from 45 s of multisine.
 
-Ten seeds of each are in `studies/learning.toml`, their table in `docs/learning.md`.
+Ten seeds of each are in `studies/learning.toml`, their table in `docs/validation/learning.md`.
 """
 
 from pathlib import Path

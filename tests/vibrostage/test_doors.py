@@ -12,6 +12,7 @@ from tests.contract.source_tree import ROOT
 DOORS = ("ilc", "planning", "sysid")
 HEAVY = ("matplotlib", "scipy.stats", "pyfftw", "httpx", "fastapi", "sounddevice", "dask", "pyarrow", "h5py")
 PAGE = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+NOTEBOOK = (ROOT / "docs" / "tutorial-python.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("door", DOORS)
@@ -39,3 +40,12 @@ def test_the_code_of_the_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
         exec(part, names)  # noqa: S102 (the page's own code)
     assert "after 20 trials" in capsys.readouterr().out
     assert all(f"`vibrostage.{door}`" in PAGE for door in DOORS)
+
+
+def test_the_code_of_the_notebook_s_tutorial_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    parts = re.findall(r"```python\n(.*?)```", NOTEBOOK, re.DOTALL)
+    assert len(parts) == 5
+    names: dict[str, object] = {}
+    for part in parts:
+        exec(part, names)  # noqa: S102 (the page's own code)
+    assert capsys.readouterr().out.count("resonance x") == 6
