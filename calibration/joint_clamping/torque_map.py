@@ -68,28 +68,6 @@ class TorqueMap:
         return TorqueMap(self.angle - arm_motion, self.torque, self.rate)
 
 
-def joint_side(motor_angle: np.ndarray, motor_torque: np.ndarray, gear: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Bring motor quantities to the joints' side of the gears.
-
-    Parameters
-    ----------
-    motor_angle : array, shape (samples, joints), rad
-    motor_torque : array, shape (samples, joints), N m
-    gear : array, shape (joints, joints), 1
-        Motor angles = gear x joint angles; off its diagonal stands the coupling of a wrist.
-
-    Returns
-    -------
-    angle : array, shape (samples, joints), rad
-    torque : array, shape (samples, joints), N m
-
-    Source
-    ------
-    Sornmo 2015, 4.3: the gear ratio matrix J_m.
-    """
-    return np.linalg.solve(gear, motor_angle.T).T, motor_torque @ gear
-
-
 @dataclass(frozen=True)
 class Branches:
     """A map cut at its reversals.

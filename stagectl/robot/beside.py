@@ -86,6 +86,7 @@ class ReportedTorques:
         self.samples = Ring(13, KEPT)
         self.newest = np.full(13, np.nan)
         self._port, self._constant = port, np.array(port.robot.torque_constant)
+        self._gear = port.robot.gear
 
     def __enter__(self) -> Self:
         """Begin to listen."""
@@ -109,7 +110,8 @@ class ReportedTorques:
         if report.current is None:
             self.garbled += 1
             return
-        sample = np.concatenate([[report.time], report.joint_angle, self._constant * report.current])
+        torque = self._constant * report.current @ self._gear  # the reports' angles are the joints' already
+        sample = np.concatenate([[report.time], report.joint_angle, torque])
         self.samples.put(sample[None])
         self.newest = sample  # a new array each time: a reader has the old or the new one
 

@@ -2,6 +2,7 @@
 
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
 from rigkit.config import Section, code, keywords, setting
@@ -10,11 +11,12 @@ from stagectl.link.config import Link
 from stagectl.robot.clamp_config import Clamping
 from stagectl.robot.feed_config import ForceFeed
 from stagectl.robot.force_config import ForceSensor
+from stagectl.robot.gears import refuse_coupling
 from stagectl.robot.learning_config import ForceEstimation, Friction
 from stagectl.robot.midranging_config import MidrangeConfig
 from stagectl.robot.pocket_config import Learning, LearningChirp, Pocket
 from stagectl.robot.segment_config import FeedPlants, SegmentTask
-from stagectl.robot.toroid_config import Feedback, Plants, Toroid
+from stagectl.robot.toroid_config import Feedback, Plants, Six, Toroid
 from stagectl.wire.makes import ROBOTS, TRACKERS, known
 
 Box = tuple[float, float, float]
@@ -67,6 +69,13 @@ class Robot(Section):
     torque_constant: tuple[Constant, Constant, Constant, Constant, Constant, Constant] = setting(
         (1.0,) * 6, "N m/A", "of each motor times its gear; over rsi torques are currents times these", role="wiring"
     )
+    coupling: tuple[Six, ...] = setting(
+        (),
+        "",
+        "J_m: how motors turn with joints, both seen from the arm's side of the gears, six rows of six numbers; "
+        "empty where each turns its own joint alone",
+        role="wiring",
+    )
     height: float = setting(
         0.03,
         "m",
@@ -79,6 +88,16 @@ class Robot(Section):
         0.05, "m/s", "speed of the tool on the way there, at most", gt=0, le=0.25, role="experiment"
     )
     changer: bool = setting(False, "", "its own program changes workpieces, by BLOCK 1 and BLOCK 0; else a person does")
+
+    @model_validator(mode="after")
+    def _is_coupled_well(self) -> Self:
+        refuse_coupling(self.coupling)
+        return self
+
+    @property
+    def gear(self) -> np.ndarray:
+        """J_m, shape (6, 6), 1: motors' angles = J_m x joint angles, both seen from the arm's side of the gears."""
+        return np.array(self.coupling or np.eye(6))
 
     @property
     def is_whole(self) -> bool:

@@ -1,7 +1,5 @@
 """Keep what the robot holds in the orientation in which it was touched off, as a Block."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from ctlblocks.block import Block, Port
@@ -14,16 +12,13 @@ class KeptOrientation(Block):
     In: `orientation` (1, 4), a unit quaternion w x y z as seen, zeros where it is not, and `holding` (1 while the robot
     is held, so that nothing goes on).  Out: `rotation` (rad, 3) of the tool, in axes of the base, for
     `CartesianCorrection`.  While everything stands still at the beginning the orientation is averaged; that is the one
-    which is kept.  A turn of `most` holds the robot: a workpiece that has slipped is not milled on.
+    which is kept.  How far it may be turned is the port's affair, which holds the robot beyond `limits.rotation`.
 
     Parameters
     ----------
     seconds : float, s, >= 0
         Time constant of the integral, much longer than the robot and tracker take; 0 for a robot that never turns.
-    most : float, rad, > 0
     first, last : float, s, when averaging begins and ends
-    hold : callable(reason)
-        Such as `WiredPort.hold`.
 
     Source
     ------
@@ -38,10 +33,9 @@ class KeptOrientation(Block):
     inputs = (Port("orientation", "1", 4), Port("holding"))
     outputs = (Port("rotation", "rad", 3),)
 
-    def __init__(self, seconds: float, most: float, first: float, last: float, hold: Callable[[str], None]) -> None:
-        self._seconds, self._times, self._hold = seconds, (first, last), hold
+    def __init__(self, seconds: float, first: float, last: float) -> None:
+        self._seconds, self._times = seconds, (first, last)
         self._turn = np.zeros(1, kernel.TURN)
-        self._turn["most"] = most
 
     def prepare(self, rate: float, frames: int) -> None:
         """Forget what was seen."""
@@ -52,6 +46,4 @@ class KeptOrientation(Block):
 
     def process(self, orientation: np.ndarray, holding: np.ndarray, rotation: np.ndarray) -> None:
         """Go on for one frame."""
-        if kernel.run(orientation, holding, rotation, self._turn):
-            most = 1e3 * float(self._turn["most"][0])
-            self._hold(f"the workpiece has turned: the robot would turn it back by {most:g} mrad, must be less")
+        kernel.run(orientation, holding, rotation, self._turn)

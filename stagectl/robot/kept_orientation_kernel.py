@@ -10,7 +10,6 @@ TURN = np.dtype(
         ("first", "i8"),
         ("last", "i8"),
         ("gain", "f8"),  # of the integral, a sample; 0 never turns
-        ("most", "f8"),  # rad
         ("wanted", "f8", 4),  # w x y z; until `last` the sum of what was seen
         ("turn", "f8", 3),  # rad, asked of the robot
     ],
@@ -19,11 +18,10 @@ TURN = np.dtype(
 
 
 @njit(cache=True, nogil=True)
-def run(orientation: np.ndarray, holding: np.ndarray, rotation: np.ndarray, turns: np.ndarray) -> bool:
-    """Run one frame: (frames, 4), (frames, 1) and (frames, 3); return whether the largest turn was reached."""
+def run(orientation: np.ndarray, holding: np.ndarray, rotation: np.ndarray, turns: np.ndarray) -> None:
+    """Run one frame: (frames, 4), (frames, 1) and (frames, 3)."""
     kept = turns[0]
     wanted, turn = kept.wanted, kept.turn
-    reached = False
     for n in range(len(orientation)):
         seen = orientation[n]
         is_seen = 0.0 < np.sum(seen * seen) < np.inf
@@ -40,10 +38,5 @@ def run(orientation: np.ndarray, holding: np.ndarray, rotation: np.ndarray, turn
             turn[0] -= step * (wanted[0] * seen[1] - seen[0] * wanted[1] - seen[2] * wanted[3] + seen[3] * wanted[2])
             turn[1] -= step * (wanted[0] * seen[2] - seen[0] * wanted[2] - seen[3] * wanted[1] + seen[1] * wanted[3])
             turn[2] -= step * (wanted[0] * seen[3] - seen[0] * wanted[3] - seen[1] * wanted[2] + seen[2] * wanted[1])
-        size = np.sqrt(np.sum(turn * turn))
-        if size > kept.most:
-            reached = True
-            turn *= kept.most / size
         rotation[n] = turn
         kept.now += 1
-    return reached

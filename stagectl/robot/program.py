@@ -13,6 +13,7 @@ from rigkit.ring import Ring
 from stagectl.link.bus import LinkError
 from stagectl.link.robot_stream import Requests, Stream
 from stagectl.robot.config import Robot
+from stagectl.robot.gears import joint_side
 from stagectl.robot.port import RobotPort
 from stagectl.wire.robot import RATE, Motion
 
@@ -136,7 +137,7 @@ def begin_motion(port: RobotPort, program: Program) -> None:
 class TorqueSignals:
     """Reads lines "time, 6 angles (deg), 6 torques (N m)" from the controller's signal line.
 
-    Angles and torques are those of the motors, seen from the arm's side of the gears.
+    The line's are those of the motors, seen from the arm's side of the gears; `robot.coupling` makes joints' of them.
 
     Parameters
     ----------
@@ -154,7 +155,7 @@ class TorqueSignals:
         self.garbled = self.losses = 0
         self.samples = Ring(13, KEPT)
         self.newest = np.full(13, np.nan)
-        self._rest, self._behind = b"", np.inf
+        self._rest, self._behind, self._gear = b"", np.inf, robot.gear
         self._stream = Stream(host, robot.signals, self, now)
 
     def __enter__(self) -> Self:
@@ -203,6 +204,6 @@ class TorqueSignals:
             self.garbled += 1
             return
         sample = np.array(values)
-        sample[1:7] = np.radians(sample[1:7])
+        sample[1:7], sample[7:] = joint_side(np.radians(sample[1:7]), sample[7:], self._gear)
         self.samples.put(sample[None])
         self.newest, self._behind = sample, min(self._behind, now - values[0])

@@ -41,9 +41,8 @@ class Feedback(Section):
     stage: Three = setting((0.03, 0.05, 0.05), "s", "wanted of the stage, setup C, for x, y and z")
     takeover: float = setting(0.5, "s", "in which the robot takes over from the stage", gt=0, le=100)
     orientation: float = setting(
-        1.0, "s", "in which the robot takes a turn of the workpiece back, setups B and C; 0 for never", ge=0, le=100
+        2.0, "s", "in which the robot takes a turn of the workpiece back, setups B and C; 0 for never", ge=0, le=100
     )
-    most_turn: float = setting(5e-3, "rad", "that it may be turned back by: more is a fault", gt=0, le=0.1)
     saturated: float = setting(0.5, "s", "the stage at an end of its travel for longer is a fault", gt=0, le=1e3)
 
 

@@ -256,7 +256,7 @@ EXAMPLES: dict[type[Block], Example] = {
     ForceSensor: Example(lambda: ForceSensor(sample_rate=8_000.0), rate=8_000.0),
     TrackerView: Example(lambda: TrackerView(delay=0.0), rate=300_000.0),
     TrialPath: Example(lambda: TrialPath(*np.split(np.ones((100, 21)), (3, 9, 15), axis=1), 0.1, (0.02, 0.2))),
-    KeptOrientation: Example(lambda: KeptOrientation(1.0, 5e-3, 0.01, 0.02, print), rate=250.0),
+    KeptOrientation: Example(lambda: KeptOrientation(1.0, 0.01, 0.02), rate=250.0),
     RelativePosition: Example(
         lambda: RelativePosition((3.0, 3.0, 3.0), (True, False, False), 0.004, 0.01, 0.02), rate=2_000.0
     ),

@@ -128,8 +128,7 @@ class CellGraph:
         graph.add("midranging", ValvePosition(plan.controllers()), slow)
         graph.add("wish", Gain(1.0, "m", "m/s", 3), slow)
         graph.add("moved", Gain(plan.robot_share, "m", "m", 3), slow)
-        kept = (plan.turning, cell.feedback.most_turn, *between)
-        graph.add("upright", KeptOrientation(*kept, self.port.hold), slow)
+        graph.add("upright", KeptOrientation(plan.turning, *between), slow)
         graph.add("correction", CartesianCorrection(arm_of(cell), cell.robot.tool), slow)
         graph.add("port", self.port, slow)
         self.stage: Stage | None = None

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from calibration.joint_clamping.torque_map import TorqueMap, TorqueMapError, branches, joint_side
+from calibration.joint_clamping.torque_map import TorqueMap, TorqueMapError, branches
 
 TIME = np.linspace(0.0, 3.0, 3001)
 WAVE = np.sin(2 * np.pi * TIME)
@@ -25,15 +25,6 @@ def test_a_long_record_is_averaged_in_blocks() -> None:
     long = TorqueMap(np.arange(20_000.0), np.arange(20_000.0), 1000.0).thinned()
     assert (len(long.angle), long.rate) == (5_000, 250.0)
     assert long.angle[0] == 1.5
-
-
-def test_motor_quantities_come_to_the_joint_with_the_same_power() -> None:
-    gear = np.array([[100.0, 0.0], [20.0, -50.0]])
-    speed, torque = np.array([[0.1, 0.2]]), np.array([[3.0, 4.0]])
-    motor_speed, motor_torque = speed @ gear.T, torque @ np.linalg.inv(gear)
-    got = joint_side(motor_speed, motor_torque, gear)
-    np.testing.assert_allclose(got[0], speed)
-    np.testing.assert_allclose(got[1], torque)
 
 
 @pytest.mark.parametrize(

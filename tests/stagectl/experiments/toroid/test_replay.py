@@ -125,7 +125,7 @@ def test_a_run_of_before_orientations_were_kept_is_replayed_without(tmp_path: Pa
         run(kept, TOROID, made, Conduct())
     config = tmp_path / "run" / "config.toml"
     lines = config.read_text(encoding="utf-8").splitlines(keepends=True)
-    config.write_text("".join(line for line in lines if not line.startswith(("orientation ", "most_turn "))))
+    config.write_text("".join(line for line in lines if not line.startswith("orientation ")))
     assert all(each.identical for each in replayed(tmp_path / "run", TOROID))
     told = replayed(tmp_path / "run", TOROID, ["feedback.orientation=1"])
     assert not all(each.identical for each in told)
