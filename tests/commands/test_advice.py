@@ -62,12 +62,8 @@ def _wrong(texts: Iterator[tuple[Path, str]] | list[tuple[Path, str]]) -> list[s
     for file, text in texts:
         for match in NAMED.finditer(text):
             program, word, rest = match.groups()
-            is_meant = (
-                file.suffix == ".md"
-                and text.startswith(program)
-                or f"`{program} {word}" in text
-                or _fault(program, word, "") == ""
-            )
+            is_span = text.startswith(program) if file.suffix == ".md" else f"`{program} {word}" in text
+            is_meant = is_span or _fault(program, word, "") == ""
             if is_meant and (fault := _fault(program, word, rest)):
                 found.append(f"{file}: {match.group(0).strip()}: {fault}")
     return found
