@@ -26,7 +26,7 @@ def compare_command(
     png: Annotated[Path | None, made_folder("DIR", "Write the figures as PNG files.")] = None,
     json: JsonOption = None,
 ) -> None:
-    """Say how two models of one rig differ, line by line, against their uncertainty.
+    """Compare two models of one rig, bin by bin, against their uncertainty.
 
     Example: `calibrate compare tank.h5 sea.h5 --out difference.html`
     """

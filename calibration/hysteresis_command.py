@@ -36,7 +36,7 @@ def hysteresis_command(
     again: AgainOption = False,
     json: JsonOption = None,
 ) -> None:
-    """Fit a hysteresis model that has an inverse to a voltage and what it moved, and judge it on samples held back.
+    """Fit an invertible hysteresis model to a voltage and the displacement, and judge it on validation data.
 
     Example: `calibrate hysteresis loops.csv --input 1 --output 5 --rate 200 --unit um --out stack.h5`
     """

@@ -39,9 +39,9 @@ def draw_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Draw a machine by its seed: what it is, and the keys of a rig file that fit it.
+    """Draw a plant by its seed: its parameters, and the keys of a rig file that fit it.
 
-    A seed is the same machine everywhere.  --set changes keys of the rig file, not the machine.  Of a signal for
+    A seed is the same plant on every computer.  --set changes keys of the rig file, not the plant.  Of a signal for
     identification --out is a folder for record.csv and truth.json, or a CSV or WAV file.
 
     Example: `firmware-sim draw vibrator --seed 7 --out seven.toml`

@@ -23,11 +23,11 @@ def replay_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Rebuild every drive of a run from its recorded responses; status 1 if one differs from the recorded one.
+    """Recompute every drive of a run from its recorded responses; status 1 if one differs from the recorded one.
 
     Of an imported run: what the law would have played next, each time after what was played; it needs a model.
 
-    Example: `vibractl replay RUN/`; what would have been: `vibractl replay RUN/ --set learning.gains=[0.5]`
+    Example: `vibractl replay RUN/`; with other settings: `vibractl replay RUN/ --set learning.gains=[0.5]`
     """
     settings_of(path)
     say_changed(path)

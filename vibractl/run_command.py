@@ -51,7 +51,7 @@ def run_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Learn a reference shot by shot, and end with a report.
+    """Learn the drive for a reference, shot by shot, and end with a report.
 
     Example: `vibractl run --config rig.toml --model model.h5 --reference chirp:40:90:5 --shots 30 --out RUN/`
     """

@@ -72,7 +72,7 @@ def replay_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Replay and judge recorded runs of the vibrator with other settings: what would have been.
+    """Replay recorded runs of the vibrator with other settings, and judge the drives.
 
     Example: `vibrostage study replay runs/ --set learning.law=thesis --out REPLAYED/`
     """

@@ -50,7 +50,7 @@ def response_command(
 ) -> None:
     """Fit a state-space model to frequency responses: of vibrator models, or of a recording by Welch's method.
 
-    Several models are merged, line by line, each with its variance.
+    Several models are merged, bin by bin, each with its variance.
 
     Example: `calibrate response model.h5 --order 24 --out modes.h5`;
     `calibrate response sweep.csv --inputs u --outputs y --band 5 200 --out modes.h5`

@@ -102,7 +102,7 @@ def identify_command(
     again: AgainOption = False,
     json: JsonOption = None,
 ) -> None:
-    """Identify a state-space model from measurements, and judge it on samples held back.
+    """Identify a state-space model from measurements, and judge it on validation data.
 
     Example: `calibrate identify sweep.csv --inputs u --outputs y1,y2 --rate 1000 --out model.h5`; drives and responses
     in two files, or several recordings:

@@ -68,7 +68,7 @@ def joints_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Find backlash, stiffness and friction of joints whose tool is clamped, or from a recorded torque and angle.
+    """Identify backlash, stiffness and friction of joints with a clamped tool, or from recorded torque and angle.
 
     `kill -USR1 PID`, which it prints, pauses (the arm holds, limits are watched), `kill -USR2 PID` goes on, Ctrl-C
     aborts: all stays, and the same command goes on.  Live, maps are drawn into FILE.raw/maps.html after each cycle.

@@ -55,7 +55,7 @@ def milling_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Find how the robot follows, its friction and gravity, and how milling pushes it aside: G_R, G_M, G_K.
+    """Identify the robot's response, friction and gravity, and its deflection under milling forces: G_R, G_M, G_K.
 
     A sweep through the workspace, chirps above the workpiece, trials of the path in the air until it is learned, and
     one in material.  Stopped or killed, the same command goes on from there.

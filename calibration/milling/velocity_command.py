@@ -63,7 +63,7 @@ def velocity_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Identify how the robot follows a feed, from random steps with the tool in the air, or from a record of them.
+    """Identify the robot's response to a feed, from random steps in air, or from a record of them.
 
     Live, the tool is brought over the middle of the workpiece first, as [segments] has it, and steps there by up to
     35 mm to either side; Ctrl-C holds the robot.

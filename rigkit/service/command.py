@@ -37,7 +37,7 @@ def status_command(
     token: TokenOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Show how the daemon of this rig file stands; status 1 in FAULT.
+    """Show the state of the daemon of this rig file; status 1 in FAULT.
 
     Example: `status --config rig.toml --watch`
     """
@@ -59,7 +59,7 @@ def stop_command(
     token: TokenOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Bring the output to zero and disarm, whoever has control.  No emergency stop: that one cuts the mains.
+    """Bring the output to zero and disarm, whoever has control.  Not an emergency stop: that removes the power.
 
     Any of the daemon's tokens will do, the one to view as well.  A rig file that was edited since may be wrong.
 

@@ -16,7 +16,7 @@ def acknowledge_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """End a fault of the stage behind its CAN adapter, so that it can be started again.
+    """Clear a latched fault of the stage behind its CAN adapter, and record who investigated it.
 
     Example: `stagectl acknowledge --config stage.toml --by "A. Person"`
     """

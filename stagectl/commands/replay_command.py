@@ -33,7 +33,7 @@ def replay_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Make every output of a run again from its recorded sensors; status 1 if one differs from the recorded one.
+    """Recompute every output of a run from its recorded sensors; status 1 if one differs from the recorded one.
 
     With --set it tells what would have been made of the sensors as they were, and by how much that differs.  With
     --from the run says what is controlled and how, and another program's log (CSV, WAV, HDF5, MAT, Parquet, MCAP) is

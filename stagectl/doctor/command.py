@@ -33,7 +33,7 @@ def doctor_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """See how late this machine wakes, against what silence robot and stage allow, before it leads them.
+    """Measure the wake-up latency of this computer against the silence that robot and stage allow.
 
     Nothing is opened, and nothing moves.  `--config` and `--set` are of the cell's file.  The exit status is 1 if a
     verdict fails.

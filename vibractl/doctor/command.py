@@ -42,7 +42,7 @@ def doctor_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Look at a rig before it works: card, cables, clock, hum, noise, distortion, channels, polarity.
+    """Check a rig before it is used: card, cables, clock, hum, noise, distortion, channels, polarity.
 
     Plays small signals for half a minute, within the limits of the rig file.  Ctrl-C ramps down and ends.  The exit
     status is 1 if a verdict fails.

@@ -64,7 +64,7 @@ def import_command(
     json: JsonOption = None,
     more: Annotated[list[str] | None, typer.Argument(hidden=True)] = None,
 ) -> None:
-    """Make the folder of a run from recordings of other software: found, checked, judged.
+    """Make a run folder from recordings of other software: finds the shots, checks and judges them.
 
     Drive and response are one file that holds both, or two, sample by sample beside each other; or the drive of one
     shot, which is found wherever in the response it was played; or patterns, a file of each a shot.

@@ -29,7 +29,7 @@ def judge_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Judge one recording, whoever made it: is the objective met, by how much, and where is it worst.
+    """Judge one recording of any origin: whether the objective is met, by how much, and where it is worst.
 
     The reference is found in the recording, to a part of a sample.
 

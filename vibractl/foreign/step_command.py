@@ -41,7 +41,7 @@ def step_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Take one step of the learning for whoever plays drives with other software: the first drive, or the next one.
+    """Compute one iteration of the learning for drives that other software plays: the first drive, or the next one.
 
     The first call takes the model and the reference and writes the first drive.  Each further call takes what was
     played and what came back, and writes the next drive; the same recording twice is refused.  Without a recording it

@@ -85,7 +85,7 @@ def add_command(
     force: Annotated[bool, typer.Option("--force", help="Replace an entry of that name.")] = False,
     json: JsonOption = None,
 ) -> None:
-    """Keep what a run has learned.
+    """Store the drive that a run has learned.
 
     Example: `vibractl library add RUN/ --name tank-10m --tag depth=10 --tag temperature=8`
     """
@@ -125,7 +125,7 @@ def list_command(library: LibraryOption = None, json: JsonOption = None) -> None
 
 @library_app.command("show")
 def show_command(name: NameArgument, library: LibraryOption = None, json: JsonOption = None) -> None:
-    """Say all that an entry tells of itself.
+    """Show everything that is stored in an entry.
 
     Example: `vibractl library show tank-10m`
     """
@@ -141,7 +141,7 @@ def show_command(name: NameArgument, library: LibraryOption = None, json: JsonOp
 
 @library_app.command("remove")
 def remove_command(name: NameArgument, library: LibraryOption = None, json: JsonOption = None) -> None:
-    """Take an entry away.
+    """Remove an entry.
 
     Example: `vibractl library remove tank-10m`
     """
@@ -160,7 +160,7 @@ def nearest_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Say which entries a run could start from, the nearest first, and why others do not fit.
+    """List the entries a run could start from, the nearest first, and why the others do not fit.
 
     Example: `vibractl library nearest --reference chirp:40:90:5 --tag depth=12`
     """

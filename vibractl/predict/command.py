@@ -36,10 +36,9 @@ def predict_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Say what a run will need and how it may go, before anything is emitted.
+    """Predict what a run needs and how it converges, before anything is emitted.
 
-    Drives and head-room, lines where convergence is not certified and why, and in how many shots the objective will be
-    met.
+    Drives and headroom, frequency bins without a convergence certificate and why, and the shots to the objective.
 
     Example: `vibractl predict --model model.h5 --reference chirp:40:90:5 --report predicted.html`
     """

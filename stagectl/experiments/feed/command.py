@@ -79,7 +79,7 @@ def force(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Mill as fast as the force allows: forces, kappa and beta with their uncertainty, feed; the planner goes along.
+    """Mill as fast as the force allows: forces, kappa and beta with their uncertainty, feed; with the planner's order.
 
     Live, it asks for a fresh piece before each pocket.  Ctrl-C in a strip goes back along it and holds the robot.
 

@@ -32,7 +32,7 @@ _BOTH = ByOptions(
 )
 procedure = _BOTH.procedure
 step = _BOTH.command(
-    """Read delay, gain and bandwidth of robot and stage off a step or a multisine, for mid-ranging and dead times.
+    """Identify delay, gain and bandwidth of robot and stage by a step or a multisine, for mid-ranging and dead times.
 
     Example: `stagectl step --config cell.toml --of both --kind multisine --out STEPS/`
     """

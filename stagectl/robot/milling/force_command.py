@@ -36,7 +36,7 @@ def estimate_force_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Tell the force on the tool, and the bounds it is between, from the motors' torques in a signal log.
+    """Estimate the force on the tool, with its bounds, from the motor torques in a signal log.
 
     Angles and torques are the motors', seen from the joints' side of the gears, as `robot.signals` gives them.  Gaps
     are left empty, and said.
