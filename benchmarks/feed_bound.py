@@ -20,7 +20,7 @@ from stagectl.experiments.feed.process_run import channel
 from stagectl.experiments.feed.read_back import velocity_model
 from stagectl.robot.config import CellConfig
 
-SEEDS = (*range(6110, 6120),)
+SEEDS = range(6110, 6116)
 TIMES = 3.0
 PARTS, SAMPLES = 40, 60
 """Of a sample; samples that are looked at."""

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from benchmarks.ablation import ablation_table, shot
+from benchmarks.feed_study import feed_force_table
 from benchmarks.page_table import DOCS, replaced
 from rigkit.origin import checksum
 from rigkit.report import Table
@@ -23,6 +24,7 @@ PAGE = DOCS / "populations.md"
 PLACES = {
     "ablation": "validation/learning.md",
     "around": "calibration.md",
+    "feed-force": "force-control.md",
     "learning": "validation/learning.md",
     "prediction": "predict.md",
     "quiet": "calibration.md",
@@ -133,7 +135,7 @@ BESIDE: dict[str, Callable[[Sequence[Row]], str]] = {
     "vibrators": within_the_floor,
 }
 """What else is said of a study."""
-INSTEAD: dict[str, Callable[[StudyReport], str]] = {"ablation": ablation_table}
+INSTEAD: dict[str, Callable[[StudyReport], str]] = {"ablation": ablation_table, "feed-force": feed_force_table}
 """What is shown in place of a table for each figure."""
 
 

@@ -38,7 +38,8 @@ def force_intervals(
 
     A joint's torque beside gravity and force has the middle of its friction range, and about that: friction, evenly
     within the range; noise, of R_e; inertia times the largest acceleration lately; a moment.  All are independent from
-    joint to joint, and so is none of it from sample to sample: what is off in one sample is off as much in the next.
+    joint to joint, but not from sample to sample: what is off in one sample is off as much in the next.  The force is
+    that which comes to the motors: what is faster than some 10 Hz is taken by the arm's own mass.
 
     Parameters
     ----------
