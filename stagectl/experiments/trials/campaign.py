@@ -42,7 +42,7 @@ def learn_free_space(first: Trial, learner: Learner) -> Generator[tuple[str, Tri
             learner.refuse_other_robot(done)
         least = refuse_worse(done, least)
         learner.free.append(done)
-        step = learner.next_path([done], None)
+        step = learner.next_path(learner.free, None)
         trial = trial.again(step.sent, False, step.foreseen)
     learner.free.append((yield f"{FREE}-{learner.cell.learning.free}", trial))
     refuse_worse(learner.free[-1], least)
@@ -170,5 +170,5 @@ def grouped(trials: Sequence[DoneTrial]) -> tuple[list[DoneTrial], dict[int, lis
 
 
 def norms(done: Sequence[DoneTrial]) -> list[float]:
-    """Return the Euclidean norm of each trial's mean absolute errors, m, as in Table 5.1."""
+    """Return the Euclidean norm of each trial's slow errors, m, as trials are judged by."""
     return [size(each) for each in done]

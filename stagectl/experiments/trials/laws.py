@@ -155,12 +155,17 @@ class Learner:
         law, process = self.law(method), self._process(method)
         where = [tool_position(each, method or 1, RATE, process, kinematic) for each in signals]
         cuts = [self._cut(each, method, process, kinematic) for each in signals[-2:]]
-        milled = Milled(trial.path.wanted, [each.sent for each in signals], where, cuts)
+        milled = Milled(trial.path.wanted, [each.sent for each in signals], where, cuts, self._air(method))
         sent = method_of(method).law.next(law, milled)
         come = predicted(where[-1], sent - signals[-1].sent, law)
         refuse_outside(trial.path.pocket, trial.path.wanted, come, self.cell.learning.stray)
         refuse_large(trial.path.wanted, sent, self.cell.learning.correction)
         return Step(signals[-1].sent, sent, where[-1], come, trial.path.wanted, trial.path.milled)
+
+    def _air(self, method: int | None) -> tuple[list[np.ndarray], list[np.ndarray]]:
+        """Return the last two paths in the air, and where the tracker saw the tool, for a method; none in the air."""
+        free = [each.signals for each in self.free[-2:]] if method is not None else []
+        return [each.sent for each in free], [each.seen for each in free if each.seen is not None]
 
     def signals(self, done: DoneTrial, method: int | None) -> TrialSignals:
         """Return a trial's signals, with the force that a method has."""
