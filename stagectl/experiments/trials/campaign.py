@@ -31,7 +31,7 @@ def learn_free_space(first: Trial, learner: Learner) -> Generator[tuple[str, Tri
     learner : Learner
         Gets the trials.
     """
-    trial, least = replace(first, sent=FREE_SPACE.law.first(first.path)), np.inf
+    trial, least = replace(first, sent=FREE_SPACE.law.first(first.path) + learner.carried(first)), np.inf
     for number in range(learner.cell.learning.free):
         done = yield f"{FREE}-{number}", trial
         if number == 0:  # where the tool rests is where the tracker has the workpiece, and where that is clamped
@@ -43,6 +43,7 @@ def learn_free_space(first: Trial, learner: Learner) -> Generator[tuple[str, Tri
         least = refuse_worse(done, least)
         learner.free.append(done)
         step = learner.next_path(learner.free, None)
+        step = learner.judged(done, step) if number == 0 else step
         trial = trial.again(step.sent, False, step.foreseen)
     learner.free.append((yield f"{FREE}-{learner.cell.learning.free}", trial))
     refuse_worse(learner.free[-1], least)
