@@ -1,6 +1,6 @@
 """A prior of rates that learns its scales beside the fixed one and beside plain zigzag, where rates are off by 15 %.
 
-    python -m benchmarks.planning_prior [--draws 200] [--first 6200] [--choose] [--write]
+    python -m benchmarks.planning_prior [--draws 200] [--first 7400] [--choose] [--write]
 
 Each draw is a table of rates that is believed and what is really paid, kept over three pockets.  Judged on log-normal
 rates with a grain along one diagonal, knots in 5 % of the segments, a tool that wears by 0.3 % a segment and noise of
@@ -120,7 +120,7 @@ def main() -> None:
     """Measure, and print a table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--draws", type=int, default=200)
-    parser.add_argument("--first", type=int, default=6200)
+    parser.add_argument("--first", type=int, default=7400)
     parser.add_argument("--choose", action="store_true")
     parser.add_argument(FLAG, action="store_true")
     given = parser.parse_args()

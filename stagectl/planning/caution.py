@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import ndtri, stdtrit
 
 from stagectl.planning import strip_kernel
 from stagectl.planning.exact import Optimum
@@ -15,8 +16,8 @@ from stagectl.planning.zigzag import ZigzagPlanner
 
 LOSS = 0.01
 """Of the time of the default order: what a pocket may take more."""
-DEVIATIONS = 1.25
-"""Standard deviations of the difference that are to be on the safe side."""
+SAFE = 0.95
+"""Probability with which the difference is to be on the safe side."""
 
 FIRST_OTHER, FIRST_ACROSS = 2, 4
 """The first way off another side than the default order's, and the first that feeds north or south."""
@@ -45,11 +46,15 @@ class Caution:
     """Allows what is, with what is left of the pocket, not slower than the default order by more than `LOSS`.
 
     What was milled and what is planned are compared with the default order of the whole pocket; the difference is
-    Gaussian to first order in the logarithms of the rates.  It must be below the limit by `DEVIATIONS`.
+    Gaussian to first order in the logarithms of the rates.  It must be below the limit with the probability `SAFE`.
+    Where its scales were estimated from lots it is Student's, with as many degrees of freedom, and one for what was
+    believed of the scales before: of four lots nobody knows how far rates may be off.
 
     Parameters
     ----------
     pocket : Pocket
+    lots : int
+        From which the scales of the belief were estimated; 0 where they were not.
 
     Source
     ------
@@ -57,7 +62,8 @@ class Caution:
     of all that was earned keeps to a part of what the default action earns; else that is taken.
     """
 
-    def __init__(self, pocket: Pocket) -> None:
+    def __init__(self, pocket: Pocket, lots: int = 0) -> None:
+        self.deviations = float(stdtrit(lots + 1.0, SAFE) if lots else ndtri(SAFE))
         self._costs, self._default = costs(pocket), ZigzagPlanner(pocket)
         self._whole = self._order(self._default.choose, untouched(pocket))
         self.spent = 0.0
@@ -109,7 +115,7 @@ class Caution:
         slope = (order.fed - share * fed) * rate
         excess = self.spent + order.fixed - share * fixed + slope.sum()
         variance = float(slope @ belief.covariance @ slope)
-        return bool(excess + DEVIATIONS * np.sqrt(max(variance, 0.0)) <= 0.0)
+        return bool(excess + self.deviations * np.sqrt(max(variance, 0.0)) <= 0.0)
 
     def _order(self, chooser: Chooser, standing: Standing) -> Order:
         """Return what all takes that is not in `spent`: the strip under way, if one is, and the rest of the pocket."""

@@ -40,6 +40,11 @@ class Scales:
         self._before, self._file, self._own = before, file, Lot()
         self._lots = read_lots(file) if file is not None and file.exists() else []
 
+    @property
+    def lots(self) -> int:
+        """How many lots of others the file had, which tell the scales as the first pocket begins."""
+        return len(self._lots)
+
     def take(self, name: str, side: str, excess: float) -> None:
         """Take in a segment: as of `Lot.add`."""
         self._own.add(name, side, excess)

@@ -38,7 +38,7 @@ class UncertainPlanner:
     def __init__(self, pocket: Pocket, belief: RateBelief, scales: Scales | None = None) -> None:
         self.belief, self.scales = belief, scales
         self._pocket, self._costs = pocket, costs(pocket)
-        self._caution = None if scales is None else Caution(pocket)
+        self._caution = None if scales is None else Caution(pocket, scales.lots)
         self._optimum: Optimum | None = None
         self._seen: list[tuple[int, float]] = []
 

@@ -10,11 +10,13 @@ from stagectl.experiments.trials.bench import Bench, SimulatedBench
 from stagectl.experiments.trials.done import BESIDE, done_trial
 from stagectl.experiments.trials.experiment import Milling
 from stagectl.experiments.trials.learner import learner_of
-from stagectl.experiments.trials.read_back import MODEL, Files, task_of
+from stagectl.experiments.trials.read_back import JOINTS, MODEL, Files, task_of
 from stagectl.experiments.trials.runner import trial_of
 from stagectl.experiments.trials.surroundings import refuse_wrong_plants
 from stagectl.experiments.trials.trial import first_trial
+from stagectl.models.joint_backlash import lost_motion
 from stagectl.robot.config import CellConfig
+from stagectl.robot.milling.torque_file import read_gravity
 
 
 def unheard(text: str) -> None:
@@ -71,7 +73,8 @@ class Asked:
             if any(path.glob(f"*-{BESIDE}.csv")):
                 raise ValueError(f"{path}: is of version 0.1.0, must be begun anew: it is reported and replayed")
             cell, task = task_of(path)
-            made = self._made(cell, Files(task, path / MODEL), done, path)
+            joints = path / JOINTS if (path / JOINTS).is_file() else None
+            made = self._made(cell, Files(task, path / MODEL, joints), done, path)
             if not made.left:
                 raise ValueError(f"{path}: nothing is left of it: {', '.join(made.names)} came to their end")
             return made
@@ -81,6 +84,9 @@ class Asked:
     def _made(self, cell: CellConfig, files: Files, names: Collection[str], path: Path = Path()) -> Milling:
         first = first_trial(cell, files.task)
         learner = learner_of(cell, files.model, first, self.methods, self.accept, self.note)
+        if files.joints is not None:
+            held = read_gravity(files.model, first.arm).torque(first.arm, first.joints)
+            learner.lost = lost_motion(files.joints, cell, held, self.accept, self.note)
         for method in (None, *self.methods):
             learner.contraction(method).refuse_divergence()
         if isinstance(self.bench, SimulatedBench):

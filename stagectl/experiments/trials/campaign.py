@@ -31,7 +31,7 @@ def learn_free_space(first: Trial, learner: Learner) -> Generator[tuple[str, Tri
     learner : Learner
         Gets the trials.
     """
-    trial, least = replace(first, sent=FREE_SPACE.law.first(first.path)), np.inf
+    trial, least = replace(first, sent=FREE_SPACE.law.first(first.path) + learner.carried(first)), np.inf
     for number in range(learner.cell.learning.free):
         done = yield f"{FREE}-{number}", trial
         if number == 0:  # where the tool rests is where the tracker has the workpiece, and where that is clamped
@@ -42,7 +42,8 @@ def learn_free_space(first: Trial, learner: Learner) -> Generator[tuple[str, Tri
             learner.refuse_other_robot(done)
         least = refuse_worse(done, least)
         learner.free.append(done)
-        step = learner.next_path([done], None)
+        step = learner.next_path(learner.free, None)
+        step = learner.judged(done, step) if number == 0 else step
         trial = trial.again(step.sent, False, step.foreseen)
     learner.free.append((yield f"{FREE}-{learner.cell.learning.free}", trial))
     refuse_worse(learner.free[-1], least)
@@ -170,5 +171,5 @@ def grouped(trials: Sequence[DoneTrial]) -> tuple[list[DoneTrial], dict[int, lis
 
 
 def norms(done: Sequence[DoneTrial]) -> list[float]:
-    """Return the Euclidean norm of each trial's mean absolute errors, m, as in Table 5.1."""
+    """Return the Euclidean norm of each trial's slow errors, m, as trials are judged by."""
     return [size(each) for each in done]

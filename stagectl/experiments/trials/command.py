@@ -22,7 +22,7 @@ from stagectl.experiments.trials.log_folder import SENT, write_path
 from stagectl.experiments.trials.motions import steps
 from stagectl.experiments.trials.read_back import TRIALS, Files, asked_of, task_of, was_live
 from stagectl.experiments.trials.report import HEAD, TABLE_HEAD, method_rows, trial_rows
-from stagectl.experiments.trials.trial import TASKS, Trial, cell_for_task, first_trial
+from stagectl.experiments.trials.trial import TASKS, cell_for_task, first_trial
 from stagectl.experiments.trials.wired import bench
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_needless_yes, refuse_unattended
@@ -48,6 +48,10 @@ IterationsOption = Annotated[
 LogsOption = Annotated[
     Path | None, typer.Option("--from", metavar="LOGDIR", help="Learn from the logs of one trial; run nothing.")
 ]
+JointsOption = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="Joint models: the path carries the lost motion of joints that turn around."),
+]
 PlayOption = Annotated[
     Path | None, typer.Option("--path", metavar="LOGDIR", help="Write the path to play first, sent.csv; run nothing.")
 ]
@@ -70,6 +74,7 @@ def ilc(
     play: PlayOption = None,
     config: ConfigOption = None,
     model: Annotated[Path | None, typer.Option(metavar="FILE", help="Models; else learning.model.")] = None,
+    joints: JointsOption = None,
     png: PngOption = None,
     accept: AcceptOption = None,
     settings: SetOption = None,
@@ -89,7 +94,7 @@ def ilc(
     `stagectl ilc --method 3 --from LOGDIR/`
     """
     if resume is not None:
-        given = {"--out": out, "--config": config, "--model": model, "--task": task, "--from": logs}
+        given = {"--out": out, "--config": config, "--model": model, "--joints": joints, "--task": task, "--from": logs}
         refuse_given({**given, "--set": settings, "--live": is_live or None, "--dry-run": dry or None})
         _go_on(_line(was_live(resume), resume, png, json), resume, method, iterations, accept or [], is_sure)
         return
@@ -98,9 +103,9 @@ def ilc(
     methods, some = wanted_methods(method or METHOD), iterations or ITERATIONS
     refuse_needless_yes(is_sure, is_live)
     cell = cell_for_task(rig_file.load(config, CellConfig, settings or []), task or TASK)
-    files = Files(task or TASK, model or Path(cell.learning.model))
+    files = Files(task or TASK, model or Path(cell.learning.model), joints)
     if play is not None:
-        _say_path(play, first_trial(cell, files.task), json)
+        _say_path(play, cell, files, json)
     elif dry:
         _say_steps(cell, files.task, 1 + some * len(methods))
     elif logs is not None:
@@ -181,8 +186,15 @@ def _refuse_with_logs(given: dict[str, bool]) -> None:
         raise ValueError(f"{name} and --from are given, must be one of them: nothing is run, LOGDIR gets the path")
 
 
-def _say_path(folder: Path, first: Trial, json: str | None) -> None:
+def _refuse_joints(files: Files, other: str) -> None:
+    if files.joints is not None:
+        raise ValueError(f"--joints and {other} are given, must be one of them: only a run carries lost motion")
+
+
+def _say_path(folder: Path, cell: CellConfig, files: Files, json: str | None) -> None:
     """Write the path as it is wanted, for who plays and logs it: as learning begins with it, in the air and cut."""
+    _refuse_joints(files, "--path")
+    first = first_trial(cell, files.task)
     if (folder / SENT).exists():
         raise ValueError(f"{folder / SENT} is there already, must be another folder: its logs belong to that path")
     folder.mkdir(parents=True, exist_ok=True)
@@ -197,6 +209,7 @@ def _say_path(folder: Path, first: Trial, json: str | None) -> None:
 def _say_next(
     logs: Path, cell: CellConfig, files: Files, methods: tuple[int, ...], accept: list[str], json: str | None
 ) -> None:
+    _refuse_joints(files, "--from")
     if len(methods) != 1:
         raise ValueError(f"--method is {methods}, must be one with --from")
     first = first_trial(cell, files.task)

@@ -9,8 +9,9 @@ import numpy as np
 from ctlblocks.recording import Recording
 from stagectl.experiments.trials.recorded import EVERY, SENT, SLOW
 from stagectl.experiments.trials.signals import signals_of, truth
+from stagectl.experiments.trials.tool_path import RATE
 from stagectl.experiments.trials.trial import Trial
-from stagectl.robot.milling.trial_error import TrialSignals, mae
+from stagectl.robot.milling.trial_error import TrialSignals, mae, slow
 
 BESIDE = "sent"
 """Version 0.1.0 kept the path that was sent in a file of its own, written last, with what else is to be known."""
@@ -60,6 +61,22 @@ class DoneTrial:
     def mae(self) -> np.ndarray:
         """Mean absolute error of the milled part along each axis, shape (3,), m, as the tracker saw it."""
         return mae(self.error[self._counted])
+
+    @cached_property
+    def slow_mae(self) -> np.ndarray:
+        """Mean absolute error along each axis, shape (3,), m, up to `learning.cutoff`: with little of the noise."""
+        return mae(slow(self.error, self.trial.cell.learning.cutoff, RATE)[self._counted])
+
+    @cached_property
+    def slow_noise(self) -> np.ndarray:
+        """What of `slow_mae` the tracker's noise alone makes, shape (3,), m, if it is white and normal.
+
+        It is told by what it has beyond `learning.highest`, where no tool of an arm follows and a path is smooth.
+        """
+        learning, half = self.trial.cell.learning, 0.5 * RATE
+        fast = (self.error - slow(self.error, learning.highest, RATE))[self._counted]
+        share = learning.cutoff / max(half - learning.highest, learning.cutoff)
+        return np.asarray(fast.std(axis=0) * np.sqrt(2.0 / np.pi * share))
 
     @property
     def true_mae(self) -> np.ndarray | None:

@@ -8,12 +8,13 @@ import numpy as np
 from stagectl.experiments.trials.done import DoneTrial
 from stagectl.experiments.trials.lookback import Step
 from stagectl.experiments.trials.methods import Milled, method_of
-from stagectl.experiments.trials.signals import torque_log
+from stagectl.experiments.trials.signals import ANGLE, torque_log
 from stagectl.experiments.trials.tool_path import RATE, refuse_large, refuse_outside
 from stagectl.experiments.trials.trial import Trial
 from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.convergence import Contraction, Doubt, cautious, contraction
-from stagectl.robot.milling.learning import PathLaw, ProcessModel, predicted
+from stagectl.robot.milling.learning import PathLaw, ProcessModel, correction, predicted
+from stagectl.robot.milling.lost_motion import LostMotion
 from stagectl.robot.milling.measured_cut import MeasuredCut
 from stagectl.robot.milling.milling_models import MillingModels
 from stagectl.robot.milling.trial_error import TrialSignals, kinematic_error, measured_cut, tool_position
@@ -36,6 +37,8 @@ class Learner:
         Method 3 needs it.
     note : callable(str)
         Told where learning turns back, or ends early.
+    lost : LostMotion or None
+        What the path carries from the first trial on.
     """
 
     cell: CellConfig
@@ -43,6 +46,37 @@ class Learner:
     forces: Forces | None = None
     free: list[DoneTrial] = field(default_factory=list)
     note: Callable[[str], object] = lambda _: None
+    lost: LostMotion | None = None
+
+    def carried(self, first: Trial) -> np.ndarray:
+        """Return what the first path carries beside the one that is wanted, shape (N, 3), m: joints' lost motion."""
+        if self.lost is None:
+            return np.zeros_like(first.path.wanted)
+        fastest = self.cell.limits.speed * first.arm.speed
+        angle = first.path.joints(first.arm, first.path.wanted)
+        more = self.lost.carried(angle, RATE, self.cell.learning.cutoff, fastest)
+        return np.asarray(first.path.in_workpiece(first.arm, angle + more) - first.path.wanted)
+
+    def judged(self, free: DoneTrial, step: Step) -> Step:
+        """Return the step after the first trial in the air, without what its path carried if the tracker denies that.
+
+        Parameters
+        ----------
+        free : DoneTrial
+        step : Step
+            As learned from it.
+        """
+        if self.lost is None:
+            return step
+        angle, inside = free.records["trial"].select(ANGLE.channels).data, free.trial.path.milled
+        why = self.lost.refusal(free.trial.arm, angle, free.signals, inside, RATE)
+        if not why:
+            return step
+        self.note(f"{free.name}: {why}")
+        law, still = self.law(None), np.zeros_like(step.sent)
+        carried = self.carried(free.trial)
+        left = carried - correction(predicted(still, carried, law), law)
+        return replace(step, sent=step.sent - left, come=predicted(step.come, -left, law))
 
     def law(self, method: int | None) -> PathLaw:
         """Return the law of a method, or of free space, as cautious as the doubt about its models asks for."""
@@ -155,12 +189,17 @@ class Learner:
         law, process = self.law(method), self._process(method)
         where = [tool_position(each, method or 1, RATE, process, kinematic) for each in signals]
         cuts = [self._cut(each, method, process, kinematic) for each in signals[-2:]]
-        milled = Milled(trial.path.wanted, [each.sent for each in signals], where, cuts)
+        milled = Milled(trial.path.wanted, [each.sent for each in signals], where, cuts, self._air(method))
         sent = method_of(method).law.next(law, milled)
         come = predicted(where[-1], sent - signals[-1].sent, law)
         refuse_outside(trial.path.pocket, trial.path.wanted, come, self.cell.learning.stray)
         refuse_large(trial.path.wanted, sent, self.cell.learning.correction)
         return Step(signals[-1].sent, sent, where[-1], come, trial.path.wanted, trial.path.milled)
+
+    def _air(self, method: int | None) -> tuple[list[np.ndarray], list[np.ndarray]]:
+        """Return the last two paths in the air, and where the tracker saw the tool, for a method; none in the air."""
+        free = [each.signals for each in self.free[-2:]] if method is not None else []
+        return [each.sent for each in free], [each.seen for each in free if each.seen is not None]
 
     def signals(self, done: DoneTrial, method: int | None) -> TrialSignals:
         """Return a trial's signals, with the force that a method has."""

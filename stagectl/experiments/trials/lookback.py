@@ -48,8 +48,8 @@ class Step:
 
 
 def size(done: DoneTrial) -> float:
-    """Return the Euclidean norm of a trial's mean absolute errors, m, as the tracker saw it."""
-    return float(np.linalg.norm(done.mae))
+    """Return the Euclidean norm of a trial's mean absolute errors, m, up to where learning acts."""
+    return float(np.linalg.norm(done.slow_mae))
 
 
 class Lookback:

@@ -1,7 +1,7 @@
 """The methods by which a milled path is learned, a line each: what they know of the tool, and their law."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,12 +26,15 @@ class Milled:
         y_n, as a method knows it.
     cuts : sequence of MeasuredCut or None
         How the cut answered along each; None where it is not known.
+    air : (sequence, sequence) of arrays, shape (N, 3), m
+        Paths sent in the air before, and where the tracker saw the tool there.
     """
 
     wanted: np.ndarray
     sent: Sequence[np.ndarray]
     where: Sequence[np.ndarray]
     cuts: Sequence[MeasuredCut | None]
+    air: tuple[Sequence[np.ndarray], Sequence[np.ndarray]] = ((), ())
 
 
 MillingLaw = LearningLaw[ToolPath, PathLaw, Milled, np.ndarray]
@@ -51,8 +54,15 @@ class ByModels:
         return model.wanted
 
     def next(self, belief: PathLaw, trial: Milled) -> np.ndarray:
-        """Return u + Q L (I - G_K G_M) e, shape (N, 3), m, and no more than the last step has proved right."""
+        """Return u + Q L (I - G_K G_M) e, shape (N, 3), m, and no more than the last step has proved right.
+
+        After the first trial in material that is the last step in the air: what sticks, or has backlash, is the same.
+        """
         heeded = heeding(belief, trial.sent, trial.where, trial.cuts[0])
+        if len(trial.sent) == 1 and len(trial.air[0]) > 1:
+            proved = heeding(replace(belief, process=None, caution=None), *trial.air).caution
+            assert proved is not None
+            heeded = belief.more_cautious(*proved)
         return update(trial.sent[-1], trial.wanted - trial.where[-1], heeded, trial.cuts[-1])
 
 

@@ -17,8 +17,8 @@ from stagectl.robot.config import CellConfig
 
 TASK = "task.txt"
 """File of a run's folder that has the name of its task."""
-MODEL = "milling.h5"
-"""And its copy of the models."""
+MODEL, JOINTS = "milling.h5", "joints.h5"
+"""And its copies of the models, and of the joints'."""
 ENDED = "-ended"
 """How the name of a trial ends that ended early, in folders of version 0.1.0."""
 
@@ -32,16 +32,22 @@ class Files:
     task : str
     model : Path
         File of the models that are learned by.
+    joints : Path, optional
+        Of the joints' models, whose lost motion the path carries.
     """
 
     task: str
     model: Path
+    joints: Path | None = None
 
     def take_into(self, folder: RunFolder) -> list[str]:
         """Copy them into the folder of a run; return their names there."""
         folder.write(TASK, f"{self.task}\n")
         folder.take_in(self.model, MODEL)
-        return [TASK, MODEL]
+        if self.joints is None:
+            return [TASK, MODEL]
+        folder.take_in(self.joints, JOINTS)
+        return [TASK, MODEL, JOINTS]
 
 
 def is_of_trials(path: Path) -> bool:

@@ -11,14 +11,19 @@ from rigkit.figure_style import COLOURS, LIMIT, styled
 from rigkit.report import Fact, Plot, Report, Section, Table
 from stagectl.experiments.trials.campaign import norms
 from stagectl.experiments.trials.done import DoneTrial
+from stagectl.experiments.trials.lookback import size
 from stagectl.experiments.trials.tool_path import RATE
 from stagectl.robot.milling.trial_error import METHODS
 
 AXES = ("x", "y", "z")
 ACCURACY = 75e-6
 """m, of the tracker, at the most [Sörnmo 2015, sec. 5.3]."""
-HEAD = ("trial", "x, µm", "y, µm", "z, µm", "MAE norm, µm", "foreseen, µm", "true MAE norm, µm")
-TABLE_HEAD = ("", "iteration 0", "best iteration", "ratio", "reduced by", "true, reduced by")
+HEAD = ("trial", "x, µm", "y, µm", "z, µm", "MAE norm, µm", "slow, µm", "foreseen, µm", "true MAE norm, µm")
+TABLE_HEAD = (
+    "", "iteration 0", "best iteration", "ratio", "reduced by", "slow, reduced by", "noise of the slow, µm",
+    "true, reduced by",
+)  # fmt: skip
+SLOW = "Slow is what errors have up to learning.cutoff, where learning acts: with little of the tracker's noise."
 MAGNIFIED = 3.0
 """Times by which errors are drawn beside the path."""
 
@@ -38,18 +43,19 @@ def method_rows(found: Mapping[str, Any]) -> list[tuple[str, ...]]:
     """Return a row a method, from `figures`, under `TABLE_HEAD`: Table 5.1."""
     rows: list[tuple[str, ...]] = []
     for method, done in found["methods"].items():
-        sizes_of = [each["norm"] for each in done]
-        first, best = sizes_of[0], int(np.argmin(sizes_of))
-        last = sizes_of[best]
+        slow_of = [each["slow_norm"] for each in done]
+        best = int(np.argmin(slow_of))
+        first, last = done[0]["norm"], done[best]["norm"]
+        heard = _reduced(slow_of[0], slow_of[best]), f"{1e6 * done[best]['slow_noise']:.1f}"
         truths = [each.get("true_norm") for each in done]
         true = "-" if truths[0] is None or truths[best] is None else _reduced(truths[0], truths[best])
         sizes = f"{1e6 * first:.1f}", f"{1e6 * last:.1f} ({best})", f"{first / last:.1f}"
-        rows.append((f"method {method}", *sizes, _reduced(first, last), true))
+        rows.append((f"method {method}", *sizes, _reduced(first, last), *heard, true))
     return rows
 
 
 def figures(free: Sequence[DoneTrial], learned: Learned) -> dict[str, Any]:
-    """Return what was reached, other programs' keys, m: MAE along each axis, its norm, and the true ones."""
+    """Return what was reached, other programs' keys, m: MAE along each axis, its norm, the slow and the true ones."""
     return {
         "free": [_figures(each) for each in free],
         "methods": {str(method): [_figures(each) for each in done] for method, done in learned.items()},
@@ -67,7 +73,7 @@ def trial_report(free: Sequence[DoneTrial], learned: Learned, source: Path) -> R
         The run's folder.
     """
     facts = tuple(
-        Fact(f"MAE norm, method {method}", f"{1e6 * norms(done)[0]:.0f} to {1e6 * min(norms(done)):.0f} µm")
+        Fact(f"slow MAE norm, method {method}", f"{1e6 * norms(done)[0]:.0f} to {1e6 * min(norms(done)):.0f} µm")
         for method, done in learned.items()
     )
     with styled():
@@ -79,7 +85,7 @@ def _sections(free: Sequence[DoneTrial], learned: Learned) -> Iterator[Section]:
     found = figures(free, learned)
     tables = [Table(TABLE_HEAD, tuple(method_rows(found)))] if learned else []
     tables.append(Table(HEAD, tuple(trial_rows(found))))
-    yield Section("Errors", f"{about}." if learned else "", tables=tuple(tables))
+    yield Section("Errors", f"{about}. {SLOW}" if learned else SLOW, tables=tuple(tables))
     if learned:
         yield Section("Iterations", plots=(_iterations(learned),))
     for method, done in learned.items():
@@ -99,7 +105,7 @@ def _iterations(learned: Learned) -> Plot:
         panels[place].set_title(f"Method {method}")
         panels[-1].plot(1e6 * np.array(norms(done)), "o-", color=COLOURS[2 + method], label=f"method {method}")
     panels[0].set_ylabel("MAE, µm")
-    panels[-1].set_title("Norm")
+    panels[-1].set_title("Norm, slow")
     for panel in panels:
         panel.set_xlabel("iteration")
         panel.axhline(1e6 * ACCURACY, **LIMIT, label="accuracy of the tracker")
@@ -140,12 +146,14 @@ def _along(done: Sequence[DoneTrial]) -> Plot:
 
 
 def _errors(found: Mapping[str, Any]) -> tuple[str, ...]:
-    further = (f"{1e6 * found[key]:.1f}" if key in found else "-" for key in ("foreseen", "true_norm"))
+    keys = "slow_norm", "foreseen", "true_norm"
+    further = (f"{1e6 * found[key]:.1f}" if key in found else "-" for key in keys)
     return (*(f"{1e6 * each:.1f}" for each in found["mae"]), f"{1e6 * found['norm']:.1f}", *further)
 
 
 def _figures(done: DoneTrial) -> dict[str, Any]:
     found: dict[str, Any] = {"mae": done.mae.tolist(), "norm": float(np.linalg.norm(done.mae))}
+    found |= {"slow_norm": size(done), "slow_noise": float(np.linalg.norm(done.slow_noise))}
     if done.trial.foreseen:
         found["foreseen"] = done.trial.foreseen
     if done.true_mae is not None:

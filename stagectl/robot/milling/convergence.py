@@ -116,7 +116,7 @@ def contraction(law: PathLaw, doubt: Doubt | None = None) -> Contraction:
     inequality; and G_K G_M is that of the models, none at all, or the other one.
     """
     frequency = np.linspace(0.0, law.highest, LINES)
-    frequency = frequency[law.passed(frequency) >= LEAST]
+    frequency = frequency[law.passed(frequency).max(axis=1) >= LEAST]
     factor = _largest(np.eye(AXES) - law.plant(frequency) @ law.step(frequency))
     return Contraction(frequency, factor, factor if doubt is None else _bound(law, doubt, frequency, np.ones(1))[0])
 
@@ -143,7 +143,7 @@ def cautious(law: PathLaw, doubt: Doubt) -> PathLaw:
         bounds = _bound(shared, doubt, frequency, PARTS)
         best = np.argmin(bounds, axis=0)
         left = bounds[best, np.arange(LINES)][frequency <= law.cutoff].mean()
-        found.append((left, -share, replace(shared, caution=(frequency, PARTS[best]))))
+        found.append((left, -share, replace(shared, caution=(frequency, np.tile(PARTS[best], (AXES, 1)).T))))
     return min(found, key=lambda each: each[:2])[2]
 
 

@@ -83,8 +83,8 @@ class PathLaw:
         Of the regularised inverse.
     share : float, 0 to 1
         Part of G_K G_M that is undone.
-    caution : (array, array), shape (bins,), Hz and 1, or None
-        By what Q is multiplied beside, at frequencies that rise.
+    caution : (array, array), shapes (bins,) and (bins, 3), Hz and 1, or None
+        By what Q is multiplied beside, at frequencies that rise, along each direction.
 
     Source
     ------
@@ -107,19 +107,18 @@ class PathLaw:
     caution: tuple[np.ndarray, np.ndarray] | None = None
 
     def passed(self, frequency: np.ndarray) -> np.ndarray:
-        """Return Q times the gain, real, shape (bins,), 1, at frequencies, shape (bins,), Hz."""
+        """Return Q times the gain, real, shape (bins, 3), 1, at frequencies, shape (bins,), Hz."""
         passed = self.gain * low_pass(frequency, self.cutoff, highest=self.highest)
-        return passed if self.caution is None else passed * np.interp(frequency, *self.caution)
+        return np.asarray(passed[:, None] * self._caution_at(frequency))
 
     def more_cautious(self, frequency: np.ndarray, part: np.ndarray) -> "PathLaw":
-        """Return a law whose Q is multiplied by `part` at most, both of shape (bins,), Hz rising and 1."""
-        before = 1.0 if self.caution is None else np.interp(frequency, *self.caution)
-        return replace(self, caution=(frequency, np.minimum(part, before)))
+        """Return a law whose Q is multiplied by `part` at most, shapes (bins,) and (bins, 3), Hz rising and 1."""
+        return replace(self, caution=(frequency, np.minimum(part, self._caution_at(frequency))))
 
     def step(self, frequency: np.ndarray) -> np.ndarray:
         """Return Q L (I - G_K G_M), complex, shape (bins, 3, 3), 1, at frequencies, shape (bins,), Hz."""
         rows = np.stack([inverse(axis, frequency, self.kind, self.epsilon) for axis in self.axes], axis=-1)
-        found: np.ndarray = (self.passed(frequency)[:, None] * rows)[..., None] * (
+        found: np.ndarray = (self.passed(frequency) * rows)[..., None] * (
             np.eye(AXES) - self.share * self._coupling(frequency)
         )
         return found
@@ -130,6 +129,12 @@ class PathLaw:
             np.eye(AXES) - self._coupling(frequency), robot_response(self.axes, frequency)
         )
         return found
+
+    def _caution_at(self, frequency: np.ndarray) -> np.ndarray:
+        if self.caution is None:
+            return np.ones((len(frequency), AXES))
+        known, parts = self.caution
+        return np.stack([np.interp(frequency, known, each) for each in parts.T], axis=-1)
 
     def _coupling(self, frequency: np.ndarray) -> np.ndarray:
         if self.process is None:

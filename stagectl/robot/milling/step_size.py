@@ -24,8 +24,9 @@ def heeding(
 
     From the last trial but one to the last the tool came by dy, for which the law would have asked for a change of the
     path dn, where it was du.  Of all real factors on the law's correction g = Re <dn, du> / <dn, dn> would have come
-    closest, in the mean square; it is found at each frequency, over all axes, and held between `FLOOR` and 1.  It is
-    small where the cut answers by more than its model, late, or each time otherwise - what is gone does not push back -
+    closest, in the mean square; it is found at each frequency and along each direction, and held between `FLOOR` and 1.
+    It is small where the cut answers by more than its model, late, or each time otherwise - what is gone does not push
+    back - where a joint that turns around sticks or has backlash, which answers by up to twice as much as in motion,
     and where less was moved than trials differ by themselves: by the tracker's noise, and by the blocks' hardness.
 
     Parameters
@@ -44,9 +45,9 @@ def heeding(
     if len(sent) < 2:
         return law
     bold, lines = replace(law, caution=None), rfftfreq(len(sent[0]), 1.0 / law.axes[0].rate)
-    made = bold.passed(lines)[:, None] * rfft(sent[-1] - sent[-2], axis=0)
+    made = bold.passed(lines) * rfft(sent[-1] - sent[-2], axis=0)
     needed = rfft(correction(come[-1] - come[-2], bold, cut), axis=0)
-    cross, own = ((needed.conj() * each).real.sum(axis=1) for each in (made, needed))
+    cross, own = ((needed.conj() * each).real for each in (made, needed))
     frequency = np.linspace(0.0, law.highest, LINES)
     reach = np.maximum(WIDTH * frequency, LEAST)
     first, last = np.searchsorted(lines, [frequency - reach, frequency + reach])
@@ -56,6 +57,6 @@ def heeding(
 
 
 def _sums(power: np.ndarray, first: np.ndarray, last: np.ndarray) -> np.ndarray:
-    """Return the sum from each first line up to, and without, its last."""
-    whole = np.concatenate([[0.0], np.cumsum(power)])
+    """Return the sum of each column from each first line up to, and without, its last."""
+    whole = np.concatenate([np.zeros((1, power.shape[1])), np.cumsum(power, axis=0)])
     return np.asarray(whole[last] - whole[first])

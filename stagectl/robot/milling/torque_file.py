@@ -34,6 +34,25 @@ def torque_arrays(friction: FrictionRange, gravity: Gravity, inertia: np.ndarray
     return {"gravity/moments": gravity.moments, **parts, INERTIA: inertia}
 
 
+def read_gravity(path: Path, arm: Arm) -> Gravity:
+    """Read what the links weigh.
+
+    Parameters
+    ----------
+    path : Path
+    arm : Arm
+        With its tool, as at identification.
+
+    Raises
+    ------
+    ModelFileError : not such a file, damaged, without torques, or of another arm.
+    """
+    moments = read_model_file(path, FORMAT, ["gravity/moments"]).arrays["gravity/moments"]
+    if moments.shape != (arm.joints, 4):
+        raise ModelFileError(f"{path}: gravity/moments has shape {moments.shape}, must be ({arm.joints}, 4)")
+    return Gravity(moments)
+
+
 def read_force_model(path: Path, arm: Arm, settings: ForceEstimation) -> ForceModel:
     """Read gravity, friction ranges and inertia, and make them a model of forces.
 
@@ -54,12 +73,10 @@ def read_force_model(path: Path, arm: Arm, settings: ForceEstimation) -> ForceMo
             f"{path}: has no {INERTIA}, which bounds of forces need: let `calibrate milling` fit it again, from the "
             "recordings beside it"
         )
-    if arrays["gravity/moments"].shape != (arm.joints, 4):
-        raise ModelFileError(f"{path}: gravity/moments has shape {arrays['gravity/moments'].shape}, must be (6, 4)")
+    gravity = read_gravity(path, arm)
     try:
         parts: dict[str, Any] = {name.removeprefix("friction/"): arrays[name] for name in UNITS if "friction" in name}
         friction = FrictionRange(**parts | {"smoothing": float(parts["smoothing"])})
-        gravity = Gravity(arrays["gravity/moments"])
         return ForceModel(arm, gravity, friction, arrays[INERTIA], settings.tie_break, settings.margin)
     except (ValueError, TypeError) as fault:
         raise ModelFileError(f"{path}: {fault}") from None

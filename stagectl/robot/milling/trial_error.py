@@ -7,6 +7,7 @@ import numpy as np
 
 from stagectl.robot.milling.learning import ProcessModel
 from stagectl.robot.milling.measured_cut import MeasuredCut, cutting_gain
+from stagectl.robot.milling.zero_phase import filtered, low_pass
 
 METHODS = {
     1: "the tool as the tracker sees it",
@@ -122,6 +123,18 @@ def measured_cut(
     load = (where - trial.joints - kinematic) @ process.stiffness().T if method == 1 else trial.force
     assert load is not None
     return MeasuredCut(cutting_gain(load, where, rate), process.compliance)
+
+
+def slow(error: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
+    """Return what errors have up to a frequency, without phase, shape (N, 3), m.
+
+    Parameters
+    ----------
+    error : array, shape (N, 3), m
+    cutoff : float, Hz
+    rate : float, samples/s
+    """
+    return filtered(error, rate, lambda frequency: low_pass(frequency, cutoff)[:, None, None] * np.eye(error.shape[1]))
 
 
 def mae(error: np.ndarray) -> np.ndarray:

@@ -151,3 +151,8 @@ def test_a_strip_under_way_counts_in_what_is_chosen_ahead() -> None:
         assert list(caution._under_way(each.leaves())) == [(each.cut, each.standing)]  # noqa: SLF001
         caution.learn(each)
         assert list(caution._under_way(each.leaves())) == []  # noqa: SLF001
+
+
+def test_of_few_lots_the_scales_are_not_known_and_caution_is_greater() -> None:
+    deviations = [Caution(_off(3), lots).deviations for lots in (0, 1, 4, 30)]
+    np.testing.assert_allclose(deviations, [1.645, 2.920, 2.015, 1.696], atol=1e-3)

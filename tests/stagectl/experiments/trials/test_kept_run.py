@@ -23,7 +23,9 @@ from rigkit.experiment.kept import records_of
 from rigkit.run_folder import read_events
 from stagectl.application import PROGRAM
 from stagectl.experiments.trials.done import BESIDE, DoneTrial
+from stagectl.experiments.trials.laws import Learner
 from stagectl.experiments.trials.read_back import TRIALS, read_back
+from stagectl.robot.milling.lost_motion import LostMotion
 from stagectl.robot.milling.milling_models import write_milling
 from tests.stagectl.experiments.trials.short_trial import SMALL
 from tests.stagectl.robot.milling.test_milling_models import models
@@ -173,3 +175,23 @@ def test_the_path_to_play_first_is_that_of_a_run(tmp_path: Path, whole: Path) ->
     assert written == (whole / "logs/free-0/sent.csv").read_text()
     with pytest.raises(ValueError, match="sent.csv is there already, must be another folder"):
         _run(*words)
+
+
+@pytest.mark.parametrize("other", ["--path", "--from"])
+def test_only_a_run_carries_lost_motion(tmp_path: Path, other: str) -> None:
+    words = (other, str(tmp_path), "--joints", str(tmp_path / "joints.h5"), "--task", "pocket", *SETTINGS)
+    write_milling(tmp_path / "models.h5", models(), {})
+    with pytest.raises(ValueError, match=f"--joints and {other} are given, must be one of them"):
+        _run("ilc", "--model", str(tmp_path / "models.h5"), *words)
+
+
+def test_lost_motion_that_the_tracker_denies_is_taken_out_of_the_next_path(whole: Path) -> None:
+    free, notes = _trials(whole)[0], list[str]()
+    learner = Learner(free.trial.cell, models(), note=notes.append, lost=LostMotion(np.array([3e-3, 0, 0, 0, 0, 0])))
+    carried = learner.carried(free.trial)
+    assert 5e-4 < np.abs(carried).max() < 3e-3
+    sent = replace(free.trial, sent=free.trial.path.wanted + carried)
+    step = learner.next_path([replace(free, trial=sent)], None)
+    left = step.sent - learner.judged(free, step).sent
+    assert notes[0].startswith("free-0: the tracker saw the tool off the motors by")
+    assert 0.0 < np.abs(left).mean() < 0.2 * np.abs(carried).mean()  # what is slow was learned away

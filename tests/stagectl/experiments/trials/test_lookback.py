@@ -16,7 +16,7 @@ class Tried:
     norm: float
 
     @property
-    def mae(self) -> np.ndarray:
+    def slow_mae(self) -> np.ndarray:
         return np.array([self.norm, 0.0, 0.0])
 
 

@@ -1,0 +1,36 @@
+"""What a method asks for next: less of its first step in material where the air has shown that the arm answers more."""
+
+import numpy as np
+import pytest
+
+from stagectl.experiments.trials.methods import ByModels, Milled
+from stagectl.robot.milling.learning import PathLaw, predicted
+from stagectl.robot.milling.trial_error import slow
+from tests.stagectl.robot.milling.trial_models import RATE, axis, square
+
+LAW = PathLaw((axis(2), axis(2), axis(2)))
+WANTED = square()
+AT = np.arange(len(WANTED)) / RATE
+
+
+def wave(frequency: float) -> np.ndarray:
+    """Return 0.1 mm along y."""
+    return np.asarray(1e-4 * np.sin(2 * np.pi * frequency * AT)[:, None] * [0.0, 1.0, 0.0])
+
+
+def asked(*answers: float) -> float:
+    """Return how far the first step in material goes, after trials in the air that answered so to the step there."""
+    sent, come = [WANTED, WANTED + wave(2.0)], [np.zeros_like(WANTED)]
+    come += [predicted(come[0], answer * (sent[1] - sent[0]), LAW) for answer in answers]
+    milled = Milled(WANTED, [WANTED], [WANTED - wave(2.0)], [None], (sent[: len(come)], come))
+    return float(np.abs(ByModels().next(LAW, milled) - WANTED)[:, 1].max())
+
+
+def test_the_first_step_in_material_is_half_where_the_air_was_answered_twofold() -> None:
+    assert asked(2.0) == pytest.approx(0.5 * asked(), rel=0.1)
+    assert asked(1.0) == pytest.approx(asked(), rel=0.1)
+
+
+def test_slow_errors_are_those_up_to_the_cutoff_without_phase() -> None:
+    inside = slice(len(AT) // 10, -len(AT) // 10)  # at its ends a trial goes on as its mirror image
+    np.testing.assert_allclose(slow(wave(2.0) + wave(60.0), 10.0, RATE)[inside], wave(2.0)[inside], atol=1e-6)
