@@ -23,14 +23,14 @@ KEPT = DOCS / "populations"
 PAGE = DOCS / "populations.md"
 PLACES = {
     "ablation": "validation/learning.md",
-    "around": "calibration.md",
+    "around": "validation/vibrator-studies.md",
     "feed-force": "force-control.md",
     "learning": "validation/learning.md",
-    "prediction": "predict.md",
-    "quiet": "calibration.md",
-    "soft-start": "learning.md",
-    "warm-start": "library.md",
-    "watch": "watch.md",
+    "prediction": "validation/vibrator-studies.md",
+    "quiet": "validation/vibrator-studies.md",
+    "soft-start": "validation/vibrator-studies.md",
+    "warm-start": "validation/vibrator-studies.md",
+    "watch": "validation/vibrator-studies.md",
 }
 """The page of each study that is not of drawn machines; between marks of the study's name."""
 NEAR = 3

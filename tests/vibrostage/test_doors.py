@@ -42,6 +42,13 @@ def test_the_code_of_the_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
     assert all(f"`vibrostage.{door}`" in PAGE for door in DOORS)
 
 
+def test_the_readme_names_every_door_and_no_other() -> None:
+    table = (
+        (ROOT / "README.md").read_text(encoding="utf-8").partition("`from vibrostage import`")[2].partition("\n\n")[0]
+    )
+    assert sorted(re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)) == sorted(DOORS)
+
+
 def test_the_code_of_the_notebook_s_tutorial_runs(capsys: pytest.CaptureFixture[str]) -> None:
     parts = re.findall(r"```python\n(.*?)```", NOTEBOOK, re.DOTALL)
     assert len(parts) == 5
