@@ -24,7 +24,7 @@ from stagectl.robot.feed_config import ForceFeed
 from stagectl.robot.milling.feed_record import CONTROLLING
 
 PLANT = "firmware_sim.feed_blocks:FedTool"
-SEEDS, PIECES = range(1, 6), range(1, 21)
+SEEDS, PIECES = range(1, 6), range(1, 11)
 """Of fig. 7.5, and pieces of wood: as many of them as of `SEEDS` have a line."""
 KAPPAS = (0.1, 0.2, 0.4, 0.7, 1.0, 2.0, 4.0)
 """mm/(N s)."""

@@ -82,9 +82,11 @@ def test_the_force_before_control_is_large_with_the_thesis_start_and_not_with_th
 
 
 def test_where_control_never_begins_the_force_tends_to_42_n(model: InnovationModel) -> None:
-    """15 mm/s sqrt(1 + 0.5^2) / 0.4 mm/(N s) = 41.9 N."""
+    """15 mm/s sqrt(1 + 0.5^2) / 0.4 mm/(N s) = 41.9 N, without the brake."""
     options = {"kappa_swing": 0.0, "kappa_step": 0.0, "beta_swing": 0.0, "beta_step": 0.0}
-    never = ForceFeed(start="constant", activation=1.0001, kappa_drift=1e-9, beta_drift=1e-9, hesitation=60.0)
+    never = ForceFeed(
+        start="constant", activation=1.0001, kappa_drift=1e-9, beta_drift=1e-9, hesitation=60.0, brake=100.0
+    )
     record = run_process(never, model, simulated(PLANT, options), 1.0)
     assert of(record, "phase").max() < PHASES.index("controlling")
     assert np.hypot(of(record, "true_force_1"), of(record, "true_force_2"))[-1] == pytest.approx(41.9, rel=0.01)
