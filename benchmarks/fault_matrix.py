@@ -7,17 +7,21 @@ minutes.
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from ctlblocks import Graph
 from rigkit import config as rig_file
+from rigkit.experiment.part import nothing
+from rigkit.experiment.runner import Conduct, remembered
 from rigkit.faults import KINDS, FaultTable
 from rigkit.run_folder import read_events, read_quality
 from stagectl.config import StageConfig
 from stagectl.daemon.stage.spoiled import sensor_names, spoiled
-from stagectl.experiments.piezo.cell import Cell, Seen, kept_in, memory, simulated
+from stagectl.experiments.piezo.cell import RECORDING, Cell, Seen, simulated
 from stagectl.experiments.piezo.reference import wanted_position
 from stagectl.experiments.piezo.setup import Setup, setup
 from tests.stagectl.daemon.bench import CHOSEN
@@ -73,16 +77,16 @@ def _spoiled(config: StageConfig, made: Setup, kind: str, sensor: str) -> Sequen
     table, times = FaultTable(sensor_names(config)), made.timeline
     middle = times.begin + round(SECONDS / 2 * times.rate)
 
-    def inject(done: int) -> None:
-        if sensor and done == middle:
-            table.inject(sensor, kind)
-
-    record, wanted = memory(made, times.total), wanted_position(config, times)
-    cell = Cell(made, wanted, _as_it_is(config, table), False, {"record": record})
-    cell.run(inject, lambda: False)
+    wanted = wanted_position(config, times)
+    cell = Cell(made, wanted, _as_it_is(config, table), False, {})
+    part, inject = cell.part(), partial(table.inject, sensor, kind) if sensor else nothing
+    rise, follow, rest = part.phases
+    until = middle - times.start
+    halves = replace(follow, ticks=until, end=inject), replace(follow, ticks=follow.ticks - until)
+    records, _ = remembered(replace(part, phases=(rise, *halves, rest)), Conduct())
     found = cell.stage.sensors.fault
     end = times.end if found is None else found.sample
-    kept, axes = kept_in(record, made, {}), config.stage.axes
+    kept, axes = records[RECORDING], config.stage.axes
     voltage, position = (kept.select([f"{name}_{axis}" for axis in axes]).data for name in ("voltage", "position"))
     said = "" if found is None else str(found).partition(" at sample")[0]
     after = float("nan") if found is None else (end - middle) * 1e3 / times.rate

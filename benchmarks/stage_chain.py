@@ -25,11 +25,12 @@ from firmware_sim.plants.milling_disturbance import MillingDisturbance
 from firmware_sim.plants.piezo_stage import PiezoStagePlant
 from firmware_sim.plants.piezo_stage_modes import MAIN_BAND
 from rigkit import config as rig_file
+from rigkit.experiment.runner import Conduct, remembered
 from stagectl.config import ChosenWeights, StageConfig
-from stagectl.experiments.piezo.cell import Cell, kept_in, memory, simulated
-from stagectl.experiments.piezo.reference import wanted_position
+from stagectl.experiments.piezo.cell import RECORDING
+from stagectl.experiments.piezo.experiment import StageRun
+from stagectl.experiments.piezo.figures import error_of
 from stagectl.experiments.piezo.scenario import scenario_settings
-from stagectl.experiments.piezo.session import error_of
 from stagectl.experiments.piezo.setup import Setup, setup
 from stagectl.models.model_file import write_model
 from stagectl.tracking import Tracking, tracking
@@ -125,13 +126,11 @@ def cut(axis: int, seed: int, files: Sequence[Path]) -> Cut:
 
 def simulated_run(made: Setup) -> Recording:
     """Run a simulated stage to its end, its deflection compensated where the rig file says so; return all signals."""
-    wanted = wanted_position(made.config, made.timeline)
-    record = memory(made, len(wanted.data))
-    cell = Cell(made, wanted, simulated(made.config), made.config.deflection.on, {"record": record})
-    fault = cell.run(lambda _: None, lambda: False)
-    if fault is not None:
-        raise ValueError(f"{made.config.simulator.options}: {fault}")
-    return kept_in(record, made, {})
+    *_, part = StageRun(made).parts()
+    records, ended = remembered(part, Conduct())
+    if ended.reason:
+        raise ValueError(f"{made.config.simulator.options}: {ended.reason}")
+    return records[RECORDING]
 
 
 def rows_of(seed: int) -> Iterator[tuple[list[str], bool]]:

@@ -26,8 +26,8 @@ from firmware_sim.plants.milling_disturbance import MillingDisturbance
 from firmware_sim.plants.piezo_stage import PiezoStagePlant
 from rigkit import config as rig_file
 from stagectl.config import StageConfig
+from stagectl.experiments.piezo.figures import error_of
 from stagectl.experiments.piezo.scenario import MILLING
-from stagectl.experiments.piezo.session import error_of
 from stagectl.experiments.piezo.setup import Setup, setup
 from stagectl.stage.design import Design
 from stagectl.stage.design_refinement import designed

@@ -109,8 +109,8 @@ class CommandLine:
             return run(folder, kind, experiment, conduct, self.png)
 
     def end(self, reasons: Mapping[str, str]) -> None:
-        """Say where the report is; raise `Stopped` where the run was."""
-        if self.out is not None:
+        """Say where the report is, if there is one; raise `Stopped` where the run was."""
+        if self.out is not None and (self.out / PAGE).exists():
             print(f"report: {self.out / PAGE}", file=words(self.json))  # noqa: T201
         if STOPPED in reasons.values():
             kept = "" if self.out is None else f"; what is recorded is in {self.out}/"

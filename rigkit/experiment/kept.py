@@ -101,10 +101,10 @@ def run(
         reasons = perform(folder, experiment.parts(folder.event, conduct.stopped), experiment.about, conduct)
     except Exception:
         with suppress(Exception):  # what has ended the run is what is told
-            _written(folder.path, kind, png)
+            _written(folder.path, kind, png, is_reported=kind.reports_early)
         raise
     with _judging(reasons, f"; what is recorded is in {folder.path}/"):
-        return reasons, _written(folder.path, kind, png)
+        return reasons, _written(folder.path, kind, png, is_reported=not reasons or kind.reports_early)
 
 
 def in_memory(experiment: Experiment, conduct: Conduct) -> tuple[dict[str, str], dict[str, Any]]:
@@ -155,7 +155,7 @@ def reported(path: Path, kind: Kind, png: Path | None = None) -> dict[str, Any]:
     ValueError : nothing that could be judged is recorded.
     """
     make_whole(path)
-    return _written(path, kind, png)
+    return _written(path, kind, png, is_reported=True)
 
 
 def told(path: Path, kind: str) -> dict[str, dict[str, Any]]:
@@ -200,13 +200,14 @@ def ended_early(part: str, reason: str) -> str:
     return f"{part}: {reason}" if part else reason
 
 
-def _written(path: Path, kind: Kind, png: Path | None) -> dict[str, Any]:
-    """Write summary and report of what is in a run's folder; return its figures."""
+def _written(path: Path, kind: Kind, png: Path | None, *, is_reported: bool) -> dict[str, Any]:
+    """Write summary, and report where that is wanted, of what is in a run's folder; return its figures."""
     records = records_of(path)
     experiment = kind.read(path, records, ())
     figures = {**experiment.figures(records), **_early(path), **_gaps(path)}
     atomic.write(path / SUMMARY, f"{json_text(figures, indent=2)}\n")
-    experiment.report(path, records, figures, png)
+    if is_reported:
+        experiment.report(path, records, figures, png)
     return figures
 
 
@@ -232,4 +233,4 @@ def track_of(file: Path) -> str:
 def _goes_on(file: Path) -> bool:
     """Whether a recording follows a gap in another: its name ends in a dash and four digits."""
     stem, dash, number = file.stem.rpartition("-")
-    return bool(dash) and len(number) == 4 and number.isdecimal() and file.with_name(f"{stem}.wav").exists()
+    return bool(dash) and len(number) == 4 and number.isdecimal() and file.with_stem(stem).exists()

@@ -78,6 +78,10 @@ class Kind:
         Keys of the rig file whose files it does not depend on.
     what_if : bool
         Whether a replay may lay settings over the rig file: what would have been made of the same sensors.
+    reports_early : bool
+        Whether a run that has ended before its end is reported at once; else whoever wants that asks for it.
+    stands_in : str
+        The track in whose place a log may stand, where a run has several.
     is_older : callable(Path) -> bool
         Whether a folder that does not say its kind, as those of version 0.1.0, is a run of this one.
     """
@@ -86,6 +90,8 @@ class Kind:
     read: Callable[[Path, Records, Sequence[str]], Experiment]
     apart: tuple[str, ...] = ()
     what_if: bool = True
+    reports_early: bool = True
+    stands_in: str = ""
     is_older: Callable[[Path], bool] = lambda _: False
 
 

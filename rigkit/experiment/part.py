@@ -15,6 +15,10 @@ def nothing() -> None:
     """Do nothing."""
 
 
+def unheld(on: bool) -> None:
+    """Hold nothing."""
+
+
 @dataclass(frozen=True)
 class Track:
     """What is recorded together, at one rate.
@@ -125,6 +129,10 @@ class Part:
         What is to be known of it beside its recordings: provenance of theirs.
     progress : callable() -> float, optional
         How far it is, in the unit in which its experiment tells its length; that is s without.
+    hold : callable(bool)
+        Told, as often as it is asked whether to stop, whether what is led is to be held.
+    late : callable() -> int
+        Ticks by which its phases have become longer so far, since what is led was held.
     """
 
     name: str
@@ -138,6 +146,8 @@ class Part:
     rest: Callable[[], object] = nothing
     about: Mapping[str, str] = field(default_factory=dict)
     progress: Callable[[], float] | None = None
+    hold: Callable[[bool], object] = unheld
+    late: Callable[[], int] = int
 
     @property
     def ticks(self) -> int:

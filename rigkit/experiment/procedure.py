@@ -1,6 +1,6 @@
 """The daemon's side of an experiment: a procedure that runs it, says what it does, and draws the last seconds."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -9,6 +9,7 @@ import numpy as np
 
 from rigkit.experiment.kept import ended_early, run
 from rigkit.experiment.kind import Experiment, Kind
+from rigkit.experiment.part import nothing
 from rigkit.experiment.runner import STOPPED, Conduct
 from rigkit.experiment.strips import PERIOD, strip
 from rigkit.experiment.watch import WINDOW, Watch
@@ -19,7 +20,7 @@ from rigkit.service.show import Axis, Gauge, Panel
 from rigkit.stop import Stopped
 
 _OWN = ("started", "held", "ended")
-"""Events of the run's folder that the desk hears of in other words."""
+"""Events of a part, in the run's folder, that the desk hears of in other words."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,8 @@ class ExperimentProcedure:
     desk : Desk
     is_paced : bool
         Whether what is simulated keeps to the clock on the wall.
+    halt : callable()
+        Called at a STOP, from any thread: does at once what needs no look.
     finishes : bool
         Whether an abort lets a part that is under way come to its end.
     """
@@ -94,10 +97,11 @@ class ExperimentProcedure:
         desk: Desk,
         *,
         is_paced: bool,
+        halt: Callable[[], object] = nothing,
         finishes: bool = False,
     ) -> None:
         self._kind, self._title, self._experiment = kind, title, experiment
-        self._view, self._desk, self._finishes = view, desk, finishes
+        self._view, self._desk, self._halt, self._finishes = view, desk, halt, finishes
         self._watch, self._is_stopped, self._part = Watch(view.sources, is_paced), False, ""
         desk.progress(0.0, experiment.seconds, "getting ready")
         self._folder = folder
@@ -106,6 +110,7 @@ class ExperimentProcedure:
     def stop(self) -> None:
         """End it at its next look: from any thread."""
         self._is_stopped = True
+        self._halt()
 
     def gauges(self) -> list[Gauge]:
         """Return what is measured now."""
@@ -121,7 +126,9 @@ class ExperimentProcedure:
         """
         desk, watch = self._desk, self._watch
         stopped = self._stopped if self._finishes else self._ending
-        conduct = Conduct(stopped, watch, watch.look, self._show, self._between, self._after, goes_on=False)
+        conduct = Conduct(
+            stopped, watch, watch.look, self._show, self._between, self._after, goes_on=False, held=desk.held
+        )
         with self._folder as folder:
             desk.recording(True)
             try:
@@ -163,7 +170,7 @@ class ExperimentProcedure:
             self._desk.show(name, panel)
 
     def _heard(self, event: str, fields: Mapping[str, Any]) -> None:
-        if event not in _OWN:
+        if event not in _OWN or "part" not in fields:
             self._desk.event(event, fields)
 
     def _draw(self) -> None:

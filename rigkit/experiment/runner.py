@@ -50,6 +50,8 @@ class Conduct:
         and once it has ended.
     goes_on : bool
         Whether parts that stand apart are run though a fault has ended one before.
+    held : callable() -> bool
+        Whether what a part leads is to be held, where it can be.
     """
 
     stopped: Callable[[], bool] = never
@@ -59,6 +61,7 @@ class Conduct:
     between: Callable[[str], object] = at_once
     after: Callable[[str], object] = at_once
     goes_on: bool = True
+    held: Callable[[], bool] = never
 
 
 @dataclass(frozen=True)
@@ -135,13 +138,15 @@ def _played(part: Part, conduct: Conduct, beside: Attendance, done: float) -> En
 
     def over() -> bool:
         see()
-        return bool(part.fault()) or conduct.stopped()
+        ends = bool(part.fault()) or conduct.stopped()
+        part.hold(conduct.held() and not ends)
+        return ends
 
     for phase in part.phases:
         if over():
             break
         phase.begin()
-        if not _through(phase, phase.ticks, clock, graph, over):
+        if not _through(phase, phase.ticks, clock, graph, over, part.late):
             break
         phase.end()
     else:
@@ -152,19 +157,28 @@ def _played(part: Part, conduct: Conduct, beside: Attendance, done: float) -> En
     held_at = graph.ticks
     beside.held(held_at)
     retreat.begin(STOPPED)
-    _through(retreat, min(retreat.ticks, part.ticks - held_at), clock, graph, see)
+    _through(retreat, min(retreat.ticks, part.ticks + part.late() - held_at), clock, graph, see, int)
     see()
     return Ended(retreat.fault() or STOPPED, held_at)
 
 
-def _through(stretch: Phase | Retreat, ticks: int, clock: Clock, graph: Graph, over: Callable[[], bool]) -> bool:
-    """Run to the end of a stretch of ticks, or until it says that it is over; return False where `over` was before."""
-    every, left = stretch.every or ticks, ticks
-    while left > 0:
+def _through(
+    stretch: Phase | Retreat,
+    ticks: int,
+    clock: Clock,
+    graph: Graph,
+    over: Callable[[], bool],
+    late: Callable[[], int],
+) -> bool:
+    """Run to the end of a stretch of ticks, or until it says that it is over; return False where `over` was before.
+
+    It is as many ticks longer as `late` has grown meanwhile.
+    """
+    every, end = stretch.every or ticks, graph.ticks - late() + ticks
+    while (left := end + late() - graph.ticks) > 0:
         some = min(every, left)
         if clock.run(graph, some, over) < some:
             return False
-        left -= some
         if stretch.every and stretch.look():
             break
     return True

@@ -7,7 +7,7 @@ from rigkit import run_origin
 from rigkit.origin import RUN, read_origin
 from rigkit.run_folder import CONFIG
 from stagectl.config import StageConfig
-from stagectl.experiments.piezo import session
+from stagectl.experiments.piezo.experiment import STAGE_RUN
 from stagectl.robot.config import CellConfig
 
 
@@ -15,5 +15,5 @@ def say_changed(path: Path) -> None:
     """Say it, on the standard error; where that cannot be told, the reader of the run will say so."""
     origin = read_origin(path / RUN)
     if origin is not None and (path / CONFIG).is_file():
-        model = StageConfig if origin.kind == session.KIND else CellConfig
+        model = StageConfig if origin.kind == STAGE_RUN.name else CellConfig
         run_origin.say_changed(path, rig_file.load(path / CONFIG, model, as_written=True))

@@ -57,8 +57,7 @@ def asked(config: StageConfig, options: FollowOptions | HoldOptions) -> StageCon
 
     Raises
     ------
-    ValueError, OSError : a position is beyond the travel, a file is not in the data folder, or a live run is to
-        compensate, which the simulated one alone does.
+    ValueError, OSError : a position is beyond the travel, or a file is not in the data folder.
     """
     reference, deflection = config.reference, config.deflection
     if isinstance(options, HoldOptions):
@@ -70,11 +69,6 @@ def asked(config: StageConfig, options: FollowOptions | HoldOptions) -> StageCon
             file = data_file(config.daemon.data, "reference", options.reference, ["hold"])
             reference = reference.model_copy(update={"signal": str(file)})
         deflection = deflection.model_copy(update={"on": deflection.on or options.deflection})
-        if deflection.on and config.session.live:
-            raise ValueError(
-                "deflection is true, must be false where session.live is: the daemon does not compensate a live stage "
-                "yet, `stagectl run --live` does"
-            )
     seconds = options.seconds or config.session.seconds
     session = config.session.model_copy(update={"seconds": seconds, "compare": False})
     return config.model_copy(update={"reference": reference, "deflection": deflection, "session": session})

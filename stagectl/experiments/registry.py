@@ -8,8 +8,14 @@ _HELD = (
 _AT_ONCE = "It ends at once; what is recorded is kept. Live, the robot is held and the stage goes to mid-travel."
 
 STAGE = (
-    Registration("run", "the piezo stage", "stage.md", "stagectl.experiments.piezo.command:run_command"),
-)  # fmt: skip
+    Registration(
+        "run",
+        "the piezo stage",
+        "stage.md",
+        "stagectl.experiments.piezo.command:run_command",
+        "stagectl.experiments.piezo.experiment:STAGE_RUN",
+    ),
+)
 """Of the stage alone."""
 CELL = (
     Registration(

@@ -13,10 +13,9 @@ import pytest
 from ctlblocks import Block
 from rigkit import config as rig_file
 from rigkit.config import ConfigError
-from rigkit.experiment.runner import never
+from rigkit.experiment.runner import Conduct, remembered
 from stagectl.config import StageConfig
-from stagectl.experiments.piezo.cell import Cell, memory, simulated
-from stagectl.experiments.piezo.reference import wanted_position
+from stagectl.experiments.piezo.experiment import StageRun
 from stagectl.experiments.piezo.setup import setup
 from stagectl.robot.config import CellConfig
 from stagectl.robot.conversation import PortState
@@ -72,11 +71,9 @@ def test_it_does_what_every_block_does(plant: type[Block]) -> None:
 @pytest.mark.usefixtures("plant")
 def test_a_stage_is_run_on_it(tmp_path: Path) -> None:
     quick = ["simulator.plant=own_plant:LaggingStage", "session.lead=0.5", "session.seconds=0.2", "outer.mistuning=0.0"]
-    made = setup(rig_file.load(None, StageConfig, quick), write_models(tmp_path))
-    wanted, kept = wanted_position(made.config, made.timeline), memory(made, made.timeline.total)
-    cell = Cell(made, wanted, simulated(made.config), False, {"record": kept})
-    cell.run(lambda _: None, never)
-    position = kept.recording().select(["position_1", "position_2", "position_3"]).data
+    (part,) = StageRun(setup(rig_file.load(None, StageConfig, quick), write_models(tmp_path))).parts()
+    records, _ = remembered(part, Conduct())
+    position = records["recording"].select(["position_x", "position_y", "position_z"]).data
     assert position.std(axis=0).min() > 1e-5  # m: the voltages have risen to rest, and it has followed them
 
 

@@ -15,16 +15,15 @@ import pytest
 from rigkit import config as rig_file
 from rigkit.growing_wav import GROWING
 from rigkit.run_folder import read_events
+from rigkit.stream_recorder import StreamRecorder
 from stagectl.__main__ import main
 from stagectl.config import StageConfig
-from stagectl.experiments.piezo import live, session, streamed
-from stagectl.experiments.piezo.live import run_live
-from stagectl.experiments.piezo.replay import replay
-from stagectl.experiments.piezo.report import run_report
+from stagectl.experiments.piezo.cell import RECORDING
 from stagectl.experiments.piezo.run_setup import setup_of
 from stagectl.link.stage_link import StageLink
 from tests.contract.source_tree import ROOT
 from tests.stagectl.experiments.piezo.simulated_models import write_models
+from tests.stagectl.experiments.piezo.stage_runs import carried_out, recording_of, replay
 from tests.until import EVER
 
 PATIENT = "link.silence=10"
@@ -39,33 +38,30 @@ def test_a_live_run_uploads_its_loops_follows_and_can_be_reported_but_not_replay
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     order: list[str] = []
-    stop, keep = StageLink.stop, live._keep  # noqa: SLF001 (which comes first is what counts)
+    stop, close = StageLink.stop, StreamRecorder.close
     monkeypatch.setattr(StageLink, "stop", lambda link: (order.append("stop"), stop(link)))
-    monkeypatch.setattr(live, "_keep", lambda *made: (order.append("keep"), keep(*made)))
-    wire, models = tmp_path / "wire", write_models(tmp_path)
+    monkeypatch.setattr(StreamRecorder, "close", lambda made: (order.append("keep"), close(made)))
+    wire, path, models = tmp_path / "wire", tmp_path / "run", write_models(tmp_path)
     settings = ["session.live=true", "session.seconds=0.5", "session.recording=wav", "outer.mistuning=0.0", PATIENT]
     config = rig_file.load(None, StageConfig, [*settings, f"link.channel={wire}/can", "link.patience=20"])
     with subprocess.Popen([*COMMAND, str(wire)], cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == f"CAN adapter: {wire}/can\n"
         try:
-            folder, made = session.create(tmp_path / "run", config, models)
-            with folder:
-                figures = run_live(folder, made, lambda: False)
+            reasons, figures = carried_out(path, config, models)
         finally:
             process.send_signal(signal.SIGINT)
             assert process.wait(EVER) == 0
-    assert figures["seconds"] == 0.5
+    assert (reasons, figures["seconds"]) == ({}, 0.5)
     assert "tool_error" not in figures
     assert order == ["stop", "keep"]  # else the stage waits for references while the recording is written
-    assert {"started", "uploaded", "recorded"} <= {event["event"] for event in read_events(folder.path)}
-    record = session.read_recording(folder.path, streamed.RECORDING)
-    assert record is not None
-    position = record.select([f"position_{axis}" for axis in "xyz"]).data[made.timeline.proper]
+    assert {"started", "uploaded", "ended"} <= {event["event"] for event in read_events(path)}
+    record = recording_of(path)
+    position = record.select([f"position_{axis}" for axis in "xyz"]).data[setup_of(path).timeline.proper]
     np.testing.assert_allclose(position[-1_000:].mean(axis=0), 225e-6, atol=0.5e-6)
-    run_report(folder.path)
+    assert (path / "report.html").is_file()
     with pytest.raises(ValueError, match="nothing to replay here"):
-        list(replay(folder.path, setup_of(folder.path)))
+        replay(path)
 
 
 @pytest.mark.slow
@@ -83,7 +79,7 @@ def test_a_live_run_that_is_killed_can_be_reported(tmp_path: Path, monkeypatch: 
         assert bench.stdout.readline() == f"CAN adapter: {wire}/can\n"
         try:
             with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.DEVNULL) as process:
-                growing = run / f"{streamed.RECORDING}{GROWING}"
+                growing = run / f"{RECORDING}{GROWING}"
                 while process.poll() is None and (not growing.exists() or growing.stat().st_size < SOME):
                     Event().wait(0.02)
                 process.kill()
@@ -93,8 +89,7 @@ def test_a_live_run_that_is_killed_can_be_reported(tmp_path: Path, monkeypatch: 
             assert bench.wait(EVER) == 0
     monkeypatch.setattr("sys.argv", ["stagectl", "report", str(run)])
     assert main() == 0
-    record = session.read_recording(run, streamed.RECORDING)
-    assert record is not None
+    record = recording_of(run)
     assert size - 4_000 < record.data.nbytes <= size
     np.testing.assert_allclose(record.data[-1_000:, 3:6].mean(axis=0), 225e-6, atol=2e-6)
     assert not growing.exists()

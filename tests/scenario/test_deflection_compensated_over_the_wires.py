@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 
 from rigkit import config as rig_file
-from rigkit.run_folder import read_events
+from rigkit.experiment.kept import reported, told
 from stagectl.config import StageConfig
-from stagectl.experiments.piezo import session, streamed
-from stagectl.experiments.piezo.live import run_live
-from stagectl.experiments.piezo.report import run_report
+from stagectl.experiments.piezo.experiment import STAGE_RUN
+from stagectl.experiments.piezo.run_setup import setup_of
 from stagectl.experiments.piezo.scenario import scenario_settings
 from tests.contract.source_tree import ROOT
 from tests.stagectl.experiments.piezo.simulated_models import write_models
+from tests.stagectl.experiments.piezo.stage_runs import carried_out, recording_of
 from tests.until import EVER
 
 PATIENT = "link.silence=10"
@@ -29,7 +29,7 @@ SECONDS = "session.seconds=5"
 
 @pytest.mark.slow
 def test_a_cut_is_compensated_by_the_stage_and_compared_over_the_wires(tmp_path: Path) -> None:
-    wire, models = tmp_path / "wire", write_models(tmp_path)
+    wire, path, models = tmp_path / "wire", tmp_path / "run", write_models(tmp_path)
     settings = ["session.live=true", SECONDS, "session.recording=wav", PATIENT, "link.patience=20"]
     config = rig_file.load(None, StageConfig, [*settings, f"link.channel={wire}/can"])
     cut = scenario_settings("milling-y", config.session)
@@ -40,9 +40,7 @@ def test_a_cut_is_compensated_by_the_stage_and_compared_over_the_wires(tmp_path:
         assert process.stdout is not None
         assert process.stdout.readline() == f"CAN adapter: {wire}/can\n"
         try:
-            folder, made = session.create(tmp_path / "run", config, models)
-            with folder:
-                figures = run_live(folder, made, lambda: False)
+            reasons, figures = carried_out(path, config, models)
         finally:
             process.send_signal(signal.SIGINT)
             assert process.wait(EVER) == 0
@@ -50,11 +48,11 @@ def test_a_cut_is_compensated_by_the_stage_and_compared_over_the_wires(tmp_path:
     assert max(each["mae"] for each in figures["tool_error"].values()) < 2e-6
     assert "position_error" not in figures  # the host does not know what the stage follows
     assert "y" in figures["prefilter"]
-    record = session.read_recording(folder.path, streamed.RECORDING)
-    assert record is not None
-    seen = record.select([f"absolute_{axis}" for axis in "xyz"]).data[made.timeline.proper]
+    record = recording_of(path)
+    seen = record.select([f"absolute_{axis}" for axis in "xyz"]).data[setup_of(path).timeline.proper]
     np.testing.assert_allclose(seen.mean(axis=0), [225e-6, 375e-6, 225e-6], atol=1e-6)
-    (_, lasers) = (event for event in read_events(folder.path) if event["event"] == "lasers")
+    lasers = told(path, "ended")[""]["lasers"]
+    assert reasons == {}
     assert lasers["axis"] == 0
     assert 0 < lasers["age"] <= 1.6e-3
-    assert run_report(folder.path)["improvement"]["y"] > 50
+    assert reported(path, STAGE_RUN)["improvement"]["y"] > 50

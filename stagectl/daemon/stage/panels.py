@@ -1,17 +1,16 @@
 """What the page draws of a run, twice a second: how the error is distributed, and its spectrum."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from scipy.signal import welch
 
-from rigkit.service.rig import Desk
-from rigkit.service.show import Axis, Curves, Trace
-from stagectl.daemon.stage.monitor import WINDOW, Monitor
+from rigkit.service.show import Axis, Curves, Panel, Trace
+from stagectl.daemon.stage.monitor import WINDOW
 from stagectl.experiments.piezo.setup import Setup
 from stagectl.experiments.piezo.spectrum_plots import HIGHEST
 from stagectl.tracking import tracking
 
-PERIOD = 0.5
-"""s from one drawing to the next."""
 SEGMENT = 2_048
 """Samples of a segment of a spectrum: lines 5 Hz apart."""
 BINS = 40
@@ -20,32 +19,19 @@ _STEP = 1e-12
 """m: errors that differ by less are the same."""
 
 
-class Panels:
-    """Draws a run on a desk, and tells its progress.
+def panels(error: np.ndarray, made: Setup) -> Iterator[tuple[str, Panel]]:
+    """Draw the errors of the last second, by name.
 
     Parameters
     ----------
-    desk : Desk
+    error : array, shape (samples, axes), m
     made : Setup
-    monitor : Monitor
     """
-
-    def __init__(self, desk: Desk, made: Setup, monitor: Monitor) -> None:
-        self._desk, self._made, self._monitor = desk, made, monitor
-
-    def draw(self) -> None:
-        """Draw the last second, and tell how far it has come."""
-        times, seen = self._made.timeline, self._monitor.seen - self._monitor.held
-        self._desk.progress(min(seen, times.total) / times.rate, times.total / times.rate, self._stands(seen))
-        error, axes = self._monitor.error(), self._made.config.stage.axes
-        if len(error):
-            self._desk.show("histogram", histogram(error, axes))
-        if len(error) >= SEGMENT:
-            self._desk.show("spectrum", spectrum(error, axes, times.rate))
-
-    def _stands(self, seen: int) -> str:
-        proper = self._made.timeline.proper
-        return "starting" if seen < proper.start else "following" if seen < proper.stop else "going to mid-travel"
+    axes = made.config.stage.axes
+    if len(error):
+        yield "histogram", histogram(error, axes)
+    if len(error) >= SEGMENT:
+        yield "spectrum", spectrum(error, axes, made.timeline.rate)
 
 
 def histogram(error: np.ndarray, axes: tuple[str, ...]) -> Curves:

@@ -1,6 +1,7 @@
 """What arming makes ready: the link to a live stage; and the models and loops, once they are wanted."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -77,6 +78,13 @@ class Ready:
     def take(self, config: StageConfig) -> None:
         """Take over the settings that a calibration has chosen: models and loops are made anew."""
         self.config, self._made = config, None
+
+    @contextmanager
+    def lent(self, tell: Tell) -> Iterator[StageLink]:
+        """Give the link to a run, which is told of what happens on it; it stays open."""
+        assert self.link is not None  # a live stage has it while it is armed
+        self.tell = tell
+        yield self.link
 
     def close(self) -> None:
         """Give up the link."""

@@ -17,7 +17,7 @@ from rigkit.service.show import Gauge
 from stagectl.config import StageConfig
 from stagectl.daemon.gauges import linked, motion
 from stagectl.daemon.options import CalibrationOptions, FollowOptions, HoldOptions, asked
-from stagectl.daemon.stage.following import Following
+from stagectl.daemon.stage.following import following
 from stagectl.daemon.stage.ready import Ready
 from stagectl.daemon.stage.spoiled import sensor_names
 
@@ -159,10 +159,10 @@ class PiezoStage:
         assert self._ready is not None, "a procedure begins armed"
         ready = self._ready
         with making(desk):
-            following = Following(ready, asked(ready.config, options), options, desk, self.faults)
-        self._under_way = following
+            procedure = following(ready, asked(ready.config, options), options, desk, self.faults)
+        self._under_way = procedure
         try:
-            following.run()
+            procedure.run()
         finally:
             self._under_way = None
 

@@ -1,20 +1,27 @@
-"""The graph of a run: the stage's controllers, what they see, and who watches all that goes in and out."""
+"""The graph of a run: the stage's controllers, what they see, what is recorded of it, and its phases."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
 
 from ctlblocks import Block, Graph, Port
-from ctlblocks.clock import run_offline
 from ctlblocks.recording import Recording
-from ctlblocks.replay import Record, Replay
+from ctlblocks.replay import Replay
 from ctlblocks.taps import Tap, attach
+from rigkit.experiment.part import Part, Phase, Retreat, Track
 from rigkit.named_code import named_block
+from rigkit.stream_writer import Tell
 from stagectl.config import StageConfig
 from stagectl.experiments.piezo.deflection import DeflectionReference
-from stagectl.experiments.piezo.held_reference import HeldReference, Hold, unheld
+from stagectl.experiments.piezo.held_reference import HeldReference, Holding
 from stagectl.experiments.piezo.setup import Setup
+from stagectl.experiments.piezo.timeline import Timeline
+from stagectl.link.tell import nobody
 from stagectl.stage.loop import Stage
 from stagectl.stage.prefiltered_reference import PrefilteredReference
 
+RECORDING, UNCOMPENSATED = "recording", "uncompensated"
+"""Names of a run's recordings, less the suffix."""
 SEEN = ("position", "extension", "absolute")
 """What sensors give, m."""
 MADE = ("reference", "extension_reference", "voltage")
@@ -44,7 +51,7 @@ class Cell:
     compensate : bool
         Whether the robot's deflection is taken off the reference, and what is left goes through the prefilters.
     watching : mapping of str to Block
-        Sinks by name, such as a recorder; their ports are of `RECORDED`.
+        Sinks by name; their ports are of `RECORDED`.
     """
 
     def __init__(
@@ -75,48 +82,83 @@ class Cell:
         outputs["extension_reference"] = ("controller.extension_reference", False)
         outputs["voltage"] = ("guard.voltage", False)
         kept = {name.removeprefix("kept "): output for name, output in outputs.items() if name.startswith("kept ")}
-        watch(graph, watching, outputs | kept)
-        graph.prepare()
+        self._outputs = outputs | kept
+        watch(graph, watching, self._outputs)
 
-    def run(self, tell: Callable[[int], None], stopped: Callable[[], bool], hold: Hold = unheld) -> str | None:
-        """Run from the first sample to the last, or to rest after a fault, or until `stopped`; return the fault.
+    def part(self, name: str = RECORDING, tell: Tell = nobody) -> Part:
+        """Return it as a part: it rises to rest, follows, and goes to rest, also where a fault or a stop ends it.
 
         Parameters
         ----------
-        tell : callable(int)
-            Told of the samples done, now and then.
-        stopped : callable() -> bool
-        hold : callable(HeldReference, int)
-            Asked as often whether to hold the reference; what is recorded is longer by the time that it is held.
+        name : str
+            Of its recording.
+        tell : callable(event, fields)
         """
-        times = self._made.timeline
-        ends = sorted({times.start, times.end, times.total, *range(CHUNK, times.total, CHUNK)})
-        for done in ends:
-            if not self._play(done, tell, stopped, hold):
-                self._come_to_rest()
-                break
-            if done == times.start:
-                self.stage.start()
-            if done == times.end:
-                self.stage.stop()
-        return self.stage.fault
+        stage, times, rest = self.stage, self._made.timeline, self.ramp
+        return Part(
+            part_name(name),
+            self.graph,
+            (track(name, RECORDED, MADE, self._outputs, self._made.config.stage.axes),),
+            self.phases(times),
+            retreat=Retreat(lambda: stage.fault or "", lambda _: self._stop(), rest),
+            counts=self._counts,
+            progress=lambda: float(self.reference.played) / times.rate,
+            hold=Holding(self.reference, tell, lambda: self.graph.ticks),
+            late=lambda: self.graph.ticks - int(self.reference.played),
+        )
 
-    def _play(self, end: int, tell: Callable[[int], None], stopped: Callable[[], bool], hold: Hold) -> bool:
-        """Go on until so many samples of the reference are played; return whether neither fault nor stop came."""
-        while self.reference.played < end:
-            hold(self.reference, self.graph.ticks)
-            run_offline(self.graph, end - int(self.reference.played) if self.reference.is_playing else CHUNK)
-            tell(self.graph.ticks)
-            if self.stage.fault is not None or stopped():
-                return False
-        return True
+    def phases(self, times: Timeline) -> tuple[Phase, ...]:
+        """Return the phases of a timeline; what they look for is asked often, and ends none of them."""
+        return (
+            Phase("rise", times.start, end=self._start, every=CHUNK),
+            Phase("follow", times.end - times.start, end=self._stop, every=CHUNK),
+            Phase("rest", times.total - times.end, every=CHUNK),
+        )
 
-    def _come_to_rest(self) -> None:
+    @property
+    def ramp(self) -> int:
+        """Samples of the way to rest."""
+        return round(1.1 * self._made.config.limits.ramp * self.graph.rate)
+
+    def _start(self) -> None:
+        if self.stage.fault is None:
+            self.stage.start()
+
+    def _stop(self) -> None:
         if self.stage.fault is None:
             self.stage.stop()
-        left = self._made.timeline.total - int(self.reference.played)
-        ramp = round(1.1 * self._made.config.limits.ramp * self.graph.rate)
-        run_offline(self.graph, min(left, ramp))
+
+    def _counts(self) -> dict[str, Any]:
+        stage = self.stage
+        met = asdict(stage.controller.met) | {"guard": stage.guard.limited, "held": stage.sensors.held}
+        return {"held": self.reference.held, "limits_met": met}
+
+
+def part_name(name: str) -> str:
+    """Return how the part of a recording is called: not at all, where it is the run proper."""
+    return "" if name == RECORDING else name
+
+
+def track(
+    name: str,
+    signals: Sequence[str],
+    made: Sequence[str],
+    outputs: Mapping[str, tuple[str, bool]],
+    axes: Sequence[str],
+) -> Track:
+    """Return what is recorded of a run.
+
+    Parameters
+    ----------
+    name : str
+    signals, made : sequence of str
+        All signals, and those of them that controllers make.
+    outputs : mapping of str to (str, bool)
+        The output of each signal, and whether it is read a tick late.
+    axes : sequence of str
+    """
+    taps = tuple(Tap(signal, *outputs[signal]) for signal in signals)
+    return Track(name, taps, frozenset(made), channels=lambda port: channels_of([port.name], axes))
 
 
 def ports_of(signals: Sequence[str], axes: Sequence[str]) -> tuple[Port, ...]:
@@ -127,18 +169,6 @@ def ports_of(signals: Sequence[str], axes: Sequence[str]) -> tuple[Port, ...]:
 def channels_of(signals: Sequence[str], axes: Sequence[str]) -> tuple[str, ...]:
     """Return how the channels of a recording of these signals are called."""
     return tuple(f"{name}_{axis}" for name in signals for axis in axes)
-
-
-def memory(made: Setup, rows: int) -> Record:
-    """Return what keeps all that is recorded of a run in process, of so many samples."""
-    return Record(ports_of(RECORDED, made.config.stage.axes), rows)
-
-
-def kept_in(record: Record, made: Setup, provenance: Mapping[str, str]) -> Recording:
-    """Return what `memory` has kept, with the axes' names in those of the channels."""
-    kept = record.recording(provenance)
-    names = channels_of(RECORDED, made.config.stage.axes)
-    return Recording(names, kept.units, kept.rate, kept.data, kept.provenance)
 
 
 def watch(graph: Graph, watching: Mapping[str, Block], outputs: Mapping[str, tuple[str, bool]]) -> None:

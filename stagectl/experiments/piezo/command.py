@@ -10,15 +10,13 @@ from rigkit import config as rig_file
 from rigkit.agreement import AcceptOption
 from rigkit.command import ConfigOption, JsonOption, SetOption, laid_over, print_table, words, write_json
 from rigkit.common_options import one_of
-from rigkit.progress import progress
-from rigkit.run_folder import RunFolder
-from rigkit.stop import Stopped, stoppable
+from rigkit.experiment.command import CommandLine
+from rigkit.experiment.kept import reported, told
+from rigkit.experiment.runner import STOPPED
 from stagectl.config import StageConfig
-from stagectl.experiments.piezo import session
-from stagectl.experiments.piezo.live import run_live
-from stagectl.experiments.piezo.report import run_report
+from stagectl.experiments.piezo.experiment import STAGE_RUN, StageRun
+from stagectl.experiments.piezo.fit import new_setup
 from stagectl.experiments.piezo.scenario import scenario_settings
-from stagectl.experiments.piezo.setup import Setup
 
 
 def run_command(
@@ -55,27 +53,17 @@ def run_command(
         raise ValueError("--live runs the stage on what is there: --seed is for the simulator")
     if scenario is not None:
         made = rig_file.load(config, StageConfig, [*scenario_settings(scenario, made.session), *over])
-    folder, put_together = session.create(out, made, model or [], accept or [])
-    sys.stderr.write("".join(f"{note}\n" for note in put_together.said))
-    with folder:
-        _end(_run(folder, put_together), out, json)
+    run = StageRun(new_setup(made, model or [], accept or []), model or [])
+    sys.stderr.write("".join(f"{note}\n" for note in run.made.said))
+    line = CommandLine("running", made.session.live, out, None, json)
+    reasons, figures = line.carry_out(STAGE_RUN, made, run, take_more=run.take_into, accept=sorted(accept or []))
+    if reasons and STOPPED not in reasons.values():
+        reported(out, STAGE_RUN)
+    _tell(figures, out, json)
+    line.end(reasons)
 
 
-def _run(folder: RunFolder, made: Setup) -> dict[str, Any]:
-    seconds = made.timeline.total / made.timeline.rate
-    with stoppable() as stop, progress(f"running for {seconds:g} s", made.timeline.total) as meter:
-        if made.config.session.live:
-            meter.say(f"{seconds:g} s in real time")  # and no more: nothing is printed while the stage is led
-            figures = run_live(folder, made, lambda: stop.made)
-        else:
-            figures = session.run(folder, made, lambda name, done: meter.show(done, name), lambda: stop.made)
-    if stop.made:
-        raise Stopped(f"stopped; what is recorded is in {folder.path}")
-    run_report(folder.path)
-    return figures
-
-
-def _end(figures: dict[str, Any], path: Path, json: str | None) -> None:
+def _tell(figures: dict[str, Any], path: Path, json: str | None) -> None:
     rows = []
     for what in ("position_error", "tool_error", "uncompensated_tool_error"):
         for axis, each in figures.get(what, {}).items():
@@ -92,8 +80,6 @@ def _end(figures: dict[str, Any], path: Path, json: str | None) -> None:
             f"{100 * each['without']:.0f} % without",
             file=words(json),
         )
-    if figures.get("lost"):
-        print(f"{figures['lost']} samples are not recorded: the disk was too slow, or full", file=words(json))
-    if (path / "report.html").exists():
-        print(f"report: {path / 'report.html'}", file=words(json))
+    if lost := sum(event["lost"] for event in told(path, "ended").values()):
+        print(f"{lost} samples are not recorded: the disk was too slow, or full", file=words(json))
     write_json(json, figures)

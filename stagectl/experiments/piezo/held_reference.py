@@ -6,6 +6,10 @@ import numpy as np
 
 from ctlblocks.block import Block, Port
 from ctlblocks.recording import Recording
+from rigkit.stream_writer import Tell
+
+RESUMED = "resumed"
+"""The event of a reference that goes on; its `samples` are those that it was held, in all."""
 
 _PLAYING, _SLOWING, _HELD, _STARTING = range(4)
 
@@ -107,9 +111,27 @@ class HeldReference(Block):
         return found
 
 
-Hold = Callable[[HeldReference, int], object]
-"""Told of the reference between ticks, and of the ticks done; it may hold it."""
+class Holding:
+    """Holds a reference as it is told between ticks, and tells when it has come to a stop, and has its pace again.
 
+    Parameters
+    ----------
+    reference : HeldReference
+    tell : callable(event, fields)
+    now : callable() -> int, samples
+        Of the run so far.
+    """
 
-def unheld(reference: HeldReference, ticks: int) -> None:  # noqa: ARG001 (an observer's own arguments)
-    """Never hold it."""
+    def __init__(self, reference: HeldReference, tell: Tell, now: Callable[[], int]) -> None:
+        self._reference, self._tell, self._now, self._is_told = reference, tell, now, False
+
+    def __call__(self, on: bool) -> None:
+        """Hold it, or let it go on."""
+        reference = self._reference
+        reference.hold(on)
+        if reference.is_held and not self._is_told:
+            self._tell("held", {"sample": self._now()})
+            self._is_told = True
+        elif reference.is_playing and self._is_told:
+            self._tell(RESUMED, {"sample": self._now(), "samples": reference.held})
+            self._is_told = False

@@ -1,17 +1,16 @@
 """What the figures of a report are drawn from: a run's recordings, and the setup it was made with."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ctlblocks.recording import Recording
 from rigkit.figure_style import LIMIT
-from stagectl.experiments.piezo.run_setup import setup_of
-from stagectl.experiments.piezo.session import error_of, read_recording, wanted_name
+from stagectl.experiments.piezo.cell import RECORDING, UNCOMPENSATED
+from stagectl.experiments.piezo.figures import error_of, proper, wanted_name
 from stagectl.experiments.piezo.setup import Setup
-from stagectl.experiments.piezo.streamed import RECORDING, UNCOMPENSATED
 
 BOUND: dict[str, Any] = {**LIMIT}
 """Keywords of a line that shows a limit."""
@@ -59,11 +58,9 @@ class Result:
         return None if self.before is None else error_of(self.before, self.made, wanted_name(self.made), "absolute")
 
 
-def read_result(path: Path) -> Result:
-    """Read a run's folder; ValueError if nothing of the run proper is recorded."""
-    made = setup_of(path)
-    record = read_recording(path, RECORDING)
-    if record is None or len(record.data) <= made.timeline.begin:
-        raise ValueError(f"{path}: nothing of the run proper is recorded")
-    before = read_recording(path, UNCOMPENSATED)
-    return Result(made, record, before)
+def result_of(records: Mapping[str, Recording], made: Setup) -> Result:
+    """Return a run from its recordings; ValueError if nothing of the run proper is recorded."""
+    record = proper(records, RECORDING, made)
+    if record is None:
+        raise ValueError("nothing of the run proper is recorded")
+    return Result(made, record, records.get(UNCOMPENSATED))

@@ -5,15 +5,14 @@ from dataclasses import replace
 from pathlib import Path
 
 from rigkit import config as rig_file
+from rigkit.experiment.kept import told
 from rigkit.origin import RUN, read_origin
 from rigkit.run_folder import CONFIG, read_events
 from stagectl.config import StageConfig
+from stagectl.experiments.piezo.held_reference import RESUMED
 from stagectl.experiments.piezo.prefilter_file import PREFILTER
 from stagectl.experiments.piezo.setup import Setup, setup, with_prefilters
 from stagectl.stage.loop_parameters import loops_from_json
-
-RESUMED = "resumed"
-"""The event of a reference that goes on; its `samples` are those that it was held, in all."""
 
 
 def model_name(axis: str) -> str:
@@ -44,12 +43,20 @@ def setup_as_run(path: Path) -> Setup:
     ValueError : as of `setup_of`; folders of before, which do not say their loops, are set up by that.
     """
     origin = read_origin(path / RUN)
-    told = origin.designed.get("loops", {}) if origin else {}
-    if not told:
+    kept = origin.designed.get("loops", {}) if origin else {}
+    if not kept:
         return setup_of(path)
     config = _config_of(path)
-    loops = loops_from_json(config.stage.axes, told, config.stage.rate)
-    return _as_it_went(path, Setup(config, (), (), loops=tuple(loops)))
+    loops = loops_from_json(config.stage.axes, kept, config.stage.rate)
+    made = Setup(config, (), (), loops=tuple(loops))
+    given = config.deflection.prefilter
+    return _as_it_went(path, with_prefilters(made, Path(given)) if given else made)
+
+
+def ended_before(path: Path) -> frozenset[str]:
+    """Return the recordings whose end is told as versions did that had no parts."""
+    ends = (event for event in read_events(path) if event["event"] == "recorded")
+    return frozenset(event["recording"] for event in ends if "recording" in event)
 
 
 def _config_of(path: Path, settings: Sequence[str] = ()) -> StageConfig:
@@ -65,5 +72,6 @@ def _as_it_went(path: Path, made: Setup) -> Setup:
     """Return a setup with what was learned and held in a run."""
     if (path / PREFILTER).is_file():
         made = with_prefilters(made, path / PREFILTER)
-    held = [event["samples"] for event in read_events(path) if event["event"] == RESUMED]
-    return replace(made, held=held[-1] if held else 0)
+    held = [event["samples"] for event in read_events(path) if event["event"] == RESUMED and "samples" in event]
+    ended = told(path, "ended").get("", {}).get("held", 0)
+    return replace(made, held=max(ended, held[-1] if held else 0))

@@ -102,6 +102,14 @@ def test_phases_begin_and_end_where_they_should(folder: RunFolder) -> None:
     assert seen == [("end", 200), ("begin", 200)]
 
 
+def test_a_part_that_is_held_is_longer_by_that(folder: RunFolder) -> None:
+    seen, held = [], []
+    made = part(clock=Own(), end=lambda: seen.append(made.graph.ticks))
+    made = replace(made, hold=lambda on: held.extend([True] * on), late=lambda: len(held))
+    perform(folder, parts(made), {}, Conduct(held=lambda: 50 <= made.graph.ticks < 80))
+    assert (seen, made.graph.ticks) == ([230], 330)
+
+
 @pytest.mark.parametrize("clock", [None, Own()])
 def test_a_stop_ends_the_part_under_way_and_those_to_come(folder: RunFolder, clock: Own | None) -> None:
     first, second = part("a"), part("b", clock=clock)

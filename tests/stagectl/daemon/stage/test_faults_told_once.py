@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from rigkit.service.state import State
-from stagectl.daemon.stage import following
 from tests.stagectl.daemon.bench import lab_in
 
 
@@ -13,7 +12,7 @@ from tests.stagectl.daemon.bench import lab_in
 def test_whatever_a_sensor_says_its_reason_is_told_once(
     sensor: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(following, "run_report", lambda _: None)
+    monkeypatch.setattr("stagectl.experiments.piezo.experiment.run_report", lambda *_: None)
     lab = lab_in(tmp_path, "daemon.faults=true")
     faults = 0
     for kind in ("stuck", "nan", "inf", "zero", "full-scale"):

@@ -13,9 +13,10 @@ from rigkit import config as rig_file
 from rigkit.growing_wav import GROWING
 from stagectl.__main__ import main
 from stagectl.config import StageConfig
-from stagectl.experiments.piezo import session, streamed
+from stagectl.experiments.piezo.cell import RECORDING
 from tests.rigkit.service.served import ROOT, Served, answering, free_port
 from tests.stagectl.daemon.bench import lab_in
+from tests.stagectl.experiments.piezo.stage_runs import recording_of
 from tests.until import until
 
 SOME = 1_500_000
@@ -42,7 +43,7 @@ def test_a_daemon_killed_while_the_stage_follows_leaves_a_whole_recording_and_co
         monkeypatch.setattr(sys, "argv", ["stagectl", *words])
         return main()
 
-    growing = lab.run_folder() / f"{streamed.RECORDING}{GROWING}"
+    growing = lab.run_folder() / f"{RECORDING}{GROWING}"
     with daemon_of(lab.file) as daemon:
         with daemon.client() as client, client.control("Ada"):
             client.command("arm", "a test")
@@ -54,8 +55,7 @@ def test_a_daemon_killed_while_the_stage_follows_leaves_a_whole_recording_and_co
         daemon.process.wait()
         size = growing.stat().st_size
     assert stagectl("report", str(lab.run_folder())) == 0
-    record = session.read_recording(lab.run_folder(), streamed.RECORDING)
-    assert record is not None
+    record = recording_of(lab.run_folder())
     assert size - 4_000 < record.data.nbytes <= size
     np.testing.assert_allclose(record.select(["position_x"]).data[-500:], 225e-6, atol=2e-6)
     with daemon_of(lab.file) as daemon:

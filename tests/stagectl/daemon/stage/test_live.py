@@ -10,12 +10,12 @@ import pytest
 from firmware_sim.can_node import CanNode
 from firmware_sim.stage_processor import Settings
 from rigkit.service.state import State
-from stagectl.experiments.piezo import session, streamed
 from stagectl.link.stage_link import StageLink
 from tests.contract import monitoring
 from tests.contract.monitoring import missing_of
 from tests.rigkit.service.described import views_are_described
 from tests.stagectl.daemon.bench import Lab, lab_in
+from tests.stagectl.experiments.piezo.stage_runs import recording_of
 from tests.stagectl.link.stand_in import PATIENT, SILENT, link_to, running
 from tests.until import EVER, until
 
@@ -54,8 +54,7 @@ def test_a_run_is_streamed_recorded_and_stopped(bench: tuple[Lab, CanNode]) -> N
     lab.control.stop("Ada", "smoke")
     assert lab.state is State.DISARMED
     lab.ended()
-    record = session.read_recording(lab.run_folder(), streamed.RECORDING)
-    assert record is not None
+    record = recording_of(lab.run_folder())
     assert np.abs(record.select(["position_x"]).data[-1] - 250e-6) < 5e-6
     assert [gauge.name for gauge in lab.rig.gauges()] == ["disk_free"]
 

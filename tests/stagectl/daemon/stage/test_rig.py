@@ -1,8 +1,10 @@
 """The stage's procedures under the daemon: followed, stopped, faulty and acknowledged, in process."""
 
+import json
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,19 +12,20 @@ import pytest
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file
+from rigkit.experiment.kept import told
 from rigkit.growing_wav import GROWING
-from rigkit.run_folder import read_events
+from rigkit.run_folder import SUMMARY
 from rigkit.service.reload import Reach
 from rigkit.service.state import State
 from stagectl.config import StageConfig
-from stagectl.experiments.piezo import session, streamed
-from stagectl.experiments.piezo.replay import replay
+from stagectl.experiments.piezo.cell import RECORDING
 from stagectl.experiments.piezo.run_setup import setup_of
 from stagectl.models.model_file import read_model, write_model
 from tests.contract import monitoring
 from tests.contract.monitoring import missing_of
 from tests.rigkit.service.described import views_are_described
 from tests.stagectl.daemon.bench import Lab, edit, lab_in
+from tests.stagectl.experiments.piezo.stage_runs import recording_of, replay
 from tests.until import until
 
 
@@ -33,8 +36,13 @@ def lab(tmp_path: Path) -> Iterator[Lab]:
     made.close()
 
 
+def read_summary(path: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((path / SUMMARY).read_text())
+    return found
+
+
 def replays(path: Path) -> bool:
-    return all(each.identical for each in replay(path, setup_of(path)))
+    return all(each.identical for each in replay(path))
 
 
 def test_a_reference_is_followed_shown_recorded_and_reported_and_the_rig_stays_armed(lab: Lab) -> None:
@@ -54,7 +62,7 @@ def test_a_reference_is_followed_shown_recorded_and_reported_and_the_rig_stays_a
     path = lab.run_folder()
     assert (path / "report.html").is_file()
     assert replays(path)
-    figures = session.summary(path, setup_of(path))
+    figures = read_summary(path)
     assert figures["seconds"] == 1.0
     assert all(figures["position_error"][axis]["peak"] < 3e-6 for axis in "xyz")
     assert [event["run"] for event in lab.events("finished")] == ["one"]
@@ -77,7 +85,7 @@ def test_a_reference_is_held_where_it_comes_to_a_stop_and_goes_on_and_the_run_re
     lab.control.hold(lab.key, "look")
     assert lab.state is State.HOLD
     until(lambda: lab.events("held"))
-    growing = lab.run_folder() / f"{streamed.RECORDING}{GROWING}"
+    growing = lab.run_folder() / f"{RECORDING}{GROWING}"
     size = growing.stat().st_size
     until(lambda: growing.stat().st_size > size + 500_000)  # 0.3 s
     lab.control.resume(lab.key, "all is well")
@@ -87,14 +95,13 @@ def test_a_reference_is_held_where_it_comes_to_a_stop_and_goes_on_and_the_run_re
     made = setup_of(path)
     assert made.held > 2_500 + 2_000
     assert replays(path)
-    record = session.read_recording(path, streamed.RECORDING)
-    assert record is not None
+    record = recording_of(path)
     assert len(record.data) == made.timeline.total
     asked = record.select(["wanted_x"]).data[:, 0]
     proper = asked[made.timeline.proper]
     assert np.sum(np.diff(proper) == 0.0) > 2_500
     assert np.abs(np.diff(proper[:-20], 2)).max() < 2e-9  # it comes to a stop, and goes on, without a jump of speed
-    figures = session.summary(path, made)
+    figures = read_summary(path)
     assert figures["seconds"] == pytest.approx(1.5 + made.held / 10_000.0)
     assert all(figures["position_error"][axis]["peak"] < 3e-6 for axis in "xyz")
 
@@ -106,15 +113,14 @@ def test_a_stop_takes_the_stage_to_mid_travel_and_keeps_what_has_come(lab: Lab) 
     assert lab.state is State.DISARMED
     lab.ended()
     path = lab.run_folder()
-    record = session.read_recording(path, streamed.RECORDING)
-    assert record is not None
+    record = recording_of(path)
     voltage = record.select(["voltage_x", "voltage_y", "voltage_z"]).data
     assert voltage[-2_000:].max() > 550.0  # it was away from rest when it was told
     np.testing.assert_array_equal(voltage[-1], 500.0)
     assert np.abs(np.diff(voltage, axis=0)).max() <= 15.0 + 1e-9
     assert replays(path)
     assert not (path / "report.html").exists()
-    assert len(lab.events("left")) == 1
+    assert [event["why"] for event in lab.events("end")][-1].endswith("what is recorded is kept")
 
 
 def test_a_sensor_that_fails_is_a_fault_with_its_reason_until_a_person_has_acknowledged(lab: Lab) -> None:
@@ -124,11 +130,10 @@ def test_a_sensor_that_fails_is_a_fault_with_its_reason_until_a_person_has_ackno
     lab.ended()
     assert lab.state is State.FAULT
     assert "position 2 is not a number" in lab.why
-    record = session.read_recording(lab.run_folder(), streamed.RECORDING)
-    assert record is not None
+    record = recording_of(lab.run_folder())
     np.testing.assert_array_equal(record.select(["voltage_x"]).data[-1], 500.0)
     assert replays(lab.run_folder())
-    assert [event["text"] for event in read_events(lab.run_folder()) if event["event"] == "fault"] == [lab.why]
+    assert told(lab.run_folder(), "ended")[""]["reason"] == lab.why
     lab.control.acknowledge(lab.key, "the cable was loose")
     assert lab.state is State.DISARMED
     lab.control.inject(lab.key, "position_y", "none")

@@ -7,11 +7,9 @@ import sys
 from pathlib import Path
 
 from stagectl.application import PROGRAM
-from stagectl.experiments.piezo.replay import replay
-from stagectl.experiments.piezo.run_setup import setup_as_run
-from stagectl.experiments.piezo.session import read_recording
-from stagectl.experiments.piezo.streamed import RECORDING
+from stagectl.experiments.piezo.cell import RECORDING
 from tests.stagectl.experiments.piezo.simulated_models import write_models
+from tests.stagectl.experiments.piezo.stage_runs import recording_of, replay
 from tests.until import until
 
 
@@ -25,9 +23,8 @@ def test_what_was_recorded_before_a_kill_is_reported_and_replayed(tmp_path: Path
         program.send_signal(signal.SIGKILL)
     assert program.returncode == -signal.SIGKILL
     PROGRAM.only("report")(["report", str(path)], standalone_mode=False)
-    record = read_recording(path, RECORDING)
-    assert record is not None
+    record = recording_of(path)
     assert len(record.data) * 21 * 8 > 1_900_000
-    again = list(replay(path, setup_as_run(path)))
+    again = replay(path)
     assert len(again) == 9
     assert all(each.identical for each in again)

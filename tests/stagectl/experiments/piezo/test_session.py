@@ -11,36 +11,25 @@ import pytest
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file
+from rigkit.experiment.kept import told
 from rigkit.run_folder import read_events
-from stagectl.commands.kinds_of_run import replayed
+from rigkit.stop import Stopped
+from stagectl.commands.kinds_of_run import replayed, reported
 from stagectl.config import StageConfig
-from stagectl.experiments.piezo import session, streamed
 from stagectl.experiments.piezo.cell import MADE, SEEN
-from stagectl.experiments.piezo.replay import replay
-from stagectl.experiments.piezo.report import run_report
-from stagectl.experiments.piezo.run_setup import setup_of
 from stagectl.experiments.piezo.scenario import scenario_settings
 from stagectl.models.model_file import read_model, write_model
 from tests.rigkit.test_disk_space import leave
 from tests.stagectl.experiments.piezo.simulated_models import write_models
+from tests.stagectl.experiments.piezo.stage_runs import carried_out, new_run, recording_of, replay
 
 QUICK = ["session.recording=wav", "session.lead=0.6", "outer.mistuning=0.0"]
-
-
-def never() -> bool:
-    return False
-
-
-def nobody(*_: object) -> None:
-    """Tell nobody."""
 
 
 def finished(folder: Path, *settings: str) -> Path:
     """Run with these settings; return the run's folder."""
     config = rig_file.load(None, StageConfig, [*QUICK, *settings])
-    run, made = session.create(folder / "run", config, write_models(folder))
-    with run:
-        session.run(run, made, nobody, never)
+    carried_out(folder / "run", config, write_models(folder))
     return folder / "run"
 
 
@@ -63,15 +52,14 @@ def test_the_stage_holds_its_position_against_creep_and_noise(run: Path) -> None
 
 
 def test_everything_that_goes_in_and_out_is_recorded_with_names_and_units(run: Path) -> None:
-    record = session.read_recording(run, streamed.RECORDING)
-    assert record is not None
+    record = recording_of(run)
     assert record.names == tuple(f"{name}_{axis}" for name in ("wanted", *SEEN, *MADE) for axis in "xyz")
     assert record.units == ("m",) * 18 + ("V",) * 3
     assert len(record.data) == round(10_000 * (0.6 + 0.4 + 0.22))
 
 
 def test_a_replay_makes_every_output_again_bit_for_bit(run: Path) -> None:
-    done = list(replay(run, setup_of(run)))
+    done = replay(run)
     assert [each.channel for each in done] == [f"{name}_{axis}" for name in MADE for axis in "xyz"]
     assert all(each.identical and each.difference == 0.0 for each in done)
 
@@ -98,9 +86,9 @@ def test_other_settings_tell_what_would_have_been_made_of_the_sensors(run: Path)
 def test_a_folder_of_before_is_designed_anew(run: Path, tmp_path: Path) -> None:
     path = tmp_path / "run"
     shutil.copytree(run, path)
-    told = json.loads((path / "run.json").read_text())
-    del told["designed"]
-    (path / "run.json").write_text(json.dumps(told))
+    origin = json.loads((path / "run.json").read_text())
+    del origin["designed"]
+    (path / "run.json").write_text(json.dumps(origin))
     assert all(each.identical for each in replayed(path))
 
 
@@ -114,12 +102,12 @@ def test_a_replay_of_a_recording_that_was_touched_says_so(run: Path, tmp_path: P
     at = record.names.index("position_y")
     data[8_000, at] = np.nextafter(data[8_000, at], 1.0)
     recording.write(tmp_path / "recording.wav", Recording(record.names, record.units, record.rate, data))
-    differing = {each.channel for each in replay(tmp_path, setup_of(tmp_path)) if not each.identical}
+    differing = {each.channel for each in replay(tmp_path) if not each.identical}
     assert differing == {"extension_reference_y", "voltage_y"}
 
 
 def test_the_report_shows_tracking_errors_spectra_drives_and_loops(run: Path, tmp_path: Path) -> None:
-    run_report(run, tmp_path)
+    reported(run, tmp_path)
     page = (run / "report.html").read_text()
     for words in ("MAE of x", "Within ±5 µm, z", "Ms, mistuned", "Drives"):
         assert words in page
@@ -133,8 +121,7 @@ def test_a_reference_from_a_file_is_followed(tmp_path: Path) -> None:
     file = tmp_path / "reference.csv"
     recording.write(file, Recording(("x", "y", "z"), ("m",) * 3, 1_000.0, data))
     path = finished(tmp_path, "session.seconds=0.4", f"reference.signal={file}")
-    record = session.read_recording(path, streamed.RECORDING)
-    assert record is not None
+    record = recording_of(path)
     part = slice(6_000, 10_000)
     wanted = record.select(["wanted_y"]).data[part, 0]
     np.testing.assert_allclose(wanted[::10], data[:, 1], atol=1e-12)
@@ -155,21 +142,21 @@ def test_a_run_for_which_there_is_no_room_is_refused_before_anything_is_written(
 ) -> None:
     leave(200e6, monkeypatch)
     config, models = rig_file.load(None, StageConfig, [*QUICK, "session.seconds=100"]), write_models(tmp_path)
-    with pytest.raises(OSError, match="100.8.* s of 21 channels may take 169.* MB, 200 MB are free"):
-        session.create(tmp_path / "run", config, models)
+    with pytest.raises(OSError, match="the recordings may take 169.* MB, 200 MB are free"):
+        new_run(tmp_path / "run", config, models)
     assert not (tmp_path / "run").exists()
 
 
 def test_a_sensor_that_cannot_be_ends_the_run_at_rest_with_the_reason_kept(tmp_path: Path) -> None:
     """The range of the check is set so that the stage leaves it."""
-    path = finished(tmp_path, "session.seconds=0.4", "sensors.position=[-1e-5, 2.2e-4]")
-    fault = next(event for event in read_events(path) if event["event"] == "fault")
-    assert "is out of its range" in fault["text"]
-    record = session.read_recording(path, streamed.RECORDING)
-    assert record is not None
+    with pytest.raises(ValueError, match="is out of its range"):
+        finished(tmp_path, "session.seconds=0.4", "sensors.position=[-1e-5, 2.2e-4]")
+    path = tmp_path / "run"
+    assert "is out of its range" in told(path, "ended")[""]["reason"]
+    record = recording_of(path)
     voltage = record.select([f"voltage_{axis}" for axis in "xyz"]).data
     np.testing.assert_array_equal(voltage[-1], 500.0)
-    assert all(each.identical for each in replay(path, setup_of(path)))
+    assert all(each.identical for each in replay(path))
 
 
 @pytest.mark.slow
@@ -182,7 +169,7 @@ def test_a_milling_run_compares_with_the_uncompensated_one(tmp_path: Path) -> No
     figures = json.loads((path / "summary.json").read_text())
     assert figures["improvement"]["z"] > 20
     assert figures["tool_error"]["z"]["peak"] < 5e-6
-    assert all(each.identical for each in replay(path, setup_of(path)))
+    assert all(each.identical for each in replay(path))
 
 
 def test_a_milling_run_is_prefiltered_by_what_the_uncompensated_one_has_shown(tmp_path: Path) -> None:
@@ -195,13 +182,14 @@ def test_a_milling_run_is_prefiltered_by_what_the_uncompensated_one_has_shown(tm
     found = json.loads((path / "summary.json").read_text())
     assert (path / "prefilter.json").is_file()
     assert found["prefilter"]["z"]["left"] < found["prefilter"]["z"]["without"]
-    assert all(each.identical for each in replay(path, setup_of(path)))
+    assert all(each.identical for each in replay(path))
     again = finished(plain, *settings, "session.compare=false", f"deflection.prefilter={path / 'prefilter.json'}")
     assert not (again / "prefilter.json").exists()
+    assert all(each.identical for each in replay(again))
     config = rig_file.load(None, StageConfig, [*QUICK, *settings, f"deflection.prefilter={path / 'prefilter.json'}"])
     slower = config.model_copy(update={"outer": config.outer.model_copy(update={"max_sensitivity": 1.3})})
     with pytest.raises(ValueError, match=r"prefilter.json: the prefilter of . belongs to another loop"):
-        session.create(tmp_path / "other", slower, write_models(plain))
+        new_run(tmp_path / "other", slower, write_models(plain))
     assert not (tmp_path / "other").exists()
     kept = [folder / "recording.wav" for folder in (path, again)]
     np.testing.assert_array_equal(*(recording.read(file).data for file in kept))
@@ -222,9 +210,7 @@ def test_nothing_is_learned_of_a_stage_that_nobody_has_heard(tmp_path: Path) -> 
     for file in files:
         write_model(file, read_model(file))
     config = rig_file.load(None, StageConfig, [*QUICK, *cut, "session.seconds=0.5"])
-    folder, made = session.create(tmp_path / "run", config, files)
-    with folder:
-        session.run(folder, made, nobody, never)
+    carried_out(tmp_path / "run", config, files)
     notes = [event["text"] for event in read_events(tmp_path / "run") if event["event"] == "note"]
     assert notes == ["no prefilter: the model of x does not say what was heard of the stage: calibrate again"]
 
@@ -241,19 +227,18 @@ def test_models_that_are_missing_or_of_another_rate_are_refused(tmp_path: Path) 
     files = write_models(tmp_path)
     config = StageConfig()
     with pytest.raises(ValueError, match="there are 2 model files, must be one for each of the axes x, y, z"):
-        session.create(tmp_path / "run", config, files[:2])
+        new_run(tmp_path / "run", config, files[:2])
     other = config.model_copy(update={"stage": config.stage.model_copy(update={"rate": 5_000.0})})
     with pytest.raises(ValueError, match="10000 samples/s, must be 5000"):
-        session.create(tmp_path / "run", other, files)
+        new_run(tmp_path / "run", other, files)
 
 
 def test_a_run_that_is_stopped_comes_to_rest_and_replays(tmp_path: Path) -> None:
     config = rig_file.load(None, StageConfig, [*QUICK, "session.seconds=5"])
-    folder, made = session.create(tmp_path / "run", config, write_models(tmp_path))
-    with folder:
-        session.run(folder, made, nobody, lambda: True)
-    record = session.read_recording(folder.path, streamed.RECORDING)
-    assert record is not None
-    assert len(record.data) < 5_000
+    asked = iter(range(100))
+    with pytest.raises(Stopped, match="nothing of the run proper is recorded; what is recorded is in"):
+        carried_out(tmp_path / "run", config, write_models(tmp_path), lambda: next(asked) > 30)
+    record = recording_of(tmp_path / "run")
+    assert 2_500 < len(record.data) < 7_000
     np.testing.assert_array_equal(record.select(["voltage_x"]).data[-1], 500.0)
-    assert all(each.identical for each in replay(folder.path, setup_of(folder.path)))
+    assert all(each.identical for each in replay(tmp_path / "run"))

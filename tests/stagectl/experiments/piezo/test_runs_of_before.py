@@ -1,0 +1,39 @@
+"""Folders as a version wrote them whose runs had no parts: they are replayed and reported as those of now."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from rigkit import config as rig_file
+from rigkit.experiment.kept import EARLY
+from rigkit.experiment.runner import STOPPED
+from rigkit.run_folder import EVENTS
+from stagectl.commands.kinds_of_run import replayed, reported
+from stagectl.config import StageConfig
+from tests.stagectl.experiments.piezo.simulated_models import write_models
+from tests.stagectl.experiments.piezo.stage_runs import carried_out, recording_of
+from tests.stagectl.experiments.piezo.test_session import QUICK
+
+
+def tell_as_before(path: Path) -> None:
+    """Write the events of a run anew: they name its recording, and know no parts."""
+    samples = len(recording_of(path).data)
+    begun = {"time": "2026-01-01T00:00:00.000+00:00", "event": "started", "software": "vibrostage 0.1.0"}
+    ended = {**begun, "event": "recorded", "recording": "recording", "samples": samples}
+    (path / EVENTS).write_text("".join(f"{json.dumps(each)}\n" for each in (begun, ended)))
+
+
+@pytest.mark.parametrize(("seconds", "looks"), [(0.4, 10_000), (5.0, 90)], ids=["whole", "stopped"])
+def test_a_run_of_before_comes_out_bit_for_bit_and_is_reported(seconds: float, looks: int, tmp_path: Path) -> None:
+    config = rig_file.load(None, StageConfig, [*QUICK, f"session.seconds={seconds}"])
+    asked, path = iter(range(20_000)), tmp_path / "run"
+    reasons, figures = carried_out(path, config, write_models(tmp_path), lambda: next(asked) > looks)
+    assert reasons == ({} if seconds < 1 else {"": STOPPED})
+    tell_as_before(path)
+    again = list(replayed(path))
+    assert len(again) == 9
+    assert all(each.identical for each in again)
+    figures.pop(EARLY, None)  # which was not told
+    assert reported(path, None) == figures
+    assert (path / "report.html").is_file()
