@@ -11,12 +11,15 @@ import pytest
 from ctlblocks import recording
 from ctlblocks.recording import Recording
 from rigkit import config as rig_file
+from rigkit.experiment import kept
 from rigkit.experiment.kept import told
+from rigkit.experiment.runner import STOPPED, Conduct
 from rigkit.run_folder import read_events
 from rigkit.stop import Stopped
 from stagectl.commands.kinds_of_run import replayed, reported
 from stagectl.config import StageConfig
 from stagectl.experiments.piezo.cell import MADE, SEEN
+from stagectl.experiments.piezo.experiment import STAGE_RUN
 from stagectl.experiments.piezo.scenario import scenario_settings
 from stagectl.models.model_file import read_model, write_model
 from tests.rigkit.test_disk_space import leave
@@ -241,4 +244,18 @@ def test_a_run_that_is_stopped_comes_to_rest_and_replays(tmp_path: Path) -> None
     record = recording_of(tmp_path / "run")
     assert 2_500 < len(record.data) < 7_000
     np.testing.assert_array_equal(record.select(["voltage_x"]).data[-1], 500.0)
+    assert all(each.identical for each in replay(tmp_path / "run"))
+
+
+def test_a_run_that_is_stopped_while_its_reference_is_held_replays(tmp_path: Path) -> None:
+    """Held for longer than was left of it: the timeline of what is made again must be longer by that."""
+    config = rig_file.load(None, StageConfig, [*QUICK, "session.seconds=0.6"])
+    folder, run = new_run(tmp_path / "run", config, write_models(tmp_path))
+    asked = iter(range(10_000))
+    with folder:
+        conduct = Conduct(lambda: next(asked) > 300, held=lambda: True)
+        reasons, _ = kept.run(folder, STAGE_RUN, run, conduct)
+    assert reasons == {"": STOPPED}
+    assert {"held"} <= {event["event"] for event in read_events(tmp_path / "run")}
+    assert len(recording_of(tmp_path / "run").data) > run.made.timeline.total
     assert all(each.identical for each in replay(tmp_path / "run"))
