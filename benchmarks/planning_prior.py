@@ -5,8 +5,8 @@
 Each draw is a table of rates that is believed and what is really paid, kept over three pockets.  Judged on log-normal
 rates with a grain along one diagonal, knots in 5 % of the segments, a tool that wears by 0.3 % a segment and noise of
 2 %; all these but the first two are in what a planner measures, and times are counted at what is really paid without
-them.  `--choose` has another structure: normal and uniform factors, factors of feeds and widths, a slow or fast side; no
-knots, no wear.  The limit of probability was chosen on other seeds of the first structure, all else on this one.
+them.  `--choose` has another structure: normal and uniform factors, factors of feeds and widths, a slow or fast side;
+no knots, no wear.  The limit of probability was chosen on other seeds of the first structure, all else on this one.
 """
 
 import argparse
