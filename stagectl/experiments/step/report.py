@@ -39,9 +39,20 @@ def _row(name: str, told: Mapping[str, Any]) -> Iterator[str]:
 
 
 def tell(figures: Mapping[str, Any], out: TextIO) -> None:
-    """Tell a person what is read off, and what the model does not describe."""
+    """Tell a person what is read off, what the model does not describe, and the lines for the rig file."""
     print_table("responses", HEAD, rows(figures), out)
     out.writelines(f"{sentence}\n" for sentence in unlike(figures))
+    out.writelines(f"{line}\n" for line in lines(figures))
+
+
+def lines(figures: Mapping[str, Any]) -> list[str]:
+    """Return the lines that `[midranging.pair]` of a rig file is to have, its heading first: TOML."""
+    found = ["[midranging.pair]"]
+    for name in (name for name in MANIPULATORS if name in figures):
+        (pole,), (gain,) = figures[name]["terms"]["outputs"], figures[name]["terms"]["inputs"]
+        terms = {"outputs": f"[{pole:.8g}]", "inputs": f"[{gain:.8g}]", "delay": f"{float(figures[name]['delay']):.4g}"}
+        found += [f"{MANIPULATORS[name]}_{key} = {value}" for key, value in terms.items()]
+    return found
 
 
 def write_report(
@@ -83,12 +94,8 @@ def _left(figures: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
 
 def _terms(figures: Mapping[str, Any]) -> Table:
     """Return what `[midranging.pair]` is to have."""
-    terms = {name: figures[name]["terms"] for name in MANIPULATORS if name in figures}
-    lines = []
-    for name, each in terms.items():
-        (pole,), (gain,) = each["outputs"], each["inputs"]
-        lines.append((MANIPULATORS[name], f"[{pole:.6g}]", f"[{gain:.6g}]", f"{each['delay_samples']:.2f}"))
-    return Table(("[midranging.pair]", "..._outputs", "..._inputs", "dead time beside them, samples"), tuple(lines))
+    heading, *keys = lines(figures)
+    return Table((heading, "at the rate of the run; dead times in s"), tuple(tuple(key.split(" = ")) for key in keys))
 
 
 def _plot(name: str, found: Response) -> Plot:

@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 
 from ctlblocks.recording import read
+from rigkit.config import load
 from rigkit.experiment.again import replayed
 from rigkit.experiment.kept import reported
 from rigkit.run_folder import read_events
 from stagectl.__main__ import main
 from stagectl.experiments.step.experiment import STEPS
+from stagectl.robot.config import CellConfig
 from tests.until import until
 
 SHORT = ("--period", "2", "--repeats", "3")
@@ -23,6 +25,20 @@ SHORT = ("--period", "2", "--repeats", "3")
 def call(monkeypatch: pytest.MonkeyPatch, *arguments: str | Path) -> int:
     monkeypatch.setattr(sys, "argv", ["stagectl", *map(str, arguments)])
     return main()
+
+
+def test_the_lines_that_are_printed_go_into_a_rig_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call(monkeypatch, "step", *SHORT, "--set", "midranging.simulator.options.time_constant=0.3") == 0
+    printed = capsys.readouterr().out
+    file = tmp_path / "cell.toml"
+    file.write_text(printed[printed.index("[midranging.pair]") :], encoding="utf-8")
+    pair = load(str(file), CellConfig).midranging.pair
+    assert pair.slow_outputs == (pytest.approx(np.exp(-1 / 75), abs=1e-4),)
+    assert pair.fast_inputs == (pytest.approx(1.0 - pair.fast_outputs[0], abs=1e-3),)
+    assert 0.0 <= pair.slow_delay < 1e-3
+    assert "slow_delay = " in printed
 
 
 @pytest.mark.parametrize("kind", ["step", "multisine"])
