@@ -9,7 +9,7 @@ import pytest
 
 from tests.contract.source_tree import ROOT
 
-DOORS = ("ilc", "planning", "sysid")
+DOORS = ("ilc", "midranging", "planning", "sysid")
 HEAVY = ("matplotlib", "scipy.stats", "pyfftw", "httpx", "fastapi", "sounddevice", "dask", "pyarrow", "h5py")
 PAGE = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
 NOTEBOOK = (ROOT / "docs" / "tutorial-python.md").read_text(encoding="utf-8")

@@ -19,5 +19,5 @@ def test_a_script_runs_and_draws(script: str) -> None:
     assert int(done.stdout.split()[-1]) >= 1
 
 
-def test_there_are_eight() -> None:
-    assert len(SCRIPTS) == 8
+def test_there_are_nine() -> None:
+    assert len(SCRIPTS) == 9
