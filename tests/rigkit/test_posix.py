@@ -14,7 +14,8 @@ from tests.vibractl.linear_rig import linear_model
 ABSENT = "import sys; sys.modules.update(dict.fromkeys(('fcntl', 'termios', 'tty', 'pty', 'resource', 'grp', 'pwd'))); "
 IMPORTS = "; ".join(
     [
-        "import vibrostage.ilc, vibrostage.sysid, vibrostage.planning, vibrostage.midranging, rigkit.lock, rigkit.machine_lock",
+        "import vibrostage.ilc, vibrostage.sysid, vibrostage.planning, vibrostage.midranging",
+        "import rigkit.lock, rigkit.machine_lock",
         "import stagectl.robot.live.person, rigkit.array_room, rigkit.study.performing, rigkit.study.engine",
         *(
             f"from {package}.application import PROGRAM as {package}; {package}.described()"
