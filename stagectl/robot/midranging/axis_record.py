@@ -11,7 +11,7 @@ BANK = 24
 """Dead times that are tried at once."""
 ESTIMATING, ACTIVE, TAKEN_OVER = range(3)
 """Of `phase`: valve position control takes over in the last one."""
-NO_REASON, INACCURATE, DIVERGING = range(3)
+NO_REASON, INACCURATE, DIVERGING, OSCILLATING = range(4)
 """Of `reason`, why it did."""
 
 VALVE = np.dtype(
@@ -139,12 +139,33 @@ GOVERNOR = np.dtype(
 )
 """The governor of one axis."""
 
+SWING = np.dtype(
+    [
+        ("pole", "f8"),  # of the running mean
+        ("least", "f8"),  # m, mean size that a half wave counts from
+        ("noise", "f8"),  # m
+        # memory
+        ("mean", "f8"),  # m, of the error
+        ("area", "f8"),  # m samples, of this half wave
+        ("lowest", "f8"),  # m, of what is called for within it
+        ("highest", "f8"),
+        ("samples", "i8"),
+        ("before", "i8"),  # samples of the half wave before
+        ("sign", "f8"),
+        ("envelope", "f8"),  # m
+        ("count", "i8"),  # half waves of an oscillation
+    ],
+    align=True,
+)
+"""Half waves of one axis' error, between its zero crossings."""
+
 AXIS = np.dtype(
     [
         ("fast", LOOP),
         ("slow", LOOP),
         ("governor", GOVERNOR),
         ("valve", VALVE),
+        ("swing", SWING),
         ("tracking", "f8"),  # 1 a sample, of the valve position control's fast integral
         ("order", "i8"),
         ("middle", "f8"),  # m

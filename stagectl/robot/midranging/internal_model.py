@@ -8,7 +8,15 @@ import numpy as np
 
 from ctlblocks.block import Block, Port
 from stagectl.robot.midranging import internal_model_kernel as kernel
-from stagectl.robot.midranging.axis_record import ACTIVE, AXIS, DIVERGING, ESTIMATING, INACCURATE, NO_REASON
+from stagectl.robot.midranging.axis_record import (
+    ACTIVE,
+    AXIS,
+    DIVERGING,
+    ESTIMATING,
+    INACCURATE,
+    NO_REASON,
+    OSCILLATING,
+)
 from stagectl.robot.midranging.estimation import Estimation
 from stagectl.robot.midranging.internal_model_kernel import WINDOW
 from stagectl.robot.midranging.least_squares import LeastSquares
@@ -21,6 +29,7 @@ REASONS = {
     NO_REASON: "",
     INACCURATE: "no model is accurate enough after the estimation phase",
     DIVERGING: "a model is further off than what it explains",
+    OSCILLATING: "the error oscillates, and nothing from outside makes it",
 }
 """Why valve position control takes over."""
 LONGEST = 1.0
@@ -28,6 +37,8 @@ LONGEST = 1.0
 NOISES = 4.0, 1.0
 """Standard deviations of the fast position's noise: how far the control signal keeps off its limit, and how far the
 smoothed position may be from what is measured."""
+SWING_LEAST = 0.05
+"""Share of the travel, below which the mean size of an oscillation's half waves does not matter."""
 FALL_BACK = ValvePositionAxis(Pi(1.0, 10.0), Pi(1.0, 1.0), tracking=0.1)
 
 
@@ -199,6 +210,10 @@ def _packed(axis: InternalModelAxis, order: int, rate: float) -> np.void:
         _pack_loop(record[name], axis, name, order, rate)
     window = WINDOW * sum(float(record["slow"][name]) for name in ("delay", "time"))
     record["fast"]["window_pole"] = record["slow"]["window_pole"] = math.exp(-1.0 / window)
+    swing, noise = record["swing"], max(axis.fast_learning.noise, axis.slow_learning.noise)
+    swing["pole"], swing["noise"] = math.exp(-WINDOW / window), noise
+    travel = axis.governor.travel
+    swing["least"] = max(SWING_LEAST * travel if math.isfinite(travel) else 0.0, NOISES[0] * noise)
     return record
 
 

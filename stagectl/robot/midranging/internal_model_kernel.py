@@ -13,6 +13,7 @@ from rigkit.record import Record
 from stagectl.robot.midranging import identification_kernel as identification
 from stagectl.robot.midranging import least_squares_kernel as squares
 from stagectl.robot.midranging import loop_model_kernel as model
+from stagectl.robot.midranging import oscillation_kernel as oscillation
 from stagectl.robot.midranging import reference_governor_kernel as governor
 from stagectl.robot.midranging import supervision_kernel as supervision
 from stagectl.robot.midranging import valve_position_kernel as valve
@@ -22,6 +23,7 @@ from stagectl.robot.midranging.axis_record import (
     ESTIMATING,
     INACCURATE,
     LINE,
+    OSCILLATING,
     TAKEN_OVER,
 )
 
@@ -168,13 +170,15 @@ def _look(axis: Record, seen: tuple[float, float, float, float]) -> tuple[float,
 
 @njit(cache=True, nogil=True)
 def _supervise(axis: Record, fast: float, slow: float) -> None:
-    """Let valve position control take over where a model diverges, or what is asked for is no number."""
+    """Let valve position control take over where a model diverges, or the error goes on oscillating."""
     least, order = LEAST * axis.governor.travel, axis.order
     if not math.isfinite(least):
         least = 0.0
     is_off = supervision.is_diverging(axis.fast, FAST_MOST, least, fast, model.shown(axis.fast, order))
     if supervision.is_diverging(axis.slow, SLOW_MOST, least, slow, model.shown(axis.slow, order)) or is_off:
         _take_over(axis, DIVERGING)
+    elif oscillation.is_oscillating(axis.swing, axis.error, axis.reference - axis.outside):
+        _take_over(axis, OSCILLATING)
 
 
 @njit(cache=True, nogil=True)

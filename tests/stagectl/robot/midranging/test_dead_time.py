@@ -27,6 +27,7 @@ class Pair:
     changed_at: int = 10**9
     stuck: range = range(0)
     dark: str = ""
+    swings: tuple[str, ...] = ()
 
     def run(self, axis: InternalModelAxis, reference: np.ndarray) -> dict[str, np.ndarray]:
         """Return what the axis made of it, and the control signal itself, shape (samples,) each."""
@@ -41,6 +42,8 @@ class Pair:
             shown = {"reference": value, "relative": fast + slow, "fast": fast, "slow": slow}
             noisy = {name: each + self.noise * random.standard_normal() for name, each in shown.items()}
             noisy["reference"] = value
+            for name in self.swings if n >= 2000 else ():
+                noisy[name] += 0.6e-3 * np.sin(2.0 * np.pi * 20.0 * n / RATE)
             if self.dark and 1500 <= n < 1800:
                 noisy[self.dark] = np.nan
             block.process(*(np.array([[each]]) for each in noisy.values()), *outputs.values())
@@ -54,7 +57,8 @@ class Pair:
         named = zip(
             ("relative", "control", "fast_reference", "slow_reference", "active"), np.array(kept).T, strict=True
         )
-        return dict(named) | {"delay": block._records["slow"]["delay"]}  # noqa: SLF001 (what has been found)
+        record = block._records  # noqa: SLF001 (what has been found)
+        return dict(named) | {"delay": record["slow"]["delay"], "reason": record["reason"]}
 
 
 def _axis(**more: object) -> InternalModelAxis:

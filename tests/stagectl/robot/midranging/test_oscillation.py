@@ -1,0 +1,60 @@
+"""Half waves that go on by themselves are told from what reference, disturbance, noise and damped modes make."""
+
+import numpy as np
+import pytest
+
+from stagectl.robot.midranging.axis_record import OSCILLATING, SWING
+from stagectl.robot.midranging.oscillation_kernel import MOST, is_oscillating
+from tests.stagectl.robot.midranging.test_dead_time import RATE, Pair, _axis, _steps
+
+TIME = np.arange(2500) / RATE
+SINE = 0.4e-3 * np.sin(2.0 * np.pi * 20.0 * TIME)
+
+
+def begun_at(error: np.ndarray, called: np.ndarray | float = 0.0) -> float | None:
+    """When an oscillation is seen, s."""
+    swing = np.zeros(1, SWING)[0]
+    swing["pole"], swing["least"], swing["noise"] = 0.99, 0.1e-3, 10e-6
+    for n, (each, asked) in enumerate(zip(error, np.broadcast_to(called, error.shape), strict=True)):
+        if is_oscillating(swing, float(each), float(asked)):
+            return n / RATE
+    return None
+
+
+@pytest.mark.parametrize("offset", [0.0, 5e-3])
+def test_an_oscillation_is_seen_after_its_half_waves_whatever_it_is_about(offset: float) -> None:
+    found = begun_at(SINE + offset)
+    assert found is not None
+    assert MOST / 40.0 <= found < MOST / 40.0 + 2.5  # the mean has to arrive, at 0.4 s
+
+
+def test_it_is_seen_between_steps_of_the_reference() -> None:
+    steps = np.where(TIME % 2.0 < 1.0, 2e-3, -2e-3)
+    assert begun_at(SINE + np.sign(steps) * 2e-3 * np.exp(-(TIME % 1.0) / 0.05), steps) is not None
+
+
+@pytest.mark.parametrize("damping", [0.02, 0.05])
+def test_a_mode_that_rings_after_every_step_is_none(damping: float) -> None:
+    since = TIME % 2.0
+    ringing = 2e-3 * np.exp(-damping * 2.0 * np.pi * 20.0 * since) * np.sin(2.0 * np.pi * 20.0 * since)
+    assert begun_at(ringing, np.where(TIME % 4.0 < 2.0, 2e-3, -2e-3)) is None
+
+
+def test_what_is_called_for_from_outside_noise_and_what_is_small_are_none() -> None:
+    assert begun_at(SINE, -3.0 * SINE) is None
+    assert begun_at(0.2 * SINE) is None
+    assert begun_at(0.3e-3 * np.random.default_rng(1).standard_normal(2500)) is None
+    assert begun_at(np.zeros(2500)) is None
+
+
+@pytest.mark.parametrize(("swings", "phase"), [(("relative", "fast"), 2.0), (("relative",), 1.0)])
+def test_valve_position_control_takes_over_where_the_micro_manipulator_swings_by_itself(
+    swings: tuple[str, ...], phase: float
+) -> None:
+    """The same as a disturbance from outside is none of the loop's."""
+    got = Pair(swings=swings).run(_axis(), _steps())
+    assert got["active"][-1] == phase
+    if phase == 2.0:
+        begins = int(np.flatnonzero(got["active"] == 2.0)[0])
+        assert got["reason"] == OSCILLATING
+        assert abs(got["slow_reference"][begins] - got["slow_reference"][begins - 1]) < 0.5e-3
