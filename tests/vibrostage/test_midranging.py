@@ -120,3 +120,14 @@ def test_other_wrong_input_is_refused_by_name() -> None:
         midranging.adaptive(FAST, SLOW, RATE, wave=1.0, noise=0.0)
     with pytest.raises(ValueError, match="disturbance"):
         midranging.simulate(midranging.valve_position(FAST, SLOW, RATE), FAST, SLOW, np.zeros(5), np.zeros(4))
+
+
+def test_a_dead_time_that_is_found_does_not_make_the_pair_slower_than_its_fast_loop() -> None:
+    """The loop is told as of first order, 31 samples to 63 %; six of them turn out to be dead time."""
+    pole, whole = math.exp(-1.0 / 25.0), math.exp(-1.0 / 31.0)
+    told, itself = ([1.0 - whole], [1.0, -whole]), ([1.0 - pole], [1.0, -pole] + [0.0] * 6)
+    law = midranging.adaptive(told, SLOW, RATE, wave=0.1, noise=1e-4, inner=(0.01,))
+    run = midranging.simulate(law, itself, SLOW, np.repeat([0.0, 1.0], [100, 1500]))
+    late = int(np.argmax(run.position >= 1.0 - math.exp(-1.0))) - 100
+    assert 28 <= late <= 34
+    assert run.position.max() < 1.1

@@ -60,6 +60,8 @@ SQUARES = np.dtype(
         ("residual_power", "f8"),  # m^2
         ("activity_power", "f8"),  # m^2
         ("alarm", "f8"),
+        ("most", "f8"),  # that `relative` comes to where the alarm rings again and again
+        ("calm", "i8"),  # updates since the alarm rang last
         ("resets", "i8"),
         ("updates", "i8"),
         # for the time of an update: U' times regressors, covariance times regressors
@@ -83,6 +85,7 @@ LOOP = np.dtype(
     [
         ("squares", SQUARES),
         ("wanted", RESPONSE),
+        ("wanted_time", "f8"),  # samples, its time constant; 0 where it is not of first order
         ("bank", CANDIDATE, BANK),
         ("candidates", "i8"),
         # excitation of the estimation phase, and how its end is judged

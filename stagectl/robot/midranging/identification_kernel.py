@@ -13,6 +13,9 @@ ALLOWED, LEAST = 4.0, 0.35
 """Residuals that the alarm takes as usual: so many times the mean square that the model's form left while it was
 estimated, and at least what an input gain off by this share leaves."""
 
+DEAFEST = 4.0
+"""Times that, where the alarm rings again and again."""
+
 
 @njit(cache=True, nogil=True)
 def watch(loop: Record, order: int, keep: float, measured: float) -> None:
@@ -60,6 +63,7 @@ def choose(loop: Record, order: int, chosen: int) -> None:
     own.activity, own.alarm = candidate.squares.activity, 0.0
     left = max(candidate.squares.residual_power - 2.0 * own.variance, 0.0)
     own.relative = max(ALLOWED * left / max(candidate.squares.activity_power, 1e-300), (LEAST * (1.0 - own.pole)) ** 2)
+    own.most = DEAFEST * own.relative
     loop.delay = candidate.delay
     own.estimate[: 2 * order] = candidate.model.used[: 2 * order]
     model.adopt(loop, order)

@@ -223,7 +223,10 @@ def _pack_loop(loop: np.void, axis: InternalModelAxis, name: str, order: int, ra
     estimate, delay = told.of_order(order).parameters, getattr(axis, f"{name}_delay")
     time = told.time_constant(rate)
     loop["squares"] = learning.packed(estimate, rate)
-    loop["wanted"]["used"][: 2 * order] = getattr(axis, f"desired_{name}").of_order(order).parameters
+    wanted: LoopModel = getattr(axis, f"desired_{name}")
+    loop["wanted"]["used"][: 2 * order] = wanted.of_order(order).parameters
+    pole = wanted.outputs[0] if wanted.order == 1 else 0.0
+    loop["wanted_time"] = -1.0 / math.log(pole) if pole > 0.0 else 0.0
     loop["noise"], loop["amplitude"] = learning.noise**2, getattr(phase, f"{name}_amplitude")
     loop["half_period"] = getattr(phase, f"{name}_half_period") * rate
     loop["delay"], loop["time"] = round(delay * rate), time * rate

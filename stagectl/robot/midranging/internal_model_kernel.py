@@ -80,6 +80,7 @@ def _advance_phase(axis: Record, fast: float, slow: float) -> None:
     off = max(fast_off, slow_off)
     if off > axis.accuracy and axis.count < axis.most_samples:
         return
+    told = axis.fast.delay
     for loop, chosen, share in ((axis.fast, fast_best, fast_off), (axis.slow, slow_best, slow_off)):
         identification.choose(loop, axis.order, chosen)
         loop.off = math.sqrt(share)
@@ -87,6 +88,7 @@ def _advance_phase(axis: Record, fast: float, slow: float) -> None:
         loop.filter_pole = math.exp(-1.0 / late) if late > 0.0 else 0.0
         loop.window_pole = math.exp(-1.0 / (WINDOW * (axis.slow.bank[slow_best].delay + axis.slow.time)))
         supervision.begin(loop)
+    model.be_as_late(axis.fast, axis.order, told)
     axis.slow.squares.usual, axis.slow.squares.limit = USUAL, math.inf
     axis.phase = ACTIVE
     if off > axis.acceptable:

@@ -11,6 +11,10 @@ from rigkit.flush_kernel import flushed
 from rigkit.record import Record
 from stagectl.robot.midranging.axis_record import ORDER, SIZE
 
+AGAIN = 2.0
+"""How much more of a residual is the model's form where the alarm rings again within the memory of the mean squares: a
+change of the loop would have been learnt by then."""
+
 
 @njit(cache=True, nogil=True)
 def reset(squares: Record) -> None:
@@ -93,7 +97,11 @@ def observe(squares: Record, order: int, output: float) -> bool:
     if updated:
         surprise = residual * residual / (expected * (1.0 + _turn(squares, order)))
         squares.alarm = max(0.0, squares.alarm + min(surprise, squares.limit) - squares.drift)
+        squares.calm += 1
         if squares.alarm > squares.limit:
+            if squares.resets > 0 and squares.calm * (1.0 - squares.keep) < 1.0:
+                squares.relative = min(AGAIN * squares.relative, squares.most)
+            squares.calm = 0
             reset(squares)
             squares.resets += 1
             _turn(squares, order)

@@ -1,5 +1,7 @@
 """Compiled pieces of one loop's internal model: its output, its inverse, and the check before an estimate is used."""
 
+import math
+
 import numpy as np
 from numba import njit
 
@@ -12,6 +14,8 @@ RADIUS = 0.9995
 """Poles of a model in use lie within."""
 GAIN = (0.5, 2.0)
 """Its gain at rest lies within: a position loop's is one."""
+SHORTEST = 0.5
+"""Of the time constant of a desired response, what is left of it behind any dead time."""
 
 
 @njit(cache=True, nogil=True)
@@ -95,6 +99,21 @@ def desired(wanted: Record, error: float, order: int) -> float:
     value = output(wanted, order)
     push(wanted.outputs, value)
     return value
+
+
+@njit(cache=True, nogil=True)
+def be_as_late(loop: Record, order: int, told: int) -> None:
+    """Take a dead time that was found, beyond the one `told` (samples), off the desired response's time constant.
+
+    Dead time and time constant together stay what was asked for.  A desired response of higher order stays.
+    """
+    whole = loop.wanted_time
+    if loop.delay <= told or whole == 0.0:
+        return
+    time = max(whole + told - loop.delay, SHORTEST * whole)
+    loop.wanted.used[:] = 0.0
+    loop.wanted.used[0] = math.exp(-1.0 / time)
+    loop.wanted.used[order] = 1.0 - loop.wanted.used[0]
 
 
 @njit(cache=True, nogil=True)

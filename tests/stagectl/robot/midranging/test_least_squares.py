@@ -141,3 +141,18 @@ def test_an_outlier_does_not_ring_and_several_do(outliers: int, rings: bool) -> 
 def test_a_wrong_setting_is_refused_by_name(wrong: dict[str, float], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         LeastSquares(**wrong)
+
+
+def test_an_alarm_that_rings_again_and_again_gets_deafer_to_a_bound() -> None:
+    """A loop of first order cannot have the mode that rings here: no start anew helps."""
+    inputs = np.random.default_rng(3).standard_normal(4000) * 1e-3
+    outputs = _loop(inputs, 1) + 2e-4 * np.sin(0.6 * np.arange(4000))
+    record = LeastSquares(noise=1e-6, smoothing=0.1, alarm=True).packed(np.array([0.96, 0.04]), RATE)
+    record["relative"], record["most"] = 1e-4, 4e-4
+    resets = []
+    for value, output in zip(inputs, outputs, strict=True):
+        kernel.observe(record, 1, output)
+        kernel.apply(record, value)
+        resets.append(int(record["resets"]))
+    assert resets[-1] >= 3
+    assert record["relative"] == 4e-4
