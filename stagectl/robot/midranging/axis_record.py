@@ -157,6 +157,7 @@ SWING = np.dtype(
         ("sign", "f8"),
         ("envelope", "f8"),  # m
         ("count", "i8"),  # half waves of an oscillation
+        ("halved", "i8"),  # times that valve position control's gain was, for its own oscillation
     ],
     align=True,
 )

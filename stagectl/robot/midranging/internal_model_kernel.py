@@ -41,6 +41,8 @@ WINDOW = 4.0
 """Of the watch over the models, over the slow loop's dead time and time constant together."""
 FAST_MOST, SLOW_MOST, LEAST = 1.5, 1.1, 0.05
 """A model diverges where its error is so many times its output, and so large a share of the travel."""
+HALVINGS = 3
+"""Of valve position control's gain, at most: a sensor that swings by itself does not end control."""
 
 Answers = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 """`fast_reference`, `slow_reference`, `control`, `share`, `active`, `fast_model` and `slow_model`, as the ports are."""
@@ -181,6 +183,19 @@ def _supervise(axis: Record, fast: float, slow: float) -> None:
         _take_over(axis, DIVERGING)
     elif oscillation.is_oscillating(axis.swing, axis.error, axis.reference - axis.outside):
         _take_over(axis, OSCILLATING)
+        oscillation.begin(axis.swing)
+
+
+@njit(cache=True, nogil=True)
+def _relax(axis: Record) -> None:
+    """Halve the gain of valve position control where that oscillates as well; neither reference jumps."""
+    swing = axis.swing
+    if oscillation.is_oscillating(swing, axis.error, axis.reference - axis.outside) and swing.halved < HALVINGS:
+        control = axis.valve
+        swing.halved += 1
+        control.fast_gain, control.fast_rate = 0.5 * control.fast_gain, 0.5 * control.fast_rate
+        control.fast_integral += control.fast_gain * axis.error
+        oscillation.begin(swing)
 
 
 @njit(cache=True, nogil=True)
@@ -197,6 +212,8 @@ def _step(axis: Record, seen: tuple[float, float, float, float]) -> tuple[float,
         _learn(axis.fast, order, fast)
         _learn(axis.slow, order, slow)
         _supervise(axis, fast, slow)
+    else:
+        _relax(axis)
     if axis.phase == ESTIMATING:
         fast_wanted, slow_given = _excitation(axis.fast, axis.count), _excitation(axis.slow, axis.count)
     elif axis.phase == ACTIVE:

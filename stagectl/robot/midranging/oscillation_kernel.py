@@ -55,6 +55,13 @@ def is_oscillating(swing: Record, error: float, called: float) -> bool:
 
 
 @njit(cache=True, nogil=True)
+def begin(swing: Record) -> None:
+    """Count from none again, and judge by what comes now."""
+    swing.count = 0
+    swing.envelope = 0.0
+
+
+@njit(cache=True, nogil=True)
 def _end(swing: Record) -> None:
     """Judge the half wave that is over."""
     size = swing.area / max(swing.samples, 1)

@@ -58,7 +58,11 @@ class Pair:
             ("relative", "control", "fast_reference", "slow_reference", "active"), np.array(kept).T, strict=True
         )
         record = block._records  # noqa: SLF001 (what has been found)
-        return dict(named) | {"delay": record["slow"]["delay"], "reason": record["reason"]}
+        return dict(named) | {
+            "delay": record["slow"]["delay"],
+            "reason": record["reason"],
+            "gain": record["valve"]["fast_gain"],
+        }
 
 
 def _axis(**more: object) -> InternalModelAxis:

@@ -58,3 +58,9 @@ def test_valve_position_control_takes_over_where_the_micro_manipulator_swings_by
         begins = int(np.flatnonzero(got["active"] == 2.0)[0])
         assert got["reason"] == OSCILLATING
         assert abs(got["slow_reference"][begins] - got["slow_reference"][begins - 1]) < 0.5e-3
+
+
+def test_the_gain_of_valve_position_control_is_halved_three_times_where_that_oscillates_too() -> None:
+    axis = _axis()
+    got = Pair(swings=("relative", "fast")).run(axis, np.concatenate((_steps(), np.zeros(1000))))
+    assert got["gain"] == axis.valve.fast.gain / 8.0
