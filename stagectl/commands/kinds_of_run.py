@@ -57,7 +57,8 @@ def remade(
 
 def _kind(path: Path) -> Kind:
     """Return the kind of a run; a folder that does not say so, by a file that only it has, or else a stage's."""
-    known = kind_of(path)
-    if known:
-        return KINDS.get(known, STAGE_RUN)
+    if name := kind_of(path):
+        if name not in KINDS:
+            raise ValueError(f"{path}: its run.json has kind {name!r}, must be one of {', '.join(KINDS)}")
+        return KINDS[name]
     return next((kind for kind in KINDS.values() if kind.is_older(path)), STAGE_RUN)

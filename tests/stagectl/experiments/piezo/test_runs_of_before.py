@@ -8,6 +8,7 @@ import pytest
 from rigkit import config as rig_file
 from rigkit.experiment.kept import EARLY
 from rigkit.experiment.runner import STOPPED
+from rigkit.origin import RUN
 from rigkit.run_folder import EVENTS
 from stagectl.commands.kinds_of_run import replayed, reported
 from stagectl.config import StageConfig
@@ -37,3 +38,12 @@ def test_a_run_of_before_comes_out_bit_for_bit_and_is_reported(seconds: float, l
     figures.pop(EARLY, None)  # which was not told
     assert reported(path, None) == figures
     assert (path / "report.html").is_file()
+
+
+def test_a_folder_of_another_program_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    carried_out(path, rig_file.load(None, StageConfig, [*QUICK, "session.seconds=0.4"]), write_models(tmp_path))
+    origin = json.loads((path / RUN).read_text())
+    (path / RUN).write_text(json.dumps(origin | {"kind": "vibrator run"}))
+    with pytest.raises(ValueError, match="has kind 'vibrator run', must be one of stage run, "):
+        reported(path, None)
