@@ -42,6 +42,7 @@ def test_every_command_of_a_program_without_wires_is_imported_without_them(packa
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.slow
 def test_a_simulated_run_is_learned_replayed_and_reported_without_them(tmp_path: Path) -> None:
     model = linear_model(tmp_path)
     words = [

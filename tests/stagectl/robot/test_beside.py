@@ -20,7 +20,7 @@ from stagectl.robot.conversation import PortState, RobotConversation
 from stagectl.robot.guard import CommandGuard
 from stagectl.robot.port import RobotPort
 from stagectl.robot.program import RobotProgram, TorqueSignals
-from stagectl.wire.robot import RATE, Outputs, Report
+from stagectl.wire.robot import RATE, Motion, Outputs, Report
 from stagectl.wire.rsi import Rsi, pack_telegram, unpack_answer
 from tests.until import EVER, until
 
@@ -91,7 +91,7 @@ def test_a_robot_whose_rsi_has_ended_is_not_heard_until_a_person_starts_it(
 ) -> None:
     config, bench = cell
     bench.suffer("trip")
-    until(lambda: bench.controller.plant.tripped > 0)
+    until(lambda: bench.controller.motion is Motion.STOPPED)
     hasty = config.model_copy(update={"robot": config.robot.model_copy(update={"patience": 0.2})})
     with pytest.raises(LinkError, match="the robot is not heard on"), RobotPort(hasty):
         pass
