@@ -18,10 +18,10 @@ from scipy.optimize import linear_sum_assignment
 
 from benchmarks.identification_methods import METHODS, PROPOSALS, RATE, Matrices
 from benchmarks.identification_targets import Row, targets
-from benchmarks.machine import processor
 from benchmarks.measured_process import Job, Outcome, measured
 from calibration.fit_measures import nrmse
 from calibration.state_space.model import InnovationModel
+from rigkit.machine_facts import processor
 from tests.calibration import resonant_systems
 from tests.calibration.resonant_systems import ResonantSystem
 

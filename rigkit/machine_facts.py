@@ -23,7 +23,7 @@ def machine_facts() -> dict[str, Any]:
         "when": now(),
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
         "python": sys.version,
-        "processor": _line(_PROCESSOR, "model name"),
+        "processor": processor(),
         "cores": os.cpu_count(),
         "memory": _line(_MEMORY, "MemTotal"),
         "governor": _text(_GOVERNOR),
@@ -36,6 +36,11 @@ def machine_facts() -> dict[str, Any]:
         "libraries": libraries(),
     }
     return {name: fact for name, fact in facts.items() if fact not in (None, "")}
+
+
+def processor() -> str:
+    """Return its maker's name for it, where the system knows."""
+    return _line(_PROCESSOR, "model name") or platform.processor() or platform.machine()
 
 
 def libraries() -> dict[str, str]:

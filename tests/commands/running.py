@@ -1,8 +1,11 @@
 """A page's command, run in this process or as a stranger's shell does."""
 
+import shlex
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 from calibration.__main__ import main as calibrate
 from firmware_sim.__main__ import main as firmware_sim
@@ -20,6 +23,19 @@ MAINS = {
 }
 """What each program's name calls, with its command line in `sys.argv`."""
 HOUR = 3_600.0
+
+
+def run_here(
+    command: Command, appended: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Run a command with more words in this process and folder, and see that it ends well."""
+    words = [*command.words, *shlex.split(appended)]
+    monkeypatch.setattr(sys, "argv", words)
+    status = MAINS[words[0]]()
+    printed = capsys.readouterr()
+    assert status == 0, f"{shlex.join(words)}: {printed.err[-2_000:]}"
+    if command.into:
+        Path(command.into).write_text(printed.out)
 
 
 def run(command: Command, folder: Path) -> subprocess.CompletedProcess[str]:

@@ -3,15 +3,13 @@
 `make test` runs them shortened as commands_page.toml states; `make soak` runs them as they are printed.
 """
 
-import shlex
-import sys
 import tomllib
 from pathlib import Path
 
 import pytest
 
 from tests.commands.page_commands import commands
-from tests.commands.running import HOUR, MAINS, run
+from tests.commands.running import HOUR, run, run_here
 from tests.contract.source_tree import ROOT
 
 STATED = tomllib.loads((Path(__file__).parent / "commands_page.toml").read_text())
@@ -36,13 +34,7 @@ def test_they_work_in_order_when_they_are_shortened(
     for command in COMMANDS:
         if command.text in STATED["not_run"] or command.text in STATED["only_soak"]:
             continue
-        words = [*command.words, *shlex.split(STATED["appended"].get(command.text, ""))]
-        monkeypatch.setattr(sys, "argv", words)
-        status = MAINS[words[0]]()
-        printed = capsys.readouterr()
-        assert status == 0, f"{shlex.join(words)}: {printed.err[-2_000:]}"
-        if command.into:
-            Path(command.into).write_text(printed.out)
+        run_here(command, STATED["appended"].get(command.text, ""), monkeypatch, capsys)
 
 
 @pytest.mark.slow

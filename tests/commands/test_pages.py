@@ -6,8 +6,6 @@ soak` runs all that need no hardware as they are printed (docs.toml).
 
 import inspect
 import re
-import shlex
-import sys
 import tomllib
 from pathlib import Path
 
@@ -21,7 +19,7 @@ from tests.commands.brought import BROUGHT
 from tests.commands.dry_parse import APPLICATIONS, Parsed, helps, parse
 from tests.commands.page_commands import TOOLS, block_commands, command_of, commands
 from tests.commands.page_files import is_made, reads, writes
-from tests.commands.running import HOUR, MAINS, run
+from tests.commands.running import HOUR, run, run_here
 from tests.contract.source_tree import ROOT
 from vibractl.config import RigConfig
 
@@ -106,13 +104,7 @@ def test_the_quick_ones_work_in_order(
             assert run(command, tmp_path).returncode == 0
         if command.text not in STATED["appended"]:
             continue
-        words = [*command.words, *shlex.split(STATED["appended"][command.text])]
-        monkeypatch.setattr(sys, "argv", words)
-        status = MAINS[words[0]]()
-        printed = capsys.readouterr()
-        assert status == 0, f"{shlex.join(words)}: {printed.err[-2_000:]}"
-        if command.into:
-            Path(command.into).write_text(printed.out)
+        run_here(command, STATED["appended"][command.text], monkeypatch, capsys)
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ from numba import njit
 
 from rigkit.record import Record
 from stagectl.robot.milling.feed_record import CONTROLLING, ESTIMATING
+from stagectl.robot.milling.velocity_loop_kernel import foreseen
 
 SCATTERS = 2.0
 """Of the usual scatter, beside the share of the force wanted, beyond which it brakes: a ripple's peak is at 1.6."""
@@ -55,15 +56,9 @@ def _foreseen(feed: Record, velocity: float, goal: float) -> float:
     for i in range(n):
         brake.state[i] = loop.state[i]
     for _ in range(brake.samples):
-        velocity = 0.0
-        for i in range(n):
-            ahead = loop.inlet[i] * goal
-            for j in range(n):
-                ahead += loop.transition[i, j] * brake.state[j]
-            loop.work[i] = ahead
+        velocity = foreseen(loop, n, goal, brake.state, loop.work)
         for i in range(n):
             brake.state[i] = loop.work[i]
-            velocity += loop.outlet[i] * loop.work[i]
     return velocity
 
 

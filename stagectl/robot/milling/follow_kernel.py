@@ -5,6 +5,7 @@ import math
 from numba import njit
 
 from rigkit.record import Record
+from stagectl.robot.milling.velocity_loop_kernel import foreseen
 
 MEAN, SHARE = 0.25, 0.5
 """Difference of the means, over the larger one, and mean square of the difference about them, over that of the larger
@@ -24,15 +25,10 @@ def begin(follow: Record) -> None:
 @njit(cache=True, nogil=True)
 def _foreseen(follow: Record, loop: Record) -> float:
     """Return what the model makes of all that was asked, m/s, whatever was measured."""
-    n, velocity = loop.states - 1, 0.0  # without the disturbance
-    for i in range(n):
-        ahead = loop.inlet[i] * loop.asked
-        for j in range(n):
-            ahead += loop.transition[i, j] * follow.state[j]
-        follow.work[i] = ahead
+    n = loop.states - 1  # without the disturbance
+    velocity = foreseen(loop, n, loop.asked, follow.state, follow.work)
     for i in range(n):
         follow.state[i] = follow.work[i]
-        velocity += loop.outlet[i] * follow.state[i]
     return velocity
 
 
