@@ -47,6 +47,13 @@ def keep_origin(
     folder.write(RUN, origin.accepting(accept).text)
 
 
+def refuse_other_kind(path: Path, kinds: Collection[str]) -> None:
+    """Refuse, by ValueError, a folder that says that its run is of another kind than these."""
+    origin = read_origin(path / RUN)
+    if origin is not None and origin.kind not in kinds:
+        raise ValueError(f"{path}: its {RUN} has kind {origin.kind!r}, must be one of {', '.join(kinds)}")
+
+
 def finish(path: Path) -> None:
     """Write into a run's folder that all that was to come of it is there, and since when."""
     if (origin := read_origin(path / RUN)) is not None:

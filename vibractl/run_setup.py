@@ -27,8 +27,10 @@ from vibractl.setup import Setup, setup, warm_setup
 MODEL, WISDOM, REFERENCE, START = "model.h5", "fftw.wisdom", "reference", "start.h5"
 UNCHANGED = GOING_ON.without("characterisation")
 """What a run that goes on must have kept."""
+VIBRATOR_RUN = "vibrator run"
 IMPORTED = "imported vibrator run"
 """Kind of a run that other software has played and recorded."""
+KINDS = (VIBRATOR_RUN, IMPORTED)
 
 
 def create(
@@ -86,7 +88,7 @@ def create(
         if entry is not None:
             write_entry(folder.path / START, entry)
             parts.append(START)
-        keep_origin(folder, "vibrator run", files.config, parts, sorted(accept))
+        keep_origin(folder, VIBRATOR_RUN, files.config, parts, sorted(accept))
         if entry is not None:
             folder.event("library", {"entry": entry.name, "tags": dict(entry.tags), "run": entry.about["run"]})
             if broken is not None:
@@ -122,6 +124,7 @@ def with_own_reference(config: RigConfig) -> tuple[RigConfig, Path | None]:
 
 def settings_of(path: Path, overrides: tuple[str, ...] = ()) -> RigConfig:
     """Return the settings of a run folder, laid over with others; older ones left the hum in, and had FFTW alone."""
+    run_origin.refuse_other_kind(path, KINDS)
     file = path / "config.toml"
     text = file.read_bytes() if file.is_file() else b""
     before = {rb"^mains\b": "quality.mains=false", rb"^\[spectrum\]": "spectrum.backend=fftw"}
@@ -190,8 +193,7 @@ def resumed_setup(folder: RunFolder, accept: Collection[str] = ()) -> Setup:
             f"{folder.path}/ was played by other software and imported, so it does not go on here: go on with "
             "`vibractl step`, or keep what it knows with `vibractl library add` and begin with `vibractl run --warm`"
         )
-    kept = rig_file.load(folder.path / CONFIG, RigConfig, as_written=True)
-    notes = going_on(folder, kept, accept, UNCHANGED)
+    notes = going_on(folder, _as_written(folder.path), accept, UNCHANGED)
     return replace(setup_of(folder.path), said=tuple(notes))
 
 
@@ -209,13 +211,19 @@ def refuse_changed(path: Path, accept: Collection[str] = ()) -> list[str]:
     ------
     DisagreementError : it says which.
     """
-    found = changed(path, rig_file.load(path / CONFIG, RigConfig, as_written=True), UNCHANGED)
+    found = changed(path, _as_written(path), UNCHANGED)
     return agreed(found or [], accept, f"{path}/ has changed since the run was made", "put back what it was made with")
 
 
 def say_changed(path: Path) -> None:
     """Say, on the standard error, what of a run has changed since it was made."""
-    run_origin.say_changed(path, rig_file.load(path / CONFIG, RigConfig, as_written=True), UNCHANGED)
+    run_origin.say_changed(path, _as_written(path), UNCHANGED)
+
+
+def _as_written(path: Path) -> RigConfig:
+    """Return the settings in a run's folder as they stand there; refuse the folder of another program's run."""
+    run_origin.refuse_other_kind(path, KINDS)
+    return rig_file.load(path / CONFIG, RigConfig, as_written=True)
 
 
 def refuse_other_wiring(path: Path, config: RigConfig, accept: Collection[str]) -> None:

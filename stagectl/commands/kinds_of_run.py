@@ -8,6 +8,7 @@ from ctlblocks.recording import Recording
 from rigkit.experiment import again, kept
 from rigkit.experiment.kind import Kind, kind_of
 from rigkit.experiment.replayed import Replayed
+from rigkit.run_origin import refuse_other_kind
 from stagectl.experiments.kinds import KINDS
 from stagectl.experiments.piezo.experiment import STAGE_RUN
 
@@ -57,8 +58,7 @@ def remade(
 
 def _kind(path: Path) -> Kind:
     """Return the kind of a run; a folder that does not say so, by a file that only it has, or else a stage's."""
+    refuse_other_kind(path, KINDS)
     if name := kind_of(path):
-        if name not in KINDS:
-            raise ValueError(f"{path}: its run.json has kind {name!r}, must be one of {', '.join(KINDS)}")
         return KINDS[name]
     return next((kind for kind in KINDS.values() if kind.is_older(path)), STAGE_RUN)

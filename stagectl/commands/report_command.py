@@ -16,8 +16,8 @@ def report_command(
 
     Example: `stagectl report RUN/ --png figures/`
     """
-    make_whole(path)
     say_changed(path)
+    make_whole(path)
     say_at_work(path)
     figures = reported(path, png)
     print(f"report: {path / 'report.html'}", file=words(json))
