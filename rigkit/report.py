@@ -97,7 +97,7 @@ class Report:
         page = jinja2.Environment(
             autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
         )
-        page.filters |= {"image": _image, "anchor": _file_name, "paragraphs": _paragraphs}
+        page.filters |= {"image": _image, "anchor": _file_name, "paragraphs": _paragraphs, "is_prose": _is_prose}
         template = files("rigkit").joinpath("report_page.html").read_text(encoding="utf-8")
         return page.from_string(template).render(report=self)
 
@@ -123,6 +123,18 @@ class Report:
 
 def _file_name(title: str) -> str:
     return re.sub(r"\W+", "-", title.lower()).strip("-")
+
+
+def _is_prose(cell: str) -> bool:
+    """Whether a cell has more than two words that are no numbers: a sentence, which stands left and is wrapped."""
+    return sum(not _is_number(word.strip("(),;%±")) for word in cell.split()) > 2
+
+
+def _is_number(word: str) -> bool:
+    try:
+        return not word or isinstance(float(word), float)
+    except ValueError:
+        return False
 
 
 def _paragraphs(text: str) -> list[str]:

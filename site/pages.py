@@ -16,6 +16,7 @@ PROGRAMS = {
     "calibrate": "calibration.application:PROGRAM",
     "firmware-sim": "firmware_sim.application:PROGRAM",
     "vibrostage": "vibrostage.application:PROGRAM",
+    "vibrostage study": "vibrostage.application:STUDY",
 }
 _LINK = re.compile(r"(!?\[[^\]]*\]\()([^)\s#]+)(#[^)\s]*)?\)")
 
@@ -42,7 +43,7 @@ def write(site: Path, root: Path) -> None:
     shutil.rmtree(commands, ignore_errors=True)
     commands.mkdir()
     for name, place in PROGRAMS.items():
-        (commands / f"{name}.md").write_text(_program(name, place), encoding="utf-8")
+        (commands / f"{name.replace(' ', '-')}.md").write_text(_program(name, place), encoding="utf-8")
 
 
 def _linked(text: str, page: Path, guide: Path, root: Path) -> str:

@@ -2,9 +2,20 @@
 
 from rigkit.program import Program
 
+STUDY = Program(
+    "Any command over machines, seeds and settings, on every core or a cluster.",
+    {
+        "example": "vibrostage.study_example:example_command",
+        "run": "vibrostage.study_command:run_command",
+        "replay": "vibrostage.study_command:replay_command",
+        "report": "vibrostage.study_results:report_command",
+        "compare": "vibrostage.study_results:compare_command",
+    },
+    ("vibrostage", "calibration", "vibractl", "stagectl", "firmware_sim"),
+)
 PROGRAM = Program(
     "Learning control for marine vibrators, piezo stages and the robots beside them: every program by a word.",
-    {"plan": "stagectl.commands.plan_command:plan", "study": "vibrostage.study_command:study_app"},
+    {"plan": "stagectl.commands.plan_command:plan"},
     ("vibrostage", "calibration", "vibractl", "stagectl", "firmware_sim"),
     {
         "vibrator": "vibractl.application:PROGRAM",
@@ -12,5 +23,6 @@ PROGRAM = Program(
         "cell": "stagectl.application:CELL",
         "calibrate": "calibration.application:PROGRAM",
         "sim": "firmware_sim.application:PROGRAM",
+        "study": "vibrostage.application:STUDY",
     },
 )

@@ -1,29 +1,22 @@
-"""The commands `vibrostage study`."""
+"""The commands `vibrostage study run` and `replay`."""
 
-import tomllib
 from contextlib import AbstractContextManager
-from importlib.resources import files
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from rigkit.agreement import AcceptOption
-from rigkit.command import JsonOption, SetOption, application, print_table, words, write_json
+from rigkit.command import JsonOption, SetOption, words, write_json
 from rigkit.progress import progress
 from rigkit.stop import Stopped, stoppable
 from rigkit.study import programs
-from rigkit.study.comparison import difference, ends_differently, is_within, matched
 from rigkit.study.engine import Hands, Study, cores
 from rigkit.study.folder import StudyFolder
 from rigkit.study.local import local
 from rigkit.study.plan import Plan, read_plan
-from rigkit.study.report import PAGE, StudyReport
 from rigkit.study.results import study_hash
-from rigkit.study.tables import case_name
 from vibrostage.replay_study import replay_study
-
-study_app = application("Any command over machines, seeds and settings, on every core or a cluster.")
 
 OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder of the study, new or to go on with.")]
 SchedulerOption = Annotated[
@@ -34,18 +27,6 @@ WorkersOption = Annotated[
 ]
 
 
-@study_app.command("example")
-def example_command(json: JsonOption = None) -> None:
-    """Print a small study: two learning laws on three simulated vibrators, a minute on two cores.
-
-    Example: `vibrostage study example > STUDY.toml`
-    """
-    text = files("vibrostage").joinpath("quick.toml").read_text(encoding="utf-8")
-    words(json).write(text)
-    write_json(json, tomllib.loads(text))
-
-
-@study_app.command("run")
 def run_command(
     study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="What is run over what.")],
     out: OutOption,
@@ -62,7 +43,6 @@ def run_command(
     perform_study(read_plan(study, programs.names(), settings or []), out, scheduler, workers, accept or [], json)
 
 
-@study_app.command("replay")
 def replay_command(
     runs: Annotated[Path, typer.Argument(metavar="RUNS/", help="Folder in which folders of runs lie.")],
     out: OutOption,
@@ -78,73 +58,6 @@ def replay_command(
     """
     plan = Plan(replay_study(runs, settings or []), programs.names(), runs)
     perform_study(plan, out, scheduler, workers, accept or [], json)
-
-
-@study_app.command("report")
-def report_command(
-    path: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a study, or a file of its results.")],
-    out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="The page; DIR/report.html, and none of a file, without.")
-    ] = None,
-    png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
-    json: JsonOption = None,
-) -> None:
-    """Report a study: distributions, survival curves, and the worst cases with the commands that repeat them.
-
-    Example: `vibrostage study report LAWS/ --json laws.json`
-    """
-    found = StudyReport.of(path)
-    stream = words(json)
-    for text, table in found.tables():
-        print_table(text, table.head, table.rows, stream)
-    for line in found.lines():
-        print(line, file=stream)  # noqa: T201
-    target = path / PAGE if out is None and path.is_dir() else out
-    if target is not None or png is not None:
-        page = found.page()
-        if target is not None:
-            page.write(target)
-            print(f"report: {target}", file=stream)  # noqa: T201
-        if png is not None:
-            page.png(png)
-    write_json(json, found.told())
-
-
-@study_app.command("compare")
-def compare_command(
-    one: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a study, or a file of its results.")],
-    other: Annotated[
-        Path, typer.Argument(metavar="OTHER", help="The same study, from elsewhere or by other software.")
-    ],
-    tolerance: Annotated[float, typer.Option(min=0.0, help="Of the larger value; 0 for the same bits.")] = 0.0,
-    json: JsonOption = None,
-) -> None:
-    """Compare two results of a study task by task; status 1 where a figure differs by more than the tolerance.
-
-    Example: `vibrostage study compare LAWS/ ELSEWHERE/ --tolerance 1e-9`
-    """
-    first, second = StudyReport.of(one), StudyReport.of(other)
-    pairs = matched(first.rows, second.rows)
-    common = {name: figure for name, figure in first.about.figures.items() if name in second.about.figures}
-    found = {name: difference(pairs, name, figure) for name, figure in common.items()}
-    ends = ends_differently(pairs)
-    rows = [
-        [
-            name,
-            str(each.count),
-            str(each.differing),
-            f"{each.largest:.3g}",
-            case_name(each.worst) if each.worst else "-",
-        ]
-        for name, each in found.items()
-    ]
-    head = ["figure", "tasks", "other bits", "largest difference, of the value", "in"]
-    print_table(f"{one} and {other}: {len(pairs)} tasks, {len(ends)} end otherwise", head, rows, words(json))
-    is_same = not ends and is_within(found, common, tolerance)
-    figures = {name: {"differing": each.differing, "largest": each.largest} for name, each in found.items()}
-    write_json(json, {"tasks": len(pairs), "ends": len(ends), "within": is_same, "figures": figures})
-    if not is_same:
-        raise typer.Exit(1)
 
 
 def perform_study(

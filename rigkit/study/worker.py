@@ -18,6 +18,7 @@ from typing import BinaryIO
 import numpy as np
 from threadpoolctl import threadpool_info
 
+from rigkit import machine_facts
 from rigkit.command import STOPPED
 from rigkit.json_file import json_value
 from rigkit.json_text import json_text
@@ -25,7 +26,6 @@ from rigkit.provenance import software
 from rigkit.study.performing import perform
 from rigkit.study.task import Task
 
-_CPU_FILE = Path("/proc/cpuinfo")
 _INPUT, _OUTPUT, _ERROR = 0, 1, 2
 
 
@@ -53,9 +53,7 @@ def processor() -> str:
     """
     np.linalg.inv(np.eye(2))
     kinds = {str(library.get("architecture", "")) for library in threadpool_info()}
-    text = _CPU_FILE.read_text() if _CPU_FILE.is_file() else ""
-    models = [line.partition(":")[2].strip() for line in text.splitlines() if line.startswith("model name")]
-    return f"{models[0] if models else os.uname().machine} ({', '.join(sorted(filter(None, kinds)))})"
+    return f"{machine_facts.processor()} ({', '.join(sorted(filter(None, kinds)))})"
 
 
 def _private_pipes() -> tuple[BinaryIO, BinaryIO]:

@@ -5,6 +5,7 @@ from pathlib import Path
 from stagectl.planning.exact import ExactPlanner
 from stagectl.planning.features import FeaturesPlanner
 from stagectl.planning.milling import Planner, mill
+from stagectl.planning.planner_names import PLANNERS, UNTRAINED
 from stagectl.planning.pocket_check import Verdict, check
 from stagectl.planning.problem import Pocket, PocketFault
 from stagectl.planning.qlearning import QLearningPlanner
@@ -14,11 +15,6 @@ from stagectl.planning.sequential import SequentialPlanner, trained
 from stagectl.planning.uncertain import UncertainPlanner
 
 __all__ = ["PLANNERS", "Pocket", "PocketFault", "Verdict", "check", "plan", "planner", "untrained"]
-
-PLANNERS = ("exact", "sequential", "qlearning", "features", "uncertain")
-"""Those that plan on the rates of the pocket."""
-UNTRAINED = ("sequential", "uncertain")
-"""Those that can do without."""
 
 
 def planner(name: str, pocket: Pocket, seed: int = 0, prior: Path | None = None) -> Planner:

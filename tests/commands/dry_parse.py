@@ -12,6 +12,7 @@ from firmware_sim.application import PROGRAM as FIRMWARE_SIM
 from stagectl.application import PROGRAM as STAGECTL
 from vibractl.application import PROGRAM as VIBRACTL
 from vibrostage.application import PROGRAM as VIBROSTAGE
+from vibrostage.application import STUDY
 
 APPLICATIONS = {
     "vibractl": VIBRACTL.only(),
@@ -20,6 +21,7 @@ APPLICATIONS = {
     "firmware-sim": FIRMWARE_SIM.only(),
     "vibrostage": VIBROSTAGE.only(),
 }
+APPLICATIONS["vibrostage"].add_typer(STUDY.only(), name="study")
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ BELOW = {
     "cell": "stagectl",
     "calibrate": "calibrate",
     "sim": "firmware-sim",
+    "study": "vibrostage study",
 }
 """Words of `vibrostage` that are programs."""
 

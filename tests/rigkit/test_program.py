@@ -10,8 +10,10 @@ from calibration.application import PROGRAM as CALIBRATE
 from rigkit.program import help_of
 from stagectl.application import PROGRAM as STAGECTL
 from vibractl.application import PROGRAM as VIBRACTL
+from vibrostage.application import PROGRAM as VIBROSTAGE
+from vibrostage.application import STUDY
 
-PROGRAMS = {"vibractl": VIBRACTL, "stagectl": STAGECTL, "calibration": CALIBRATE}
+PROGRAMS = {"vibractl": VIBRACTL, "stagectl": STAGECTL, "calibration": CALIBRATE, "study": STUDY}
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
@@ -24,15 +26,35 @@ def test_what_stands_in_the_help_is_what_each_command_says_of_itself(name: str) 
     }
 
 
+HEAVY = {"matplotlib", "scipy", "numba", "h5py", "httpx", "fastapi", "uvicorn", "pyfftw", "sounddevice", "soundfile"}
+HEAVY |= {"can", "google.protobuf", "clarabel", "pyarrow", "dask", "jinja2"}
+"""What no `--help` needs: each takes between a tenth of a second and a whole one."""
+
+
+@pytest.mark.parametrize("option", ["--help", "--version"])
+@pytest.mark.parametrize(
+    ("module", "words"),
+    [
+        *((module, []) for module in ("vibractl", "stagectl", "calibration", "firmware_sim")),
+        *(("vibrostage", [*word]) for word in ((), ("plan",), *((each,) for each in VIBROSTAGE.programs))),
+    ],
+)
+def test_the_help_of_a_program_imports_nothing_heavy(module: str, words: list[str], option: str) -> None:
+    code = f"import sys; sys.argv[1:] = {[*words, option]}; from {module}.__main__ import main\n"
+    code += "try: status = main()\nexcept SystemExit as end: status = end.code\n"
+    code += f"print('imported', *({HEAVY!r} & set(sys.modules))); sys.exit(status)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.rpartition("imported")[2].split() == []
+    assert len(done.stdout.splitlines()) > 1
+
+
 @pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("name", "command", "unwanted"),
     [
-        ("vibractl", "--help", {"scipy", "matplotlib", "httpx", "numba"}),
         ("vibractl", "status", {"scipy", "matplotlib", "numba"}),
         ("vibractl", "example-config", {"scipy", "matplotlib", "numba"}),
         ("vibractl", "judge", {"vibractl.session", "httpx"}),
-        ("stagectl", "--help", {"scipy", "matplotlib", "httpx", "numba"}),
         ("calibration", "compare", {"stagectl", "calibration.subspace", "httpx"}),
     ],
 )

@@ -46,6 +46,15 @@ def test_the_page_shows_facts_sections_tables_and_figures() -> None:
         assert piece in html
 
 
+def test_numbers_however_they_are_written_stand_right_and_sentences_left() -> None:
+    figures = ("68.1", "1e-09", "-1.2e-09", "3.1 ± 0.2 %", "129 of 205", "nan", "-", "0.4 (0.1 to 0.9)")
+    sentences = ("no loop keeps its bounds", "held: 3 V is over")
+    table = Table(("case", "value"), tuple(("a row", text) for text in (*figures, *sentences)))
+    html = report(Section("Values", tables=(table,))).html()
+    assert [text for text in figures if f"<td>{text}</td>" not in html] == []
+    assert [text for text in sentences if f'<td class="prose">{text}</td>' not in html] == []
+
+
 def test_the_page_loads_nothing_from_elsewhere() -> None:
     html = report(Section("Spectra", "", (Plot(figure(), "x"), Plot(figure(MOST_POINTS + 1), "y")))).html()
     for tag, attributes in tags(html):

@@ -22,7 +22,7 @@ from stagectl.experiments.feed.process import process_rows
 from stagectl.experiments.feed.read_back import FORCE, Files
 from stagectl.experiments.feed.report import HEAD, TYPE_HEAD, pocket_rows, type_rows
 from stagectl.experiments.feed.wired import WiredBench, steps
-from stagectl.planning.pocket import PLANNERS, UNTRAINED
+from stagectl.planning.planner_names import PLANNERS, UNTRAINED
 from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_needless_yes, refuse_unattended
 from stagectl.robot.live.person import Person

@@ -6,7 +6,7 @@ from pydantic import model_validator
 
 from rigkit.config import setting
 from stagectl.daemon.cell_options import Run
-from stagectl.planning.pocket import UNTRAINED
+from stagectl.planning.planner_names import UNTRAINED
 
 
 class ForceOptions(Run):

@@ -4,10 +4,11 @@ import re
 
 import pytest
 
+from stagectl.planning.cutting import Cutting
 from stagectl.planning.exact import ExactPlanner
 from stagectl.planning.milling import mill
 from stagectl.planning.problem import Pocket, PocketFault
-from stagectl.planning.toolpath import Cutting, gcode, rapid, targets
+from stagectl.planning.toolpath import gcode, rapid, targets
 from tests.stagectl.planning.pockets import EXAMPLE, figure_8_8
 
 POCKET = Pocket.from_dict(EXAMPLE)
