@@ -17,6 +17,7 @@ RUN SETUPTOOLS_SCM_PRETEND_VERSION="$VERSION" pip wheel --no-cache-dir --no-deps
 
 FROM python:3.13-slim
 # PortAudio, for `vibractl` with a sound card; the simulated one needs none.
+# hadolint ignore=DL3008
 RUN apt-get update \
  && apt-get install -y --no-install-recommends libportaudio2 \
  && rm -rf /var/lib/apt/lists/*
@@ -25,7 +26,7 @@ RUN useradd --create-home --uid 10001 vibrostage \
  && install -d -m 1777 /work /cache
 # Any user may run it: compiled loops, FFT plans and Matplotlib's fonts go where everybody may write.
 ENV HOME=/cache XDG_CACHE_HOME=/cache NUMBA_CACHE_DIR=/cache/numba MPLCONFIGDIR=/cache/matplotlib OPENBLAS_NUM_THREADS=1
-USER vibrostage
+USER 10001
 WORKDIR /work
 ENTRYPOINT ["vibrostage"]
 CMD ["--help"]

@@ -1,8 +1,8 @@
-"""The simulated stage on the bench: its processor behind a CAN adapter, the laser sensor behind a serial line."""
+"""The simulated stage on the bench: its processor behind a CAN adapter."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from threading import Event, Thread
+from threading import Event
 from time import monotonic
 from typing import Any
 
@@ -10,27 +10,22 @@ import numpy as np
 
 from firmware_sim.can_node import CanNode, Mishap
 from firmware_sim.plate_file import write_plate
-from firmware_sim.serial_node import SerialNode
 from firmware_sim.slcan_adapter import SlcanAdapter
 from firmware_sim.stage_image import StageImage
 from firmware_sim.stage_processor import Loops, Settings, StageProcessor
 from rigkit.priority import undisturbed
-from stagectl.link.config import Laser
 from stagectl.wire.messages import BLOCK
 
 
 class StageBench:
-    """Both devices, as symbolic links in a folder.
+    """The adapter, as a symbolic link in a folder.
 
     Parameters
     ----------
     folder : Path
-        Gets `can` and `laser`, and `plate`: where the plate is, for a simulated tracker.
+        Gets `can`, and `plate`: where the plate is, for a simulated tracker.
     image : StageImage
     settings : Settings
-    laser : Laser
-        How the sensor's controller is set.
-    laser_axis : int, counted from 0, the axis it looks along
     mishaps : sequence of Mishap
     """
 
@@ -39,11 +34,9 @@ class StageBench:
         folder: Path,
         image: StageImage,
         settings: Settings,
-        laser: Laser,
-        laser_axis: int,
         mishaps: Sequence[Mishap] = (),
     ) -> None:
-        self.can, self.laser = folder / "can", folder / "laser"
+        self.can = folder / "can"
         image.tick(np.zeros((BLOCK, 3)))  # compiles
         self._image, self._place = image, folder / "plate"
         self._plate = write_plate(self._place)
@@ -53,8 +46,6 @@ class StageBench:
             monotonic(),
         )
         self.node = CanNode(SlcanAdapter(self.can), processor, image.suffer, mishaps)
-        seen = image.absolute
-        self._sensor = SerialNode(self.laser, lambda: float(seen[laser_axis]), laser.mode, unit=laser.scale)
 
     def _tick(self, references: np.ndarray) -> dict[str, Any]:
         """Run ten samples, and show where the plate is."""
@@ -63,21 +54,18 @@ class StageBench:
         return signals
 
     def run(self, ready: Callable[[], None], stop: Event) -> None:
-        """Serve until `stop` is set, then take both devices away.
+        """Serve until `stop` is set, then take the device away.
 
         Parameters
         ----------
         ready : callable()
-            Called once both can be opened.
+            Called once it can be opened.
         stop : Event
         """
         with undisturbed():
-            sensor = Thread(target=self._sensor.run, args=(stop,), name="laser", daemon=True)
-            sensor.start()
             try:
                 ready()
                 self.node.run(stop)
             finally:
                 stop.set()
-                sensor.join()
                 self._place.unlink(missing_ok=True)

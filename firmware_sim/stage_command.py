@@ -1,4 +1,4 @@
-"""The command `firmware-sim stage`: the stage's processor and the laser behind their wires."""
+"""The command `firmware-sim stage`: the stage's processor behind its wire."""
 
 from pathlib import Path
 from tempfile import mkdtemp
@@ -23,18 +23,15 @@ def stage_command(
     pty: Annotated[bool, typer.Option("--pty", help="Behind pseudo-terminals.")] = False,
     config: ConfigOption = None,
     settings: SetOption = None,
-    folder: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Where the two devices appear, as can and laser.")
-    ] = None,
+    folder: Annotated[Path | None, typer.Option(metavar="DIR", help="Where the adapter appears, as can.")] = None,
     milling: Annotated[str, typer.Option(help="x, y or z: a cut begins with each live run that is judged.")] = "",
-    laser_axis: Annotated[str, typer.Option(help="The axis that the laser sensor looks along.")] = "x",
     fault: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME@SECONDS", help=f"One of {', '.join(MISHAPS)}; may be given many times."),
     ] = None,
     json: JsonOption = None,
 ) -> None:
-    """Put the stage's processor behind a CAN adapter and the laser sensor behind a serial line, until Ctrl-C.
+    """Put the stage's processor behind a CAN adapter, until Ctrl-C.
 
     The rig file is the stage's own; [simulator] has the plant's options.  Example:
 
@@ -45,11 +42,8 @@ def stage_command(
     if not pty:
         raise ValueError("no wire is chosen, must be --pty")
     rig = load(config, StageConfig, settings or [])
-    if laser_axis not in rig.stage.axes or milling not in ("", *DEFLECTIONS):
-        raise ValueError(
-            f"--laser-axis is {laser_axis!r}, must be {', '.join(rig.stage.axes)}; "
-            f"--milling is {milling!r}, must be {', '.join(DEFLECTIONS)} or nothing"
-        )
+    if milling not in ("", *DEFLECTIONS):
+        raise ValueError(f"--milling is {milling!r}, must be {', '.join(DEFLECTIONS)} or nothing")
     image, mishaps = StageImage(rig, milling), [mishap(text) for text in fault or []]
     place = folder or Path(mkdtemp(prefix="stage-"))
     place.mkdir(parents=True, exist_ok=True)
@@ -57,8 +51,6 @@ def stage_command(
         place,
         image,
         Settings(form=rig.link.form, silence=rig.link.silence, hold=rig.link.hold, ramp=rig.limits.ramp),
-        rig.laser,
-        rig.stage.axes.index(laser_axis),
         mishaps,
     )
     stop = Event()
@@ -67,5 +59,4 @@ def stage_command(
 
 
 def _say_ready(bench: StageBench, json: str | None) -> None:
-    figures = {"can": str(bench.can), "laser": str(bench.laser)}
-    be_ready(f"CAN adapter: {bench.can}\nlaser sensor: {bench.laser}", figures, json)
+    be_ready(f"CAN adapter: {bench.can}", {"can": str(bench.can)}, json)

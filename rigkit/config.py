@@ -76,6 +76,7 @@ def load(
     overrides: Sequence[str] = (),
     as_written: bool = False,
     trusts: Callable[[Model], bool] = lambda _: True,
+    gone: Sequence[str] = (),
 ) -> Model:
     """Read a rig file, lay the overrides over it and check the whole.
 
@@ -93,12 +94,16 @@ def load(
         Leave relative paths as they are.
     trusts : callable(Section) -> bool
         Whether code that the file names may be imported, to see which of its options are paths.
+    gone : sequence of str, "table.key"
+        Keys that the file of a run of before may have, and that are passed over.
 
     Raises
     ------
     ConfigError : one line with the file (or the override), the key, the value and what is allowed.
     """
     data = {} if path is None else file_values(path)
+    for table, _, key in (each.partition(".") for each in gone):
+        data.get(table, {}).pop(key, None)
     if path is not None and not as_written:
         anchored(data, model, Path(path).parent)
     parsed = [Override(text, model) for text in overrides]

@@ -45,7 +45,7 @@ CHANNELS = 15
 
 
 def velocity_command(
-    out: Annotated[Path, written_file("FILE.h5", "Model file to write; the record goes beside it.")],
+    out: Annotated[Path, written_file("FILE", "Model file to write; the record goes beside it.")],
     config: ConfigOption = None,
     record: Annotated[
         Path | None,

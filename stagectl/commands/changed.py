@@ -9,6 +9,7 @@ from rigkit.run_folder import CONFIG
 from stagectl.config import StageConfig
 from stagectl.experiments.kinds import KINDS
 from stagectl.experiments.piezo.experiment import STAGE_RUN
+from stagectl.link.config import GONE
 from stagectl.robot.config import CellConfig
 
 
@@ -23,4 +24,4 @@ def say_changed(path: Path) -> None:
     origin = read_origin(path / RUN)
     if origin is not None and (path / CONFIG).is_file():
         model = StageConfig if origin.kind == STAGE_RUN.name else CellConfig
-        run_origin.say_changed(path, rig_file.load(path / CONFIG, model, as_written=True))
+        run_origin.say_changed(path, rig_file.load(path / CONFIG, model, as_written=True, gone=GONE))

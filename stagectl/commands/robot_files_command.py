@@ -29,7 +29,7 @@ _COMM_TIMEOUT, _FILTER = 1.0, 20.0
 Maker = Annotated[
     str, typer.Argument(metavar="MAKER", help=f"One of {', '.join(MAKERS)}.", autocompletion=one_of(MAKERS))
 ]
-Out = Annotated[Path, made_folder("FOLDER", "Where they are written.", "--out")]
+Out = Annotated[Path, made_folder("DIR", "Where they are written.", "--out")]
 
 
 def robot_files(

@@ -1,1 +1,1 @@
-"""The host's end of the wires: the stage behind a CAN adapter, the laser sensor behind a serial line."""
+"""The host's end of the wires: the stage behind a CAN adapter."""

@@ -46,25 +46,16 @@ class Link(Section):
 
 
 class Laser(Section):
-    """The laser displacement sensor on a serial line, Keyence LK-G kind."""
+    """The lasers that the stage's processor reads, one an axis."""
 
-    role = "patience"
+    role = "plant"
 
-    port: str = code("serial:Serial", "module:Class with serial.Serial's constructor")
-    device: str = setting("/dev/ttyUSB0", "", "the serial port", min_length=1)
-    baud: int = setting(115_200, "bit/s", "as set on the sensor's controller", ge=9_600, le=921_600)
-    mode: Literal["continuous", "request"] = setting(
-        "continuous", "", "the sensor sends by itself, TG; or a value for each request, M"
-    )
-    output: Literal[1, 2] = setting(1, "", "OUT1 or OUT2 of the controller", role="wiring")
-    scale: float = setting(
-        1e-3, "m", "what one on its display is worth: 1e-3 where it shows mm", gt=0, le=1, role="wiring"
-    )
-    silence: float = setting(0.1, "s", "without a value that is a fault", ge=0.01, le=10)
-    on: bool = setting(False, "", "the stage's processor reads a laser an axis; a live run records it", role="plant")
-    rate: float = setting(5_000.0, "Hz", "readings a second of the stage's lasers", ge=100, le=10_000, role="plant")
-    late: float = setting(
-        1e-3, "s", "by which a reading may be older than three cycles of its laser", ge=0, le=0.1, role="plant"
-    )
-    stuck: int = setting(200, "readings", "the same number so often is a stuck laser", ge=10, le=100_000, role="plant")
-    speed: float = setting(0.25, "m/s", "fastest change of a laser's reading that can be", gt=0, le=10, role="plant")
+    on: bool = setting(False, "", "the stage's processor reads a laser an axis; a live run records it")
+    rate: float = setting(5_000.0, "Hz", "readings a second of the stage's lasers", ge=100, le=10_000)
+    late: float = setting(1e-3, "s", "by which a reading may be older than three cycles of its laser", ge=0, le=0.1)
+    stuck: int = setting(200, "readings", "the same number so often is a stuck laser", ge=10, le=100_000)
+    speed: float = setting(0.25, "m/s", "fastest change of a laser's reading that can be", gt=0, le=10)
+
+
+GONE = tuple(f"laser.{key}" for key in ("port", "device", "baud", "mode", "output", "scale", "silence"))
+"""Keys that runs of before have in their files: of a laser on a serial line of the host, which no run has read."""

@@ -31,8 +31,7 @@ from stagectl.experiments.toroid.stage_reference import StageReference
 from stagectl.experiments.toroid.standstill import Standstill
 from stagectl.experiments.trials.trial_path import TrialPath
 from stagectl.link.blocks import Excite, Newest, Receive, Send
-from stagectl.link.config import Laser, Link
-from stagectl.link.laser import Displacement, LaserLine
+from stagectl.link.config import Link
 from stagectl.link.stage_link import StageLink
 from stagectl.planning.pocket import planner
 from stagectl.planning.problem import Pocket, milling_types
@@ -235,10 +234,6 @@ EXAMPLES: dict[type[Block], Example] = {
     ),
     InternalModel: Example(_internal_model, rate=250.0),
     MacroMicro: Example(lambda: MacroMicro(noise=1e-3, gains=((0.5, 1.5),), disturbance=0.1), rate=250.0),
-    Displacement: Example(
-        lambda: Displacement(LaserLine(Laser(), now=lambda: 0.0)),
-        start=lambda block: block.line.take(b"TG,1,+00.0100\r"),
-    ),
     Send: Example(lambda: Send(StageLink(Link())), rate=10_000.0),
     Excite: Example(lambda: Excite(StageLink(Link()), Drive.VOLTAGE), rate=10_000.0),
     ForceEstimate: Example(lambda: ForceEstimate(wide_model()), rate=250.0),

@@ -1,17 +1,15 @@
-"""`firmware-sim stage --pty`: both devices in a process of their own, reached through python-can and pyserial."""
+"""`firmware-sim stage --pty`: the stage in a process of its own, reached through python-can."""
 
 import signal
 import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from firmware_sim.__main__ import main
 from firmware_sim.can_node import mishap
-from stagectl.link.config import Laser, Link
-from stagectl.link.laser import LaserLine
+from stagectl.link.config import Link
 from stagectl.link.stage_link import StageLink
 from stagectl.link.upload import upload
 from stagectl.stage.loop_parameters import loop_parameters
@@ -23,22 +21,18 @@ from tests.until import EVER
 COMMAND = [sys.executable, "-m", "firmware_sim", "stage"]
 
 
-def test_stage_and_laser_are_there_until_ctrl_c(tmp_path: Path) -> None:
-    command = [*COMMAND, "--pty", "--folder", str(tmp_path), "--laser-axis", "z", "--fault", "garbage@0.1"]
+def test_the_stage_is_there_until_ctrl_c(tmp_path: Path) -> None:
+    command = [*COMMAND, "--pty", "--folder", str(tmp_path), "--fault", "garbage@0.1"]
     command += ["--set", "link.silence=10"]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == f"CAN adapter: {tmp_path}/can\n"
-        assert process.stdout.readline() == f"laser sensor: {tmp_path}/laser\n"
         try:
             with StageLink(Link(channel=f"{tmp_path}/can", silence=10.0, patience=20.0)) as link:
-                with LaserLine(Laser(device=f"{tmp_path}/laser", silence=10.0)) as laser:
-                    assert link.state is State.HOLDING
-                    assert laser.wait(10, EVER)
-                    assert link.wait(link.skip() + 5000, EVER)
-                    upload(link, loop_parameters(AXES, gentle_loops()))
-                    assert np.isfinite(laser.displacement)
-                    assert link.counts.lost == 0
+                assert link.state is State.HOLDING
+                assert link.wait(link.skip() + 5000, EVER)
+                upload(link, loop_parameters(AXES, gentle_loops()))
+                assert link.counts.lost == 0
         finally:
             process.send_signal(signal.SIGINT)
             assert process.wait(EVER) == 0

@@ -1,7 +1,6 @@
-"""Damaged datagrams and lines of robot, tracker, force sensor and laser sensor."""
+"""Damaged datagrams and lines of robot, tracker and force sensor."""
 
 import random
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,13 +8,11 @@ from typing import Any
 import numpy as np
 
 from rigkit.wire.layout import GarbledError
-from stagectl.link.laser_protocol import LONGEST_LINE, LaserError, Lines, Reading, reading, said
 from stagectl.wire import egm, force_sensor, robot, rsi, tracker
 from tests.fuzz.judge import Finding, is_accepted
 from tests.fuzz.mutation import mutated, of_bytes
 
 COUNTS = np.full(6, 1e6)
-_VALUE = re.compile(rb"[-+][0-9.]{7}")
 
 
 def cases(_: Path) -> Callable[[int], bool]:
@@ -23,7 +20,7 @@ def cases(_: Path) -> Callable[[int], bool]:
 
     def case(number: int) -> bool:
         chance = random.Random(number)
-        return chance.choice((_report, _command, _telegram, _answer, _tracked, _force, _request, _displacement))(chance)
+        return chance.choice((_report, _command, _telegram, _answer, _tracked, _force, _request))(chance)
 
     return case
 
@@ -138,24 +135,3 @@ def _request(chance: random.Random) -> bool:
         assert found[1] >= 0
 
     return is_accepted(lambda: force_sensor.unpack_request(data), check, GarbledError)
-
-
-def _displacement(chance: random.Random) -> bool:
-    sound = chance.choice((b"M1,", b"TG,2,")) + said(chance.choice((chance.uniform(-9, 9), np.nan, 1e9))) + b"\r"
-    lines = Lines().take(_damaged(sound, chance) + b"\r")
-    accepted = [_is_read(line) for line in lines]
-    return any(accepted)
-
-
-def _is_read(line: bytes) -> bool:
-    return is_accepted(lambda: reading(line), lambda found: _check_reading(found, line), LaserError)
-
-
-def _check_reading(found: Reading, line: bytes) -> None:
-    value = line.rpartition(b",")[2]
-    assert len(line) <= LONGEST_LINE, "a long line"
-    assert found.output in (1, 2), f"output {found.output}"
-    if np.isnan(found.displayed):
-        assert not _VALUE.fullmatch(value), f"NaN of {value!r}"
-    else:
-        assert found.displayed == float(value), f"{found.displayed} of {value!r}"

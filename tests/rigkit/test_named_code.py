@@ -14,8 +14,7 @@ from rigkit.relay.bus import RelayBus
 from rigkit.relay.config import Relay
 from stagectl.config import StageConfig
 from stagectl.link.bus import open_bus
-from stagectl.link.config import Laser, Link
-from stagectl.link.laser import LaserLine
+from stagectl.link.config import Link
 from stagectl.robot.config import CellConfig
 from tests.contract.source_tree import PACKAGES, ROOT, sources
 from tests.rigkit import trap
@@ -28,7 +27,6 @@ DOORS: dict[str, Callable[[str], object]] = {
     "simulator.plant": lambda name: plant_block(name, {"args": ["true"]}),
     "audio.stream": lambda name: open_stream(RigConfig(audio=Audio(stream=name)), print),
     "link.bus": lambda name: open_bus(Link(bus=name, channel="true", options={"args": ["true"]})),
-    "laser.port": lambda name: LaserLine(Laser(port=name, device="true")).__enter__(),
     "relay.bus": lambda name: RelayBus(Relay(bus=name, channel="true", options={"args": ["true"]})),
 }
 

@@ -12,6 +12,7 @@ from stagectl.config import StageConfig
 from stagectl.experiments.piezo.held_reference import RESUMED
 from stagectl.experiments.piezo.prefilter_file import PREFILTER
 from stagectl.experiments.piezo.setup import Setup, setup, with_prefilters
+from stagectl.link.config import GONE
 from stagectl.stage.loop_parameters import loops_from_json
 
 
@@ -61,7 +62,7 @@ def ended_before(path: Path) -> frozenset[str]:
 
 def _config_of(path: Path, settings: Sequence[str] = ()) -> StageConfig:
     """Return the rig file of a run, its files those in its folder."""
-    config = rig_file.load(path / CONFIG, StageConfig, settings)
+    config = rig_file.load(path / CONFIG, StageConfig, settings, gone=GONE)
     if config.inner.hysteresis:
         kept = tuple(str(path / f"hysteresis-{axis}.h5") for axis in config.stage.axes)
         config = config.model_copy(update={"inner": config.inner.model_copy(update={"hysteresis": kept})})

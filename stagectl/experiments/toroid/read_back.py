@@ -17,6 +17,7 @@ from stagectl.experiments.toroid.event_text import reasons_of, setup_of
 from stagectl.experiments.toroid.experiment import Confirm, Toroid
 from stagectl.experiments.toroid.makes import refuse_wrong_plants
 from stagectl.experiments.toroid.plan import ALL, RATE, SETUPS, Plan, loops_of, plan, refuse_count
+from stagectl.link.config import GONE
 from stagectl.models.model_file import read_model
 from stagectl.models.model_origin import refuse_foreign
 from stagectl.robot.config import CellConfig
@@ -159,7 +160,8 @@ def _not_known(path: Path) -> list[str]:
 def _plans(path: Path, setups: Sequence[str], settings: Sequence[str] = ()) -> list[Plan]:
     """Return setups as a run's folder has them, with the stage's loops that were used."""
     settings = [*_not_known(path), *settings]
-    cell, stage = rig_file.load(path / CONFIG, CellConfig, settings), rig_file.load(path / STAGE, StageConfig)
+    cell = rig_file.load(path / CONFIG, CellConfig, settings)
+    stage = rig_file.load(path / STAGE, StageConfig, gone=GONE)
     origin = read_origin(path / RUN)
     told = origin.designed.get("loops", {}) if origin else {}
     is_live = was_live(path)

@@ -196,6 +196,6 @@ def test_faults_on_purpose_are_refused_for_a_live_stage(tmp_path: Path) -> None:
 
 
 def test_a_reload_takes_no_code_that_the_daemon_was_not_started_with(lab: Lab) -> None:
-    edit(lab.file, lab.data, "laser.port=os:system")
-    with pytest.raises(ValueError, match="laser.port is 'os:system', must be code that the daemon was started with"):
+    edit(lab.file, lab.data, "link.bus=os:system")
+    with pytest.raises(ValueError, match="link.bus is 'os:system', must be code that the daemon was started with"):
         lab.control.reload(lab.key)

@@ -6,10 +6,11 @@ from pathlib import Path
 import pytest
 
 from rigkit import config as rig_file
+from rigkit.config import ConfigError
 from rigkit.experiment.kept import EARLY
 from rigkit.experiment.runner import STOPPED
 from rigkit.origin import RUN
-from rigkit.run_folder import EVENTS
+from rigkit.run_folder import CONFIG, EVENTS
 from stagectl.commands.kinds_of_run import replayed, reported
 from stagectl.config import StageConfig
 from tests.stagectl.experiments.piezo.simulated_models import write_models
@@ -47,3 +48,14 @@ def test_a_folder_of_another_program_is_named(tmp_path: Path) -> None:
     (path / RUN).write_text(json.dumps(origin | {"kind": "vibrator run"}))
     with pytest.raises(ValueError, match="has kind 'vibrator run', must be one of stage run, "):
         reported(path, None)
+
+
+def test_a_run_of_before_may_have_keys_that_are_gone_and_a_rig_file_may_not(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    config = rig_file.load(None, StageConfig, [*QUICK, "session.seconds=0.4"])
+    _, figures = carried_out(path, config, write_models(tmp_path))
+    text = (path / CONFIG).read_text()
+    (path / CONFIG).write_text(text.replace("[laser]\n", '[laser]\nport = "serial:Serial"\noutput = 1\n'))
+    assert reported(path, None) == figures
+    with pytest.raises(ConfigError, match=r"laser\.(port|output)"):
+        rig_file.load(path / CONFIG, StageConfig)
