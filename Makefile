@@ -82,9 +82,10 @@ docs: setup      ## regenerate what is generated: docs/*.toml, docs/config-refer
 	$(BIN)/python -c 'import sys; from stagectl.wire.dbc import dbc_text; sys.stdout.write(dbc_text())' > stagectl/stage.dbc
 	$(BIN)/python -c 'import sys; from rigkit.relay.frame import dbc_text; sys.stdout.write(dbc_text())' > rigkit/relay/relay.dbc
 
-dist: setup      ## dist/: source distribution and wheel
-	@$(BIN)/pip install --quiet --disable-pip-version-check build
+dist: setup      ## dist/: source distribution and wheel, checked by twine
+	@$(BIN)/pip install --quiet --disable-pip-version-check build twine
 	rm -rf dist && $(BIN)/python -m build --outdir dist .
+	$(BIN)/twine check --strict dist/*
 
 site: setup      ## build/site/: the pages of docs/, tutorials, a gallery that is run, references; a warning fails it
 	@$(BIN)/pip install --quiet --disable-pip-version-check -e '.[site]'

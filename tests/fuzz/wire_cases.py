@@ -85,7 +85,7 @@ def _telegram(chance: random.Random) -> bool:
 def _answer(chance: random.Random) -> bool:
     wire = rsi.Rsi()
     said = robot.Report(7, 1.0, _numbers(chance, 6), _numbers(chance, 6), _pose(chance), stamp=28)
-    report = wire.read(rsi.pack_telegram(said, _numbers(chance, 6), _pose(chance), _numbers(chance, 6)))
+    report = wire.read(rsi.pack_telegram(said, _numbers(chance, 6), _pose(chance), np.zeros(6)))  # none of the tool's
     data = _damaged(wire.write(robot.Command(7, 1.0, joint_angle=_numbers(chance, 6)), report), chance)
 
     def check(found: tuple[int, np.ndarray, np.ndarray, robot.Outputs]) -> None:
