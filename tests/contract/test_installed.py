@@ -28,7 +28,13 @@ VERSION = "98.7.6"
 SCRIPTS = tuple(tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"])
 MADE = {"PKG-INFO", "setup.cfg"}
 """What a source distribution has beside the files of the checkout, and a folder of `.egg-info`."""
-STUDY = 'name="draws"\ncommands=["firmware-sim draw vibrator --seed {seed} --out drawn.toml"]\nseeds.count=2\n'
+STUDY = """
+name = "draws"
+commands = ["firmware-sim draw vibrator --seed {seed} --out drawn.toml --json drawn.json"]
+seeds.count = 2
+[figures]
+modes = {file = "drawn.json", path = "drawn.modes.value"}
+"""
 COMMANDS = (
     "vibrostage vibrator example-config > rig.toml",
     "vibrostage calibrate vibrator --config rig.toml --out model.h5",
