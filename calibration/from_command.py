@@ -124,7 +124,7 @@ def _telling(meter: Meter, total: float) -> Callable[[float], None]:
 
 def _print(found: Found, out: Path, json: str | None) -> None:
     stream = words(json)
-    title = f"{out}: {len(found.matrix.frequency)} lines from {found.seconds:.1f} s of {len(found.records)} records"
+    title = f"{out}: {len(found.matrix.frequency)} bins from {found.seconds:.1f} s of {len(found.records)} records"
     print_table(title, VERDICT_HEAD, [each.row for each in verdicts(found)], stream)
     print_table("records", RECORD_HEAD, record_rows(found), stream)
     if found.gaps:

@@ -28,7 +28,7 @@ def hysteresis_command(
     rate: Annotated[float | None, typer.Option(help="Samples a second, where the file does not say.")] = None,
     unit: Annotated[str | None, typer.Option(metavar="um", help="Of the output, where the file does not say.")] = None,
     skip: Annotated[float, typer.Option(metavar="S", help="Seconds at the start that do not count.")] = 0.0,
-    hold_back: Annotated[float, typer.Option("--hold-back", help="Share kept, at the end, to judge by.")] = 0.3,
+    hold_back: Annotated[float, typer.Option("--hold-back", help="Share at the end used as validation data.")] = 0.3,
     plays: Annotated[int, typer.Option(help="Plays of the model.")] = PLAYS,
     delay: Annotated[int, typer.Option(help="Samples from voltage to output.")] = 1,
     lag: Annotated[bool, typer.Option("--lag", help="Fit a lag too; the record must have several rates.")] = False,

@@ -35,7 +35,7 @@ def vibrator_command(
     config: ConfigOption = None,
     seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
     method: Annotated[str | None, typer.Option(metavar="multisine|stepped|both", help="How it is measured.")] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Multisine: no line louder than the objective.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Multisine: no bin louder than the objective.")] = False,
     around: Annotated[
         str | None, typer.Option(metavar="band|reference", help="Multisine: what it is driven by meanwhile.")
     ] = None,
@@ -117,24 +117,24 @@ def _calibrated(writes: Output[RigConfig], raw: RawFolder) -> Calibration:
 
 def _print(found: Calibration, out: Path, json: str | None) -> None:
     stream, figures = words(json), sweep_figures(found)
-    title = f"{out}: {figures['lines']} lines from {_duration(found.seconds)} of signal"
+    title = f"{out}: {figures['lines']} bins from {_duration(found.seconds)} of signal"
     print_table(title, BAND_HEAD, band_rows(found.matrix), stream)
     print_table("least certain", WORST_HEAD, worst_rows(found.matrix), stream)
     if found.levels is not None:
         table = level_table(found.levels)
-        print_table("levels of a line; distortion and noise re the multisine's", table.head, table.rows, stream)
+        print_table("levels of a bin; distortion and noise re the multisine's", table.head, table.rows, stream)
     if found.far is not None:
         print_table("far field", FAR_FIELD_HEAD, far_field_rows(found.far), stream)
     if found.loudest is not None:
-        print(f"the multisine's loudest line is {found.loudest:.1f} dB re what the preload emits", file=stream)
+        print(f"the multisine's loudest bin is {found.loudest:.1f} dB re what the preload emits", file=stream)
     if found.over is not None:
-        print(f"the loudest line emitted is {found.over:.1f} dB re the limit that the reference sets", file=stream)
+        print(f"the loudest bin emitted is {found.over:.1f} dB re the limit that the reference sets", file=stream)
     if len(found.tones):
-        print(f"{len(found.tones)} lines were measured again by a stepped sine", file=stream)
+        print(f"{len(found.tones)} bins were measured again by a stepped sine", file=stream)
     if len(found.passes) > 1:
         moved, missed = figures["first_pass_median_difference"], figures["first_grid_worst_interpolation"]
-        print(f"the first grid misses {100 * missed:.2g} % at worst between its lines", file=stream)
-        print(f"from the first pass to the second the lines moved by {100 * moved:.2g} %, median", file=stream)
+        print(f"the first grid misses {100 * missed:.2g} % at worst between its bins", file=stream)
+        print(f"from the first pass to the second the bins moved by {100 * moved:.2g} %, median", file=stream)
     print(f"report: {out.with_suffix('.html')}", file=stream)
     write_json(json, figures)
 

@@ -30,7 +30,7 @@ def draw_command(
     kind: Annotated[
         str, typer.Argument(metavar="KIND", help=f"One of {', '.join(KINDS)}.", autocompletion=one_of(KINDS))
     ],
-    seed: Annotated[int, typer.Option(help="Which machine, >= 0.")],
+    seed: Annotated[int, typer.Option(help="Seed of the plant, >= 0.")],
     family: Annotated[str, typer.Option(help="One of the kind's families; the seed's own without.")] = "",
     out: Annotated[
         Path | None,

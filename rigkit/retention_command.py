@@ -25,7 +25,7 @@ def prune_command(
     """
     policy = Policy(newest, None if gigabytes is None else 1e9 * gigabytes, days)
     if policy == Policy():
-        raise ValueError("prune needs at least one of --newest, --gigabytes and --days: what is to be kept")
+        raise ValueError("prune needs at least one of --newest, --gigabytes and --days: which runs to keep")
     now, runs = time.time(), stored_runs(root)
     if dry_run:
         done = [(run, True) for run in superfluous(runs, policy, now)]
@@ -38,7 +38,7 @@ def prune_command(
     print_table(f"{root}: {len(runs)} runs", ["run", "size", "days old", ""], rows, words(json))
     misdated = [str(run.path) for run in runs if run.is_misdated]
     if misdated:
-        print(f"kept, since their dates are not of this time: {', '.join(misdated)}", file=words(json))  # noqa: T201
+        print(f"not deleted, implausible dates: {', '.join(misdated)}", file=words(json))  # noqa: T201
     gone = [run for run, is_gone in done if is_gone]
     freed = sum(run.size for run in gone)
     print(
@@ -51,4 +51,4 @@ def prune_command(
 
 
 def _verdict(is_gone: bool, dry_run: bool) -> str:
-    return ("would be deleted" if dry_run else "deleted") if is_gone else "at work, kept"
+    return ("would be deleted" if dry_run else "deleted") if is_gone else "in progress, not deleted"

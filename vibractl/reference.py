@@ -126,8 +126,7 @@ def _from_file(path: Path, text: str, rate: float, outputs: int, step: int, full
     if is_of_integers(path):
         if not full_scale > 0:
             raise ValueError(
-                f"{path}: a WAV of integers says no units; reference.full_scale must be what its full scale stands "
-                "for, > 0 m/s^2"
+                f"{path}: an integer WAV has no unit; reference.full_scale must state its full scale, > 0 m/s^2"
             )
         data = full_scale * data
     frames, width = data.shape

@@ -134,10 +134,10 @@ def _print_shots(path: Path, json: str | None) -> None:
     sides = sum(key.startswith(f"{prefix}iae_") for key in rows[0])
     head, keys = ["shot", "gain", "verdict"], ["shot", "gain", "verdict"]
     for side in range(1, sides + 1):
-        head += [f"worst line {side}, dB", "at, Hz", f"IAE {side}", f"error {side}, dB"]
+        head += [f"worst bin {side}, dB", "at, Hz", f"IAE {side}", f"error {side}, dB"]
         keys += [f"{prefix}{name}_{side}" for name in ("worst_line_db", "worst_line_hz", "iae", "error_db")]
     body = [[_short(row[key]) for key in keys] for row in rows]
-    print_table(f"{path}: worst line against the limit, negative is good", head, body, words(json))
+    print_table(f"{path}: worst bin against the limit, negative is good", head, body, words(json))
 
 
 def _short(cell: str) -> str:

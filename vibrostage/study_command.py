@@ -23,14 +23,14 @@ from rigkit.study.results import study_hash
 from rigkit.study.tables import case_name
 from vibrostage.replay_study import replay_study
 
-study_app = application("Any command over machines, seeds and settings, on every core or a cluster.")
+study_app = application("Run any command over plants, seeds and settings, on every core or a cluster.")
 
 OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder of the study, new or to go on with.")]
 SchedulerOption = Annotated[
     str | None, typer.Option(metavar="ADDRESS", help="Of a Dask scheduler, such as tcp://lab-7:8786.")
 ]
 WorkersOption = Annotated[
-    int | None, typer.Option(min=1, max=1024, help="Processes on this machine; as many as cores without.")
+    int | None, typer.Option(min=1, max=1024, help="Processes on this computer; default: one per core.")
 ]
 
 

@@ -28,7 +28,7 @@ ResolutionOption = Annotated[float, typer.Option(metavar="HZ", help="Of the resp
 OrderOption = Annotated[str, typer.Option(metavar="auto|N", help="States of the model.")]
 MostOption = Annotated[int, typer.Option(help="Largest order that is tried.")]
 RateOption = Annotated[float | None, typer.Option(metavar="HZ", help="Of the model; without it it is continuous.")]
-BandOption = Annotated[tuple[float, float] | None, typer.Option(metavar="LOW HIGH", help="Hz, of the lines fitted.")]
+BandOption = Annotated[tuple[float, float] | None, typer.Option(metavar="LOW HIGH", help="Hz, of the bins fitted.")]
 NoDirectOption = Annotated[bool, typer.Option("--no-direct", help="D is 0.")]
 
 
@@ -124,6 +124,6 @@ def _within(measured: Measured, band: tuple[float, float] | None) -> Measured:
     inside = (frequency >= low) & (frequency <= high)
     if not (low < high and inside.any()):
         raise ValueError(
-            f"--band is {low:g} to {high:g} Hz, must hold lines of {frequency[0]:g} to {frequency[-1]:g} Hz"
+            f"--band is {low:g} to {high:g} Hz, must hold bins of {frequency[0]:g} to {frequency[-1]:g} Hz"
         )
     return frequency[inside], response[inside], variance[inside]

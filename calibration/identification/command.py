@@ -90,7 +90,7 @@ def identify_command(
     decimate: Annotated[int, typer.Option(metavar="N", help="Keep every N-th sample behind a low-pass.")] = 1,
     correct_clock: CorrectClockOption = False,
     horizon: Annotated[int | None, typer.Option(help="Samples that the singular values look back and ahead.")] = None,
-    hold_back: Annotated[float, typer.Option("--hold-back", help="Share kept, at the end, to judge by.")] = 0.3,
+    hold_back: Annotated[float, typer.Option("--hold-back", help="Share at the end used as validation data.")] = 0.3,
     outliers: OutliersOption = "replace",
     delay: DelayOption = "auto",
     detrend: DetrendOption = "mean",
@@ -216,7 +216,7 @@ def _made_ready(measured: Measured, factor: int, correct_clock: bool, outliers: 
 
 def _print(found: Identification, measured: Measured, out: Path | None, json: str | None) -> None:
     stream, model = words(json), found.model
-    title = f"{measured.source}: order {found.order} by {found.method}, {len(found.response)} samples held back"
+    title = f"{measured.source}: order {found.order} by {found.method}, {len(found.response)}validation samples"
     fits, tried = fit_table(found), candidate_table(found)
     print_table(title, fits.head, fits.rows, stream)
     print_table("modes, with one standard error", MODE_HEAD, mode_rows(found), stream)

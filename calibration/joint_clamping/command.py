@@ -87,7 +87,7 @@ def joints_command(
     if advise or dry_run:
         return (_advise if advise else _say_steps)(cells, wanted, json)
     if out is None:
-        raise ValueError("--out is missing: recordings are kept beside the model file")
+        raise ValueError("--out is missing: the model file, beside which recordings are stored")
     writes = _output(out, cell, cells, wanted, Wish(again, recompute, accept or []), [config, poses])
     cells = [writes.config] if len(cells) == 1 else in_poses(writes.config, pose or [], poses)
     found = _measured(writes, cells, wanted, words(json), WAY_OF[compensate], accept or [])

@@ -72,7 +72,7 @@ def milling_command(
         typer.echo("\n".join(f"{number:3d}  {each}" for number, each in enumerate(moves, start=1)))
         return
     if out is None:
-        raise ValueError("--out is missing: recordings are kept beside the model file")
+        raise ValueError("--out is missing: the model file, beside which recordings are stored")
     if is_live:
         refuse_unfit(cell, is_sure)
     writes = output_of(out, cell, Wish(again, recompute, accept or []), is_live, config)
@@ -98,7 +98,7 @@ def _report(found: Calibrated, out: Path, png: Path | None, json: str | None) ->
     report.write(out.with_suffix(".html"))
     if png is not None:
         report.png(png)
-    print_table(f"{out}: fits on what was held back, %", FIT_HEAD, fit_rows(found), words(json))
+    print_table(f"{out}: fits on validation data, %", FIT_HEAD, fit_rows(found), words(json))
     words(json).write(f"report: {out.with_suffix('.html')}\n")
     write_json(json, figures(found))
 

@@ -160,8 +160,8 @@ def _tell(found: Velocity, out: Path, json: str | None) -> None:
     }
     rows = [
         ["free run, own data", f"{figures['own_fit']:.1f}"],
-        ["free run, held back", f"{figures['fresh_fit']:.1f}"],
-        ["one step ahead, held back", f"{figures['fresh_one_step']:.1f}"],
+        ["free run, validation data", f"{figures['fresh_fit']:.1f}"],
+        ["one step ahead, validation data", f"{figures['fresh_one_step']:.1f}"],
     ]
     print_table(f"{out}: order {found.model.order}", ["fit", "NRMSE, %"], rows, words(json))
     write_json(json, figures)

@@ -121,8 +121,8 @@ class Diagnosis:
             )
         for output in self.remembering:
             yield (
-                f"from rest output {output + 1} is foretold far worse over such a record than from a state that was "
-                "fitted: begin with initial_predictor_state of a first stretch, or let the predictor run in"
+                f"from rest, output {output + 1} is predicted far worse over such a record than from a fitted initial "
+                "state: start with initial_predictor_state of a first stretch, or let the predictor run in"
             )
 
     def _of_residuals(self) -> Iterator[str]:

@@ -60,7 +60,7 @@ class Standing(_Answer):
     since: Time
     who: str = Field(description="who has brought it there")
     why: str
-    ending: bool = Field(description="a procedure that was stopped has not come to its end yet")
+    ending: bool = Field(description="a procedure that was stopped has not ended yet")
 
 
 class Owner(_Answer):

@@ -101,7 +101,7 @@ def _trained(name: str, pocket: Pocket, is_untrained: bool, seed: int, prior: Pa
     if not is_untrained:
         return planner(name, pocket, seed, prior)
     if prior is not None:
-        raise ValueError(f"--untrained knows no rates that could be off, must be left out with --prior {prior}")
+        raise ValueError(f"--untrained has no prior of the rates, must be left out with --prior {prior}")
     return untrained(name, pocket)
 
 
@@ -115,7 +115,7 @@ def _milled(pocket: Pocket, made: Planner, pockets: int, cell: CellConfig | None
             return simulated_pockets(cell, pocket, made, pockets, Conduct(lambda: stop.made, show=meter.show))
         except ValueError:
             if stop.made:
-                raise Stopped("stopped; nothing is kept") from None
+                raise Stopped("stopped; nothing is stored") from None
             raise
 
 

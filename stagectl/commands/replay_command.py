@@ -21,7 +21,8 @@ from stagectl.commands.kinds_of_run import remade, replayed
 def replay_command(
     path: RunArgument,
     log: Annotated[
-        Path | None, typer.Option("--from", metavar="LOG", help="Somebody's recording, in place of the run's sensors.")
+        Path | None,
+        typer.Option("--from", metavar="LOG", help="A recording of other origin, in place of the run's sensors."),
     ] = None,
     columns: Annotated[
         list[str] | None, typer.Option("--map", metavar="CHANNEL=COLUMN", help=f"With --from, of each channel: {EACH}.")

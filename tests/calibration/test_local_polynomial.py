@@ -59,7 +59,5 @@ def test_with_fewer_experiments_than_inputs_the_smallest_transfer_that_fits_is_t
 
 
 def test_too_few_equations_for_a_transfer_are_refused() -> None:
-    with pytest.raises(
-        ValueError, match="10 lines and 1 experiments, must be at least 17 lines, and more than 6 equat"
-    ):
+    with pytest.raises(ValueError, match="10 bins and 1 experiments, must be at least 17 bins, and more than 6 equat"):
         local_transfer(np.arange(10.0), np.ones((10, 2, 1)), np.ones((10, 1, 1)), np.arange(3.0), 8, 2)

@@ -75,8 +75,8 @@ def test_several_drives_and_sensors_are_learned_together() -> None:
     [
         (([1.0, 2.0], None, None), "response has shape"),
         ((PLANT, None, WANTED[:-1]), r"reference has shape \(198,\), must be \(199,\)"),
-        ((PLANT, None, np.zeros(199)), "reference is zero on every line"),
-        ((PLANT, None, np.full(199, np.nan)), "reference is not finite on line 0"),
+        ((PLANT, None, np.zeros(199)), "reference is zero on every bin"),
+        ((PLANT, None, np.full(199, np.nan)), "reference is not finite on bin 0"),
     ],
 )
 def test_what_does_not_fit_is_refused_by_name(arguments: tuple[np.ndarray, None, np.ndarray], text: str) -> None:

@@ -23,6 +23,6 @@ class CalibrationOptions(Section):
     """A calibration."""
 
     model: str = setting("model.h5", "", "model file to write in the data folder", pattern=NAME)
-    again: bool = setting(False, "", "measure anew; what is there under that name is kept under its date")
+    again: bool = setting(False, "", "measure again; the earlier result is renamed with its date")
     recompute: bool = setting(False, "", "compute again from the recordings that are there, with their settings")
     accept: tuple[str, ...] = setting((), "", "keys that may differ from those that an unfinished one began with")

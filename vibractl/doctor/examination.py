@@ -43,7 +43,7 @@ DRIVE_LEVEL = 10 ** (-30 / 20)
 _FIRST = 0.5
 """s of chirps that the cable is looked for with: two clocks have not yet drifted apart."""
 
-_NO_CABLE = "give a spare channel to a loopback cable: a marker cannot tell this"
+_NO_CABLE = "use a spare channel for a loopback cable: a marker cannot show this"
 
 Tell = Callable[[float, str], None]
 

@@ -65,11 +65,9 @@ def _noise_plot(found: Examination) -> Plot:
     axes.plot(
         [quality.above, quality.judged_to], [quality.objective + WANTED] * 2, "k--", linewidth=1.0, label="wanted"
     )
-    axes.set(xlabel="frequency, Hz", ylabel="line of a shot re reference, dB")
+    axes.set(xlabel="frequency, Hz", ylabel="bin of a shot re reference, dB")
     axes.legend(ncols=2)
-    return Plot(
-        figure, "Recorded without a drive, as lines of a shot; crosses: the mains, of the louder accelerometer."
-    )
+    return Plot(figure, "Recorded without a drive, as bins of a shot; crosses: the mains, of the louder accelerometer.")
 
 
 def _clock_plot(found: Examination) -> Plot:

@@ -72,7 +72,7 @@ def import_command(
     Example: `vibractl import --drive D.wav --response R.wav --reference chirp:40:90:5 --out RUN/`
     """
     if more:
-        raise ValueError(f"{more[0]} is one file too many: a pattern stands in quotes, as in --drive 'shots/d*.wav'")
+        raise ValueError(f"{more[0]} is one file too many: quote the pattern, as in --drive 'shots/d*.wav'")
     if (out is None) != dry_run:
         raise ValueError("--out RUN/ says where it goes, --dry-run that it goes nowhere: must be one of them")
     rig = rig_file.load(config, RigConfig, laid_over(settings, {"reference.signal": reference or None}))

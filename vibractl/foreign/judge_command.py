@@ -16,7 +16,7 @@ from vibractl.foreign.signals import open_kind, responses_of
 from vibractl.judging import Judging
 from vibractl.reference_option import ReferenceOption
 
-HEAD = ("side", "worst line, dB over", "at, Hz", "worst 50 Hz band, dB over", "IAE, m/s^2", "error, dB", "THD, dB")
+HEAD = ("side", "worst bin, dB over", "at, Hz", "worst 50 Hz band, dB over", "IAE, m/s^2", "error, dB", "THD, dB")
 
 
 def judge_command(
@@ -100,7 +100,7 @@ def _print(found: Verdict, made: Judging, name: str, json: str | None) -> None:
             stream.write(f"response {output + 1} is inverted: its correlation with the reference is negative\n")
     if found.silence_db is not None:
         told = ", ".join(f"{level:+.1f} dB" for level in found.silence_db)
-        stream.write(f"silence, worst line over the limit: {told}\n")
+        stream.write(f"silence, worst bin over the limit: {told}\n")
     if found.is_noise:
-        stream.write("the worst line is as loud in silence: it is hum or noise, and not emitted\n")
+        stream.write("the worst bin is as loud in silence: it is hum or noise, and not emitted\n")
     stream.write(f"objective {marks.reason}\n")

@@ -32,7 +32,7 @@ from vibractl.setup import reference_of
 
 NEAREST = "nearest"
 
-library_app = application("Learned drives kept by reference, rig and tags, to start later runs from.")
+library_app = application("Stored drives by reference, rig and tags, to warm-start later runs.")
 
 LibraryOption = Annotated[
     Path | None, typer.Option("--library", metavar="DIR", help="Folder of the library; without one, this user's.")
@@ -174,7 +174,7 @@ def nearest_command(
     write_json(json, {"entries": [_candidate(each) for each in found], "refused": refused})
 
 
-_HEAD = ["entry", "reference", "tags", "objective", "worst line, dB", "error, dB", "date, UTC"]
+_HEAD = ["entry", "reference", "tags", "objective", "worst bin, dB", "error, dB", "date, UTC"]
 
 
 def _row(name: str, entry: Entry) -> list[str]:

@@ -68,7 +68,7 @@ def _print(found: Prediction, json: str | None) -> None:
         stream.write(f"the guard would not let it out: {found.drives.violation}\n")
     if found.made.note:
         stream.write(f"{found.made.note}\n")
-    certified = f"{found.lines.certified.sum()} of {found.lines.learned.sum()} learned lines are certified to converge"
+    certified = f"{found.lines.certified.sum()} of {found.lines.learned.sum()} learned bins are certified to converge"
     if reasons.rows:
         print_table(certified, reasons.head, reasons.rows, stream)
     else:

@@ -72,7 +72,7 @@ class PiezoStage:
         self._ready: Ready | None = None
         self._under_way: _UnderWay | None = None
         self.faults = _fault_table(self.config)
-        ends = "The stage goes to mid-travel, what has come is kept, and the rig stays armed."
+        ends = "The stage goes to mid-travel, the recording is stored, and the rig stays armed."
         self.procedures: Sequence[Procedure] = (
             Procedure("follow", "Follow a reference", "run", "s", True, PAUSED, ends, FollowOptions, self._follow),
             Procedure("hold", "Hold a position", "run", "s", False, "", ends, HoldOptions, self._follow),

@@ -54,7 +54,7 @@ def cell(
     is_paced: Annotated[bool, typer.Option("--paced", help="In real time; else as fast as it goes.")] = False,
     is_live: LiveOption = False,
     is_sure: Annotated[
-        bool, typer.Option("--yes", help="With --live: nobody is asked before the robot moves.")
+        bool, typer.Option("--yes", help="With --live: no confirmation before the robot moves.")
     ] = False,
     png: PngOption = None,
     accept: AcceptOption = None,
@@ -78,7 +78,7 @@ def cell(
         _go_on(CommandLine("the toroid", was_live(resume), resume, png, json, clock), resume, is_sure, accept or ())
         return
     if setup is None or out is None:
-        raise ValueError("--setup and --out are missing: what is run, and where it is kept")
+        raise ValueError("--setup and --out are missing: the setup, and the folder of its run")
     refuse_needless_yes(is_sure, is_live)
     if is_live and is_paced:
         raise ValueError("--paced and --live are given, must be one of them: live, the robot is the clock")

@@ -32,7 +32,7 @@ PACES = {True: "in real time", False: "simulated some five times as fast"}
 """How long motions take, live and simulated."""
 METHOD, ITERATIONS, TASK = "1", 4, "pocket28"
 """Unless given."""
-UNTOUCHED = "nothing is touched off, where the tracker's axes are off is learned as an error, and the cut goes by G_M"
+UNTOUCHED = "no touch-off, offsets of the tracker's axes are learned as errors, and the cut is predicted by G_M"
 ResumeOption = Annotated[
     Path | None,
     typer.Option(metavar="RUN/", help="Go on with that run: its settings and models, the trials that are left."),
@@ -111,7 +111,7 @@ def ilc(
     elif logs is not None:
         _say_next(logs, cell, files, methods, accept or [], json)
     elif out is None:
-        raise ValueError("--out is missing: trials are kept there")
+        raise ValueError("--out is missing: the folder of the trials")
     else:
         _run(_line(is_live, out, png, json), cell, files, methods, some, accept or [], is_sure)
 

@@ -123,7 +123,7 @@ def _remarks(log: TorqueLog, figures: dict[str, Any]) -> list[str]:
         )
     if figures["undetermined"]:
         found.append(
-            f"{figures['undetermined']} samples tell no force: a joint is faster than friction is known, or the arm is "
+            f"{figures['undetermined']} samples give no force: a joint is faster than friction is known, or the arm is "
             "singular"
         )
     return found

@@ -98,7 +98,7 @@ def test_a_pocket_is_learned_replayed_reported_and_learned_from_its_logs(
     turned = (",".join([row.split(",")[0], *(repr(-float(cell)) for cell in row.split(",")[1:])]) for row in rows)
     (logs / "force.csv").write_text("\n".join([head, *turned]))
     assert shell(monkeypatch, *(*ilc[:-2], "--method", "2"), "--from", str(logs)) == 2
-    assert "the force's sign looks reversed (correlation -0.9" in capsys.readouterr().err
+    assert "the force's sign appears reversed (correlation -0.9" in capsys.readouterr().err
 
 
 def test_a_calibration_killed_in_its_last_trial_goes_on_to_the_same_models(

@@ -43,7 +43,7 @@ def test_verdicts_name_what_is_wrong() -> None:
         "300 samples are few for 25 coefficients",
         "are not white",
         "20 % of the residuals' correlations with earlier inputs",
-        "input 1 follows from the outputs, which tell 60 % of what is new in it: a loop was closed",
+        "input 1 follows from the outputs, which predict 60 % of its innovations: a loop was closed",
         "2 poles were moved into the unit circle",
     ):
         assert said in text

@@ -147,7 +147,7 @@ def test_a_first_drive_beyond_the_limits_is_not_written_or_fitted(lab: LabOfFile
     (lab.path / "S.h5").unlink()
     begin = ("--config", "rig.toml", "--model", "model.h5", "--state", "S.h5", "--out", "1.wav")
     said = lab.refused("vibractl", "step", *begin, "--set", "limits.peak=0.5")
-    assert "the first drive is not played: drive " in said
+    assert "the first drive is refused: drive " in said
     assert "limits.peak is 0.5 V; it needs " in said
     fitted = lab.done("vibractl", "step", *begin, "--set", "limits.peak=0.5", "--fit-amplitude")
     assert "reference.amplitude is " in fitted

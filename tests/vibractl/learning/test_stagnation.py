@@ -72,7 +72,7 @@ def test_errors_that_grow_are_told_once_and_as_long_as_they_do() -> None:
 def test_it_says_what_stands_in_the_way(noise: float, wrong: float, hz: float, because: str) -> None:
     algorithm, plant = learned(noise, wrong)
     _, stagnation = told(algorithm, plant, [5.0] * (WAIT + 1), hz)
-    assert stagnation.text.startswith(f"learning stands still, because {because}")
+    assert stagnation.text.startswith(f"learning has stalled: {because}")
 
 
 def test_a_frozen_line_is_not_learned() -> None:

@@ -215,7 +215,7 @@ def test_nothing_is_learned_of_a_stage_that_nobody_has_heard(tmp_path: Path) -> 
     config = rig_file.load(None, StageConfig, [*QUICK, *cut, "session.seconds=0.5"])
     carried_out(tmp_path / "run", config, files)
     notes = [event["text"] for event in read_events(tmp_path / "run") if event["event"] == "note"]
-    assert notes == ["no prefilter: the model of x does not say what was heard of the stage: calibrate again"]
+    assert notes == ["no prefilter: the model of x does not hold the measured response of the stage: calibrate again"]
 
 
 def test_a_scenario_that_is_unknown_or_too_short_is_refused() -> None:

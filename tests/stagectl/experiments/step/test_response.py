@@ -86,5 +86,5 @@ def test_what_is_asked_begins_and_ends_at_rest_and_is_no_larger_than_it_says() -
 
 
 def test_a_multisine_without_lines_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"highest is 0\.1 Hz, must be >= 0\.375 Hz: three lines"):
+    with pytest.raises(ValueError, match=r"highest is 0\.1 Hz, must be >= 0\.375 Hz: three bins"):
         Wanted(kind="multisine", highest=0.1).excitation(RATE)

@@ -150,7 +150,7 @@ def test_a_folder_of_the_version_before_is_reported_and_replayed(
     assert found["methods"] == {}
     _run("replay", str(old))
     assert "made again: milled-0-tracker" in capsys.readouterr().err
-    with pytest.raises(ValueError, match="is of version 0.1.0, must be begun anew"):
+    with pytest.raises(ValueError, match="is of version 0.1.0, must be begun again"):
         _run("ilc", "--resume", str(old))
 
 

@@ -69,7 +69,7 @@ def test_a_tracker_in_other_units_or_axes_is_refused(joints: np.ndarray) -> None
 @pytest.mark.parametrize(
     ("factor", "words"),
     [
-        (-1.0, "the force's sign looks reversed"),
+        (-1.0, "the force's sign appears reversed"),
         (3.0, "another unit of the force, or G_K of another robot"),
         (0.3, "another unit of the force, or G_K of another robot"),
         (0.0, "no force is measured"),
