@@ -22,11 +22,11 @@ from vibractl.model_file import write_model
 
 DrivesOption = Annotated[
     list[Path] | None,
-    typer.Option("--from", metavar="D.wav R.wav", help="Measure nothing: take these recordings; many times."),
+    typer.Option("--from", metavar="D.wav R.wav", help="Use these recordings instead; may be repeated."),
 ]
 ResponsesArgument = Annotated[list[Path] | None, typer.Argument(metavar="", help="The second file of each --from.")]
 CorrectClockOption = Annotated[
-    bool, typer.Option("--correct-clock", help="With --from: take out how devices' clocks and beginnings differ.")
+    bool, typer.Option("--correct-clock", help="With --from: correct differences of the devices' clocks and start.")
 ]
 
 

@@ -26,7 +26,7 @@ AgainOption = Annotated[
     bool, typer.Option("--again", help="Measure again; the earlier result is renamed with its date.")
 ]
 RecomputeOption = Annotated[
-    bool, typer.Option("--recompute", help="Compute again from the recordings that are there, with their settings.")
+    bool, typer.Option("--recompute", help="Compute again from the existing recordings, with their settings.")
 ]
 
 

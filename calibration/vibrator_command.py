@@ -33,11 +33,11 @@ from vibractl.model_file import write_model
 def vibrator_command(
     out: Annotated[Path, written_file("FILE", "Model file to write; recordings and report go beside it.")],
     config: ConfigOption = None,
-    seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed of the simulated vibrator.")] = None,
     method: Annotated[str | None, typer.Option(metavar="multisine|stepped|both", help="How it is measured.")] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Multisine: no bin louder than the objective.")] = False,
     around: Annotated[
-        str | None, typer.Option(metavar="band|reference", help="Multisine: what it is driven by meanwhile.")
+        str | None, typer.Option(metavar="band|reference", help="Multisine: origin of its preload.")
     ] = None,
     passes: Annotated[int | None, typer.Option(help="Stepped sine; 2: once more, on a refined grid.")] = None,
     no_preload: Annotated[bool, typer.Option("--no-preload", help="Leave the preload out, for comparison.")] = False,
@@ -53,8 +53,8 @@ def vibrator_command(
 ) -> None:
     """Measure a vibrator's transfer matrix on top of a preload: by a stepped sine, by multisines, or by both.
 
-    Raw recordings are kept in a folder beside the model; stopped or killed, the same command goes on from there.  With
-    --from nothing is measured: drives and responses are read from files, whoever recorded them.
+    Raw recordings are stored in a folder beside the model; after a stop or kill the same command continues there.  With
+    --from nothing is measured: drives and responses are read from files of any origin.
 
     Example: `calibrate vibrator --config rig.toml --out model.h5`; from recordings:
     `calibrate vibrator --from drive.wav heard.wav --out model.h5`

@@ -20,17 +20,17 @@ from stagectl.config import StageConfig
 
 
 def stage_command(
-    pty: Annotated[bool, typer.Option("--pty", help="Behind pseudo-terminals.")] = False,
+    pty: Annotated[bool, typer.Option("--pty", help="Use pseudo-terminals.")] = False,
     config: ConfigOption = None,
     settings: SetOption = None,
     folder: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Where the two devices appear, as can and laser.")
+        Path | None, typer.Option(metavar="DIR", help="Folder of the two devices, can and laser.")
     ] = None,
     milling: Annotated[str, typer.Option(help="x, y or z: a cut begins with each live run that is judged.")] = "",
-    laser_axis: Annotated[str, typer.Option(help="The axis that the laser sensor looks along.")] = "x",
+    laser_axis: Annotated[str, typer.Option(help="Axis of the laser sensor.")] = "x",
     fault: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME@SECONDS", help=f"One of {', '.join(MISHAPS)}; may be given many times."),
+        typer.Option(metavar="NAME@SECONDS", help=f"One of {', '.join(MISHAPS)}; may be repeated."),
     ] = None,
     json: JsonOption = None,
 ) -> None:

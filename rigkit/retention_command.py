@@ -12,16 +12,16 @@ from rigkit.retention import DAY, Policy, prune, stored_runs, superfluous
 
 
 def prune_command(
-    root: Annotated[Path, typer.Argument(metavar="RUNS/", help="Folder in which folders of runs lie.")],
-    newest: Annotated[int | None, typer.Option(min=1, help="Keep so many runs, the newest.")] = None,
-    gigabytes: Annotated[float | None, typer.Option(min=0.0, help="Keep so much, from the newest run on.")] = None,
-    days: Annotated[float | None, typer.Option(min=0.0, help="Keep what was changed within so many days.")] = None,
+    root: Annotated[Path, typer.Argument(metavar="RUNS/", help="Folder that contains the folders of runs.")],
+    newest: Annotated[int | None, typer.Option(min=1, help="Keep this number of runs, the newest.")] = None,
+    gigabytes: Annotated[float | None, typer.Option(min=0.0, help="Keep this size, from the newest run on.")] = None,
+    days: Annotated[float | None, typer.Option(min=0.0, help="Keep runs changed within this number of days.")] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Only show what would be deleted.")] = False,
     json: JsonOption = None,
 ) -> None:
-    """Delete old runs; never the newest, one at work, or one with a file `keep` in its folder.
+    """Delete old runs; never the newest, one in progress, or one with a file `keep` in its folder.
 
-    Example: `prune runs/ --gigabytes 200 --days 90 --dry-run`; to keep a run for ever: `touch runs/RUN/keep`
+    Example: `prune runs/ --gigabytes 200 --days 90 --dry-run`; to protect a run: `touch runs/RUN/keep`
     """
     policy = Policy(newest, None if gigabytes is None else 1e9 * gigabytes, days)
     if policy == Policy():

@@ -25,7 +25,7 @@ def plan_command(
     """Measure the FFT plans of a reference's length for later runs; without them a run estimates its plans at once.
 
     It takes seconds to minutes, and may save some milliseconds a shot.  Each plan is stored for this user as soon as
-    it is measured: stopped, the same command goes on from there.
+    it is measured: after a stop the same command continues there.
 
     Example: `vibractl plan-ffts --config rig.toml --reference chirp:40:90:60`
     """

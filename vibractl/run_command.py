@@ -32,21 +32,23 @@ def run_command(
     model: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file from `calibrate vibrator`.")] = None,
     config: ConfigOption = None,
     reference: ReferenceOption = None,
-    shots: Annotated[int | None, typer.Option(help="Shots in all.")] = None,
+    shots: Annotated[int | None, typer.Option(help="Total number of shots.")] = None,
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
-    watch: Annotated[bool, typer.Option("--watch", help="Reidentify bands that diverge, while it goes on.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Begin faint, and rise as the objective allows.")] = False,
+    watch: Annotated[bool, typer.Option("--watch", help="Reidentify bands that diverge, during the run.")] = False,
+    quiet: Annotated[
+        bool, typer.Option("--quiet", help="Start at low level, and rise as the objective allows.")
+    ] = False,
     law: Annotated[
-        str | None, typer.Option(help="kalman, or thesis for the text's own law.", autocompletion=one_of(KINDS))
+        str | None, typer.Option(help="kalman, or thesis for the law of the thesis.", autocompletion=one_of(KINDS))
     ] = None,
-    seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed of the simulated vibrator.")] = None,
     fit_amplitude: FitOption = False,
     warm: Annotated[
         str | None, typer.Option(metavar="NAME", help="Start from this entry of the library, or from the nearest.")
     ] = None,
     tag: TagOption = None,
     library: LibraryOption = None,
-    resume: Annotated[Path | None, typer.Option(metavar="RUN/", help="Go on with a run that stopped.")] = None,
+    resume: Annotated[Path | None, typer.Option(metavar="RUN/", help="Continue a stopped run.")] = None,
     accept: AcceptOption = None,
     settings: SetOption = None,
     json: JsonOption = None,

@@ -3,7 +3,7 @@
 from rigkit.program import Program
 
 PROGRAM = Program(
-    "Learning control for marine vibrators, piezo stages and the robots beside them: every program by a word.",
+    "Learning control for marine vibrators, piezo stages and the robots beside them: all programs in one.",
     {"plan": "stagectl.commands.plan_command:plan", "study": "vibrostage.study_command:study_app"},
     ("vibrostage", "calibration", "vibractl", "stagectl", "firmware_sim"),
     {

@@ -25,9 +25,9 @@ from vibrostage.replay_study import replay_study
 
 study_app = application("Run any command over plants, seeds and settings, on every core or a cluster.")
 
-OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder of the study, new or to go on with.")]
+OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder of the study, new or to continue.")]
 SchedulerOption = Annotated[
-    str | None, typer.Option(metavar="ADDRESS", help="Of a Dask scheduler, such as tcp://lab-7:8786.")
+    str | None, typer.Option(metavar="ADDRESS", help="Address of a Dask scheduler, such as tcp://lab-7:8786.")
 ]
 WorkersOption = Annotated[
     int | None, typer.Option(min=1, max=1024, help="Processes on this computer; default: one per core.")
@@ -47,7 +47,7 @@ def example_command(json: JsonOption = None) -> None:
 
 @study_app.command("run")
 def run_command(
-    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="What is run over what.")],
+    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study.")],
     out: OutOption,
     scheduler: SchedulerOption = None,
     workers: WorkersOption = None,
@@ -55,7 +55,7 @@ def run_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Run a study, or go on with it: the same command, after a stop, a kill, or with a larger budget.
+    """Run a study, or continue it with the same command after a stop or kill, or with a larger budget.
 
     Example: `vibrostage study run STUDY.toml --out LAWS/`
     """
@@ -64,7 +64,7 @@ def run_command(
 
 @study_app.command("replay")
 def replay_command(
-    runs: Annotated[Path, typer.Argument(metavar="RUNS/", help="Folder in which folders of runs lie.")],
+    runs: Annotated[Path, typer.Argument(metavar="RUNS/", help="Folder that contains the folders of runs.")],
     out: OutOption,
     scheduler: SchedulerOption = None,
     workers: WorkersOption = None,
@@ -84,7 +84,7 @@ def replay_command(
 def report_command(
     path: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a study, or a file of its results.")],
     out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="The page; DIR/report.html, and none of a file, without.")
+        Path | None, typer.Option(metavar="FILE", help="The page; default: DIR/report.html, none for a file.")
     ] = None,
     png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
     json: JsonOption = None,
@@ -116,7 +116,9 @@ def compare_command(
     other: Annotated[
         Path, typer.Argument(metavar="OTHER", help="The same study, from elsewhere or by other software.")
     ],
-    tolerance: Annotated[float, typer.Option(min=0.0, help="Of the larger value; 0 for the same bits.")] = 0.0,
+    tolerance: Annotated[
+        float, typer.Option(min=0.0, help="Relative to the larger value; 0 for identical bits.")
+    ] = 0.0,
     json: JsonOption = None,
 ) -> None:
     """Compare two results of a study task by task; status 1 where a figure differs by more than the tolerance.

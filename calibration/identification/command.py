@@ -54,28 +54,28 @@ FilesArgument = Annotated[
 ]
 InputsOption = Annotated[
     str | None,
-    typer.Option(metavar="u1,u2", help="Channels of the drive in DATA: names, numbers, datasets; none: a time series."),
+    typer.Option(metavar="u1,u2", help="Channels of the drive in DATA: names, numbers, datasets; none: time series."),
 ]
 OutputsOption = Annotated[str | None, typer.Option(metavar="y1,y2", help="Channels of the response in DATA.")]
 FromOption = Annotated[
     list[Path] | None,
-    typer.Option("--from", metavar="D R", help="A recording in two files: drives, responses; many times."),
+    typer.Option("--from", metavar="D R", help="A recording in two files: drives, responses; may be repeated."),
 ]
 MapOption = Annotated[
     str | None,
-    typer.Option("--map", metavar="drive_1=3,...", help="Channels of --from by name or number; - turns one round."),
+    typer.Option("--map", metavar="drive_1=3,...", help="Channels of --from by name or number; - inverts one."),
 ]
 
-OutliersOption = Annotated[
-    str, typer.Option(metavar="replace|keep", help="Single samples of outputs that are far off.")
+OutliersOption = Annotated[str, typer.Option(metavar="replace|keep", help="Isolated outliers of outputs.")]
+DelayOption = Annotated[
+    str, typer.Option(metavar="auto|N[,N]", help="Dead time in samples: of all inputs, or of each.")
 ]
-DelayOption = Annotated[str, typer.Option(metavar="auto|N[,N]", help="Samples of dead time: of all inputs, or each.")]
 DetrendOption = Annotated[
     str, typer.Option(metavar="|".join(get_args(Detrend)), help="What is taken away: the mean of all, or of each ...")
 ]
 UnstableOption = Annotated[bool, typer.Option("--unstable", help="The plant may be unstable or integrate.")]
-NoDirectOption = Annotated[bool, typer.Option("--no-direct", help="D is 0.")]
-SecondsOption = Annotated[float, typer.Option(metavar="S", help="In which pem ends, arrived or not.")]
+NoDirectOption = Annotated[bool, typer.Option("--no-direct", help="Fix D = 0.")]
+SecondsOption = Annotated[float, typer.Option(metavar="S", help="Time limit of pem.")]
 
 
 def identify_command(
@@ -86,10 +86,10 @@ def identify_command(
     channels: MapOption = None,
     order: Annotated[str, typer.Option(metavar="auto|N", help="States of the model.")] = "auto",
     method: Annotated[str, typer.Option(metavar="|".join(METHODS), help="pem: auto, then refined.")] = "auto",
-    rate: Annotated[float | None, typer.Option(help="Samples a second, where a file does not say.")] = None,
+    rate: Annotated[float | None, typer.Option(help="Samples/s, if not in the file.")] = None,
     decimate: Annotated[int, typer.Option(metavar="N", help="Keep every N-th sample behind a low-pass.")] = 1,
     correct_clock: CorrectClockOption = False,
-    horizon: Annotated[int | None, typer.Option(help="Samples that the singular values look back and ahead.")] = None,
+    horizon: Annotated[int | None, typer.Option(help="Past and future samples of a window.")] = None,
     hold_back: Annotated[float, typer.Option("--hold-back", help="Share at the end used as validation data.")] = 0.3,
     outliers: OutliersOption = "replace",
     delay: DelayOption = "auto",

@@ -29,13 +29,13 @@ _COMM_TIMEOUT, _FILTER = 1.0, 20.0
 Maker = Annotated[
     str, typer.Argument(metavar="MAKER", help=f"One of {', '.join(MAKERS)}.", autocompletion=one_of(MAKERS))
 ]
-Out = Annotated[Path, made_folder("FOLDER", "Where they are written.", "--out")]
+Out = Annotated[Path, made_folder("FOLDER", "Folder to write.", "--out")]
 
 
 def robot_files(
     maker: Maker, out: Out, config: ConfigOption = None, settings: SetOption = None, json: JsonOption = None
 ) -> None:
-    """Write the files for a robot's controller: programs, signals, and what its wires carry.
+    """Write the files for a robot's controller: programs, signals, and interfaces.
 
     Addresses, ports and limits are those of the cell's file.  docs/robot-files.md says where each belongs.
 

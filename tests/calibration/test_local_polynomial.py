@@ -33,7 +33,7 @@ def test_where_the_response_bends_too_fast_the_variance_says_so() -> None:
 
 
 @pytest.mark.parametrize(
-    ("lines", "degree", "words"), [(16, 4, "16 lines, must be at least 17"), (40, 16, "must be 0 to 15")]
+    ("lines", "degree", "words"), [(16, 4, "16 bins, must be at least 17"), (40, 16, "must be 0 to 15")]
 )
 def test_what_cannot_be_fitted_is_refused(lines: int, degree: int, words: str) -> None:
     with pytest.raises(ValueError, match=words):

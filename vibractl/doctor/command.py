@@ -35,9 +35,7 @@ def doctor_command(
     accept: AcceptOption = None,
     report: Annotated[
         Path | None,
-        written_file(
-            "FILE", ".html: a page with figures; .zip: all that one is asked for in an issue, names taken out."
-        ),
+        written_file("FILE", ".html: a page with figures; .zip: an archive for a request for help, without names."),
     ] = None,
     settings: SetOption = None,
     json: JsonOption = None,

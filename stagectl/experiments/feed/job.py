@@ -40,7 +40,7 @@ class Job:
         Whether the planner has to find out the rates.
     pockets : int
     seed : int
-        Of what the planner draws.
+        Seed of the planner's random numbers.
     compares : bool
         Whether the last pocket is milled once more by position control.
     prior : str

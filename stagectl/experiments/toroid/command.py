@@ -25,7 +25,7 @@ from stagectl.robot.live.person import Person
 
 ResumeOption = Annotated[
     Path | None,
-    typer.Option(metavar="RUN/", help="Go on with that run: its settings, and the setups that are left of it."),
+    typer.Option(metavar="RUN/", help="Continue that run with its settings: the remaining setups."),
 ]
 ModelsOption = Annotated[
     list[Path] | None,
@@ -51,7 +51,7 @@ def cell(
     config: ConfigOption = None,
     stage: Annotated[Path | None, typer.Option(metavar="FILE", help="The stage's own rig file.")] = None,
     model: ModelsOption = None,
-    is_paced: Annotated[bool, typer.Option("--paced", help="In real time; else as fast as it goes.")] = False,
+    is_paced: Annotated[bool, typer.Option("--paced", help="In real time; else as fast as possible.")] = False,
     is_live: LiveOption = False,
     is_sure: Annotated[
         bool, typer.Option("--yes", help="With --live: no confirmation before the robot moves.")

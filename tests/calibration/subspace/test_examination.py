@@ -53,7 +53,7 @@ def test_a_loop_gaps_and_outliers_are_told_of() -> None:
     with pytest.warns(UserWarning, match="1 of 8000 samples is missing"):
         found = subspace.examine(u, y)
     assert found.records == 2
-    assert "input 1 follows from the outputs, which tell" in str(found)
+    assert "input 1 follows from the outputs, which predict" in str(found)
     assert found.outliers[0][3000, 0]
     assert "replaced" in found.sentences[-1]
 
