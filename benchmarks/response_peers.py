@@ -2,8 +2,8 @@
 
 `python -m benchmarks.response_peers [--write]`, a minute, by `make peers`; prints the table of
 `docs/validation/identification.md`.  Two inputs and two outputs, five resonances from 12 to 140 Hz of which two are 2.5
-Hz apart, damping ratios of 0.01 to 0.05, and a lag; 392 lines from 4 to 200 Hz, errors of each line known.  Systems of seeds 20
-to 24.  The vector fit (scikit-rf's) has a pole for each state, whatever the inputs: its order is that times the inputs.
+Hz apart, damping ratios of 0.01 to 0.05, and a lag; 392 bins from 4 to 200 Hz, errors of each bin known.  Systems of
+seeds 20 to 24.  The vector fit (scikit-rf's) has a pole for each state and input: its order is that times the inputs.
 """
 
 import logging
