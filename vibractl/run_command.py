@@ -35,9 +35,7 @@ def run_command(
     shots: Annotated[int | None, typer.Option(help="Total number of shots.")] = None,
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
     watch: Annotated[bool, typer.Option("--watch", help="Reidentify bands that diverge, during the run.")] = False,
-    quiet: Annotated[
-        bool, typer.Option("--quiet", help="Start at low level, and rise as the objective allows.")
-    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Start at low level, rise as the objective allows.")] = False,
     law: Annotated[
         str | None, typer.Option(help="kalman, or thesis for the law of the thesis.", autocompletion=one_of(KINDS))
     ] = None,

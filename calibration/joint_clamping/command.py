@@ -52,15 +52,13 @@ def joints_command(
     pose: PoseOption = None,
     poses: Annotated[Path | None, typer.Option(metavar="FILE", help="Clamping poses, one a line, in deg.")] = None,
     compensate: CompensateOption = "best",
-    advise: Annotated[
-        bool, typer.Option("--advise", help="Advise where to clamp for each joint; nothing moves.")
-    ] = False,
+    advise: Annotated[bool, typer.Option("--advise", help="Advise where to clamp each joint; nothing moves.")] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Print every motion; nothing moves.")] = False,
     angle: Annotated[str, typer.Option(metavar="NAME", help="With --from: channel of the motor's angle.")] = "angle",
     torque: Annotated[str, typer.Option(metavar="NAME", help="With --from: channel of its torque.")] = "torque",
     link: Annotated[str | None, typer.Option(metavar="NAME", help="With --from: the arm side's angle.")] = None,
     gear: Annotated[float, typer.Option(help="With --from: turns of the motor per turn of the joint.")] = 1.0,
-    rate: Annotated[float | None, typer.Option(help="With --from: samples a second.")] = None,
+    rate: Annotated[float | None, typer.Option(help="With --from: samples/s.")] = None,
     png: Annotated[Path | None, made_folder("DIR", "Write the maps as PNG files.")] = None,
     again: AgainOption = False,
     recompute: RecomputeOption = False,

@@ -28,9 +28,7 @@ def replay_command(
         list[str] | None, typer.Option("--map", metavar="CHANNEL=COLUMN", help=f"With --from, of each channel: {EACH}.")
     ] = None,
     rate: Annotated[float | None, typer.Option(help="With --from: samples/s, if not in the log.")] = None,
-    out: Annotated[
-        Path | None, written_file("FILE", "With --from: a .csv or .wav for the controllers' outputs.")
-    ] = None,
+    out: Annotated[Path | None, written_file("FILE", "With --from: a .csv or .wav for the outputs.")] = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
