@@ -126,7 +126,7 @@ class Output(Generic[Config]):
     def left(self) -> str:
         """What to say where it was stopped."""
         if any(self.raw.rglob("*.wav")):
-            return f"stopped; what is recorded is in {self.raw}/, the same command goes on from there"
+            return f"stopped; what is recorded is in {self.raw}/, the same command continues there"
         return "stopped before anything was recorded"
 
     @property
@@ -246,7 +246,7 @@ def _recomputed(
     if origin.kind != kind:
         raise OutputError(f"--recompute: {raw}/ is of a {origin.kind}, this is a {kind}")
     if not origin.finished:
-        raise OutputError(f"--recompute: in {raw}/ not all is recorded; the same command without it goes on")
+        raise OutputError(f"--recompute: in {raw}/ not all is recorded; the same command without it continues")
     then = type(config).model_validate_json(json.dumps(origin.settings))
     note = f"computed again from the recordings of {origin.measured}, with their settings"
     return Output(out, raw, then, origin, (note,), True)

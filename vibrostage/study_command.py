@@ -167,7 +167,7 @@ def perform_study(
             with _hands(scheduler, workers, folder) as hands:
                 made.run(hands, meter, stop)
         if stop.made:
-            raise Stopped(f"{out}/: {made.tally.text}; the same command goes on")
+            raise Stopped(f"{out}/: {made.tally.text}; the same command continues")
         rows = folder.rows()
         found = study_hash(rows, plan.figures)
     print(f"{out}/: {made.tally.text}; hash {found}", file=stream)  # noqa: T201

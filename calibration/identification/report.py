@@ -178,7 +178,7 @@ def identification_report(found: Identification, source: str, notes: Sequence[st
             *_of_recordings(found, notes),
             Section(
                 "Singular values",
-                "Those that stand out of the noise are states of the model.",
+                "Those above the noise are states of the model.",
                 (Plot(singular_value_figure(found), "Singular values, and the order taken."),),
             ),
             *_tried(found),

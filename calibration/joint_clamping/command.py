@@ -160,7 +160,7 @@ def _measured(
         clamp_procedure(each.clamping, arm, joints)  # refuses what does not fit before anything moves
     for note in writes.notes:
         _tell(stream, note)
-    _tell(stream, f"pid {os.getpid()}: SIGUSR1 pauses, SIGUSR2 goes on, Ctrl-C aborts")
+    _tell(stream, f"pid {os.getpid()}: SIGUSR1 pauses, SIGUSR2 continues, Ctrl-C aborts")
     results, experiments = [], []
     with writes.begun(), requests() as asked:
         desk = Desk(lambda text: _tell(stream, text), Conduct(lambda: asked.stop), lambda: asked.pause)

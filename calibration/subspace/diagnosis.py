@@ -103,7 +103,7 @@ class Diagnosis:
         if self.inputs and self.persistence < min(2 * self.order, MOST):
             yield (
                 f"inputs excite persistently of order {self.persistence} only, {2 * self.order} is wanted: "
-                "much of the model is guessed"
+                "much of the model is not identifiable"
             )
         elif self.inputs and self.persistence < MOST:
             yield (

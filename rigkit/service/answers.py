@@ -133,7 +133,7 @@ class Procedure(_Answer):
     pausable: bool
     on_pause: str
     on_abort: str
-    options: dict[str, Any] = Field(description="JSON schema of what it may be begun with")
+    options: dict[str, Any] = Field(description="JSON schema of its options")
 
 
 class Rig(_Answer):

@@ -56,7 +56,7 @@ CELL = (
             _HELD,
             "stagectl.experiments.toroid.options:CellOptions",
             "stagectl.experiments.toroid.daemon:procedure",
-            "This setup is run to its end; the next one waits until it goes on.",
+            "This setup is run to its end; the next one waits for resume.",
         ),
     ),
     Registration(
@@ -71,7 +71,7 @@ CELL = (
             "This trial is finished and stored; the run can be resumed. STOP lifts the tool out of the block at once.",
             "stagectl.experiments.trials.options:IlcOptions",
             "stagectl.experiments.trials.daemon:procedure",
-            "This trial is finished and stored; the tool is clear of the block until it goes on, with a fresh block.",
+            "This trial is finished and stored; the tool is clear of the block until resume, with a fresh block.",
         ),
     ),
     Registration(
@@ -86,7 +86,7 @@ CELL = (
             _HELD,
             "stagectl.experiments.feed.options:ForceOptions",
             "stagectl.experiments.feed.daemon:procedure",
-            "This pocket is milled to its end; the next one waits until it goes on.",
+            "This pocket is milled to its end; the next one waits for resume.",
         ),
     ),
 )

@@ -11,11 +11,11 @@ class RunOptions(Section):
     """A run."""
 
     run: str = setting("", "", "name of its folder; empty for date and time", pattern=_NAME_OR_NONE)
-    resume: bool = setting(False, "", "go on with the run of that name")
+    resume: bool = setting(False, "", "continue the run of that name")
     model: str = setting("model.h5", "", "model file in the data folder", pattern=NAME)
     reference: str = setting("", "", choices("a file in the data folder"))
     shots: int = setting(0, "shots", "shots in all; 0 for session.shots", ge=0, le=100_000)
-    watch: bool = setting(False, "", "reidentify bands that diverge, while it goes on")
+    watch: bool = setting(False, "", "reidentify bands that diverge, during the run")
     accept: tuple[str, ...] = setting((), "", "keys that may differ from what the model or the run was made with")
 
 

@@ -81,7 +81,7 @@ class Vibrator:
         self._under_way: _UnderWay | None = None
         self.faults = FaultTable(input_names(self.config.audio)) if self.config.daemon.faults else None
         aborted = "This shot is played to its end and recorded, then the drive is silent and the rig stays armed."
-        paused = "This shot is played to its end and learned from; then the drive is silent until it goes on."
+        paused = "This shot is finished and learned from; then the drive is silent until the run is resumed."
         self.procedures: Sequence[Procedure] = (
             Procedure("run", "Learning run", "run", "shots", True, paused, aborted, RunOptions, self._run),
             Procedure(

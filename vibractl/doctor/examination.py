@@ -129,7 +129,7 @@ def examine(
             visit.say(_card_verdict(config))
             visit.say(recordings_verdict(visit.emissions, visit.reasons, visit.late))
     except ShotAbandoned as fault:
-        advice = "nothing can be learned like this: what it says of every attempt is to be put right first"
+        advice = "learning is impossible: correct the cause of the failed attempts first"
         visit.say(_card_verdict(config))
         visit.say(Verdict("recordings", "fail", str(fault), "none discarded", advice))
     except GuardLatched:

@@ -29,7 +29,7 @@ def write_report(path: Path, found: Examination) -> None:
     """
     with styled():
         facts = tuple(_fact(each) for each in found.verdicts)
-        title = f"{found.config.rig.name}: what the doctor says"
+        title = f"{found.config.rig.name}: verdicts of the doctor"
         Report(title, f"{now()}, {software()}", facts, tuple(_sections(found))).write(path)
 
 
@@ -90,4 +90,4 @@ def _answers_plot(found: Examination) -> Plot:
         axes.plot(found.answers.frequency, size, style, label=f"response {response + 1}, coil {coil + 1}")
     axes.set(xlabel="frequency, Hz", ylabel="dB re 1 m/s² per V")
     axes.legend()
-    return Plot(figure, "Answers to a sweep on one coil at a time; solid: a coil's own accelerometer.")
+    return Plot(figure, "Responses to a sweep on one coil at a time; solid: a coil's own accelerometer.")

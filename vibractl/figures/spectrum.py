@@ -28,7 +28,7 @@ def response_plot(result: Result) -> Plot:
     return Plot(
         figure,
         f"Spectra of the response; 0 dB is the reference's own level, {_level(result)}. Dashed: the objective. "
-        "Where a line of the figure stands for several of the spectrum, it shows the largest.",
+        "Where a point of the figure represents several bins, it shows the largest.",
     )
 
 

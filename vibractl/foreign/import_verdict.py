@@ -197,7 +197,7 @@ def _of_ends(shots: Sequence[FoundShot], made: Setup | Judging) -> Iterator[Rema
             text = (
                 f"{numbered(some)}: up to {max(missing) / made.shot.rate:.3g} s {what} the reference are not recorded"
             )
-            yield Remark(f"{text}; silence stands there", is_warning=False)
+            yield Remark(f"{text}; silence is inserted there", is_warning=False)
 
 
 def _of_raster(shots: Sequence[FoundShot]) -> Iterator[Remark]:

@@ -107,7 +107,7 @@ def norm_optimal(plant: np.ndarray, error: float = 1.0, drive: float = 0.0, chan
     try:
         solved = np.linalg.inv(inner + (drive + change) * own)
     except np.linalg.LinAlgError:
-        raise ValueError("the plant leaves drives without an answer: drive or change must be > 0") from None
+        raise ValueError("the plant has drives without a response: drive or change must be > 0") from None
     return LinearILC(
         np.linalg.pinv(inner + change * own, hermitian=True) @ (error * adjoint), solved @ (inner + change * own)
     )

@@ -31,11 +31,11 @@ REACHES = {
 }
 
 
-PAUSED = "The reference comes to a stop within limits.ramp, and stays; it goes on from there. Recording goes on."
+PAUSED = "The reference stops within limits.ramp, and continues from there. Recording continues."
 CALIBRATION = "calibration.stage_axes.procedure:StageProcedure"
 """Found when it is asked for: calibration stands above this package."""
 CALIBRATION_ENDS = (
-    "The stage goes to rest, this excitation is discarded; begun again, it goes on from what is recorded."
+    "The stage goes to rest, this excitation is discarded; begun again, it continues from the recordings."
 )
 
 
