@@ -37,7 +37,7 @@ def sweep_report(found: Calibration, config: RigConfig) -> Report:
     """Put the report of a calibration together."""
     settings, figures = config.characterisation, sweep_figures(found)
     facts = (
-        Fact("lines", f"{figures['lines']}"),
+        Fact("bins", f"{figures['lines']}"),
         Fact("signal", f"{found.seconds / 60:.1f} min emitted"),
         Fact("median relative deviation", f"{100 * figures['median_relative_deviation']:.2g} %"),
         *_drive_facts(found, settings),

@@ -110,7 +110,7 @@ def damaged(folder: Path) -> None:
         (("--from", "d0.wav", "short.wav"), "short.wav: 22050 samples, d0.wav has 132300, must be nearly as many"),
         (("--from", "d0.wav", "other.wav"), "no model comes of this: 30 to 130 Hz: the responses do not follow the"),
         (("--from", "d0.wav", "still.wav"), "still.wav: response 2 never changes, must move"),
-        (("--from", "same.wav", "r0.wav"), "no model comes of this: 30 to 130 Hz: the drives go together and cannot"),
+        (("--from", "same.wav", "r0.wav"), "no model comes of this: 30 to 130 Hz: the drives are correlated and not"),
     ],
 )
 def test_what_gives_no_model_is_one_line_and_writes_nothing(

@@ -215,7 +215,7 @@ def test_a_run_that_begins_faint_says_so_and_goes_on_where_it_stopped(tmp_path: 
     run_report(tmp_path / "parts")
     page = (tmp_path / "parts" / "report.html").read_text(encoding="utf-8")
     assert "not reached: at -" in page
-    assert "Loudest line of any shot" in page
+    assert "Loudest bin of any shot" in page
 
 
 def test_a_reference_that_only_fits_faint_is_refused_before_it_rises(tmp_path: Path) -> None:

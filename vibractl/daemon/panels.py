@@ -121,7 +121,7 @@ class Panels:
             for line, n in worst
         )
         head = "side", "bin, Hz", "over the objective, dB", "certificate"
-        self._desk.show("bins", Table("Worst bins", head, rows))
+        self._desk.show("lines", Table("Worst bins", head, rows))
 
     def _spectrograms(self, shot: int, response: np.ndarray) -> None:
         heard = np.asarray(response[:, list(self._judge.place.sensors)], dtype=float)

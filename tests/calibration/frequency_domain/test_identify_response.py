@@ -186,7 +186,7 @@ def test_a_file_brings_it_back(tmp_path: Path) -> None:
         ({"most": 0}, "most is 0, must be a whole number >= 1"),
         ({"order": 2000}, r"order is 2000, must be 1 to \d+ for 784 lines"),
         ({"variance": np.full((784, 2, 2), -1.0)}, "variance must be finite and >= 0"),
-        ({"response": np.zeros((784, 2, 2))}, "response is 0 at all lines"),
+        ({"response": np.zeros((784, 2, 2))}, "response is 0 at all bins"),
         ({"response": np.full((784, 2, 2), np.nan)}, "response is not finite at 4 Hz"),
     ],
 )

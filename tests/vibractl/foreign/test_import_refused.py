@@ -137,7 +137,7 @@ def test_a_first_line_that_contradicts_the_column_of_time(recordings: LabOfRecor
         (("--model", "r0.wav"), "r0.wav: "),
         (("--silence", "gone.wav"), "gone.wav: there is no such file"),
         (("--dry-run",), "--out RUN/ says where it goes, --dry-run that it goes nowhere: must be one of them"),
-        (("r0.wav",), "r0.wav is one file too many: a pattern stands in quotes"),
+        (("r0.wav",), "r0.wav is one file too many: quote the pattern"),
     ],
 )
 def test_what_is_asked_for_and_cannot_be(recordings: LabOfRecordings, words: tuple[str, ...], reason: str) -> None:

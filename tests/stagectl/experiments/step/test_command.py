@@ -90,7 +90,7 @@ def test_what_was_recorded_before_a_kill_is_reported_and_replayed(tmp_path: Path
         (("--of", "arm"), 'of is "arm", must be "both" or "robot" or "stage"'),
         (("--repeats", "1"), "repeats is 1, must be >= 2 and <= 100 periods"),
         (("--of", "stage", "--size", "0.05"), "size is 0.05 m, must be <= midranging.pair.travel, 0.025 m"),
-        (("--kind", "multisine", "--highest", "0.1"), "highest is 0.1 Hz, must be >= 0.375 Hz: three lines"),
+        (("--kind", "multisine", "--highest", "0.1"), "highest is 0.1 Hz, must be >= 0.375 Hz: three bins"),
         (("--png", "pictures"), "--png goes with --out RUN/, which is not given"),
         (("--live", "--set", "midranging.pair.rate=100"), "a live run has the axes x at midranging.pair.rate 100"),
     ],
