@@ -42,6 +42,7 @@ def test_one_percent_of_independent_noise_is_warned_of_with_its_band(seed: int) 
     assert "inputs nearly go together at 3.906 to 500 Hz (u1 and u2" in note
 
 
+@pytest.mark.slow
 def test_the_factor_that_is_told_is_that_of_the_errors() -> None:
     ratios, told = [], []
     frequency = np.linspace(10, 200, 100)

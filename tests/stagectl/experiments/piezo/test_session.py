@@ -175,6 +175,7 @@ def test_a_milling_run_compares_with_the_uncompensated_one(tmp_path: Path) -> No
     assert all(each.identical for each in replay(path))
 
 
+@pytest.mark.slow
 def test_a_milling_run_is_prefiltered_by_what_the_uncompensated_one_has_shown(tmp_path: Path) -> None:
     cut = scenario_settings("milling-z", rig_file.load(None, StageConfig, ["session.seconds=5"]).session)
     settings = (*cut, "session.seconds=4.2", "simulator.surroundings_options.seconds=5.0")

@@ -64,6 +64,7 @@ def test_the_simulated_pair_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert call(monkeypatch, "replay", run) == 0
 
 
+@pytest.mark.slow
 def test_what_was_recorded_before_a_kill_is_reported_and_replayed(tmp_path: Path) -> None:
     path = tmp_path / "run"
     command = [sys.executable, "-m", "stagectl", "step", "--out", str(path), "--repeats", "100", "--of", "robot"]

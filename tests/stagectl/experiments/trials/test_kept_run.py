@@ -87,6 +87,7 @@ def test_of_the_trial_under_way_all_but_the_last_moments_are_kept(path: Path) ->
     assert "Ended early, milled-0" in (path / "report.html").read_text()
 
 
+@pytest.mark.slow
 def test_what_is_left_is_run_as_if_nothing_had_happened(path: Path, whole: Path) -> None:
     _run("ilc", "--resume", str(path))
     assert [each.name for each in _trials(path)] == NAMES
