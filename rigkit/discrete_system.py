@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from scipy.signal import lfilter
 
 Arrays = tuple[np.ndarray, ...]
 """(numerator, denominator) in falling powers of z, or (A, B, C) or (A, B, C, D)."""
@@ -95,7 +94,11 @@ def _of_transfer_function(numerator: np.ndarray, denominator: np.ndarray, sample
             f"the plant has {len(numerator)} coefficients over {len(denominator)} in falling powers of z, must not "
             "have more above"
         )
-    taps: np.ndarray = lfilter(np.r_[np.zeros(late), numerator], denominator, np.eye(1, samples)[0])
+    taps = np.pad(numerator / denominator[0], (late, samples))[:samples]
+    back = denominator[:0:-1] / denominator[0]
+    for sample in range(1, samples):
+        known = taps[max(sample - len(back), 0) : sample]
+        taps[sample] -= known @ back[len(back) - len(known) :]
     return taps
 
 

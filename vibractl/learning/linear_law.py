@@ -221,7 +221,7 @@ class Convergence:
 
     def __repr__(self) -> str:
         """Return a line, of the worst line of a spectrum."""
-        said = f"radius {self.radius.max():.4g}, largest singular value {self.norm.max():.4g}"
+        said = f"radius {self.radius.max():.7g}, largest singular value {self.norm.max():.7g}"
         verdict = "converges" if self.converges else "does not converge"
         return f"<Convergence: {said}; {verdict}{', monotone' if self.is_monotone else ''}>"
 
