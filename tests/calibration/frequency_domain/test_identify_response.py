@@ -190,7 +190,7 @@ def test_a_file_brings_it_back(tmp_path: Path) -> None:
         ({"rate": "600"}, "rate is '600', must be a number > 0, samples/s"),
         ({"order": 2.5}, "order is 2.5, must be a whole number >= 1"),
         ({"most": 0}, "most is 0, must be a whole number >= 1"),
-        ({"order": 2000}, r"order is 2000, must be 1 to \d+ for 784 lines"),
+        ({"order": 2000}, r"order is 2000, must be 1 to \d+ for 784 bins"),
         ({"variance": np.full((784, 2, 2), -1.0)}, "variance must be finite and >= 0"),
         ({"response": np.zeros((784, 2, 2), complex)}, "response is 0 at all bins"),
         ({"response": np.full((784, 2, 2), np.nan + 0j)}, "response is not finite at 4 Hz"),
