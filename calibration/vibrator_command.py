@@ -12,9 +12,11 @@ from calibration.far_field_report import far_field_rows
 from calibration.from_command import (
     CorrectClockOption,
     DrivesOption,
+    MapOption,
     ResponsesArgument,
     model_from_files,
     refuse_measuring,
+    refuse_without_files,
 )
 from calibration.multisine_report import level_table
 from calibration.output import AgainOption, Output, RecomputeOption, Wish, output
@@ -44,6 +46,7 @@ def vibrator_command(
     png: PngOption = None,
     drives: DrivesOption = None,
     responses: ResponsesArgument = None,
+    channels: MapOption = None,
     correct_clock: CorrectClockOption = False,
     again: AgainOption = False,
     recompute: RecomputeOption = False,
@@ -65,17 +68,13 @@ def vibrator_command(
         measuring = {"--seed": seed, "--method": method, "--quiet": quiet, "--around": around, "--passes": passes}
         refuse_measuring({**measuring, "--no-preload": no_preload, "--recompute": recompute, "--accept": accept})
         clock = {"correct_clock": correct_clock, "again": again}
-        model_from_files(out, drives or [], responses or [], asked, inputs=[config], **clock, png=png, json=json)
+        model_from_files(out, drives or [], responses or [], channels, asked, [config], **clock, png=png, json=json)
         return
-    if correct_clock:
-        raise ValueError("--correct-clock is given without --from, must be with it: one device has one clock")
+    refuse_without_files(correct_clock, channels)
     wish = Wish(again, recompute, accept or [])
     writes = output(out, KIND, asked, wish, [out.with_suffix(".html")], KEPT, inputs=[config])
     found = _measured(writes, recompute)
-    report = sweep_report(found, writes.config)
-    report.write(out.with_suffix(".html"))
-    if png is not None:
-        report.png(png)
+    _report(found, writes.config, out, png)
     _print(found, out, json)
 
 
@@ -115,6 +114,13 @@ def _calibrated(writes: Output[RigConfig], raw: RawFolder) -> Calibration:
             raise Stopped(writes.left) from None
 
 
+def _report(found: Calibration, rig: RigConfig, out: Path, png: Path | None) -> None:
+    report = sweep_report(found, rig)
+    report.write(out.with_suffix(".html"))
+    if png is not None:
+        report.png(png)
+
+
 def _print(found: Calibration, out: Path, json: str | None) -> None:
     stream, figures = words(json), sweep_figures(found)
     title = f"{out}: {figures['lines']} bins from {_duration(found.seconds)} of signal"
@@ -128,7 +134,7 @@ def _print(found: Calibration, out: Path, json: str | None) -> None:
     if found.loudest is not None:
         print(f"the multisine's loudest bin is {found.loudest:.1f} dB re what the preload emits", file=stream)
     if found.over is not None:
-        print(f"the loudest bin emitted is {found.over:.1f} dB re the limit that the reference sets", file=stream)
+        print(f"the loudest bin emitted is {found.over:+.1f} dB re {_limit(found.over)}", file=stream)
     if len(found.tones):
         print(f"{len(found.tones)} bins were measured again by a stepped sine", file=stream)
     if len(found.passes) > 1:
@@ -137,6 +143,11 @@ def _print(found: Calibration, out: Path, json: str | None) -> None:
         print(f"from the first pass to the second the bins moved by {100 * moved:.2g} %, median", file=stream)
     print(f"report: {out.with_suffix('.html')}", file=stream)
     write_json(json, figures)
+
+
+def _limit(over: float) -> str:
+    """Return which limit that is, and how a calibration keeps it."""
+    return f"the limit that a shot of the reference has{'; --quiet keeps it here as well' if over > 0 else ''}"
 
 
 def _duration(seconds: float) -> str:

@@ -141,6 +141,10 @@ class _Data:
 
 def _prepared(frequency: np.ndarray, response: np.ndarray, variance: np.ndarray | None, rate: float | None) -> _Data:
     """Refuse what cannot be fitted; scale the rest."""
+    if np.iscomplexobj(frequency):
+        raise ValueError("frequency is complex, must be real, in Hz: it is given before the response")
+    if not np.iscomplexobj(response):
+        raise ValueError("response is real, must be complex: a magnitude without its phase is no response")
     lines, given = np.asarray(frequency, float), np.asarray(response, complex)
     given = given.reshape(-1, 1, 1) if given.ndim == 1 else given
     if given.ndim != 3 or lines.shape != given.shape[:1]:

@@ -12,6 +12,7 @@ from calibration.from_command import CorrectClockOption
 from calibration.identification.arguments import channels_of, delay_of, order_of
 from calibration.identification.beginnings import begun_together
 from calibration.identification.excitation import excitation_notes
+from calibration.identification.lower_rate import lower_rate_hint
 from calibration.identification.recordings import Measured, from_file, from_pairs, without_outliers
 from calibration.identification.report import (
     MODE_HEAD,
@@ -168,6 +169,8 @@ def _watched(measured: Measured) -> Iterator[Callable[[int, str], None]]:
                 f"identifying: {samples} samples of {channels} channels; 250 000 samples of four take half a minute, "
                 "with pem longer"
             )
+        if hint := lower_rate_hint(measured.recordings):
+            meter.say(f"identifying: {hint}")
         yield meter.show
         meter.show(STEPS)
 

@@ -50,7 +50,13 @@ def robot_files(
     out.mkdir(parents=True, exist_ok=True)
     for name, text in made.items():
         atomic.write(out / name, text)
-    words(json).write("".join(f"{out / name}\n" for name in made))
+    stream = words(json)
+    stream.write("".join(f"{out / name}\n" for name in made) + "docs/robot-files.md says where each belongs\n")
+    if cell.robot.listen.startswith("127."):
+        stream.write(
+            f"robot.listen is {cell.robot.listen}, where only a simulator finds this computer: for a controller set "
+            "its address on the robot's network, and write the files anew\n"
+        )
     write_json(json, {"files": [str(out / name) for name in made]})
 
 

@@ -86,7 +86,7 @@ def test_what_is_no_reference_is_refused(text: str, words: str) -> None:
 
 def test_an_unusable_file_is_refused_with_what_it_should_be(tmp_path: Path) -> None:
     noise = np.random.default_rng(1).standard_normal((6_000, 3))
-    with pytest.raises(ValueError, match="48000 samples/s, must be 44100"):
+    with pytest.raises(ValueError, match="48000 samples/s, must be audio.rate, 44100"):
         made(wav(tmp_path / "a.wav", noise[:, :1], 48_000))
     with pytest.raises(ValueError, match="3 channels, must be 1 or 2 channels"):
         made(wav(tmp_path / "b.wav", noise))

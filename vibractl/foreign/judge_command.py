@@ -12,7 +12,8 @@ from rigkit.written import made_folder, written_file
 from vibractl.config import RigConfig
 from vibractl.foreign.judge_report import judge_report
 from vibractl.foreign.judged import Verdict, judged
-from vibractl.foreign.signals import open_kind, responses_of
+from vibractl.foreign.signals import responses_of
+from vibractl.foreign.tracks import open_mapped, parsed_map
 from vibractl.judging import Judging
 from vibractl.reference_option import ReferenceOption
 
@@ -26,6 +27,10 @@ def judge_command(
     config: ConfigOption = None,
     report: Annotated[Path | None, written_file("FILE", "Write an HTML page with the picture.")] = None,
     png: Annotated[Path | None, made_folder("DIR", "Write the picture as a PNG file.")] = None,
+    channels: Annotated[
+        str | None,
+        typer.Option("--map", metavar="response_1=2,...", help="Channels by name or number; - turns one round."),
+    ] = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -37,8 +42,9 @@ def judge_command(
     """
     rig = rig_file.load(config, RigConfig, laid_over(settings, {"reference.signal": reference or None}))
     made, kind = Judging.of(rig), responses_of(rig.audio)
-    quiet = None if silence is None else open_kind(silence, kind, rig.audio.rate)
-    found = judged(made, open_kind(recorded, kind, rig.audio.rate), quiet)
+    given, rate = parsed_map(channels), rig.audio.rate
+    quiet = None if silence is None else open_mapped(silence, kind, rate, given)
+    found = judged(made, open_mapped(recorded, kind, rate, given), quiet)
     if report is not None or png is not None:
         with styled():
             page = judge_report(found, made, str(recorded))

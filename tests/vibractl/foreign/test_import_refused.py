@@ -56,6 +56,15 @@ def test_nothing_but_noise_holds_no_reference(recordings: LabOfRecordings) -> No
     assert "must be >= 0.5" in said
 
 
+def test_a_recording_that_ends_with_the_reference_is_told_what_is_missing(recordings: LabOfRecordings) -> None:
+    data, _ = soundfile.read("r0.wav", always_2d=True)
+    for name in ("d0.wav", "r0.wav"):
+        recordings.sound(name, data[: round(0.9 * RATE)])
+    said = recordings.import_refused("d0.wav", "r0.wav")
+    assert f"r0.wav: {round(0.9 * RATE)} samples, must be at least " in said
+    assert "after it in which the vibrator comes to rest" in said
+
+
 def test_a_drive_of_something_else_does_not_belong_to_a_response(recordings: LabOfRecordings) -> None:
     time = np.arange(70_560) / RATE
     other = 0.05 * np.sin(2 * np.pi * 300.0 * time)[:, None] * [1, 1] * np.hanning(70_560)[:, None]
