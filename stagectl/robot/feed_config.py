@@ -76,6 +76,9 @@ class ForceFeed(Section):
     chatter: float = setting(
         0.7, "", "once the tool chatters, the feed is at most that part of what it was", gt=0, lt=1
     )
+    chattering: float = setting(
+        2.0, "s", "of chatter that goes on though the feed was lowered three times: the tool retreats", ge=0.1, le=3_600
+    )
     careful_lag: float = setting(
         0.06,
         "s",
