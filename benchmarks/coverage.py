@@ -1,7 +1,7 @@
 """How often the truth lies within 1.96 standard errors of what is identified: 95 % where these are right.
 
-`python -m benchmarks.coverage [FIRST] [--write]`, half an hour; prints the table of `docs/identification.md`, of seeds
-from FIRST on, 5000 where none is given.
+`python -m benchmarks.coverage [FIRST] [--write]`, half an hour; a table of `docs/validation/identification.md`, of
+seeds from FIRST on, default 5000.
 Each record is of a system of its own: two resonances of 2 to 35 % of the rate, damping ratios of 0.01 to 0.1, random
 shares and gains, noise 20 dB below the response, white on the output or the innovations of a process that random
 forces shake as well; inputs are white, or white about a PI controller of half the gain that small gain allows,
@@ -130,7 +130,11 @@ def main() -> None:
             what = ("closed" if closed else "open", "coloured" if coloured else "white", samples, count, kind)
             rows.append([*what, *(f"{mean:.1f}" for mean in means)])
             print(*rows[-1], flush=True)
-    put(table(["loop", "noise", "samples", "records", "model", *FIGURES], rows), "identification.md", "coverage")
+    put(
+        table(["loop", "noise", "samples", "records", "model", *FIGURES], rows),
+        "validation/identification.md",
+        "coverage",
+    )
 
 
 if __name__ == "__main__":

@@ -120,7 +120,7 @@ def main() -> None:
         rows.append(row(seed))
         print(rows[-1], flush=True)
     head = ["cell", "cut", "feed before, mm/s", "bound", "largest on entering", "over the bound", "without the brake"]
-    put(table(head, rows), "force-control.md", "bound")
+    put(table(head, rows), "validation/force.md", "bound")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The table of `studies/feed-force.toml` in docs/force-control.md."""
+"""The table of `studies/feed-force.toml` in docs/validation/force.md."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Force control by the feed: the tables of docs/force-control.md.
+"""Force control by the feed: the tables of docs/validation/force.md.
 
 `python -m benchmarks.force_control [figure] [gains] [stiffness] [oak] [planners]`, all by default; minutes.
 """
@@ -24,7 +24,7 @@ from stagectl.robot.feed_config import ForceFeed
 from stagectl.robot.milling.feed_record import CONTROLLING
 
 PLANT = "firmware_sim.feed_blocks:FedTool"
-SEEDS, PIECES = range(1, 6), range(1, 11)
+SEEDS, PIECES = range(1, 6), range(1, 41)
 """Of fig. 7.5, and pieces of wood: as many of them as of `SEEDS` have a line."""
 KAPPAS = (0.1, 0.2, 0.4, 0.7, 1.0, 2.0, 4.0)
 """mm/(N s)."""
@@ -54,7 +54,7 @@ def figure() -> None:
                      f"{1e3 * worst['kappa_error']:.2g}", f"{worst['beta_error']:.2g}"])  # fmt: skip
     head = ["start", "control begins, s", "largest force until then, N", "settled to 5 %, s", "mean error, N",
             "largest error, N", "κ, rms, mm/(N s)", "β, rms"]  # fmt: skip
-    put(table(head, rows), "force-control.md", "figure")
+    put(table(head, rows), "validation/force.md", "figure")
 
 
 def gains() -> None:
@@ -74,7 +74,7 @@ def gains() -> None:
         rows.append(cells)
     parts = ("settled to 5 %, s", "largest, N", "σ, N")
     head = ["κ, mm/(N s)", *(f"{part}: {kind}" for kind in ("adapted", "fixed") for part in parts)]
-    put(table(head, rows), "force-control.md", "gains")
+    put(table(head, rows), "validation/force.md", "gains")
 
 
 def stiffness() -> None:
@@ -86,7 +86,7 @@ def stiffness() -> None:
         rows.append([f"{share:.2f}", f"{found['settled_after']:.2f}", f"{found['mean_error']:.3f}",
                      f"{found['largest_error']:.2f}", f"{1e3 * found['kappa_error']:.3f}"])  # fmt: skip
     head = ["K_f believed over true", "settled to 5 %, s", "mean error, N", "largest error, N", "κ, rms, mm/(N s)"]
-    put(table(head, rows), "force-control.md", "stiffness")
+    put(table(head, rows), "validation/force.md", "stiffness")
 
 
 def oak() -> None:
@@ -103,14 +103,24 @@ def oak() -> None:
         print(rows[-1], flush=True)
     head = ["piece", "force control, s", "position control, s", "saved, %", "force, N", "σ, N", "largest, N",
             "position control: force, N", "largest, N"]  # fmt: skip
-    put(table(head, rows[: len(SEEDS)]), "force-control.md", "oak")
+    put(table(head, rows[: len(SEEDS)]), "validation/force.md", "oak")
+    distribution(saved)
+
+
+def distribution(saved: list[float]) -> None:
+    """Put what was saved on each piece, 1, and how it is spread, into their tables."""
     rng, percent = np.random.default_rng(1), 100.0 * np.array(saved)
     again = np.median(rng.choice(percent, (10_000, len(percent))), axis=1)
     told = [f"{each:.1f}" for each in (np.median(percent), percent.mean(), percent.min(), percent.max())]
     told += [f"{low:.1f} to {high:.1f}" for low, high in (np.quantile(again, [0.025, 0.975]),
                                                          np.quantile(percent, [0.1, 0.9]))]  # fmt: skip
     head = ["pieces", "median, %", "mean, %", "least, %", "most, %", "median, 95 % interval", "10th to 90th percentile"]
-    put(table(head, [[len(saved), *told]]), "force-control.md", "saved")
+    put(table(head, [[len(saved), *told]]), "validation/force.md", "saved")
+    lines = [percent[n : n + 10] for n in range(0, len(percent), 10)]
+    rows = [
+        [f"{10 * n + 1} to {10 * n + len(line)}", *(f"{each:.1f}" for each in line)] for n, line in enumerate(lines)
+    ]
+    put(table(["pieces, saved, %", *[""] * 10], rows), "validation/force.md", "pieces")
 
 
 def planners() -> None:
@@ -120,7 +130,7 @@ def planners() -> None:
         found = _milled(1, Job("pocket", planner=name, is_untrained=is_untrained, pockets=3))["pockets"]
         known = "nothing known" if is_untrained else "published rates"
         rows.append([f"{name}, {known}", *(f"{each['seconds']:.1f}" for each in found)])
-    put(table(["planner", "pocket 1, s", "pocket 2, s", "pocket 3, s"], rows), "force-control.md", "planners")
+    put(table(["planner", "pocket 1, s", "pocket 2, s", "pocket 3, s"], rows), "validation/force.md", "planners")
 
 
 def _milled(seed: int, job: Job) -> dict[str, Any]:

@@ -143,7 +143,7 @@ def arms() -> None:
         "arm", "noise", "tie-break", "force, N rms", "error, N rms", "below 10 Hz", "width as likely, N", "holds, %",
         "width of the bounds, N", "hold, %", "hold it below 10 Hz, %", "untold, %",
     ]  # fmt: skip
-    put(table(head, rows), "force-estimate.md", "arms")
+    put(table(head, rows), "validation/forces.md", "arms")
 
 
 def picture() -> None:
@@ -225,7 +225,7 @@ def speed() -> None:
     head = [
         "cases", "tie-break", "us a sample, in a batch", "DAQP, us", "times", "objective above DAQP's", "below it",
     ]  # fmt: skip
-    put(table(head, rows), "force-estimate.md", "speed")
+    put(table(head, rows), "validation/forces.md", "speed")
     single, whole = min(one_by_one(random_cases(CASES, 1.5)) for _ in range(5)), min(as_block() for _ in range(5))
     print(f"a single sample {1e6 * single:.0f} us; the Block, from angles to bounds, {1e6 * whole:.1f} us")
 

@@ -127,7 +127,7 @@ def main() -> None:
     head = ["cell", "cut", "force, N rms", "error, N rms", "bounds: width, N", "hold, %", "below 10 Hz, %",
             "95 % interval: width, N", "holds, %", "below 10 Hz, %",
             f"a sensor of scale {' / '.join(f'{each:g}' for each in SCALES)} is outside, %"]  # fmt: skip
-    put(table(head, rows), "force-estimate.md", "intervals")
+    put(table(head, rows), "validation/forces.md", "intervals")
 
 
 if __name__ == "__main__":

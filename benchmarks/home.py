@@ -70,7 +70,7 @@ class Figure:
 
 FIGURES = (
     Figure("`make run`: shots to the objective", "", "run.json", "objective_met_shot"),
-    Figure("`make run`: worst line of the last shot over the limit", "dB", "run.json", "worst_line_db", is_level=True),
+    Figure("`make run`: worst bin of the last shot over the limit", "dB", "run.json", "worst_line_db", is_level=True),
     Figure("`make run`: median relative deviation of G", "", "model.json", "median_relative_deviation"),
     Figure("Table 3.1, r = 1.5: IAE of AIMC", "mm s", "midranging.json", "setups[0].aimc_iae"),
     Figure("Table 3.1, r = 5: IAE of AIMC", "mm s", "midranging.json", "setups[1].aimc_iae"),
@@ -83,9 +83,9 @@ FIGURES = (
 _HEAD = """\
 # Home: the simulators' own figures
 
-What this project's own simulators give with default settings: no witness for another machine
-([populations](populations.md) are), but nothing here may grow worse unseen.  `python -m benchmarks.home` makes them
-again and fails where one is worse by more than 5 %; `make bench` keeps today's.
+Figures of this project's own simulators with default settings.  They do not validate the programs for other plants
+([populations](populations.md) do), but detect regressions: `python -m benchmarks.home` computes them
+again and fails where one is worse by more than 5 %; `make bench` stores the new ones.
 """
 
 

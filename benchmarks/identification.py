@@ -1,7 +1,7 @@
 """How well each way of calibrating knows the vibrator at work, and how fast one learns with what it found.
 
 `python -m benchmarks.identification [SEED ...] [--write]`, two minutes a seed; prints the table of
-`docs/calibration.md`.  Error: of G against the linearisation around the drive that makes the default reference
+`docs/validation/calibration.md`.  Error: of G against the linearisation around the drive of the default reference
 (noise-free, undrifting), largest singular value, relative.  Normalised: squared error of the elements over their
 stated variance, against that truth and against the one around the calibration's own preload.  Shots: until the
 objective holds, with `law = "thesis", start = "inverse", gains = [0.5]`, and with the default law.
@@ -146,7 +146,7 @@ def main(seeds: list[int]) -> None:
     head += ["error² / variance at work: median, 95 %", "... at the own preload"]
     head += ["shots, fixed gain", "... default law", "loudest line, dB"]
     rows = [row(name, of, by_name["stepped sine"]) for name, of in by_name.items()]
-    put(table(head, rows), "calibration.md", "identification")
+    put(table(head, rows), "validation/calibration.md", "identification")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """How well an import finds delay and clock, and how fast and in how much memory it works.
 
-`python -m benchmarks.import_timing [accuracy] [speed] [--write]`; prints the tables of `docs/own-recordings.md`.
+`python -m benchmarks.import_timing [accuracy] [speed] [--write]`; prints the tables of `docs/validation/recordings.md`.
 
 Accuracy: 40 draws a case, seeds from 3000.  Each draws a delay of 0 to 2000 samples with its fraction, a difference of
 clocks within +-100 ppm and white noise 20 dB below each channel; a 5 s chirp is imported from a WAV file.  The delay is
@@ -152,7 +152,7 @@ def accuracy() -> None:
         rows.append([name, *_told(off, 0.05), *_told(clock, 0.5)])
     delay = ["delay, rms", "largest", "told error", "within 0.05"]
     head = ["", *delay, "clock, rms", "largest", "told error", "within 0.5"]
-    put(table(head, rows), "own-recordings.md", "import accuracy")
+    put(table(head, rows), "validation/recordings.md", "import accuracy")
 
 
 def _told(off: np.ndarray, allowed: float) -> Iterator[str]:
@@ -197,7 +197,7 @@ def speed() -> None:
                 rows.append([f"{seconds // 60} min", f"`{what}`", *_run(folder, command, seconds)])
     speed = ["processor, times real time", "clock, times real time"]
     head = ["recording", "command", *speed, "memory above the start, MB"]
-    put(table(head, rows), "own-recordings.md", "import speed")
+    put(table(head, rows), "validation/recordings.md", "import speed")
 
 
 def _long(file: Path, on: Machinery, seconds: int) -> str:

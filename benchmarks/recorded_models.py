@@ -1,6 +1,6 @@
 """How good models from recordings are beside the experiment's own, on the same vibrators: `calibrate vibrator --from`.
 
-`python -m benchmarks.recorded_models [--seeds 3000:3020] [--write]`; prints the tables of `docs/own-recordings.md`.
+`python -m benchmarks.recorded_models [--seeds 3000:3020] [--write]`; prints tables of `docs/validation/recordings.md`.
 
 The vibrators are those of the population, by seed, with their noise and hum.  `linear`: their distortion and drift are
 taken away, and the true G is known exactly.  `as they are`: with both; the true G is still the linear one, so that
@@ -255,8 +255,8 @@ def main() -> None:
             judged.append(measured(seed, linear))
             figures = " ".join(f"{each.error:.4g}/{each.spread:.4g}/{each.bare:.4g}" for each in judged[-1])
             print(f"{seed} {NAMES[linear]} {time.monotonic() - begun:.0f} s: {figures}", flush=True)
-    put(table(HEAD, rows(found[True])), "own-recordings.md", "recorded models linear")
-    put(table(HEAD, rows(found[False])), "own-recordings.md", "recorded models as they are")
+    put(table(HEAD, rows(found[True])), "validation/recordings.md", "recorded models linear")
+    put(table(HEAD, rows(found[False])), "validation/recordings.md", "recorded models as they are")
 
 
 if __name__ == "__main__":

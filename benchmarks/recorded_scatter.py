@@ -1,6 +1,6 @@
 """How much of the error of models from recordings is distortion: several recordings of one nonlinear vibrator.
 
-`python -m benchmarks.recorded_scatter [--seeds 3000:3004] [--write]`; prints a table of `docs/own-recordings.md`.
+`python -m benchmarks.recorded_scatter [--seeds 3000:3004] [--write]`; a table of `docs/validation/recordings.md`.
 
 The vibrators are those of `recorded_models`, as they are.  Each is recorded `TIMES` times by each kind, with other
 phases or other noise, and its own noise and drift other ones.  `mean`: by how much the mean of their models differs
@@ -67,7 +67,7 @@ def main() -> None:
         off, scatter, spread = np.array(each).T
         medians = f"{100 * np.median(off):.2g}", f"{100 * np.median(scatter):.2g}", f"{np.median(spread):.2g}"
         rows.append([kind, f"{len(each)}", *medians, f"{spread.max():.2g}"])
-    put(table(HEAD, rows), "own-recordings.md", "recorded scatter")
+    put(table(HEAD, rows), "validation/recordings.md", "recorded scatter")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Speed and memory of what reads recordings: the tables of docs/own-recordings.md.
+"""Speed and memory of what reads recordings: the tables of docs/validation/recordings.md.
 
 `python -m benchmarks.recordings [reading] [commands] [hour] [--write]`, the first two by default: some minutes and
 3 GB of disk; `hour` adds a run of 700 shots and noise of an hour, of 8 channels each: half an hour, 6 GB.
@@ -85,7 +85,7 @@ def reading() -> None:
             used = time.process_time() + os.times().children_user - begun
             rows.append([f"`{path.suffix}`", name.partition(".")[0], f"{frames / RATE / used:.0f}"])
             path.unlink()
-    put(table(["suffix", "4 channels at 44.1 kHz", "times real time"], rows), "own-recordings.md", "reading")
+    put(table(["suffix", "4 channels at 44.1 kHz", "times real time"], rows), "validation/recordings.md", "reading")
 
 
 def commands() -> None:
@@ -95,7 +95,7 @@ def commands() -> None:
         rows += _judged(Path(folder))
         rows += _modelled(Path(folder))
         rows += _replayed(Path(folder))
-    put(table(["command", "recording", "times real time", "peak, MB"], rows), "own-recordings.md", "commands")
+    put(table(["command", "recording", "times real time", "peak, MB"], rows), "validation/recordings.md", "commands")
 
 
 def _judged(folder: Path) -> list[list[str]]:

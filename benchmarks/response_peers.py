@@ -1,9 +1,9 @@
 """State-space models of frequency responses: ours beside pyMOR's Loewner framework and AAA, and a vector fit.
 
 `python -m benchmarks.response_peers [--write]`, a minute, by `make peers`; prints the table of
-`docs/identification.md`.  Two inputs and two outputs, five resonances from 12 to 140 Hz of which two are 2.5 Hz apart,
-damping ratios of 0.01 to 0.05, and a lag; 392 lines from 4 to 200 Hz, errors of each line known.  Systems of seeds 20
-to 24.  The vector fit (scikit-rf's) has a pole for each state, whatever the inputs: its order is that times the inputs.
+`docs/validation/identification.md`.  Two inputs and two outputs, five resonances from 12 to 140 Hz of which two are 2.5
+Hz apart, damping ratios of 0.01 to 0.05, and a lag; 392 bins from 4 to 200 Hz, errors of each bin known.  Systems of
+seeds 20 to 24.  The vector fit (scikit-rf's) has a pole for each state and input: its order is that times the inputs.
 """
 
 import logging
@@ -81,7 +81,7 @@ def _dense(operator: object) -> np.ndarray:
 
 
 WAYS: dict[str, tuple[str, Way]] = {
-    "ours, order left to it": ("numpy", ours),
+    "ours, order not given": ("numpy", ours),
     "ours, order given": ("numpy", lambda response, variance: ours(response, variance, ORDER)),
     "Loewner framework (pyMOR), order given": ("pymor", loewner),
     "AAA (pyMOR), twelve support points": ("pymor", aaa),
@@ -123,7 +123,7 @@ def main() -> None:
     warnings.simplefilter("ignore")
     logging.disable(logging.CRITICAL)
     head = ["", *(f"errors of {100 * noise:.0f} %" for noise in NOISES), "order", "stable", "processor time, s"]
-    put(table(head, list(rows())), "identification.md", "response peers")
+    put(table(head, list(rows())), "validation/identification.md", "response peers")
 
 
 if __name__ == "__main__":

@@ -170,9 +170,9 @@ def main() -> None:
     errors = ["MAE, µm", "largest, µm", "within 5 µm, %", "times better"]
     found = ["order", "of all positions", "free run, %", "modes off by, %", "Ms"]
     if by_hand:
-        put(table(["seed", "axis", *errors], rows), "stage.md", "hand-made")
+        put(table(["seed", "axis", *errors], rows), "validation/stage.md", "hand-made")
     else:
-        put(table(["seed", "axis", *found, *errors], rows), "stage-calibration.md", "chain")
+        put(table(["seed", "axis", *found, *errors], rows), "validation/stage.md", "chain")
     print(f"{passed} of {math.prod((len(seeds), len(AXES)))} pass")
 
 

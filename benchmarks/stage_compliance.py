@@ -133,7 +133,7 @@ def main() -> None:
     rows = [row for seed in seeds for row in rows_of(seed)]
     answers = ["100 N at 10 Hz, µm", "at 30 Hz, µm"]
     head = ["seed", "axis", "compliance", *answers, "Ms, worst", "cut of 100 N, largest, µm"]
-    put(table(head, rows), "stage.md", "compliance")
+    put(table(head, rows), "validation/stage.md", "compliance")
 
 
 if __name__ == "__main__":

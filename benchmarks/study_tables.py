@@ -24,7 +24,7 @@ PAGE = DOCS / "populations.md"
 PLACES = {
     "ablation": "validation/learning.md",
     "around": "validation/vibrator-studies.md",
-    "feed-force": "force-control.md",
+    "feed-force": "validation/force.md",
     "learning": "validation/learning.md",
     "prediction": "validation/vibrator-studies.md",
     "quiet": "validation/vibrator-studies.md",

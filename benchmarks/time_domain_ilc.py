@@ -146,14 +146,14 @@ def outcome(seed: int, order: int) -> Outcome:
 def row(seed: int, order: int, found: Outcome) -> str:
     """Return a row of the table."""
     best = int(np.argmin(found.error))
-    ended = f"{found.level[-1]:.0f}" if len(found.level) > SHOTS else f"ran away at shot {len(found.level) - 1}"
+    ended = f"{found.level[-1]:.0f}" if len(found.level) > SHOTS else f"diverged at shot {len(found.level) - 1}"
     cells = [seed, order, f"{found.vaf:.1f}", found.outside, best, f"{found.error[0] / found.error[best]:.0f}"]
     return f"| {' | '.join(map(str, [*cells, f'{found.level[best]:.0f}', ended]))} |"
 
 
 def main(seeds: list[int]) -> None:
     """Print the table."""
-    head = ["seed", "order", "VAF, %", "zeros outside", "best shot", "IAE: first / best", "its worst line, dB"]
+    head = ["seed", "order", "VAF, %", "zeros outside", "best shot", "IAE: first / best", "its worst bin, dB"]
     print(f"| {' | '.join([*head, f'... at shot {SHOTS}'])} |")
     print("|---" * (len(head) + 1) + "|")
     for seed in seeds:

@@ -41,7 +41,7 @@ def compare_command(
         if png is not None:
             report.png(png)
     stream = words(json)
-    title = f"{found.first_name} and {found.second_name}: {len(found.frequency)} lines in common"
+    title = f"{found.first_name} and {found.second_name}: {len(found.frequency)} bins in common"
     print_table(title, COMPARED_HEAD, compared_rows(found), stream)
     print_table("farthest apart", DIFFERING_HEAD, differing_rows(found), stream)
     if far is not None:

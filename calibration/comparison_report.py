@@ -58,7 +58,7 @@ def comparison_report(found: Comparison, far: Comparison | None = None) -> Repor
     """Put the report of a comparison together; `far` compares the far fields where both models have one."""
     within = float(np.mean(found.normalised <= EXPECTED_95))
     facts = (
-        Fact("lines in common", f"{len(found.frequency)}"),
+        Fact("bins in common", f"{len(found.frequency)}"),
         Fact("median difference", f"{100 * np.median(found.relative):.2g} %"),
         Fact("normalised difference, mean", f"{found.normalised.mean():.2g}"),
         Fact("elements within their uncertainty", f"{100 * within:.0f} % (95 % if nothing changed)"),
@@ -77,7 +77,7 @@ def _sections(found: Comparison, of_what: str) -> tuple[Section, ...]:
         Section(
             f"Difference{of_what}",
             "The normalised difference is |difference|² over the sum of both variances: 1 on average, and below "
-            "3.0 on 95 of 100 elements, if the machine is the same and both variances are right.",
+            "3.0 on 95 of 100 elements, if the vibrator is unchanged and both variances are right.",
             (Plot(_difference(found), f"Relative to {size} of the first, and against the uncertainty of both."),),
             (
                 Table(COMPARED_HEAD, tuple(compared_rows(found))),

@@ -15,7 +15,7 @@ HEAD = (
     "late, ms",
     "in phase, Pa per m/s²",
     "median deviation, %",
-    "95 % of lines within, %",
+    "95 % of bins within, %",
     "coherence",
 )
 

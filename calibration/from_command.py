@@ -17,16 +17,21 @@ from rigkit.command import print_table, words, write_json
 from rigkit.large_arrays import give_back_large_arrays
 from rigkit.progress import Meter, progress
 from vibractl.config import RigConfig
-from vibractl.foreign.signals import drives_of, open_kind, responses_of
+from vibractl.foreign.signals import drives_of, responses_of
+from vibractl.foreign.tracks import open_mapped, parsed_map
 from vibractl.model_file import write_model
 
 DrivesOption = Annotated[
     list[Path] | None,
-    typer.Option("--from", metavar="D.wav R.wav", help="Measure nothing: take these recordings; many times."),
+    typer.Option("--from", metavar="D.wav R.wav", help="Use these recordings instead; may be repeated."),
 ]
 ResponsesArgument = Annotated[list[Path] | None, typer.Argument(metavar="", help="The second file of each --from.")]
 CorrectClockOption = Annotated[
-    bool, typer.Option("--correct-clock", help="With --from: take out how devices' clocks and beginnings differ.")
+    bool, typer.Option("--correct-clock", help="With --from: correct differences of the devices' clocks and start.")
+]
+MapOption = Annotated[
+    str | None,
+    typer.Option("--map", metavar="drive_1=3,...", help="Channels of --from by name or number; - turns one round."),
 ]
 
 
@@ -43,13 +48,28 @@ def refuse_measuring(options: Mapping[str, object]) -> None:
             raise ValueError(f"{name} and --from are given, must be one of them: nothing is measured with --from")
 
 
+def refuse_without_files(correct_clock: bool, channels: str | None) -> None:
+    """Refuse options that are for recordings where none are given.
+
+    Parameters
+    ----------
+    correct_clock : bool
+    channels : str or None
+    """
+    if correct_clock:
+        raise ValueError("--correct-clock is given without --from, must be with it: one device has one clock")
+    if channels is not None:
+        raise ValueError("--map is given without --from, must be with it: an experiment has those of the rig file")
+
+
 def model_from_files(
     out: Path,
     drives: Sequence[Path],
     responses: Sequence[Path],
+    channels: str | None,
     rig: RigConfig,
-    *,
     inputs: Collection[Path | None] = (),
+    *,
     correct_clock: bool = False,
     again: bool = False,
     png: Path | None = None,
@@ -61,6 +81,8 @@ def model_from_files(
     ----------
     out : Path
     drives, responses : sequences of Path, as many of one as of the other
+    channels : str or None
+        Which are which, as of `vibractl.foreign.tracks.parsed_map`; one file may hold drives and responses.
     rig : RigConfig
     inputs : collection of Path
         Other files that were read, such as the rig file.
@@ -84,7 +106,8 @@ def model_from_files(
     refuse_inputs([out, page], [*drives, *responses, *inputs])
     if not again:
         refuse_taken([out, page], again)
-    records = [_opened(*pair, rig) for pair in zip(drives, responses, strict=True)]
+    given = parsed_map(channels)
+    records = [opened_pair(*pair, rig, given) for pair in zip(drives, responses, strict=True)]
     about = provenance(rig, min(oldest(path) for path in responses), {})
     about |= {"recording": ", ".join(each.name for each in records)}
     give_back_large_arrays()
@@ -102,9 +125,22 @@ def model_from_files(
     _print(found, out, json)
 
 
-def _opened(drive: Path, response: Path, rig: RigConfig) -> Recorded:
-    played = open_kind(drive, drives_of(rig.audio), rig.audio.rate)
-    heard = open_kind(response, responses_of(rig.audio), rig.audio.rate)
+def opened_pair(drive: Path, response: Path, rig: RigConfig, given: Mapping[str, str]) -> Recorded:
+    """Open drives and responses that lie beside each other, in two files or one.
+
+    Parameters
+    ----------
+    drive, response : Path
+    rig : RigConfig
+    given : mapping of str to str
+        Channels by what they are, as of `vibractl.foreign.tracks.parsed_map`.
+
+    Raises
+    ------
+    RecordingError : as of `vibractl.foreign.tracks.open_mapped`.
+    """
+    played = open_mapped(drive, drives_of(rig.audio), rig.audio.rate, given)
+    heard = open_mapped(response, responses_of(rig.audio), rig.audio.rate, given)
     return Recorded(played, heard, rig.audio.input_full_scale)
 
 
@@ -124,7 +160,7 @@ def _telling(meter: Meter, total: float) -> Callable[[float], None]:
 
 def _print(found: Found, out: Path, json: str | None) -> None:
     stream = words(json)
-    title = f"{out}: {len(found.matrix.frequency)} lines from {found.seconds:.1f} s of {len(found.records)} records"
+    title = f"{out}: {len(found.matrix.frequency)} bins from {found.seconds:.1f} s of {len(found.records)} records"
     print_table(title, VERDICT_HEAD, [each.row for each in verdicts(found)], stream)
     print_table("records", RECORD_HEAD, record_rows(found), stream)
     if found.gaps:

@@ -207,7 +207,7 @@ def _reasons(lines: Lines, excited: np.ndarray) -> list[str]:
         reasons[line] = f"{_drives(weak[line])} hardly excited"
     together = ~(lines.together >= TOGETHER)
     for line in np.flatnonzero(together):
-        reasons[line] = "the drives go together and cannot be told apart"
+        reasons[line] = "the drives are correlated and not distinguishable"
     for line in np.flatnonzero(silent.any(axis=1)):
         reasons[line] = f"{_drives(silent[line])} not excited"
     return _without_edges(reasons)

@@ -15,7 +15,7 @@ from rigkit.report import Fact, Plot, Report, Section, Table
 from vibractl.config import RigConfig
 
 RECORD_HEAD = (
-    "record", "s", "read as", "recorder's clock, ppm", "drives, V rms", "responses, m/s² rms", "noise of a line, dB",
+    "record", "s", "read as", "recorder's clock, ppm", "drives, V rms", "responses, m/s² rms", "noise of a bin, dB",
     "even distortion", "odd distortion",
 )  # fmt: skip
 GAP_HEAD = ("no value, Hz", "why")

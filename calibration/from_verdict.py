@@ -74,7 +74,7 @@ def verdicts(found: Found) -> list[Verdict]:
             continue
         tail = float(np.percentile(relative[there], 95))
         if tail > GOOD:
-            doubtful = f"{np.count_nonzero(relative[there] > GOOD)} lines deviate by more than {100 * GOOD:g} %"
+            doubtful = f"{np.count_nonzero(relative[there] > GOOD)} bins deviate by more than {100 * GOOD:g} %"
             why = f"{why}; {doubtful}" if why else doubtful
         median, coherent = float(np.median(relative[there])), float(np.median(coherence[there]))
         word = "usable" if why else "good"
@@ -91,4 +91,4 @@ def _reasons(found: Found, wanted: np.ndarray) -> str:
     reasons = [(reason, lines) for reason, lines in count.most_common() if lines]
     if len(reasons) == 1 and reasons[0][1] == len(wanted):
         return reasons[0][0]
-    return "; ".join(f"{lines} lines have no value, {reason}" for reason, lines in reasons)
+    return "; ".join(f"{lines} bins have no value, {reason}" for reason, lines in reasons)

@@ -65,7 +65,7 @@ def judged(found: HysteresisFit, voltage: np.ndarray, moved: np.ndarray) -> Judg
 def fit_rows(result: Judged) -> list[tuple[str, ...]]:
     """Return a row for the samples fitted and one for those held back."""
     rows = []
-    for name, part in (("fitted", result.found.fitted), ("held back", result.held_back)):
+    for name, part in (("fitted", result.found.fitted), ("validation", result.held_back)):
         cells = [name]
         for curve in (result.found.modelled, result.straight):
             share, rms = _measures(result, curve, part)
@@ -100,8 +100,8 @@ def hysteresis_report(result: Judged, source: str) -> Report:
     share, rms = _measures(result, result.found.modelled, result.held_back)
     straight, _ = _measures(result, result.straight, result.held_back)
     facts = (
-        Fact("held back: NRMSE", f"{share:.2f} %"),
-        Fact("held back: rms", f"{1e6 * rms:.3g} µm"),
+        Fact("validation: NRMSE", f"{share:.2f} %"),
+        Fact("validation: rms", f"{1e6 * rms:.3g} µm"),
         Fact("a straight line: NRMSE", f"{straight:.1f} %"),
         Fact("loop over its span", f"{100 * result.opening:.1f} %"),
     )
@@ -109,7 +109,7 @@ def hysteresis_report(result: Judged, source: str) -> Report:
         sections = (
             Section(
                 "Loops",
-                "What was held back: measured, and the model's free run from the record's start.",
+                "Validation data: measured, and the model's free run from the record's start.",
                 (Plot(_loops(result), "Response over voltage, measured and modelled."),),
                 (Table(FIT_HEAD, tuple(fit_rows(result))),),
             ),

@@ -58,7 +58,7 @@ def local_polynomial(lines: np.ndarray, response: np.ndarray, wanted: np.ndarray
     """
     count = 2 * reach + 1
     if not len(lines) >= count:
-        raise ValueError(f"{len(lines)} lines, must be at least {count} for windows of {count}")
+        raise ValueError(f"{len(lines)} bins, must be at least {count} for windows of {count}")
     if not 0 <= degree < 2 * reach:
         raise ValueError(f"degree is {degree}, must be 0 to {2 * reach - 1} for a reach of {reach}")
     columns, shape = response.reshape(len(lines), -1), (len(wanted), *response.shape[1:])
@@ -132,7 +132,7 @@ def local_transfer(
     freedom = count * given.shape[2] - inputs * (degree + 1)
     if not (len(lines) >= count and freedom > 0):
         raise ValueError(
-            f"{len(lines)} lines and {given.shape[2]} experiments, must be at least {count} lines, and more than "
+            f"{len(lines)} bins and {given.shape[2]} experiments, must be at least {count} bins, and more than "
             f"{inputs * (degree + 1)} equations in a window"
         )
     first = np.clip(np.searchsorted(lines, wanted) - reach, 0, len(lines) - count)

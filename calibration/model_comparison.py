@@ -107,7 +107,7 @@ def compare_far_fields(first: FarField, second: FarField, first_name: str, secon
 
 
 COMPARED_HEAD = (
-    "band", "lines", "median difference, %", "95 % of lines within, %", "normalised, mean", "95 % within (3.0)"
+    "band", "bins", "median difference, %", "95 % of bins within, %", "normalised, mean", "95 % within (3.0)"
 )  # fmt: skip
 DIFFERING_HEAD = ("farthest apart, Hz", "difference, %", "normalised, worst element", "element")
 

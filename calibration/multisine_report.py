@@ -10,8 +10,8 @@ from rigkit.report import Plot, Section, Table
 DRAWN = (
     ("preload", "preload and its overtones", COLOURS[4]),
     ("response", "response to the multisine", COLOURS[0]),
-    ("even", "even lines: distortion and noise", COLOURS[1]),
-    ("odd", "odd lines left out: distortion and noise", COLOURS[3]),
+    ("even", "even bins: distortion and noise", COLOURS[1]),
+    ("odd", "odd bins left out: distortion and noise", COLOURS[3]),
     ("noise", "silence: noise", COLOURS[6]),
 )
 BANDS = ((0.0, 100.0), (100.0, 200.0), (200.0, 400.0), (400.0, np.inf))
@@ -22,15 +22,15 @@ LEVEL_HEAD = ("band, response", "multisine, dB", "even distortion", "odd distort
 def levels_section(levels: Levels, tones: np.ndarray) -> Section:
     """Put the section of a multisine's report together: `tones` (tones,), Hz, were measured again."""
     text = (
-        "The multisine carries odd lines alone, and one in five of those is left out. On even lines stands what even "
-        f"orders of distortion make of {_emitted(levels)}, on the odd ones left out what odd orders make of it. "
-        "The part that falls on excited lines is as strong; it is averaged over records and lines and is in the "
+        "The multisine excites odd bins only, and one in five of those is left out. Even bins show the distortion of "
+        f"even order of {_emitted(levels)}, the odd ones left out the distortion of odd order. "
+        "Distortion on the excited bins is as strong; it is averaged over records and bins and is part of the "
         "variance."
     )
     if len(tones):
         named = ", ".join(f"{tone:g}" for tone in tones)
         text += f"\n\nLeast certain, and measured again by a stepped sine: {named} Hz."
-    caption = "Rms amplitude of a line, averaged over 4 Hz, in m/s² per line."
+    caption = "Rms amplitude of a bin, averaged over 4 Hz, in m/s² per bin."
     return Section("Noise and distortion", text, (Plot(_drawn(levels), caption),), (level_table(levels),))
 
 

@@ -19,14 +19,14 @@ from rigkit.json_text import json_text
 from rigkit.origin import PARTS, RUN, Origin, read_origin
 from rigkit.provenance import now, software
 
-_WAY_OUT = "go back to that, choose another name, or measure anew with --again"
+_WAY_OUT = "go back to that, choose another name, or measure again with --again"
 Config = TypeVar("Config", bound=Section)
 
 AgainOption = Annotated[
-    bool, typer.Option("--again", help="Measure anew; what is there under that name is kept under its date.")
+    bool, typer.Option("--again", help="Measure again; the earlier result is renamed with its date.")
 ]
 RecomputeOption = Annotated[
-    bool, typer.Option("--recompute", help="Compute again from the recordings that are there, with their settings.")
+    bool, typer.Option("--recompute", help="Compute again from the existing recordings, with their settings.")
 ]
 
 
@@ -126,7 +126,7 @@ class Output(Generic[Config]):
     def left(self) -> str:
         """What to say where it was stopped."""
         if any(self.raw.rglob("*.wav")):
-            return f"stopped; what is recorded is in {self.raw}/, the same command goes on from there"
+            return f"stopped; what is recorded is in {self.raw}/, the same command continues there"
         return "stopped before anything was recorded"
 
     @property
@@ -194,7 +194,7 @@ def output(
     origin = read_origin(raw / RUN)
     recorded = raw.is_dir() and any(raw.rglob("*.wav"))
     if wish.again and wish.recompute:
-        raise OutputError("--again measures anew and --recompute does not: one of them")
+        raise OutputError("--again measures again and --recompute does not: use one of them")
     if wish.again:
         aside = (*there, *([raw] if raw.exists() else []))
         return Output(out, raw, config, _begun(kind, config), aside=aside)
@@ -208,8 +208,8 @@ def output(
     if there and is_whole and (origin is None or origin.finished):
         measured = origin.measured if origin is not None else oldest(raw)
         raise OutputError(
-            f"{there[0]}: was measured on {measured}, and is finished; --again measures anew and keeps it under its "
-            "date, --recompute computes it from its recordings, or choose another name"
+            f"{there[0]}: was measured on {measured}, and is finished; --again measures again and renames the earlier "
+            "result, --recompute computes it from its recordings, or choose another name"
         )
     if origin is None:
         told = _begun(kind, config)
@@ -246,7 +246,7 @@ def _recomputed(
     if origin.kind != kind:
         raise OutputError(f"--recompute: {raw}/ is of a {origin.kind}, this is a {kind}")
     if not origin.finished:
-        raise OutputError(f"--recompute: in {raw}/ not all is recorded; the same command without it goes on")
+        raise OutputError(f"--recompute: in {raw}/ not all is recorded; the same command without it continues")
     then = type(config).model_validate_json(json.dumps(origin.settings))
     note = f"computed again from the recordings of {origin.measured}, with their settings"
     return Output(out, raw, then, origin, (note,), True)

@@ -105,7 +105,7 @@ class Probes:
             return
         elif not self._is_heard:
             raise UnheardError(
-                f"quiet calibration: drives of {self.design.amplitude.max():.2g} V a line are heard at no response; "
+                f"quiet calibration: drives of {self.design.amplitude.max():.2g} V per bin reach no response; "
                 "are amplifier and sensors on?"
             )
         self.done = True

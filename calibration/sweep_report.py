@@ -37,7 +37,7 @@ def sweep_report(found: Calibration, config: RigConfig) -> Report:
     """Put the report of a calibration together."""
     settings, figures = config.characterisation, sweep_figures(found)
     facts = (
-        Fact("lines", f"{figures['lines']}"),
+        Fact("bins", f"{figures['lines']}"),
         Fact("signal", f"{found.seconds / 60:.1f} min emitted"),
         Fact("median relative deviation", f"{100 * figures['median_relative_deviation']:.2g} %"),
         *_drive_facts(found, settings),
@@ -55,9 +55,9 @@ def _drive_facts(found: Calibration, settings: Characterisation) -> Iterator[Fac
     if not settings.quiet:
         loudest = "" if found.loudest is None else f", {found.loudest:.1f} dB"
         preload = "as the reference needs" if settings.around == "reference" else f"{settings.operating:g} V rms a side"
-        yield Fact("preload and loudest line", f"{preload}{loudest}")
+        yield Fact("preload and loudest bin", f"{preload}{loudest}")
     if found.over is not None:
-        yield Fact("loudest line re the limit", f"{found.over:.1f} dB", found.over <= 0 if settings.quiet else None)
+        yield Fact("loudest bin re the limit", f"{found.over:.1f} dB", found.over <= 0 if settings.quiet else None)
 
 
 def _sections(found: Calibration, config: RigConfig) -> list[Section]:
@@ -91,7 +91,7 @@ def _sections(found: Calibration, config: RigConfig) -> list[Section]:
     if len(found.passes) > 1:
         text = "Intervals are halved until interpolation is predicted to be within the limit, or the finest is reached."
         caption = (
-            "Spacing of the lines; what interpolating the first grid misses, as predicted by the first pass and as "
+            "Spacing of the bins; what interpolating the first grid misses, as predicted by the first pass and as "
             "measured in the second; and how far the passes are apart, which is drift and settling as well."
         )
         sections.append(Section("Refined grid", text, (Plot(_grid(found), caption),)))

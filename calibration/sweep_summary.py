@@ -60,7 +60,7 @@ def worst_rows(matrix: TransferMatrix) -> list[tuple[str, ...]]:
     return [(f"{matrix.frequency[n]:g}", f"{100 * relative[n]:.3g}", f"{size[n]:.3g}") for n in worst]
 
 
-WORST_HEAD = ("least certain lines, Hz", "deviation, %", "|G|, m/s^2/V")
+WORST_HEAD = ("least certain bins, Hz", "deviation, %", "|G|, m/s^2/V")
 
 
 def sweep_figures(found: Calibration) -> dict[str, Any]:

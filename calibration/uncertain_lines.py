@@ -47,7 +47,7 @@ def merged(matrix: TransferMatrix, tones: TransferMatrix) -> TransferMatrix:
     """
     place = np.searchsorted(matrix.frequency, tones.frequency - 1e-6)
     if not np.allclose(matrix.frequency[np.minimum(place, len(matrix.frequency) - 1)], tones.frequency, atol=1e-6):
-        raise ValueError("the tones must lie on lines of the matrix")
+        raise ValueError("the tones must lie on bins of the matrix")
     old, doubt = matrix.response[place], matrix.variance[place]
     size = norm(old)[:, None, None]
     beyond = np.maximum(np.median((np.abs(tones.response - old) ** 2 - doubt - tones.variance) / size**2), 0.0)

@@ -12,9 +12,11 @@ from calibration.far_field_report import far_field_rows
 from calibration.from_command import (
     CorrectClockOption,
     DrivesOption,
+    MapOption,
     ResponsesArgument,
     model_from_files,
     refuse_measuring,
+    refuse_without_files,
 )
 from calibration.multisine_report import level_table
 from calibration.output import AgainOption, Output, RecomputeOption, Wish, output
@@ -33,17 +35,18 @@ from vibractl.model_file import write_model
 def vibrator_command(
     out: Annotated[Path, written_file("FILE", "Model file to write; recordings and report go beside it.")],
     config: ConfigOption = None,
-    seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed of the simulated vibrator.")] = None,
     method: Annotated[str | None, typer.Option(metavar="multisine|stepped|both", help="How it is measured.")] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Multisine: no line louder than the objective.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Multisine: no bin louder than the objective.")] = False,
     around: Annotated[
-        str | None, typer.Option(metavar="band|reference", help="Multisine: what it is driven by meanwhile.")
+        str | None, typer.Option(metavar="band|reference", help="Multisine: origin of its preload.")
     ] = None,
     passes: Annotated[int | None, typer.Option(help="Stepped sine; 2: once more, on a refined grid.")] = None,
     no_preload: Annotated[bool, typer.Option("--no-preload", help="Leave the preload out, for comparison.")] = False,
     png: PngOption = None,
     drives: DrivesOption = None,
     responses: ResponsesArgument = None,
+    channels: MapOption = None,
     correct_clock: CorrectClockOption = False,
     again: AgainOption = False,
     recompute: RecomputeOption = False,
@@ -53,8 +56,8 @@ def vibrator_command(
 ) -> None:
     """Measure a vibrator's transfer matrix on top of a preload: by a stepped sine, by multisines, or by both.
 
-    Raw recordings are kept in a folder beside the model; stopped or killed, the same command goes on from there.  With
-    --from nothing is measured: drives and responses are read from files, whoever recorded them.
+    Raw recordings are stored in a folder beside the model; after a stop or kill the same command continues there.  With
+    --from nothing is measured: drives and responses are read from files of any origin.
 
     Example: `calibrate vibrator --config rig.toml --out model.h5`; from recordings:
     `calibrate vibrator --from drive.wav heard.wav --out model.h5`
@@ -65,17 +68,13 @@ def vibrator_command(
         measuring = {"--seed": seed, "--method": method, "--quiet": quiet, "--around": around, "--passes": passes}
         refuse_measuring({**measuring, "--no-preload": no_preload, "--recompute": recompute, "--accept": accept})
         clock = {"correct_clock": correct_clock, "again": again}
-        model_from_files(out, drives or [], responses or [], asked, inputs=[config], **clock, png=png, json=json)
+        model_from_files(out, drives or [], responses or [], channels, asked, [config], **clock, png=png, json=json)
         return
-    if correct_clock:
-        raise ValueError("--correct-clock is given without --from, must be with it: one device has one clock")
+    refuse_without_files(correct_clock, channels)
     wish = Wish(again, recompute, accept or [])
     writes = output(out, KIND, asked, wish, [out.with_suffix(".html")], KEPT, inputs=[config])
     found = _measured(writes, recompute)
-    report = sweep_report(found, writes.config)
-    report.write(out.with_suffix(".html"))
-    if png is not None:
-        report.png(png)
+    _report(found, writes.config, out, png)
     _print(found, out, json)
 
 
@@ -115,28 +114,40 @@ def _calibrated(writes: Output[RigConfig], raw: RawFolder) -> Calibration:
             raise Stopped(writes.left) from None
 
 
+def _report(found: Calibration, rig: RigConfig, out: Path, png: Path | None) -> None:
+    report = sweep_report(found, rig)
+    report.write(out.with_suffix(".html"))
+    if png is not None:
+        report.png(png)
+
+
 def _print(found: Calibration, out: Path, json: str | None) -> None:
     stream, figures = words(json), sweep_figures(found)
-    title = f"{out}: {figures['lines']} lines from {_duration(found.seconds)} of signal"
+    title = f"{out}: {figures['lines']} bins from {_duration(found.seconds)} of signal"
     print_table(title, BAND_HEAD, band_rows(found.matrix), stream)
     print_table("least certain", WORST_HEAD, worst_rows(found.matrix), stream)
     if found.levels is not None:
         table = level_table(found.levels)
-        print_table("levels of a line; distortion and noise re the multisine's", table.head, table.rows, stream)
+        print_table("levels of a bin; distortion and noise re the multisine's", table.head, table.rows, stream)
     if found.far is not None:
         print_table("far field", FAR_FIELD_HEAD, far_field_rows(found.far), stream)
     if found.loudest is not None:
-        print(f"the multisine's loudest line is {found.loudest:.1f} dB re what the preload emits", file=stream)
+        print(f"the multisine's loudest bin is {found.loudest:.1f} dB re what the preload emits", file=stream)
     if found.over is not None:
-        print(f"the loudest line emitted is {found.over:.1f} dB re the limit that the reference sets", file=stream)
+        print(f"the loudest bin emitted is {found.over:+.1f} dB re {_limit(found.over)}", file=stream)
     if len(found.tones):
-        print(f"{len(found.tones)} lines were measured again by a stepped sine", file=stream)
+        print(f"{len(found.tones)} bins were measured again by a stepped sine", file=stream)
     if len(found.passes) > 1:
         moved, missed = figures["first_pass_median_difference"], figures["first_grid_worst_interpolation"]
-        print(f"the first grid misses {100 * missed:.2g} % at worst between its lines", file=stream)
-        print(f"from the first pass to the second the lines moved by {100 * moved:.2g} %, median", file=stream)
+        print(f"the first grid misses {100 * missed:.2g} % at worst between its bins", file=stream)
+        print(f"from the first pass to the second the bins moved by {100 * moved:.2g} %, median", file=stream)
     print(f"report: {out.with_suffix('.html')}", file=stream)
     write_json(json, figures)
+
+
+def _limit(over: float) -> str:
+    """Return which limit that is, and how a calibration keeps it."""
+    return f"the limit that a shot of the reference has{'; --quiet keeps it here as well' if over > 0 else ''}"
 
 
 def _duration(seconds: float) -> str:

@@ -98,7 +98,7 @@ def refuse_unfit_multisine(config: RigConfig) -> None:
     if not lines >= least:
         raise ValueError(
             f"characterisation.band is {settings.band[1] - settings.band[0]:g} Hz wide, must be >= "
-            f"{(least - 4 * REACH) / settings.period:g} Hz for a polynomial over {2 * REACH + 1} lines"
+            f"{(least - 4 * REACH) / settings.period:g} Hz for a polynomial over {2 * REACH + 1} bins"
         )
     if settings.quiet:
         return  # there is no preload, and what is played is far below any limit of a drive that can emit the reference

@@ -95,7 +95,7 @@ def refuse_unfit_sweep(config: RigConfig) -> None:
     widest = (settings.band[1] - settings.band[0]) / (FEWEST - 1)
     if not settings.step <= widest:
         raise ValueError(
-            f"characterisation.step is {settings.step:g} Hz, must be <= {widest:g} Hz for {FEWEST} lines in the band"
+            f"characterisation.step is {settings.step:g} Hz, must be <= {widest:g} Hz for {FEWEST} bins in the band"
         )
     peak, rms = settings.preload + settings.probe, np.hypot(settings.preload, settings.probe) / np.sqrt(2)
     for what, value, name, limit in (("", peak, "peak", limits.peak), (", rms,", rms, "rms", limits.rms)):

@@ -46,7 +46,7 @@ class Graph:
         if name in self._blocks:
             raise ValueError(f"block {name!r} is in the graph already")
         if others := [other for other, (known, _) in self._blocks.items() if known is block]:
-            raise ValueError(f"{name} is the same block as {others[0]}: it has one state, it stands in one place")
+            raise ValueError(f"{name} is the same block as {others[0]}: it has one state and can be added once")
         if not every >= 1 or (every > 1 and self.frames > 1):
             raise ValueError(f"{name}: every is {every}, must be >= 1, and 1 in a graph of more than one frame a tick")
         refuse_other_arguments(block)

@@ -3,7 +3,7 @@
 from rigkit.program import Program
 
 PROGRAM = Program(
-    "Simulated machines behind real wires, and from WAV to WAV.",
+    "Simulated vibrator, stage and robot cell behind real interfaces, and from WAV to WAV.",
     {
         "play": "vibractl.foreign.play_command:play_command",
         "draw": "firmware_sim.draw_command:draw_command",

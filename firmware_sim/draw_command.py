@@ -30,8 +30,8 @@ def draw_command(
     kind: Annotated[
         str, typer.Argument(metavar="KIND", help=f"One of {', '.join(KINDS)}.", autocompletion=one_of(KINDS))
     ],
-    seed: Annotated[int, typer.Option(help="Which machine, >= 0.")],
-    family: Annotated[str, typer.Option(help="One of the kind's families; the seed's own without.")] = "",
+    seed: Annotated[int, typer.Option(help="Seed of the plant, >= 0.")],
+    family: Annotated[str, typer.Option(help="Family of plants; default: chosen by the seed.")] = "",
     out: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Write a complete rig file; of a signal, its folder."),

@@ -16,10 +16,12 @@ from rigkit.stop import SIGNALS, on_signals
 
 
 def relay_command(
-    pty: Annotated[bool, typer.Option("--pty", help="Behind a pseudo-terminal.")] = False,
-    folder: Annotated[Path | None, typer.Option(metavar="DIR", help="Where the adapter appears, as can.")] = None,
-    identifier: Annotated[int, typer.Option(min=0, max=0x7FF, help="Of the frames that count.")] = IDENTIFIER,
-    patience: Annotated[float, typer.Option(min=0.03, max=10, metavar="SECONDS", help="Without one it opens.")] = 0.2,
+    pty: Annotated[bool, typer.Option("--pty", help="Use a pseudo-terminal.")] = False,
+    folder: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder of the adapter, can.")] = None,
+    identifier: Annotated[int, typer.Option(min=0, max=0x7FF, help="Identifier of the heartbeat.")] = IDENTIFIER,
+    patience: Annotated[
+        float, typer.Option(min=0.03, max=10, metavar="SECONDS", help="Time-out of the heartbeat.")
+    ] = 0.2,
     json: JsonOption = None,
 ) -> None:
     """Put the relay of an amplifier's supply behind a CAN adapter, until Ctrl-C; it says when it closes and opens.

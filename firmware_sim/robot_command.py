@@ -18,7 +18,7 @@ from stagectl.robot.config import CellConfig
 
 FaultOption = Annotated[
     list[str] | None,
-    typer.Option(metavar="NAME@SECONDS", help=f"One of {', '.join(MISHAPS)}; may be given many times."),
+    typer.Option(metavar="NAME@SECONDS", help=f"One of {', '.join(MISHAPS)}; may be repeated."),
 ]
 
 
@@ -42,7 +42,7 @@ def robot_command(
     """Put a robot's controller behind UDP and TCP, and tracker and force sensor beside it, until Ctrl-C.
 
     With --mill a fresh block stands where [pocket] says: its top's middle where pocket.home has the tool; with --wood a
-    piece of oak as [segments] says.  The robot's program puts another one there when it is told BLOCK 1, and takes it
+    piece of oak as [segments] says.  The robot's program puts another one there on BLOCK 1, and takes it
     away by BLOCK 0.
 
     The file is the cell's, cell.toml: [robot], [tracker] and [force_sensor] have the ports, [simulator] the robot's

@@ -20,14 +20,14 @@ from stagectl.config import StageConfig
 
 
 def stage_command(
-    pty: Annotated[bool, typer.Option("--pty", help="Behind pseudo-terminals.")] = False,
+    pty: Annotated[bool, typer.Option("--pty", help="Use pseudo-terminals.")] = False,
     config: ConfigOption = None,
     settings: SetOption = None,
-    folder: Annotated[Path | None, typer.Option(metavar="DIR", help="Where the adapter appears, as can.")] = None,
+    folder: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder of the adapter, can.")] = None,
     milling: Annotated[str, typer.Option(help="x, y or z: a cut begins with each live run that is judged.")] = "",
     fault: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME@SECONDS", help=f"One of {', '.join(MISHAPS)}; may be given many times."),
+        typer.Option(metavar="NAME@SECONDS", help=f"One of {', '.join(MISHAPS)}; may be repeated."),
     ] = None,
     json: JsonOption = None,
 ) -> None:

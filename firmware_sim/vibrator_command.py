@@ -17,7 +17,7 @@ def vibrator_command(
     jack: Annotated[bool, typer.Option("--jack", help="Behind a JACK audio server, which must be running.")] = False,
     config: ConfigOption = None,
     settings: SetOption = None,
-    seed: Annotated[int | None, typer.Option(min=0, help="Which vibrator: simulator.options.seed.")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of the vibrator: simulator.options.seed.")] = None,
     name: Annotated[str, typer.Option(help="The JACK client's name, which PortAudio lists as a device.")] = "shaker",
     json: JsonOption = None,
 ) -> None:

@@ -29,7 +29,7 @@ _IDLE = ": nothing differs there"
 
 AcceptOption = Annotated[
     list[str] | None,
-    typer.Option("--accept", metavar="KEY", help="Go on although this differs; may be given many times."),
+    typer.Option("--accept", metavar="KEY", help="Accept this difference; may be repeated."),
 ]
 
 

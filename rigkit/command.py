@@ -31,7 +31,7 @@ ConfigOption = Annotated[
 ]
 SetOption = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Set one key over the rig file; may be given many times."),
+    typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Set one key over the rig file; may be repeated."),
 ]
 JsonOption = Annotated[
     str | None,

@@ -22,6 +22,10 @@ MOST_NAMED = 3
 _RANGE_FAULTS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 
 
+OTHERS = 10
+"""Things wrong, from which on a file is more likely that of another program than mistyped."""
+
+
 class ConfigError(ValueError):
     """A rig file, or a setting given beside it, that cannot be used; the text is one line."""
 
@@ -39,7 +43,10 @@ def explained(
     """
     faults = fault.errors(include_url=False)
     path, text = _explained(faults[0], model, data, whole)
-    return path, text if len(faults) == 1 else f"{text} (and {len(faults) - 1} more)"
+    if len(faults) == 1:
+        return path, text
+    other = ": is it the file of another program?" if len(faults) > OTHERS else ""
+    return path, f"{text} (and {len(faults) - 1} more{other})"
 
 
 def checked(model: type[Model], given: Mapping[str, Any], whole: str) -> Model:

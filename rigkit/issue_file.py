@@ -45,7 +45,7 @@ def write_issue_file(
     parts["verdicts.json"] = json_text([each.figures() for each in verdicts], indent=2)
     parts["machine.json"] = json_text(machine_facts(), indent=2)
     parts["devices.json"] = json_text(_devices(list_devices), indent=2)
-    said = dict.fromkeys(settings, "the settings; names, paths, addresses and devices stand as <key>") | CONTENT
+    said = dict.fromkeys(settings, "the settings; names, paths, addresses and devices are replaced by <key>") | CONTENT
     lines = [f"{name}: {said[name]}" for name in parts]
     parts["README.txt"] = "\n".join(["Written by the doctor, for a question or an issue.", "", *lines, ""])
     memory = io.BytesIO()

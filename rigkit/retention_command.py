@@ -12,20 +12,20 @@ from rigkit.retention import DAY, Policy, prune, stored_runs, superfluous
 
 
 def prune_command(
-    root: Annotated[Path, typer.Argument(metavar="RUNS/", help="Folder in which folders of runs lie.")],
-    newest: Annotated[int | None, typer.Option(min=1, help="Keep so many runs, the newest.")] = None,
-    gigabytes: Annotated[float | None, typer.Option(min=0.0, help="Keep so much, from the newest run on.")] = None,
-    days: Annotated[float | None, typer.Option(min=0.0, help="Keep what was changed within so many days.")] = None,
+    root: Annotated[Path, typer.Argument(metavar="RUNS/", help="Folder that contains the folders of runs.")],
+    newest: Annotated[int | None, typer.Option(min=1, help="Keep this number of runs, the newest.")] = None,
+    gigabytes: Annotated[float | None, typer.Option(min=0.0, help="Keep this size, from the newest run on.")] = None,
+    days: Annotated[float | None, typer.Option(min=0.0, help="Keep runs changed within this number of days.")] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Only show what would be deleted.")] = False,
     json: JsonOption = None,
 ) -> None:
-    """Delete old runs; never the newest, one at work, or one with a file `keep` in its folder.
+    """Delete old runs; never the newest, one in progress, or one with a file `keep` in its folder.
 
-    Example: `prune runs/ --gigabytes 200 --days 90 --dry-run`; to keep a run for ever: `touch runs/RUN/keep`
+    Example: `prune runs/ --gigabytes 200 --days 90 --dry-run`; to protect a run: `touch runs/RUN/keep`
     """
     policy = Policy(newest, None if gigabytes is None else 1e9 * gigabytes, days)
     if policy == Policy():
-        raise ValueError("prune needs at least one of --newest, --gigabytes and --days: what is to be kept")
+        raise ValueError("prune needs at least one of --newest, --gigabytes and --days: which runs to keep")
     now, runs = time.time(), stored_runs(root)
     if dry_run:
         done = [(run, True) for run in superfluous(runs, policy, now)]
@@ -38,7 +38,7 @@ def prune_command(
     print_table(f"{root}: {len(runs)} runs", ["run", "size", "days old", ""], rows, words(json))
     misdated = [str(run.path) for run in runs if run.is_misdated]
     if misdated:
-        print(f"kept, since their dates are not of this time: {', '.join(misdated)}", file=words(json))  # noqa: T201
+        print(f"not deleted, implausible dates: {', '.join(misdated)}", file=words(json))  # noqa: T201
     gone = [run for run, is_gone in done if is_gone]
     freed = sum(run.size for run in gone)
     print(
@@ -51,4 +51,4 @@ def prune_command(
 
 
 def _verdict(is_gone: bool, dry_run: bool) -> str:
-    return ("would be deleted" if dry_run else "deleted") if is_gone else "at work, kept"
+    return ("would be deleted" if dry_run else "deleted") if is_gone else "in progress, not deleted"

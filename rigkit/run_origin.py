@@ -121,9 +121,9 @@ def say_changed(path: Path, config: BaseModel, use: Use = GOING_ON) -> None:
 
 
 def say_at_work(path: Path) -> None:
-    """Say, on the standard error, where a process is at work in a run's folder: what is recorded so far is taken."""
+    """Say, on the standard error, where a process is at work in a run's folder: the recording so far is used."""
     if (process := holder(path / LOCK)) is not None:
-        sys.stderr.write(f"process {process} is at work in {path}/: what is recorded so far is taken\n")
+        sys.stderr.write(f"process {process} is at work in {path}/: the recording so far is used\n")
 
 
 def take_over(folder: RunFolder, config: BaseModel, keys: Sequence[str]) -> None:

@@ -83,7 +83,8 @@ def _index(guide: Path) -> None:
     decisions = sorted((guide / "decisions").glob("*.md"))
     rows = "\n".join(f"decisions/{each.stem}" for each in decisions)
     (guide / "decisions.md").write_text(
-        f"# Decisions\n\nWhy it is as it is, a page each.\n\n```{{toctree}}\n{rows}\n```\n", encoding="utf-8"
+        f"# Decisions\n\nDesign decisions and their reasons, a page each.\n\n```{{toctree}}\n{rows}\n```\n",
+        encoding="utf-8",
     )
 
 

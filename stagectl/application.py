@@ -4,7 +4,7 @@ from rigkit.program import Program
 from stagectl.experiments import registry
 
 PROGRAM = Program(
-    "The piezo stage follows its reference, and takes back what pushes it away.",
+    "Piezo stage and robot cell: control, learning, planning, reports.",
     {
         "example-config": "stagectl.commands.example_commands:example_config",
         "example-cell": "stagectl.commands.example_commands:example_cell",

@@ -8,18 +8,18 @@ from rigkit.config import Section, setting
 
 
 class Characterisation(Section):
-    """How `calibrate stage` excites an axis: linear chirps about rest, as loud as the plate may move."""
+    """How `calibrate stage` excites an axis: linear chirps about rest, up to the allowed excursion."""
 
     band: tuple[float, float] = setting((0.5, 200.0), "Hz", "lowest and highest frequency of the chirps")
     seconds: float = setting(20.0, "s", "length of the first chirp; the others are 15 and 25 % longer", ge=1, le=600)
-    settle: float = setting(5.0, "s", "rest before each chirp, for the creep of coming there", ge=0.5, le=600)
+    settle: float = setting(5.0, "s", "rest before each chirp, for the creep to decay", ge=0.5, le=600)
     excursion: float = setting(120e-6, "m", "largest excursion of the plate from rest", gt=0, le=1e-2)
-    scout: float = setting(4.0, "V", "amplitude of the first, weak chirp that tells how loud the others may be", gt=0)
+    scout: float = setting(4.0, "V", "amplitude of the first, weak chirp, from which the others are scaled", gt=0)
     inner: Literal["designed", "rig"] = setting(
-        "designed", "", "the PID that the loop is closed with: designed on the identified stack, or that of [inner]"
+        "designed", "", "the PID of the closed inner loop: designed on the identified stack, or that of [inner]"
     )
     max_sensitivity: float = setting(
-        2.2, "1", "Ms that a designed PID keeps on the identified stack, one sample of delay more", ge=1.1, le=10
+        2.2, "1", "bound on Ms of a designed PID on the identified stack, with one sample of extra delay", ge=1.1, le=10
     )
 
     @model_validator(mode="after")

@@ -19,7 +19,7 @@ class Rig(Section):
 
     role = "wiring"
 
-    name: str = setting("simulated-stage", "", "name of the rig, kept with every model and run", min_length=1)
+    name: str = setting("simulated-stage", "", "name of the rig, stored with every model and run", min_length=1)
 
 
 class Stage(Section):
@@ -32,7 +32,7 @@ class Stage(Section):
 
 
 class Limits(Section):
-    """What the controllers ask for and the guard lets out, on every axis."""
+    """Limits of set-points and outputs, on every axis."""
 
     voltage: Range = setting((0.0, 1000.0), "V", "lowest and highest piezo voltage")
     voltage_slew: float = setting(1.5e5, "V/s", "largest rate of change of a voltage", gt=0, le=1e8)
@@ -40,7 +40,7 @@ class Limits(Section):
     extension_slew: float = setting(0.2, "m/s", "largest rate of change of that reference", gt=0, le=100)
     travel: Range = setting((20e-6, 430e-6), "m", "lowest and highest reference of the plate's position")
     rest: Literal["middle", "zero"] = setting(
-        "middle", "", "where the stage goes when it stops or faults: the middle of the voltages, or the lowest"
+        "middle", "", "rest position after a stop or fault: the middle of the voltage range, or its lower end"
     )
     ramp: float = setting(0.2, "s", "raised-cosine ramp at start, stop, hold and fault", ge=0.001, le=10)
 
@@ -70,14 +70,16 @@ class Limits(Section):
 
 
 class Sensors(Section):
-    """What a sensor can show; anything else, for longer than `tolerated`, is a fault that stops the stage."""
+    """Plausible range of each sensor; a violation for longer than `tolerated` is a fault that stops the stage."""
 
-    position: Range = setting((-10e-6, 520e-6), "m", "lowest and highest position that can be")
-    position_speed: float = setting(0.25, "m/s", "fastest change of a position that can be", gt=0, le=1e3)
-    extension: Range = setting((-5e-6, 110e-6), "m", "lowest and highest extension that can be")
-    extension_speed: float = setting(0.3, "m/s", "fastest change of an extension that can be", gt=0, le=1e3)
-    stuck: float = setting(0.05, "s", "a sensor that gives the same number for so long is stuck", gt=0, le=60)
-    tolerated: int = setting(3, "samples", "wrong samples in a row for which the last right one stands", ge=0, le=100)
+    position: Range = setting((-10e-6, 520e-6), "m", "lowest and highest plausible position")
+    position_speed: float = setting(0.25, "m/s", "largest plausible speed of a position", gt=0, le=1e3)
+    extension: Range = setting((-5e-6, 110e-6), "m", "lowest and highest plausible extension")
+    extension_speed: float = setting(0.3, "m/s", "largest plausible speed of an extension", gt=0, le=1e3)
+    stuck: float = setting(0.05, "s", "a sensor whose value is constant for so long is stuck", gt=0, le=60)
+    tolerated: int = setting(
+        3, "samples", "invalid samples in a row that are replaced by the last valid one", ge=0, le=100
+    )
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -91,19 +93,20 @@ class Sensors(Section):
 class Inner(Section):
     """The PID that makes the measured extension follow its reference, (2.2), and feedforward from the reference."""
 
-    gain: PerAxis = setting(
-        (0.065e-6,), "m/V", "extension a volt gives; one for all axes, or one an axis", min_length=1
-    )
+    gain: PerAxis = setting((0.065e-6,), "m/V", "extension per volt; one for all axes, or one an axis", min_length=1)
     bandwidth: PerAxis = setting(
         (3.0,), "Hz", "Ki gain / (2 pi): where the integral part alone has gain one; as gain", min_length=1
     )
     proportional: float = setting(0.0, "1", "Kp gain", ge=0, le=100)
     lead: float = setting(0.0, "s", "Kd gain", ge=-1, le=1)
-    feedforward: float = setting(1.0, "1", "times reference / gain goes to the voltage at once", ge=0, le=2)
+    feedforward: float = setting(1.0, "1", "gain of the feedforward, times reference / gain", ge=0, le=2)
     smoothing: float = setting(2.5e-4, "s", "time constant of the derivative's low-pass", gt=0, le=1)
     tracking: float = setting(1e-3, "s", "time constant of the anti-windup", gt=0, le=10)
     hysteresis: tuple[str, ...] = setting(
-        (), "", "model file of each axis' hysteresis to undo, from `calibrate hysteresis`; empty for none", files=("",)
+        (),
+        "",
+        "model file of each axis' hysteresis to compensate, from `calibrate hysteresis`; empty for none",
+        files=("",),
     )
 
 
@@ -114,52 +117,56 @@ class Outer(Section):
         (200.0,), "Hz", "of the integral action, at most; one for all axes, or one an axis", min_length=1
     )
     drive: PerAxis = setting(
-        (10.0,), "m/m", "extension that may be spent on a position error of one, at most; as bandwidth", min_length=1
+        (10.0,), "m/m", "upper bound of the LQ weight: extension per position error; as bandwidth", min_length=1
     )
     disturbance: float = setting(
-        30.0, "Hz", "what moves so fast is to be followed, and pushes that change a tenth as fast", gt=0, le=2_000
+        30.0, "Hz", "frequency of the references that the design follows; forces count at a tenth of it", gt=0, le=2_000
     )
     push: float = setting(
         0.0,
         "1",
-        "part by which pushes that ring count, at the frequency that answers most: > 0 where a cut answers vibrations",
+        "weight of the largest response to a force at any frequency: > 0 where the cut responds to vibrations",
         ge=0,
         le=10,
     )
     compliance: float = setting(
         0.0,
         "1",
-        "part by which forces that change as fast as `disturbance`, and a third as fast, count: > 0 for a stiff axis",
+        "weight of the responses to forces at `disturbance` and at a third of it: > 0 for a stiff axis",
         ge=0,
         le=10,
     )
-    reach: float = setting(200.0, "Hz", "the models hold up to here", gt=0, le=50_000)
+    reach: float = setting(200.0, "Hz", "the models are valid up to here", gt=0, le=50_000)
     beyond: PerAxis = setting(
         (1.0,),
         "1",
-        "largest gain of the controller from there on, re the plant at rest",
+        "largest gain of the controller above `reach`, re the plant's static gain",
         min_length=1,
     )
     allowed: PerAxis = setting(
-        (), "1", "gain that `calibrate stage` has found to be allowed at every frequency there; none: beyond"
+        (), "1", "gain allowed at every frequency there, as found by `calibrate stage`; none: beyond"
     )
     forward_beyond: float = setting(
         12.0,
         "1",
-        "largest gain from the reference there, re the plant at rest: it shakes what the model leaves out",
+        "largest gain from the reference there, re the plant's static gain: it excites unmodelled modes",
         gt=0,
     )
-    max_sensitivity: float = setting(2.2, "1", "Ms that is kept, with `delay` more than there is", ge=1.1, le=10)
-    delay: int = setting(1, "samples", "extra delay that the bound on Ms holds for", ge=0, le=20)
-    mistuning: float = setting(0.05, "1", "natural frequencies may be off by so much, either way", ge=0, le=0.5)
+    max_sensitivity: float = setting(2.2, "1", "bound on Ms, with `delay` more than the plant's", ge=1.1, le=10)
+    delay: int = setting(1, "samples", "extra delay for which the bound on Ms holds", ge=0, le=20)
+    mistuning: float = setting(0.05, "1", "relative error of the natural frequencies, either way", ge=0, le=0.5)
     mistuned_sensitivity: float = setting(
-        3.0, "1", "Ms that is kept then, and the largest answer to a reference, then or not", ge=1.1, le=20
+        3.0,
+        "1",
+        "bound on Ms with that error, and on the largest response to a reference with or without it",
+        ge=1.1,
+        le=20,
     )
-    feedforward: float = setting(1.0, "1", "part of the l_r that leaves no error on a ramp, at most", ge=0, le=1)
+    feedforward: float = setting(1.0, "1", "upper bound: part of the l_r that leaves no error on a ramp", ge=0, le=1)
     resonances: tuple[float, ...] = setting(
-        (), "Hz", "disturbances that are cancelled at their frequency", max_length=5
+        (), "Hz", "frequencies of disturbances that are cancelled (internal model)", max_length=5
     )
-    resonance_width: float = setting(2.0, "Hz", "width in which they are", gt=0, le=100)
+    resonance_width: float = setting(2.0, "Hz", "width of the band in which they are", gt=0, le=100)
     resonance_damping: float = setting(0.0, "1", "damping ratio of those states", ge=0, le=0.5)
 
 
@@ -167,64 +174,62 @@ class ChosenWeights(Section):
     """The outer loops' weights that `calibrate stage` chose, one of each an axis; none: chosen at every start."""
 
     bandwidth: PerAxis = setting((), "Hz", "of the integral action; 0 for an axis whose weights are not chosen yet")
-    drive: PerAxis = setting((), "m/m", "extension that may be spent on a position error of one")
-    trust: PerAxis = setting((), "1", "part of the identified noise that the Kalman filter is made for")
-    doubt: PerAxis = setting((), "m/m", "noise in the extension that it is made for, re that of the position")
+    drive: PerAxis = setting((), "m/m", "LQ weight: extension per position error")
+    trust: PerAxis = setting((), "1", "part of the identified noise that the Kalman filter is designed for")
+    doubt: PerAxis = setting((), "m/m", "noise in the extension that it is designed for, re that of the position")
     caution: PerAxis = setting((), "1", "weight of each mode by itself")
     feedforward: PerAxis = setting((), "1", "part of the l_r that leaves no error on a ramp")
     notch: PerAxis = setting((), "1", "damping ratio of notches around narrow resonances; none, or 0: no notches")
-    beyond: PerAxis = setting(
-        (), "1", "gain above outer.reach that is allowed with these weights; none, or 0: as for all of them"
-    )
-    forward_share: PerAxis = setting(
-        (), "1", "part that these take of the gains from the reference that are allowed above outer.reach"
-    )
+    beyond: PerAxis = setting((), "1", "gain allowed above outer.reach with these weights; none, or 0: outer.beyond")
+    forward_share: PerAxis = setting((), "1", "part used of the allowed gains from the reference above outer.reach")
 
 
 class Reference(Section):
-    """Where the plate is to be; with `deflection.on`, where the tool is to be in the workpiece."""
+    """Reference of the plate; with `deflection.on`, of the tool in the workpiece."""
 
     signal: str = setting(
         "hold", "", "hold, or a WAV or CSV file of positions in m, a channel an axis", files=(".wav", ".csv")
     )
-    position: PerAxis = setting((225e-6,), "m", "where hold holds; one for all axes, or one an axis", min_length=1)
+    position: PerAxis = setting((225e-6,), "m", "position of hold; one for all axes, or one an axis", min_length=1)
 
 
 class Deflection(Section):
-    """What the laser sees of the robot: it is taken off the reference, so that the tool stays in the workpiece."""
+    """The robot's deflection, measured by the laser, is subtracted from the reference: the tool keeps its path."""
 
     on: bool = setting(False, "", "compensate")
-    delay: int = setting(2, "samples", "by which the laser comes later than the position sensors", ge=0, le=1_000)
+    delay: int = setting(2, "samples", "delay of the laser re the position sensors", ge=0, le=1_000)
     corner: float = setting(2000.0, "Hz", "of a first-order low-pass for the laser's noise", gt=0, le=50_000)
     learn: bool = setting(
-        True, "", "make a prefilter for the deflection that a run without compensation shows: session.compare"
+        True, "", "design a prefilter for the deflection measured in a run without compensation: session.compare"
     )
     prefilter: str = setting("", "", "prefilter.json of an earlier run, in place of a new one", files=(".json",))
 
 
 class Session(Section):
-    """How long a run is, where, and how it is kept."""
+    """Length of a run, its hardware, and its recording."""
 
     role = "patience"
 
     live: bool = setting(
-        False, "", "the stage behind [link], which controls itself; else the one of [simulator]", role="plant"
+        False, "", "the stage behind [link], with a controller of its own; else the one of [simulator]", role="plant"
     )
     seconds: float = setting(20.0, "s", "length of the run", gt=0, le=3_600)
-    lead: float = setting(1.0, "s", "before it, to come to rest and to start", ge=0.05, le=60)
+    lead: float = setting(1.0, "s", "before the run: time to settle and start", ge=0.05, le=60)
     recording: Literal["csv", "wav"] = setting("csv", "", "format of the recording; a WAV is smaller and quicker")
-    compare: bool = setting(False, "", "run it without compensation of the deflection first")
+    compare: bool = setting(False, "", "first run it without compensation of the deflection")
 
 
 class Simulator(Section):
-    """The laboratory without the laboratory; a live run does not read it."""
+    """The simulated stage; a live run does not read it."""
 
     role = "plant"
 
     plant: str = code("firmware_sim.stage_blocks:PiezoStage", "module:Class of the stage's Block")
     options: dict[str, Any] = keywords("keywords it is built with", "plant")
-    surroundings: str = code("stagectl.still:Still", "module:Class of the Block that pushes and moves it")
-    surroundings_options: dict[str, Any] = keywords("keywords that is built with", "surroundings")
+    surroundings: str = code(
+        "stagectl.still:Still", "module:Class of the Block that disturbs it: force and base motion"
+    )
+    surroundings_options: dict[str, Any] = keywords("keywords it is built with", "surroundings")
 
 
 class StageConfig(Section):

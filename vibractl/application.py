@@ -17,6 +17,7 @@ PROGRAM = Program(
         "export": "vibractl.export.command:export_command",
         "prune": "rigkit.retention_command:prune_command",
         "doctor": "vibractl.doctor.command:doctor_command",
+        "devices": "vibractl.devices_command:devices_command",
         "plan-ffts": "vibractl.fft_command:plan_command",
         "daemon": ("vibractl.daemon.command:daemon_command", "rigkit.service.daemon_command:daemon_command"),
         "status": "rigkit.service.command:status_command",

@@ -236,7 +236,7 @@ class Line:
             if words[Word.FAULT]:
                 raise AudioError(self._memory.text)
             if patience.is_over(int(words[Word.CALLBACKS])):
-                raise AudioError(f"the audio stream stands still: no callback for {_STANDSTILL:g} s")
+                raise AudioError(f"the audio stream has stalled: no callback for {_STANDSTILL:g} s")
 
     def _received(self, emission: Emission, samples: int) -> tuple[Capture, str]:
         memory, words = self._memory, self._memory.words

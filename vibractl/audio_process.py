@@ -67,7 +67,7 @@ class AudioProcess:
                 raise AudioError(self._memory.text)
             used = processor_time(self._process.pid or 0)
             if patience.is_over(used):
-                raise AudioError(f"the audio process stands still for {_LONGEST_IDLE:g} s while it {self._stage}")
+                raise AudioError(f"the audio process has not responded for {_LONGEST_IDLE:g} s while it {self._stage}")
             if used > _LONGEST_WORK:
                 raise AudioError(f"the audio process still {self._stage}, after {used:.0f} s of processor time")
             self.serve()

@@ -26,7 +26,7 @@ class Rig(Section):
 
     role = "wiring"
 
-    name: str = setting("simulated-vibrator", "", "name of the rig, kept with every model and run", min_length=1)
+    name: str = setting("simulated-vibrator", "", "name of the rig, stored with every model and run", min_length=1)
 
 
 class Audio(Section):
@@ -71,13 +71,13 @@ class Audio(Section):
         if self.relay.bus and not self.relay.period >= shortest:
             raise ValueError(
                 f"audio.relay.period is {self.relay.period:g} s, must be >= {shortest:.3g} s, two blocks of "
-                "audio.blocksize: it tells that they go by"
+                "audio.blocksize: a frame confirms that blocks are played"
             )
         return self
 
 
 class Limits(Section):
-    """What the guard lets out.  A violation drives to zero and latches."""
+    """Limits of the guard.  A violation fades the drive to zero and latches."""
 
     peak: float = setting(9.0, "V", "largest drive", gt=0, le=1_000)
     slew: float = setting(20_000.0, "V/s", "largest rate of change of a drive", gt=0, le=1e8)
@@ -94,7 +94,7 @@ class Reference(Section):
     full_scale: float = setting(
         0.0,
         "m/s^2",
-        "digital full scale of a WAV file of integers; 0: there is none, such a file is refused",
+        "digital full scale of an integer WAV file; 0: unknown, such a file is refused",
         ge=0,
         le=1e4,
     )
@@ -105,87 +105,97 @@ class Shot(Section):
     """Silence around the reference: room for the ramp and the marker before, for latency and ring-down after."""
 
     lead: float = setting(0.2, "s", "silence before the reference", ge=0.05, le=5)
-    tail: float = setting(0.4, "s", "silence after it, for ringing out: judged and learned, too", ge=0.1, le=10)
+    tail: float = setting(0.4, "s", "silence after it, for the ring-down: judged and learned as well", ge=0.1, le=10)
 
 
 class Learning(Section):
     """Frequency-domain iterative learning control, (6.9)-(6.19)."""
 
-    law: LawName = setting("kalman", "", "kalman follows G from shot to shot, see [adaptation]; thesis keeps the model")
+    law: LawName = setting(
+        "kalman", "", "kalman re-estimates G from shot to shot, see [adaptation]; thesis keeps the model"
+    )
     side: int = setting(0, "", "the one side that is driven and controlled; 0 for all", ge=0, le=64)
-    band: tuple[float, float] = setting((15.0, 650.0), "Hz", "f_ILC: lines that are learned")
+    band: tuple[float, float] = setting((15.0, 650.0), "Hz", "f_ILC: bins that are learned")
     gains: tuple[float, ...] = setting(
         (), "1", "Q2 by stage; empty for 0.8, 0.4; thesis: (6.24) on a sine, else (6.25)"
     )
     stages: tuple[int, ...] = setting((), "shots", "shots in each stage but the last")
-    regularisation: Literal["per-line", "constant"] = setting("per-line", "", "how (6.19) is bounded near notches")
-    epsilon: float = setting(1e-3, "1", "per-line weight, times ||G||^2 of the line", ge=0, le=1)
-    floor: float = setting(1e-5, "1", "per-line floor, times max ||G||^2", ge=0, le=1)
+    regularisation: Literal["per-line", "constant"] = setting(
+        "per-line", "", "how the inverse (6.19) is regularised near notches"
+    )
+    epsilon: float = setting(1e-3, "1", "per-bin weight, times ||G||^2 of the bin", ge=0, le=1)
+    floor: float = setting(1e-5, "1", "per-bin floor, times max ||G||^2", ge=0, le=1)
     constant_epsilon: float = setting(
         0.01, "(m/s^2/V)^2", "the thesis' eps, for regularisation = constant", ge=0, le=1e6
     )
     start: Literal["by-law", "reference", "inverse", "library"] = setting(
         "by-law", "", "first drive: scaled reference (thesis), or G^+ R (kalman); library is set by run --warm"
     )
-    quiet: bool = setting(False, "", "begin faint, and rise as what is emitted above quality.above allows")
+    quiet: bool = setting(False, "", "start at low level and rise as the emission above quality.above allows")
     check_levels: tuple[float, ...] = setting(
-        (-12.0, -6.0, 0.0), "dB", "levels at which a drive of the library is checked, rising to 0", min_length=1
+        (-12.0, -6.0, 0.0), "dB", "levels at which a stored drive is verified, rising to 0", min_length=1
     )
     structure: Literal["mimo", "decentralised", "common"] = setting(
-        "mimo", "", "both sides together, each for itself (fails), or one drive for both (poor)"
+        "mimo", "", "all sides jointly, each side by itself (diverges), or one common drive (poor)"
     )
     sensors: Literal["accelerometers", "far-field"] = setting(
-        "accelerometers", "", "whose errors are learned from; far-field only where the objective is stated there, too"
+        "accelerometers", "", "sensors whose errors are learned; far-field only where the objective is stated there too"
     )
     weights: tuple[float, ...] = setting(
-        (), "1", "how much each of those sensors counts, where not all errors can be made small; empty for 1 each"
+        (), "1", "weight of each of those sensors where not all errors can be made small; empty: 1 each"
     )
-    overtones: int = setting(4, "", "overtones of a sine that are learned beside its root", ge=0, le=60)
-    decimation: Literal[1, 4] = setting(4, "1", "learn at the rate divided by this; 4 as in the thesis, 1 full rate")
+    overtones: int = setting(4, "", "overtones of a sine that are learned beside its fundamental", ge=0, le=60)
+    decimation: Literal[1, 4] = setting(
+        4, "1", "decimation of the sample rate for learning; 4 as in the thesis, 1: full rate"
+    )
 
 
 class Adaptation(Section):
-    """What law = kalman adds to the thesis' law, each part for itself."""
+    """What law = kalman adds to the thesis' law; each part can be switched off by itself."""
 
-    model: bool = setting(True, "", "follow G from how the response changes with the drive")
-    walk: float = setting(0.02, "1", "how far G walks at random from shot to shot, re its size", ge=1e-4, le=1)
-    doubt: float = setting(0.2, "1", "uncertainty of G beyond the model's own, re its size", ge=0, le=2)
-    neighbours: int = setting(4, "lines", "lines to each side that say something of a line's G", ge=0, le=50)
-    drift: float = setting(0.005, "1", "part of G U that changes from shot to shot by itself", ge=0, le=1)
-    spill: float = setting(0.2, "1", "part of a step that comes out at other lines", ge=0, le=2)
-    coupling: float = setting(4.0, "1", "how many times a change of the strong lines changes distortion", ge=0, le=20)
-    scatter: float = setting(0.1, "1", "part of a step, re G around it, that comes out at other lines", ge=0, le=2)
-    variation: bool = setting(True, "", "follow how G differs at the ends of a shot, and swings between them")
-    stretch: bool = setting(True, "", "follow modes that go on moving, and drive the next shot for where they will be")
-    cautious: bool = setting(True, "", "learn less where the error is mostly noise, or has grown, or moves distortion")
-    rollback: bool = setting(True, "", "go back to the best shot when the error has grown twice")
+    model: bool = setting(True, "", "estimate G from the changes of drive and response between shots")
+    walk: float = setting(
+        0.02, "1", "process noise: standard deviation of the change of G from shot to shot, re its size", ge=1e-4, le=1
+    )
+    doubt: float = setting(0.2, "1", "standard deviation of G added to the model's own, re its size", ge=0, le=2)
+    neighbours: int = setting(4, "bins", "bins to each side that the estimate of a bin's G uses", ge=0, le=50)
+    drift: float = setting(0.005, "1", "part of G U that changes from shot to shot at a constant drive", ge=0, le=1)
+    spill: float = setting(0.2, "1", "leakage of a step into other bins", ge=0, le=2)
+    coupling: float = setting(4.0, "1", "relative change of the distortion over that of the strong bins", ge=0, le=20)
+    scatter: float = setting(0.1, "1", "leakage of a step into other bins, re the mean |G| around them", ge=0, le=2)
+    variation: bool = setting(True, "", "estimate the variation of G within a shot: at its ends, and in between")
+    stretch: bool = setting(True, "", "track modes whose frequencies drift, and extrapolate G to the next shot")
+    cautious: bool = setting(
+        True, "", "smaller steps where the error is mostly noise, has grown, or a step changes the distortion"
+    )
+    rollback: bool = setting(True, "", "return to the best drive when the error has grown twice")
 
 
 class Watch(Section):
     """Divergence and reidentification, (6.20)-(6.23)."""
 
-    on: bool = setting(False, "", "look out for bands that diverge, and reidentify them while the run goes on")
+    on: bool = setting(False, "", "detect bands that diverge, and reidentify them during the run")
     band: tuple[float, float] = setting((100.0, 645.0), "Hz", "f_div: where divergence is looked for")
     eta_1: float = setting(1.0, "1", "weight of the error re the limit in (6.20)", ge=0, le=100)
-    eta_2: float = setting(0.0, "1", "weight of the drive's growth since the line was best", ge=0, le=100)
+    eta_2: float = setting(0.0, "1", "weight of the drive's growth since the bin was best", ge=0, le=100)
     delta: float = setting(1.0, "1", "threshold of (6.20)", gt=0, le=100)
     half_width: float = setting(10.0, "Hz", "f_D: half of the band that is reidentified", ge=2, le=100)
-    share: float = setting(0.5, "1", "kappa: part of the room below the limit that the chirp uses", gt=0, le=1)
+    share: float = setting(0.5, "1", "kappa: part of the headroom below the limit that the chirp uses", gt=0, le=1)
     rounds: int = setting(2, "", "reidentifications of a band before it is frozen", ge=1, le=20)
     input: Literal["kept", "zeroed"] = setting(
-        "kept", "", "the drive in the band meanwhile; zeroed is what the text says, and fails"
+        "kept", "", "the drive in the band meanwhile: kept, or zeroed as in the thesis, which biases the estimate"
     )
 
 
 class Session(Section):
-    """How many shots, and how they are kept."""
+    """How many shots, and how they are stored."""
 
     role = "patience"
 
     shots: int = setting(30, "shots", "shots of the run", ge=1, le=100_000)
     recording: Literal["wav", "csv"] = setting("wav", "", "format of shots/0000.wav ...")
     check: bool = setting(
-        True, "", "begin with a weak burst, and go no further where channels are not those that were calibrated"
+        True, "", "begin with a weak burst; stop where the channels are not those that were calibrated"
     )
 
 
@@ -193,18 +203,18 @@ class Quality(Section):
     """When a shot meets the objective."""
 
     where: Literal["accelerometers", "far-field"] = setting(
-        "accelerometers", "", "the sensors that are to hear nothing but the reference"
+        "accelerometers", "", "the sensors at which the objective is judged"
     )
     objective: float = setting(-40.0, "dB", "limit on errors above `above`, re the reference's spectrum", ge=-120, le=0)
     above: float = setting(100.0, "Hz", "the limit holds from here ...", gt=0, le=20_000)
     judged_to: float = setting(
-        2000.0, "Hz", "... to here, learned or not: up to where the sensors are stated to be true", gt=0, le=20_000
+        2000.0, "Hz", "... to here, learned or not: the upper end of the sensors' specified range", gt=0, le=20_000
     )
-    mains: bool = setting(True, "", "take the mains' hum out of what is judged and learned, as silences show it")
+    mains: bool = setting(True, "", "exclude mains hum, estimated from the silences, from judgement and learning")
 
 
 class Simulator(Section):
-    """The laboratory without the laboratory; read by firmware_sim alone."""
+    """The simulated rig; read by firmware_sim alone."""
 
     role = "plant"
 
@@ -214,7 +224,7 @@ class Simulator(Section):
         pattern=None,
         short="firmware_sim.laboratory:PLANTS",
     )
-    speed: float = setting(0.0, "1", "multiple of real time; 0 as fast as it goes", ge=0, le=1_000, role="patience")
+    speed: float = setting(0.0, "1", "multiple of real time; 0: as fast as possible", ge=0, le=1_000, role="patience")
     options: dict[str, Any] = keywords("keywords the plant is built with", "plant")
 
 

@@ -15,7 +15,7 @@ from vibractl.presets import PRESETS
 def example_config(
     preset: Annotated[
         str | None,
-        typer.Option(metavar="underwater", help="A short one for a purpose.", autocompletion=one_of(PRESETS)),
+        typer.Option(metavar="underwater", help="A short file for a special case.", autocompletion=one_of(PRESETS)),
     ] = None,
     json: JsonOption = None,
 ) -> None:

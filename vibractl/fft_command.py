@@ -25,7 +25,7 @@ def plan_command(
     """Measure the FFT plans of a reference's length for later runs; without them a run estimates its plans at once.
 
     It takes seconds to minutes, and may save some milliseconds a shot.  Each plan is stored for this user as soon as
-    it is measured: stopped, the same command goes on from there.
+    it is measured: after a stop the same command continues there.
 
     Example: `vibractl plan-ffts --config rig.toml --reference chirp:40:90:60`
     """
@@ -51,6 +51,6 @@ def plan_command(
             note = f"{done} of {len(sizes)} done, {size.frames} samples x {size.width} channels"
             meter.show(sum(work[:done]), f"{note}, {time.monotonic() - began:.0f} s")
     if done < len(sizes):
-        raise Stopped(f"{done} of {len(sizes)} FFT plans are stored in {path}; the same command goes on from there")
+        raise Stopped(f"{done} of {len(sizes)} FFT plans are stored in {path}; the same command continues there")
     print(f"{done} FFT plans are stored in {path}; runs use them from now on", file=words(json))  # noqa: T201
     write_json(json, {"file": str(path), "plans": [{"samples": size.frames, "channels": size.width} for size in sizes]})

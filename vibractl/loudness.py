@@ -16,7 +16,7 @@ ROOM = 0.5
 """Of the limits, that a first drive takes of a run whose amplitude is fitted: distortion is made up for by more."""
 
 FitOption = Annotated[
-    bool, typer.Option("--fit-amplitude", help="Emit less of the reference where the limits leave it no room.")
+    bool, typer.Option("--fit-amplitude", help="Lower the reference's amplitude where the limits leave no headroom.")
 ]
 
 

@@ -68,7 +68,7 @@ class Marker:
         self.whole, self.first = whole, float(whole)
         if not quality >= TRUST:
             return (
-                f"the marker is not heard: its quality is {quality:.3f}, must be >= {TRUST}; is drive 1 on "
+                f"the marker is not detected: its quality is {quality:.3f}, must be >= {TRUST}; is drive 1 on "
                 f"output {self._audio.drive_channels[0]}, response 1 on input {self._audio.response_channels[0]}, "
                 "and the amplifier on?"
             )

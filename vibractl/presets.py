@@ -2,7 +2,7 @@
 
 PRESETS = {
     "underwater": """\
-# A vibrator in water before a hydrophone, simulated: there, nothing but the reference is to be heard.
+# A simulated vibrator in water with a hydrophone, at which the objective is judged.
 # Every other key is at its default; `vibractl example-config` prints them all.
 #
 #   calibrate vibrator --config rig.toml --out model.h5

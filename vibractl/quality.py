@@ -92,7 +92,7 @@ class Marks:
             where = f"{where}, which the ambience may explain"
         if self.level != 1.0:
             how = f"at {decibels(self.level):.3g} dB of the reference"
-            return f"not judged: {how}, loudest line {'over' if over > 0 else 'within'} the limit by {where}"
+            return f"not judged: {how}, loudest bin {'over' if over > 0 else 'within'} the limit by {where}"
         if self.verdict == HIDDEN:
             return f"not judged: over the limit by {where}"
         return f"met by {where}" if self.met else f"missed by {where}"

@@ -142,7 +142,7 @@ def floor_said(figures: Mapping[str, Any]) -> tuple[str, str]:
     worst = figures["worst_line_db"]
     is_settled = worst <= 0.0 or BELOW <= worst - change <= SETTLED
     if is_settled and explained is not None and explained <= change:
-        return "the machine moves by itself by", size
+        return "change of the plant", size
     return "what the model does not explain changes by", size
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from scipy.signal.windows import tukey
 
-from rigkit.foreign_record import is_of_integers, read_signals
+from rigkit.foreign_record import is_of_integers, open_signals
 from vibractl.reference_forms import FORMS, choices, written
 
 LONGEST = 60.0
@@ -122,12 +122,11 @@ def _numbers(text: str, kind: str, rest: str, rate: float) -> list[float]:
 
 
 def _from_file(path: Path, text: str, rate: float, outputs: int, step: int, full_scale: float) -> Reference:
-    data = read_signals(path, rate).data
+    data = open_signals(path, rate, asked="must be audio.rate,").whole().data
     if is_of_integers(path):
         if not full_scale > 0:
             raise ValueError(
-                f"{path}: a WAV of integers says no units; reference.full_scale must be what its full scale stands "
-                "for, > 0 m/s^2"
+                f"{path}: an integer WAV has no unit; reference.full_scale must state its full scale, > 0 m/s^2"
             )
         data = full_scale * data
     frames, width = data.shape

@@ -18,14 +18,14 @@ from vibractl.setup import Setup
 
 def replay_command(
     path: RunArgument,
-    shot: Annotated[int | None, typer.Option(help="Report this shot alone.")] = None,
-    model: Annotated[Path | None, typer.Option(metavar="FILE", help="Another model: what would it have done?")] = None,
+    shot: Annotated[int | None, typer.Option(help="Report only this shot.")] = None,
+    model: Annotated[Path | None, typer.Option(metavar="FILE", help="Another model, to compare.")] = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
     """Recompute every drive of a run from its recorded responses; status 1 if one differs from the recorded one.
 
-    Of an imported run: what the law would have played next, each time after what was played; it needs a model.
+    For an imported run: the next drive of the law after each recorded shot; it needs a model.
 
     Example: `vibractl replay RUN/`; with other settings: `vibractl replay RUN/ --set learning.gains=[0.5]`
     """

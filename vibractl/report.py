@@ -22,13 +22,13 @@ from vibractl.transfer_matrix import TransferMatrix
 
 PAGE = "report.html"
 SHOTS_TEXT = (
-    "For each side, or hydrophone: over, by how much the worst line passes the limit (negative is good), and where; "
+    "For each side, or hydrophone: over, level of the worst bin over the limit (negative is good), and where; "
     "IAE; error, its RMS re the reference's. For each coil: room, peak limit over peak drive. repeat: part of the "
     "response's change since the last shot that the model does not explain, re the response. align: residual of the "
     "alignment, samples."
 )
 _PLACES = {"accelerometers": "At the accelerometers", "far-field": "In the far field"}
-_ELSEWHERE = "The same shots as these sensors hear them; the objective need not hold here."
+_ELSEWHERE = "The same shots at these sensors; the objective need not hold here."
 
 
 def run_report(path: Path, png: Path | None = None) -> dict[str, Any]:
@@ -82,7 +82,7 @@ def _facts(result: Result, figures: Mapping[str, Any], events: list[dict[str, An
         "not met" if met is None else f"met from shot {met} on",
         met is not None,
     )
-    yield Fact("Worst line of the last shot", _beside_limit(worst), worst <= 0)
+    yield Fact("Worst bin of the last shot", _beside_limit(worst), worst <= 0)
     yield from _rise(result.rows, figures)
     what, size = floor_said(figures)
     if what:
@@ -144,7 +144,7 @@ def _rise(rows: Sequence[Mapping[str, str]], figures: Mapping[str, Any]) -> Iter
         f"not reached: {rows[-1]['reason'].split(',')[0]}" if full is None else f"from shot {full} on",
         full is not None,
     )
-    yield Fact("Loudest line of any shot", _beside_limit(loudest), loudest <= 0)
+    yield Fact("Loudest bin of any shot", _beside_limit(loudest), loudest <= 0)
 
 
 def _beside_limit(over: float) -> str:

@@ -32,21 +32,21 @@ def run_command(
     model: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file from `calibrate vibrator`.")] = None,
     config: ConfigOption = None,
     reference: ReferenceOption = None,
-    shots: Annotated[int | None, typer.Option(help="Shots in all.")] = None,
+    shots: Annotated[int | None, typer.Option(help="Total number of shots.")] = None,
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
-    watch: Annotated[bool, typer.Option("--watch", help="Reidentify bands that diverge, while it goes on.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Begin faint, and rise as the objective allows.")] = False,
+    watch: Annotated[bool, typer.Option("--watch", help="Reidentify bands that diverge, during the run.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Start at low level, rise as the objective allows.")] = False,
     law: Annotated[
-        str | None, typer.Option(help="kalman, or thesis for the text's own law.", autocompletion=one_of(KINDS))
+        str | None, typer.Option(help="kalman, or thesis for the law of the thesis.", autocompletion=one_of(KINDS))
     ] = None,
-    seed: Annotated[int | None, typer.Option(help="Which simulated vibrator.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed of the simulated vibrator.")] = None,
     fit_amplitude: FitOption = False,
     warm: Annotated[
         str | None, typer.Option(metavar="NAME", help="Start from this entry of the library, or from the nearest.")
     ] = None,
     tag: TagOption = None,
     library: LibraryOption = None,
-    resume: Annotated[Path | None, typer.Option(metavar="RUN/", help="Go on with a run that stopped.")] = None,
+    resume: Annotated[Path | None, typer.Option(metavar="RUN/", help="Continue a stopped run.")] = None,
     accept: AcceptOption = None,
     settings: SetOption = None,
     json: JsonOption = None,
@@ -134,10 +134,10 @@ def _print_shots(path: Path, json: str | None) -> None:
     sides = sum(key.startswith(f"{prefix}iae_") for key in rows[0])
     head, keys = ["shot", "gain", "verdict"], ["shot", "gain", "verdict"]
     for side in range(1, sides + 1):
-        head += [f"worst line {side}, dB", "at, Hz", f"IAE {side}", f"error {side}, dB"]
+        head += [f"worst bin {side}, dB", "at, Hz", f"IAE {side}", f"error {side}, dB"]
         keys += [f"{prefix}{name}_{side}" for name in ("worst_line_db", "worst_line_hz", "iae", "error_db")]
     body = [[_short(row[key]) for key in keys] for row in rows]
-    print_table(f"{path}: worst line against the limit, negative is good", head, body, words(json))
+    print_table(f"{path}: worst bin against the limit, negative is good", head, body, words(json))
 
 
 def _short(cell: str) -> str:

@@ -107,7 +107,7 @@ def _within_limits(made: Setup, again: Callable[[RigConfig], Setup], fit_amplitu
         return replace(_within_limits(again(quieter), again, False), said=(said,))
     if broken := too_loud(drive, config.limits, rate):
         raise ValueError(
-            f"the first drive is not played: {broken} ({told_level(config)}); --fit-amplitude takes {level:.3g} of it, "
+            f"the first drive is refused: {broken} ({told_level(config)}); --fit-amplitude takes {level:.3g} of it, "
             "with room to learn as far as the model is right"
         )
     return made
@@ -190,8 +190,8 @@ def resumed_setup(folder: RunFolder, accept: Collection[str] = ()) -> Setup:
     """
     if is_imported(folder.path):
         raise ValueError(
-            f"{folder.path}/ was played by other software and imported, so it does not go on here: go on with "
-            "`vibractl step`, or keep what it knows with `vibractl library add` and begin with `vibractl run --warm`"
+            f"{folder.path}/ was played by other software and imported, so it is not resumed here: continue with "
+            "`vibractl step`, or store its drive with `vibractl library add` and begin with `vibractl run --warm`"
         )
     notes = going_on(folder, _as_written(folder.path), accept, UNCHANGED)
     return replace(setup_of(folder.path), said=tuple(notes))

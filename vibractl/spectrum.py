@@ -39,7 +39,7 @@ class LineSpectrum:
         self._first = int(np.ceil(band[0] / spacing - 1e-9))
         self._end = min(int(np.floor(band[1] / spacing + 1e-9)), (frames - 1) // 2) + 1
         if self._end <= self._first:
-            raise ValueError(f"no line of {spacing:g} Hz spacing lies within {band[0]:g} to {band[1]:g} Hz")
+            raise ValueError(f"no bin of {spacing:g} Hz spacing lies within {band[0]:g} to {band[1]:g} Hz")
         self.frequency = np.arange(self._first, self._end) * spacing
         self.rate, self.frames, self.width = rate, frames, width
         self._fft = plans.planned(Transform(frames, width))

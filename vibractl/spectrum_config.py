@@ -8,7 +8,7 @@ Backend = Literal["auto", "fftw", "scipy"]
 
 
 class Spectrum(Section):
-    """Which FFT a run goes by; another one differs in its last digits."""
+    """The FFT library of a run; libraries differ in the last digits."""
 
     backend: Backend = setting(
         "auto", "", "fftw: pyfftw, which is under the GPL; scipy; auto: fftw where it is installed, else scipy"

@@ -119,7 +119,7 @@ class TransferMatrix:
         low, high = self.frequency[0], self.frequency[-1]
         if len(frequency) and not (frequency.min() >= low and frequency.max() <= high):
             raise ValueError(
-                f"lines {frequency.min():g} to {frequency.max():g} Hz are wanted, the model was measured "
+                f"bins {frequency.min():g} to {frequency.max():g} Hz are wanted, the model was measured "
                 f"from {low:g} to {high:g} Hz"
             )
         if self.lacks(frequency).any():
@@ -127,7 +127,7 @@ class TransferMatrix:
                 gap for gap in self.gaps if ((frequency > gap[0] - SIDE) & (frequency < gap[1] + SIDE)).any()
             )
             raise ValueError(
-                f"lines {frequency.min():g} to {frequency.max():g} Hz are wanted, the model has no value from "
+                f"bins {frequency.min():g} to {frequency.max():g} Hz are wanted, the model has no value from "
                 f"{first:g} to {last:g} Hz: {reason}"
             )
         from scipy.interpolate import Akima1DInterpolator  # noqa: PLC0415 (not needed where lines are given)

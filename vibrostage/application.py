@@ -3,7 +3,7 @@
 from rigkit.program import Program
 
 STUDY = Program(
-    "Any command over machines, seeds and settings, on every core or a cluster.",
+    "Run any command over plants, seeds and settings, on every core or a cluster.",
     {
         "example": "vibrostage.study_example:example_command",
         "run": "vibrostage.study_command:run_command",
@@ -14,7 +14,7 @@ STUDY = Program(
     ("vibrostage", "calibration", "vibractl", "stagectl", "firmware_sim"),
 )
 PROGRAM = Program(
-    "Learning control for marine vibrators, piezo stages and the robots beside them: every program by a word.",
+    "Learning control for marine vibrators, piezo stages and the robots beside them: all programs in one.",
     {"plan": "stagectl.commands.plan_command:plan"},
     ("vibrostage", "calibration", "vibractl", "stagectl", "firmware_sim"),
     {

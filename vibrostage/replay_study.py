@@ -33,7 +33,7 @@ FIGURES: dict[str, dict[str, Any]] = {
         "unit": "dB",
         "worst": "lowest",
         "passes": ">= 0",
-        "title": "worst line below the limit, last shot",
+        "title": "worst bin below the limit, last shot",
     },
 }
 

@@ -18,17 +18,17 @@ from rigkit.study.plan import Plan, read_plan
 from rigkit.study.results import study_hash
 from vibrostage.replay_study import replay_study
 
-OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder of the study, new or to go on with.")]
+OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder of the study, new or to continue.")]
 SchedulerOption = Annotated[
-    str | None, typer.Option(metavar="ADDRESS", help="Of a Dask scheduler, such as tcp://lab-7:8786.")
+    str | None, typer.Option(metavar="ADDRESS", help="Address of a Dask scheduler, such as tcp://lab-7:8786.")
 ]
 WorkersOption = Annotated[
-    int | None, typer.Option(min=1, max=1024, help="Processes on this machine; as many as cores without.")
+    int | None, typer.Option(min=1, max=1024, help="Processes on this computer; default: one per core.")
 ]
 
 
 def run_command(
-    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="What is run over what.")],
+    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study.")],
     out: OutOption,
     scheduler: SchedulerOption = None,
     workers: WorkersOption = None,
@@ -36,7 +36,7 @@ def run_command(
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Run a study, or go on with it: the same command, after a stop, a kill, or with a larger budget.
+    """Run a study, or continue it with the same command after a stop or kill, or with a larger budget.
 
     Example: `vibrostage study run STUDY.toml --out LAWS/`
     """
@@ -44,7 +44,7 @@ def run_command(
 
 
 def replay_command(
-    runs: Annotated[Path, typer.Argument(metavar="RUNS/", help="Folder in which folders of runs lie.")],
+    runs: Annotated[Path, typer.Argument(metavar="RUNS/", help="Folder that contains the folders of runs.")],
     out: OutOption,
     scheduler: SchedulerOption = None,
     workers: WorkersOption = None,
@@ -78,7 +78,7 @@ def perform_study(
             with _hands(scheduler, workers, folder) as hands:
                 made.run(hands, meter, stop)
         if stop.made:
-            raise Stopped(f"{out}/: {made.tally.text}; the same command goes on")
+            raise Stopped(f"{out}/: {made.tally.text}; the same command continues")
         rows = folder.rows()
         found = study_hash(rows, plan.figures)
     print(f"{out}/: {made.tally.text}; hash {found}", file=stream)  # noqa: T201

@@ -14,7 +14,7 @@ from rigkit.study.tables import case_name
 def report_command(
     path: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a study, or a file of its results.")],
     out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="The page; DIR/report.html, and none of a file, without.")
+        Path | None, typer.Option(metavar="FILE", help="The page; default: DIR/report.html, none for a file.")
     ] = None,
     png: Annotated[Path | None, typer.Option(metavar="DIR", help="Write the figures as PNG files as well.")] = None,
     json: JsonOption = None,
@@ -45,7 +45,9 @@ def compare_command(
     other: Annotated[
         Path, typer.Argument(metavar="OTHER", help="The same study, from elsewhere or by other software.")
     ],
-    tolerance: Annotated[float, typer.Option(min=0.0, help="Of the larger value; 0 for the same bits.")] = 0.0,
+    tolerance: Annotated[
+        float, typer.Option(min=0.0, help="Relative to the larger value; 0 for identical bits.")
+    ] = 0.0,
     json: JsonOption = None,
 ) -> None:
     """Compare two results of a study task by task; status 1 where a figure differs by more than the tolerance.

@@ -23,13 +23,13 @@ FilesArgument = Annotated[
 ]
 InputsOption = Annotated[str | None, typer.Option(metavar="u1,u2", help="Channels of the drive in a recording.")]
 OutputsOption = Annotated[str | None, typer.Option(metavar="y1,y2", help="Channels of the response in it.")]
-SampledOption = Annotated[float | None, typer.Option(metavar="HZ", help="Its rate, where a recording does not say.")]
-ResolutionOption = Annotated[float, typer.Option(metavar="HZ", help="Of the response of a recording.")]
+SampledOption = Annotated[float | None, typer.Option(metavar="HZ", help="Rate of a recording, if not in the file.")]
+ResolutionOption = Annotated[float, typer.Option(metavar="HZ", help="Resolution of a recording's response.")]
 OrderOption = Annotated[str, typer.Option(metavar="auto|N", help="States of the model.")]
-MostOption = Annotated[int, typer.Option(help="Largest order that is tried.")]
-RateOption = Annotated[float | None, typer.Option(metavar="HZ", help="Of the model; without it it is continuous.")]
-BandOption = Annotated[tuple[float, float] | None, typer.Option(metavar="LOW HIGH", help="Hz, of the lines fitted.")]
-NoDirectOption = Annotated[bool, typer.Option("--no-direct", help="D is 0.")]
+MostOption = Annotated[int, typer.Option(help="Largest order tried.")]
+RateOption = Annotated[float | None, typer.Option(metavar="HZ", help="Rate of the model; default: continuous time.")]
+BandOption = Annotated[tuple[float, float] | None, typer.Option(metavar="LOW HIGH", help="Hz, of the bins fitted.")]
+NoDirectOption = Annotated[bool, typer.Option("--no-direct", help="Fix D = 0.")]
 
 
 def response_command(
@@ -124,6 +124,6 @@ def _within(measured: Measured, band: tuple[float, float] | None) -> Measured:
     inside = (frequency >= low) & (frequency <= high)
     if not (low < high and inside.any()):
         raise ValueError(
-            f"--band is {low:g} to {high:g} Hz, must hold lines of {frequency[0]:g} to {frequency[-1]:g} Hz"
+            f"--band is {low:g} to {high:g} Hz, must hold bins of {frequency[0]:g} to {frequency[-1]:g} Hz"
         )
     return frequency[inside], response[inside], variance[inside]

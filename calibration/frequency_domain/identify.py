@@ -91,7 +91,7 @@ def identify_response(
     data = _prepared(frequency, response, variance, rate)
     most = min(most, data.largest_order)
     if order is not None and not 1 <= order <= data.largest_order:
-        raise ValueError(f"order is {order}, must be 1 to {data.largest_order} for {len(data.points)} lines")
+        raise ValueError(f"order is {order}, must be 1 to {data.largest_order} for {len(data.points)} bins")
     rows = min(int(SPARE * np.ceil((order or most) / data.response.shape[1])) + 2, data.most_rows)
     found = subspace_of(data.points, data.response, 1.0 / data.sigma.mean(axis=(1, 2)), rows)
     start = _chosen(found, data, most, direct) if order is None else realized(found, order, *data.parts, direct)
@@ -141,6 +141,10 @@ class _Data:
 
 def _prepared(frequency: np.ndarray, response: np.ndarray, variance: np.ndarray | None, rate: float | None) -> _Data:
     """Refuse what cannot be fitted; scale the rest."""
+    if np.iscomplexobj(frequency):
+        raise ValueError("frequency is complex, must be real, in Hz: it is given before the response")
+    if not np.iscomplexobj(response):
+        raise ValueError("response is real, must be complex: a magnitude without its phase is no response")
     lines, given = np.asarray(frequency, float), np.asarray(response, complex)
     given = given.reshape(-1, 1, 1) if given.ndim == 1 else given
     if given.ndim != 3 or lines.shape != given.shape[:1]:
@@ -148,7 +152,7 @@ def _prepared(frequency: np.ndarray, response: np.ndarray, variance: np.ndarray 
             f"response has shape {given.shape} over {lines.shape} frequencies, must be (bins, outputs, inputs)"
         )
     if len(lines) < FEWEST:
-        raise ValueError(f"there are {len(lines)} lines, must be {FEWEST} or more")
+        raise ValueError(f"there are {len(lines)} bins, must be {FEWEST} or more")
     if not (np.isfinite(lines).all() and lines[0] > 0 and np.all(np.diff(lines) >= 0)):
         raise ValueError("frequencies must be finite, > 0 Hz and rising")
     if rate is not None and not lines[-1] < rate / 2:
@@ -157,7 +161,7 @@ def _prepared(frequency: np.ndarray, response: np.ndarray, variance: np.ndarray 
         raise ValueError(f"response is not finite at {lines[np.argwhere(~np.isfinite(given))[0][0]]:g} Hz")
     size = float(np.sqrt(np.mean(np.abs(given) ** 2)))
     if size == 0.0:
-        raise ValueError("response is 0 at all lines: there is nothing to identify")
+        raise ValueError("response is 0 at all bins: there is nothing to identify")
     sigma = np.ones(given.shape)
     if variance is not None:
         spread = np.asarray(variance, float).reshape(given.shape)

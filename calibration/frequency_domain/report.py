@@ -23,8 +23,8 @@ def fit_rows(found: ResponseModel, measured: Measured) -> list[tuple[str, str]]:
     """Return how well it fits."""
     figures = fit_figures(found, measured)
     return [
-        ("lines", f"{figures['lines']}"),
-        ("error, median of lines", f"{100 * figures['relative_error_median']:.3g} %"),
+        ("bins", f"{figures['lines']}"),
+        ("error, median of bins", f"{100 * figures['relative_error_median']:.3g} %"),
         ("error, largest", f"{100 * figures['relative_error_largest']:.3g} % at {figures['largest_at_hz']:.4g} Hz"),
         ("what is left, re the stated errors", f"{figures['spread']:.3g}"),
     ]

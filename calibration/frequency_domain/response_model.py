@@ -135,6 +135,15 @@ class ResponseModel:
         low, high = self.band
         return f"{self.order} states, {inputs} to {outputs}, {time}, {low:g} to {high:g} Hz"
 
+    def summary(self) -> str:
+        """Return order, band and modes with their standard errors, in lines of text."""
+        kind = [("frequency, Hz", "+-"), ("damping ratio", "+-")]
+        rows = ["  ".join(f"{name:>13}  {error:>9}" for name, error in kind)]
+        for mode in self.poles():
+            pairs = [(mode[name], mode[f"{name}_error"]) for name in ("frequency", "damping")]
+            rows.append("  ".join(f"{value:13.5g}  {error:9.2g}" for value, error in pairs))
+        return "\n".join([self.told, f"what is left, over what the variances let expect: {self.spread:.3g}", *rows])
+
     def __repr__(self) -> str:
         """Return a line."""
         return f"<ResponseModel: {self.told}>"

@@ -12,6 +12,7 @@ from calibration.from_command import CorrectClockOption
 from calibration.identification.arguments import channels_of, delay_of, order_of
 from calibration.identification.beginnings import begun_together
 from calibration.identification.excitation import excitation_notes
+from calibration.identification.lower_rate import lower_rate_hint
 from calibration.identification.recordings import Measured, from_file, from_pairs, without_outliers
 from calibration.identification.report import (
     MODE_HEAD,
@@ -54,28 +55,28 @@ FilesArgument = Annotated[
 ]
 InputsOption = Annotated[
     str | None,
-    typer.Option(metavar="u1,u2", help="Channels of the drive in DATA: names, numbers, datasets; none: a time series."),
+    typer.Option(metavar="u1,u2", help="Channels of the drive in DATA: names, numbers, datasets; none: time series."),
 ]
 OutputsOption = Annotated[str | None, typer.Option(metavar="y1,y2", help="Channels of the response in DATA.")]
 FromOption = Annotated[
     list[Path] | None,
-    typer.Option("--from", metavar="D R", help="A recording in two files: drives, responses; many times."),
+    typer.Option("--from", metavar="D R", help="A recording in two files: drives, responses; may be repeated."),
 ]
 MapOption = Annotated[
     str | None,
-    typer.Option("--map", metavar="drive_1=3,...", help="Channels of --from by name or number; - turns one round."),
+    typer.Option("--map", metavar="drive_1=3,...", help="Channels of --from by name or number; - inverts one."),
 ]
 
-OutliersOption = Annotated[
-    str, typer.Option(metavar="replace|keep", help="Single samples of outputs that are far off.")
+OutliersOption = Annotated[str, typer.Option(metavar="replace|keep", help="Isolated outliers of outputs.")]
+DelayOption = Annotated[
+    str, typer.Option(metavar="auto|N[,N]", help="Dead time in samples: of all inputs, or of each.")
 ]
-DelayOption = Annotated[str, typer.Option(metavar="auto|N[,N]", help="Samples of dead time: of all inputs, or each.")]
 DetrendOption = Annotated[
     str, typer.Option(metavar="|".join(get_args(Detrend)), help="What is taken away: the mean of all, or of each ...")
 ]
 UnstableOption = Annotated[bool, typer.Option("--unstable", help="The plant may be unstable or integrate.")]
-NoDirectOption = Annotated[bool, typer.Option("--no-direct", help="D is 0.")]
-SecondsOption = Annotated[float, typer.Option(metavar="S", help="In which pem ends, arrived or not.")]
+NoDirectOption = Annotated[bool, typer.Option("--no-direct", help="Fix D = 0.")]
+SecondsOption = Annotated[float, typer.Option(metavar="S", help="Time limit of pem.")]
 
 
 def identify_command(
@@ -86,11 +87,11 @@ def identify_command(
     channels: MapOption = None,
     order: Annotated[str, typer.Option(metavar="auto|N", help="States of the model.")] = "auto",
     method: Annotated[str, typer.Option(metavar="|".join(METHODS), help="pem: auto, then refined.")] = "auto",
-    rate: Annotated[float | None, typer.Option(help="Samples a second, where a file does not say.")] = None,
+    rate: Annotated[float | None, typer.Option(help="Samples/s, if not in the file.")] = None,
     decimate: Annotated[int, typer.Option(metavar="N", help="Keep every N-th sample behind a low-pass.")] = 1,
     correct_clock: CorrectClockOption = False,
-    horizon: Annotated[int | None, typer.Option(help="Samples that the singular values look back and ahead.")] = None,
-    hold_back: Annotated[float, typer.Option("--hold-back", help="Share kept, at the end, to judge by.")] = 0.3,
+    horizon: Annotated[int | None, typer.Option(help="Past and future samples of a window.")] = None,
+    hold_back: Annotated[float, typer.Option("--hold-back", help="Share at the end used as validation data.")] = 0.3,
     outliers: OutliersOption = "replace",
     delay: DelayOption = "auto",
     detrend: DetrendOption = "mean",
@@ -168,6 +169,8 @@ def _watched(measured: Measured) -> Iterator[Callable[[int, str], None]]:
                 f"identifying: {samples} samples of {channels} channels; 250 000 samples of four take half a minute, "
                 "with pem longer"
             )
+        if hint := lower_rate_hint(measured.recordings):
+            meter.say(f"identifying: {hint}")
         yield meter.show
         meter.show(STEPS)
 
@@ -216,7 +219,7 @@ def _made_ready(measured: Measured, factor: int, correct_clock: bool, outliers: 
 
 def _print(found: Identification, measured: Measured, out: Path | None, json: str | None) -> None:
     stream, model = words(json), found.model
-    title = f"{measured.source}: order {found.order} by {found.method}, {len(found.response)} samples held back"
+    title = f"{measured.source}: order {found.order} by {found.method}, {len(found.response)}validation samples"
     fits, tried = fit_table(found), candidate_table(found)
     print_table(title, fits.head, fits.rows, stream)
     print_table("modes, with one standard error", MODE_HEAD, mode_rows(found), stream)

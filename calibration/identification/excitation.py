@@ -131,7 +131,7 @@ def _refuse(power: np.ndarray, excited: np.ndarray, share: np.ndarray, names: Se
     chosen = power[both] if both.any() else power
     involved = _involved(in_own_units(chosen).sum(axis=0), names)
     raise ValueError(
-        f"inputs {' and '.join(involved)} cannot be told apart: their weakest combination has {np.median(share):.1e} "
-        f"of the strongest one's power, must have >= {INSEPARABLE:g}: drive them by independent signals or one after "
-        "the other, or leave one out"
+        f"inputs {' and '.join(involved)} are not distinguishable: their weakest combination has "
+        f"{np.median(share):.1e} of the strongest one's power, must have >= {INSEPARABLE:g}: drive them by "
+        "independent signals or one after the other, or leave one out"
     )

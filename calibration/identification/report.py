@@ -20,8 +20,8 @@ CANDIDATE_HEAD = ("order tried", "at horizon", "free run, %", "one step, %")
 NEARLY_HEAD = ("inputs nearly go together, Hz", "inputs", "weakest combination over strongest, power")
 
 _UNSEEN = "the model has not seen these samples."
-_FREE_RUN = "Free run on held back data", f"The response to the drive alone; {_UNSEEN}"
-_PREDICTION = "Prediction on held back data", f"Each sample from those before it; {_UNSEEN}"
+_FREE_RUN = "Free run on validation data", f"The response to the drive alone; {_UNSEEN}"
+_PREDICTION = "Prediction on validation data", f"Each sample from those before it; {_UNSEEN}"
 
 ONE_IN_20 = 0.05
 CROSSED = 0.05
@@ -178,7 +178,7 @@ def identification_report(found: Identification, source: str, notes: Sequence[st
             *_of_recordings(found, notes),
             Section(
                 "Singular values",
-                "Those that stand out of the noise are states of the model.",
+                "Those above the noise are states of the model.",
                 (Plot(singular_value_figure(found), "Singular values, and the order taken."),),
             ),
             *_tried(found),
@@ -201,7 +201,7 @@ def identification_report(found: Identification, source: str, notes: Sequence[st
                 (Table(MODE_HEAD, tuple(mode_rows(found))),),
             ),
         )
-    subtitle = f"{source}, {len(found.response)} samples held back, {found.model.rate:g} samples/s, by {found.method}"
+    subtitle = f"{source}, {len(found.response)}validation samples, {found.model.rate:g} samples/s, by {found.method}"
     return Report("Identified model", subtitle, _facts(found), sections)
 
 
@@ -217,11 +217,11 @@ def _tried(found: Identification) -> tuple[Section, ...]:
 def _facts(found: Identification) -> tuple[Fact, ...]:
     """Return what stands above the sections."""
     model, fresh = found.model, found.fresh
-    run = Fact("free run on held back data", known(float(fresh.free_run.nrmse.mean()), ".2f", " %"))
+    run = Fact("free run on validation data", known(float(fresh.free_run.nrmse.mean()), ".2f", " %"))
     return (
         Fact("order", f"{found.order}"),
         *([run] if model.inputs else []),
-        Fact("one step ahead on held back data", f"{fresh.one_step.nrmse.mean():.2f} %"),
+        Fact("one step ahead on validation data", f"{fresh.one_step.nrmse.mean():.2f} %"),
         Fact("every pole is stable", "yes" if model.is_stable else "no, as was allowed", model.is_stable or None),
         Fact("residuals are white", f"probability {fresh.whiteness.probability:.2g}"),
     )

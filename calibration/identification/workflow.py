@@ -153,7 +153,9 @@ def identify_recordings(
     ValueError : recordings that are unusable or too short, or inputs that cannot be told apart.
     """
     if not LEAST_HELD_BACK <= hold_back <= MOST_HELD_BACK:
-        raise ValueError(f"held back are {hold_back} of the samples, must be {LEAST_HELD_BACK} to {MOST_HELD_BACK}")
+        raise ValueError(
+            f"the validation share is {hold_back} of the samples, must be {LEAST_HELD_BACK} to {MOST_HELD_BACK}"
+        )
     if method not in METHODS:
         raise ValueError(f"method is {method!r}, must be one of {', '.join(METHODS)}")
     records, first = [np.asarray(each.data, float) for each in recordings], recordings[0]
@@ -192,8 +194,8 @@ def _cut(samples: int, number: int, hold_back: float) -> int:
     cut = round(samples * (1 - hold_back))
     if not samples - cut > LAGS:
         raise ValueError(
-            f"recording {number} has {samples} samples, of which {samples - cut} would be held back, must be more than "
-            f"{LAGS}: hold back a larger share, or leave it out"
+            f"recording {number} has {samples} samples, of which {samples - cut} would be validation data, must be "
+            f"more than {LAGS}: take a larger share, or leave it out"
         )
     return cut
 
@@ -212,7 +214,7 @@ def _parts(
     later, clean_later, found_later = (
         [each[cut:] for each, cut in zip(side, cuts, strict=True)] for side in (every, whole, everywhere)
     )
-    said = *outlier_notes(found), *(f"of what is held back, {sentence}" for sentence in outlier_notes(found_later))
+    said = *outlier_notes(found), *(f"of the validation data, {sentence}" for sentence in outlier_notes(found_later))
     return (drives, clean), (later, clean_later), said
 
 

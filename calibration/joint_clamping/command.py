@@ -36,9 +36,7 @@ from stagectl.robot.config import CellConfig
 WAY_OF = {"best": "", "none": RAW, "clamp": CLAMP, "tool": TOOL, "link": LINK}
 """What `--compensate` takes, and the way that is."""
 
-PoseOption = Annotated[
-    list[str] | None, typer.Option(metavar="DEG,...", help="Clamping pose; may be given many times.")
-]
+PoseOption = Annotated[list[str] | None, typer.Option(metavar="DEG,...", help="Clamping pose; may be repeated.")]
 CompensateOption = Annotated[
     str,
     typer.Option(metavar="WAY", help=f"Arm's side known by {', '.join(WAY_OF)}.", autocompletion=one_of(WAY_OF)),
@@ -50,17 +48,17 @@ def joints_command(
     record: Annotated[Path | None, typer.Option("--from", metavar="MAP", help="Recorded: CSV, WAV, HDF5, MAT.")] = None,
     joints: Annotated[str, typer.Option(metavar="1-6", help="Which joints: numbers and ranges.")] = "1-6",
     out: Annotated[Path | None, written_file("FILE", "Model file; the report goes beside it.")] = None,
-    live: Annotated[bool, typer.Option("--live", help="The robot behind its wires, as [robot] says.")] = False,
+    live: Annotated[bool, typer.Option("--live", help="The robot of [robot].")] = False,
     pose: PoseOption = None,
     poses: Annotated[Path | None, typer.Option(metavar="FILE", help="Clamping poses, one a line, in deg.")] = None,
     compensate: CompensateOption = "best",
-    advise: Annotated[bool, typer.Option("--advise", help="Say where to clamp for each joint; move nothing.")] = False,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Print every motion, and make none.")] = False,
+    advise: Annotated[bool, typer.Option("--advise", help="Advise where to clamp each joint; nothing moves.")] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Print every motion; nothing moves.")] = False,
     angle: Annotated[str, typer.Option(metavar="NAME", help="With --from: channel of the motor's angle.")] = "angle",
     torque: Annotated[str, typer.Option(metavar="NAME", help="With --from: channel of its torque.")] = "torque",
     link: Annotated[str | None, typer.Option(metavar="NAME", help="With --from: the arm side's angle.")] = None,
     gear: Annotated[float, typer.Option(help="With --from: turns of the motor per turn of the joint.")] = 1.0,
-    rate: Annotated[float | None, typer.Option(help="With --from: samples a second.")] = None,
+    rate: Annotated[float | None, typer.Option(help="With --from: samples/s.")] = None,
     png: Annotated[Path | None, made_folder("DIR", "Write the maps as PNG files.")] = None,
     again: AgainOption = False,
     recompute: RecomputeOption = False,
@@ -70,7 +68,7 @@ def joints_command(
 ) -> None:
     """Identify backlash, stiffness and friction of joints with a clamped tool, or from recorded torque and angle.
 
-    `kill -USR1 PID`, which it prints, pauses (the arm holds, limits are watched), `kill -USR2 PID` goes on, Ctrl-C
+    `kill -USR1 PID`, which it prints, pauses (the arm holds, limits stay active), `kill -USR2 PID` continues, Ctrl-C
     aborts: all stays, and the same command goes on.  Live, maps are drawn into FILE.raw/maps.html after each cycle.
 
     Examples: `calibrate joints --config cell.toml --live --joints 1-3 --out joints.h5`, first with `--dry-run`;
@@ -87,7 +85,7 @@ def joints_command(
     if advise or dry_run:
         return (_advise if advise else _say_steps)(cells, wanted, json)
     if out is None:
-        raise ValueError("--out is missing: recordings are kept beside the model file")
+        raise ValueError("--out is missing: the model file, beside which recordings are stored")
     writes = _output(out, cell, cells, wanted, Wish(again, recompute, accept or []), [config, poses])
     cells = [writes.config] if len(cells) == 1 else in_poses(writes.config, pose or [], poses)
     found = _measured(writes, cells, wanted, words(json), WAY_OF[compensate], accept or [])
@@ -162,7 +160,7 @@ def _measured(
         clamp_procedure(each.clamping, arm, joints)  # refuses what does not fit before anything moves
     for note in writes.notes:
         _tell(stream, note)
-    _tell(stream, f"pid {os.getpid()}: SIGUSR1 pauses, SIGUSR2 goes on, Ctrl-C aborts")
+    _tell(stream, f"pid {os.getpid()}: SIGUSR1 pauses, SIGUSR2 continues, Ctrl-C aborts")
     results, experiments = [], []
     with writes.begun(), requests() as asked:
         desk = Desk(lambda text: _tell(stream, text), Conduct(lambda: asked.stop), lambda: asked.pause)

@@ -109,7 +109,7 @@ def _run(cell: CellConfig, search: ClampSearch, folder: RunFolder, desk: Desk) -
         except PartEnded as fault:
             raise PartEnded(f"{fault}; the arm holds in {run.where}, soft servo and clamp stay") from None
         except Stopped:
-            raise Stopped(f"stopped in {run.where}: the arm holds; joints that were done are kept") from None
+            raise Stopped(f"stopped in {run.where}: the arm holds; finished joints are stored") from None
         finally:
             maps.finish()
 

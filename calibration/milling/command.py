@@ -46,8 +46,8 @@ def milling_command(
         str, typer.Option(metavar="TASK", help=f"{', '.join(TASKS)}.", autocompletion=one_of(TASKS))
     ] = "pocket28",
     is_live: Annotated[bool, typer.Option("--live", help="The robot of [robot]; else the simulated cell.")] = False,
-    is_sure: Annotated[bool, typer.Option("--yes", help="Live: go on from motion to motion without asking.")] = False,
-    dry: Annotated[bool, typer.Option("--dry-run", help="Print every motion, and make none.")] = False,
+    is_sure: Annotated[bool, typer.Option("--yes", help="Live: no confirmation between motions.")] = False,
+    dry: Annotated[bool, typer.Option("--dry-run", help="Print every motion; nothing moves.")] = False,
     png: PngOption = None,
     again: AgainOption = False,
     recompute: RecomputeOption = False,
@@ -57,8 +57,8 @@ def milling_command(
 ) -> None:
     """Identify the robot's response, friction and gravity, and its deflection under milling forces: G_R, G_M, G_K.
 
-    A sweep through the workspace, chirps above the workpiece, trials of the path in the air until it is learned, and
-    one in material.  Stopped or killed, the same command goes on from there.
+    A sweep through the workspace, chirps above the workpiece, air cuts of the path until it is learned, and one trial
+    in material.  After a stop or kill the same command continues there.
 
     Live, it asks before the sweep and before each trial.  Ctrl-C in a trial lifts the tool out.
 
@@ -72,7 +72,7 @@ def milling_command(
         typer.echo("\n".join(f"{number:3d}  {each}" for number, each in enumerate(moves, start=1)))
         return
     if out is None:
-        raise ValueError("--out is missing: recordings are kept beside the model file")
+        raise ValueError("--out is missing: the model file, beside which recordings are stored")
     if is_live:
         refuse_unfit(cell, is_sure)
     writes = output_of(out, cell, Wish(again, recompute, accept or []), is_live, config)
@@ -98,7 +98,7 @@ def _report(found: Calibrated, out: Path, png: Path | None, json: str | None) ->
     report.write(out.with_suffix(".html"))
     if png is not None:
         report.png(png)
-    print_table(f"{out}: fits on what was held back, %", FIT_HEAD, fit_rows(found), words(json))
+    print_table(f"{out}: fits on validation data, %", FIT_HEAD, fit_rows(found), words(json))
     words(json).write(f"report: {out.with_suffix('.html')}\n")
     write_json(json, figures(found))
 

@@ -101,7 +101,7 @@ class MillingProcedure:
         write_milling(self._out, found.models, UNITS)
         self._writes.finish()
         milling_report(found, str(self._out)).write(self._out.with_suffix(".html"))
-        desk.show("fits", Table("Fits on what was held back, %", FIT_HEAD, tuple(fit_rows(found))))
+        desk.show("fits", Table("Fits on validation data, %", FIT_HEAD, tuple(fit_rows(found))))
         desk.event("calibrated", {"model": self._out.name, "fits": {row[0]: row[1:] for row in fit_rows(found)}})
 
     def _swept(self, folder: RunFolder) -> Recording:

@@ -65,7 +65,7 @@ def refuse_short(milled: np.ndarray, rate: float) -> None:
     seconds = float(np.ptp(np.flatnonzero(milled))) / rate
     if seconds < SHORTEST:
         raise ValueError(
-            f"the path is in the material for {seconds:.3g} s, must be >= {SHORTEST:g} s to tell G_M and G_K from it: "
+            f"the path is in the material for {seconds:.3g} s, must be >= {SHORTEST:g} s to identify G_M and G_K: "
             "a larger pocket.size, or a smaller pocket.feed"
         )
 

@@ -58,7 +58,7 @@ def milling_report(found: Calibrated, source: str) -> Report:
         Fact(f"MAE norm, {each.name}", f"{1e6 * np.linalg.norm(each.mae):.0f} µm")
         for each in (found.free[0], found.free[-1], found.milled)
     )
-    fits = Section("Fits", "NRMSE on data that was held back, %.", tables=(table,))
+    fits = Section("Fits", "NRMSE on validation data, %.", tables=(table,))
     with styled():
         return Report("How the robot mills", source, facts, (fits, *_sections(found)))
 

@@ -182,7 +182,7 @@ def fit_milling(learner: Learner, milled: DoneTrial, note: Callable[[str], objec
         try:
             forces[FORCES[1]] = learner.estimated(milled)
         except ValueError as fault:
-            note(f"there are no models of the force that torques tell, method 3 cannot be learned by: {fault}")
+            note(f"there are no models of the force from torques, method 3 cannot be used: {fault}")
     inside = milled.trial.path.milled
     return {name: fit_process(signals.seen, deflection, force, inside, RATE) for name, force in forces.items()}
 
@@ -277,7 +277,7 @@ def dry_run(cell: CellConfig, task: str) -> list[str]:
         f"chirps {chirps.start:g} to {chirps.stop:g} Hz along x, y and z, up to {1e3 * chirps.largest:g} mm on a feed "
         f"of {1e3 * chirps.feed:g} mm/s, {1e3 * chirps.height:g} mm above the workpiece: "
         f"{chirps.path(cell.pocket).samples / RATE:.0f} s",
-        f"{free} trials in the air, x {lowest[0]:.0f} to {highest[0]:.0f}, y {lowest[1]:.0f} to {highest[1]:.0f}, "
+        f"{free} air cuts, x {lowest[0]:.0f} to {highest[0]:.0f}, y {lowest[1]:.0f} to {highest[1]:.0f}, "
         f"z {lowest[2]:.0f} to {highest[2]:.0f} mm in the workpiece: {path.samples / RATE:.1f} s each",
         f"a trial in material, {1e3 * path.pocket.depth:g} mm deep: {path.samples / RATE:.1f} s",
     ]

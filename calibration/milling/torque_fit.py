@@ -64,8 +64,8 @@ class TorqueFit:
         if not self.untold:
             return ""
         return (
-            f"the sweep does not tell the inertia of joints {', '.join(map(str, self.untold))}, which gain speed too "
-            "slowly: it is taken for 0, and forces from motor torques count it as force while these gain speed"
+            f"the sweep does not determine the inertia of joints {', '.join(map(str, self.untold))}, whose "
+            "acceleration is too small: it is taken as 0, and forces from motor torques contain the inertial torque"
         )
 
 

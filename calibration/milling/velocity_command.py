@@ -52,11 +52,11 @@ def velocity_command(
         typer.Option("--from", metavar="FILE", help=f"CSV or WAV with the channels {', '.join(SIGNALS)}, m/s."),
     ] = None,
     order: Annotated[int, typer.Option(min=1, max=8, help="States of the model.")] = 3,
-    axis: Annotated[str, typer.Option(metavar="x|y", help="Along which axis of the base it feeds.")] = "x",
+    axis: Annotated[str, typer.Option(metavar="x|y", help="Axis of the base along which it feeds.")] = "x",
     seconds: Annotated[float, typer.Option(help="Of steps.")] = 24.0,
     seed: Annotated[int, typer.Option(min=0, help="Of the steps.")] = 1,
     is_live: Annotated[bool, typer.Option("--live", help="The robot of [robot]; else the simulated one.")] = False,
-    is_sure: Annotated[bool, typer.Option("--yes", help="Live: without asking before it moves.")] = False,
+    is_sure: Annotated[bool, typer.Option("--yes", help="Live: no confirmation before it moves.")] = False,
     again: AgainOption = False,
     recompute: RecomputeOption = False,
     accept: AcceptOption = None,
@@ -160,8 +160,8 @@ def _tell(found: Velocity, out: Path, json: str | None) -> None:
     }
     rows = [
         ["free run, own data", f"{figures['own_fit']:.1f}"],
-        ["free run, held back", f"{figures['fresh_fit']:.1f}"],
-        ["one step ahead, held back", f"{figures['fresh_one_step']:.1f}"],
+        ["free run, validation data", f"{figures['fresh_fit']:.1f}"],
+        ["one step ahead, validation data", f"{figures['fresh_one_step']:.1f}"],
     ]
     print_table(f"{out}: order {found.model.order}", ["fit", "NRMSE, %"], rows, words(json))
     write_json(json, figures)

@@ -41,7 +41,7 @@ def stage_command(
     out: Annotated[Path, written_file("FILE", "Model file; of all axes, stage.h5 makes stage-x.h5 ...")],
     axis: Annotated[str, typer.Option(metavar="x|y|z|all", help="Which axis.")] = ALL,
     config: ConfigOption = None,
-    seed: Annotated[int | None, typer.Option(help="Which simulated stage.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed of the simulated stage.")] = None,
     order: Annotated[int | None, typer.Option(help="States of the models of one position; else as proposed.")] = None,
     method: Annotated[str, typer.Option(metavar="moesp|n4sid", help="Subspace method.")] = "moesp",
     png: PngOption = None,
@@ -55,8 +55,8 @@ def stage_command(
     """Identify axes of the stage by chirps: inner loop open, then closed; choose their PIDs and outer loops.
 
     Beside each model file: `-simo.h5` to all positions, `-open.h5` from the voltage, a report; and a rig file with PIDs
-    and outer loops; status 1 if an axis has none.  Raw recordings are kept in a folder beside; stopped or killed, the
-    same command goes on from there.
+    and outer loops; status 1 if an axis has none.  Raw recordings are stored in a folder beside; after a stop or
+    kill the same command continues there.
 
     Example: `calibrate stage --config stage.toml --axis x --out stage-x.h5`
     """

@@ -35,7 +35,7 @@ def order_figure(found: AxisCalibration) -> Figure:
         for axes in (upper, lower):
             axes.axvline(order + 0.5, **LIMIT)
     grid[0, 0].set_ylabel("singular value")
-    grid[1, 0].set_ylabel("held back, %")
+    grid[1, 0].set_ylabel("validation, %")
     return figure
 
 

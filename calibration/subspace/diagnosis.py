@@ -103,7 +103,7 @@ class Diagnosis:
         if self.inputs and self.persistence < min(2 * self.order, MOST):
             yield (
                 f"inputs excite persistently of order {self.persistence} only, {2 * self.order} is wanted: "
-                "much of the model is guessed"
+                "much of the model is not identifiable"
             )
         elif self.inputs and self.persistence < MOST:
             yield (
@@ -121,8 +121,8 @@ class Diagnosis:
             )
         for output in self.remembering:
             yield (
-                f"from rest output {output + 1} is foretold far worse over such a record than from a state that was "
-                "fitted: begin with initial_predictor_state of a first stretch, or let the predictor run in"
+                f"from rest, output {output + 1} is predicted far worse over such a record than from a fitted initial "
+                "state: start with initial_predictor_state of a first stretch, or let the predictor run in"
             )
 
     def _of_residuals(self) -> Iterator[str]:

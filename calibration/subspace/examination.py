@@ -65,7 +65,7 @@ class Examination:
         yield f"{self.samples} samples in {self.records} record{'s' * (self.records > 1)}"
         if self.same is not None:
             first, second = (each + 1 for each in self.same)
-            yield f"inputs {first} and {second} are the same signal: their responses cannot be told apart"
+            yield f"inputs {first} and {second} are the same signal: their responses are not distinguishable"
         elif len(self.feedback.share) and self.persistence < MOST:
             yield (
                 f"inputs excite persistently of order {self.persistence}: enough for {self.persistence // 2} states, "
@@ -76,7 +76,7 @@ class Examination:
         if self.delays is not None:
             yield from self._heard(self.delays)
         elif len(self.feedback.share):
-            yield "what is heard of the inputs cannot be told: records are too short, or inputs too poor"
+            yield "the response to the inputs cannot be determined: records are too short, or the excitation too poor"
         yield from self.feedback.sentences
         if not self.feedback.inputs:
             yield from self.nonlinearity.sentences
@@ -86,7 +86,7 @@ class Examination:
         for number, each in enumerate(found.samples.T):
             at = [f"{late} at output {output + 1}" for output, late in enumerate(each) if late >= 0]
             if at:
-                yield f"input {number + 1} is heard after so many samples: {', '.join(at)}"
+                yield f"input {number + 1} shows in the outputs after so many samples: {', '.join(at)}"
         yield from found.unheard
 
 
@@ -111,7 +111,7 @@ def examine(u: Any, y: Any) -> Examination:
     >>> print(examine(u, y))
     800 samples in 1 record
     inputs excite persistently of order 40 or more
-    input 1 is heard after so many samples: 4 at output 1
+    input 1 shows in the outputs after so many samples: 4 at output 1
     """
     inputs, outputs = sides_of(u, y)
     drives, responses = without_gaps(inputs.records, outputs.records)

@@ -49,8 +49,8 @@ class Feedback:
     def sentences(self) -> tuple[str, ...]:
         """Verdicts on these inputs, one each."""
         return tuple(
-            f"input {channel + 1} follows from the outputs, which tell {100 * self.share[channel]:.0f} % of what is "
-            "new in it: a loop was closed"
+            f"input {channel + 1} follows from the outputs, which predict {100 * self.share[channel]:.0f} % of its "
+            "innovations: a loop was closed"
             for channel in self.inputs
         )
 

@@ -43,8 +43,8 @@ class Nonlinearity:
     def sentences(self) -> tuple[str, ...]:
         """Verdicts on these outputs, one each."""
         return tuple(
-            f"output {channel + 1}: squares and cubes of the signals tell {100 * self.share[channel]:.0f} % of what a "
-            "linear model leaves of it: the plant is not linear there"
+            f"output {channel + 1}: squares and cubes of the signals explain {100 * self.share[channel]:.0f} % of the "
+            "residual of a linear model: the plant is not linear there"
             for channel in self.outputs
         )
 

@@ -2,7 +2,8 @@
 Modes of a measured frequency response
 ======================================
 
-A response with its variance, such as a multisine gives, becomes a state-space model: its modes with standard errors.
+A measured response with its variance, for example from a multisine, gives a state-space model and its modes with
+standard errors.
 """
 
 import matplotlib.pyplot as plt

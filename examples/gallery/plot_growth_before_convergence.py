@@ -1,9 +1,9 @@
 """
-A law that converges, after it has grown
-========================================
+Convergence after a transient growth
+====================================
 
-For a P-type law every eigenvalue is that of the plant's first sample, so it converges in the end.  Whether it comes
-nearer in each trial is another question: the largest singular value answers it beforehand.
+All eigenvalues of a P-type law equal that of the plant's first sample, so it converges asymptotically.  Whether the
+error decreases in each trial depends on the largest singular value, which can be computed beforehand.
 """
 
 import matplotlib.pyplot as plt

@@ -2,7 +2,7 @@
 A model from a record
 =====================
 
-Order, poles with their errors, and fits on what was held back come out of one call.
+One call gives the order, poles with their errors, and fits on validation data.
 """
 
 import matplotlib.pyplot as plt
@@ -21,7 +21,7 @@ found = sysid.identify(u[:3000], y[:3000], rate=100.0)
 print(found.summary())
 
 # %%
-# On the part that it has not seen:
+# On validation data:
 
 record = slice(3000, 3200)
 figure, axes = plt.subplots(layout="constrained")

@@ -1,9 +1,9 @@
 """
-A drive learned by a model that is wrong
-========================================
+Learning a drive with a wrong model
+===================================
 
-The model lacks a resonance, and its phase is off by 70 degrees.  The law learns the plant beside the drive; one that
-keeps the model learns hardly anything, and where the resonance turns the phase further its error grows.
+The model lacks a resonance, and its phase is off by 70 degrees.  The Kalman law estimates the plant along with the
+drive; a law with the fixed model hardly learns, and its error grows where the resonance shifts the phase further.
 """
 
 import matplotlib.pyplot as plt
@@ -17,7 +17,7 @@ model = np.exp(1.2j - 0.01j * frequency) / (1 + 0.02j * frequency)
 wanted = np.exp(-0.5 * ((frequency - 70) / 20) ** 2)
 
 # %%
-# From trial to trial: emit the drive, hear what came, ask for the next one.
+# In each trial: emit the drive, measure the response, compute the next drive.
 
 law = ilc.KalmanILC(model, 1.5 * np.abs(model) ** 2, wanted, frequency=frequency)
 fixed = ilc.LinearILC((0.3 / model)[:, None, None])

@@ -1,9 +1,9 @@
 """
-Nothing is learned where nothing is known
-=========================================
+Robustness by a low-pass filter
+===============================
 
-Above 120 Hz the model has the wrong sign.  A law that inverts it everywhere grows there; with a low-pass without phase
-it converges, and what it does not learn stays as it was.
+Above 120 Hz the model has the wrong sign.  A law that inverts it at all frequencies diverges there; with a zero-phase
+low-pass it converges, and the error above the cutoff remains.
 """
 
 import matplotlib.pyplot as plt

@@ -2,9 +2,9 @@
 Mid-ranging beside python-control
 =================================
 
-A fast actuator takes what is sudden, a slow one takes over, and the fast one returns to its middle.  Where nothing
-saturates, modified valve position control is a linear loop: python-control's simulation of it, built here from the
-tuning rule, is laid over it where that package is installed (``pip install 'vibrostage[control]'``).
+The fast actuator responds first, the slow one takes over, and the fast one returns to mid-range.  Without saturation
+modified valve position control is a linear loop: python-control's simulation of it, built here from the
+tuning rule, is drawn as well where that package is installed (``pip install 'vibrostage[control]'``).
 """
 
 import matplotlib.pyplot as plt
@@ -21,7 +21,7 @@ mvpc = midranging.valve_position(fast, slow, rate)
 linear = midranging.simulate(mvpc, fast, slow, reference)
 
 # %%
-# The same with a control signal that saturates, and a dead time of 0.1 s that neither controller was told.
+# The same with a saturated control signal, and a dead time of 0.1 s unknown to both controllers.
 
 late = (slow[0], slow[1] + [0.0] * 10)
 inner, limit = (5.0,), 2.0

@@ -1,9 +1,9 @@
 """
-What the weights of a norm-optimal law do
-=========================================
+The weights of a norm-optimal law
+=================================
 
-In lifted form: a trial is a vector, the plant a triangular matrix.  The weight of the change says how fast it is
-learned, that of the drive what is left in the end.
+In lifted form a trial is a vector, the plant a triangular matrix.  The weight of the change sets the speed of
+convergence, that of the drive the remaining error.
 """
 
 import matplotlib.pyplot as plt

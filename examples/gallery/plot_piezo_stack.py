@@ -2,9 +2,9 @@
 The simulated piezo stage without control
 =========================================
 
-A triangle of voltage on one axis: loops of hysteresis that depend on where it was turned, and creep after the last
-turn.  This is what `stagectl run` holds to a micrometre.  A block is called as the graph calls it: a frame of each of
-its ports.
+A triangular voltage on one axis: hysteresis loops that depend on the reversal points, and creep after the last
+reversal.  `stagectl run` controls this stage to a micrometre.  A block is called like in a graph, with a frame of
+each of its ports.
 """
 
 import matplotlib.pyplot as plt

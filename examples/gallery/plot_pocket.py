@@ -2,8 +2,8 @@
 The order in which a pocket is milled
 =====================================
 
-Strips differ in speed with and against the grain, to the left and to the right of the tool, and as wide as the tool or
-narrower.  The optimum turns, steps and lifts where that pays.
+The feed rate of a strip depends on its direction re the grain, on its side of the tool, and on its width.  The optimal
+order turns, steps and lifts where that saves time.
 """
 
 import matplotlib.pyplot as plt

@@ -138,7 +138,7 @@ class ExperimentProcedure:
                 desk.recording(False)
                 watch.forget()
             if STOPPED in reasons.values():
-                raise Stopped("ended, as asked; what is recorded is kept")
+                raise Stopped("ended on request; the recording is stored")
             for part, reason in reasons.items():
                 raise ValueError(ended_early(part, reason))
             told = {name: value for name, value in found.items() if isinstance(value, int | float | str)}
@@ -161,7 +161,7 @@ class ExperimentProcedure:
             self._desk.event("held", {"before": part})
             self._desk.wait_while_held()
         if self._ending():
-            raise Stopped("ended, as asked; what is recorded is kept")
+            raise Stopped("ended on request; the recording is stored")
 
     def _after(self, part: str) -> None:
         self._draw()

@@ -7,7 +7,7 @@ from rigkit.relay.frame import IDENTIFIER
 
 
 class Relay(Section):
-    """A relay in the amplifier's supply, which closes while frames on a CAN bus say that all is well."""
+    """A relay in the amplifier's supply, closed while a heartbeat arrives on its CAN bus."""
 
     role = "patience"
 
@@ -16,7 +16,9 @@ class Relay(Section):
     )
     channel: str = setting("can0", "", "the interface's name, or the adapter's port", min_length=1)
     identifier: int = setting(
-        IDENTIFIER, "", "of the frame, 11 bits; the lower goes first on a busy bus", ge=0, le=0x7FF
+        IDENTIFIER, "", "of the frame, 11 bits; lower identifiers win the arbitration", ge=0, le=0x7FF
     )
-    period: float = setting(0.05, "s", "from frame to frame; the relay waits for three at least", ge=0.01, le=1)
+    period: float = setting(
+        0.05, "s", "period of the frames; the relay opens after three or more are missing", ge=0.01, le=1
+    )
     options: dict[str, Any] = setting({}, "", "more keywords the bus is built with, such as interface and bitrate")

@@ -60,7 +60,7 @@ class Standing(_Answer):
     since: Time
     who: str = Field(description="who has brought it there")
     why: str
-    ending: bool = Field(description="a procedure that was stopped has not come to its end yet")
+    ending: bool = Field(description="a procedure that was stopped has not ended yet")
 
 
 class Owner(_Answer):
@@ -133,7 +133,7 @@ class Procedure(_Answer):
     pausable: bool
     on_pause: str
     on_abort: str
-    options: dict[str, Any] = Field(description="JSON schema of what it may be begun with")
+    options: dict[str, Any] = Field(description="JSON schema of its options")
 
 
 class Rig(_Answer):

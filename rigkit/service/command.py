@@ -22,7 +22,7 @@ TokenOption = Annotated[
     typer.Option(
         "--token",
         metavar="FILE",
-        help="File that holds one token alone, to view or to operate; the daemon's own file of tokens unless given.",
+        help="File with one token, to view or to operate; default: the daemon's own file.",
     ),
 ]
 
@@ -33,7 +33,7 @@ _COLOURS = {"good": "green", "near": "yellow", "over": "red", "unknown": "dim", 
 def status_command(
     config: ConfigOption = None,
     settings: SetOption = None,
-    watch: Annotated[bool, typer.Option("--watch", help="Go on showing it until Ctrl-C.")] = False,
+    watch: Annotated[bool, typer.Option("--watch", help="Update until Ctrl-C.")] = False,
     token: TokenOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -61,7 +61,7 @@ def stop_command(
 ) -> None:
     """Bring the output to zero and disarm, whoever has control.  Not an emergency stop: that removes the power.
 
-    Any of the daemon's tokens will do, the one to view as well.  A rig file that was edited since may be wrong.
+    Any of the daemon's tokens suffices, also the one to view.  The rig file may have been edited since.
 
     Example: `stop --config rig.toml --why "smoke"`
     """

@@ -82,7 +82,7 @@ class Control:
                 if stops == self._stops:
                     return self._take(Event.ARM, who, why)
             self.rig.disarm()
-            raise NotNow("cannot arm now: somebody has stopped the rig meanwhile")
+            raise NotNow("cannot arm now: the rig was stopped meanwhile")
 
     def disarm(self, key: str, why: str) -> Told:
         """Take that back."""

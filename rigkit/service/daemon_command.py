@@ -46,13 +46,13 @@ def daemon_of(choose: Choose) -> Callable[..., None]:
         config: ConfigOption = None,
         settings: SetOption = None,
         renew: Annotated[
-            bool, typer.Option("--new-tokens", help="Make new tokens; the old are worth nothing.")
+            bool, typer.Option("--new-tokens", help="Make new tokens; the old ones become invalid.")
         ] = False,
         json: JsonOption = None,
     ) -> None:
         """Run as a service: states, page, API, metrics.  It begins DISARMED; Ctrl-C stops and ends.
 
-        --json says where it is reached, once it is.
+        --json writes its address once it is ready.
 
         Example: `daemon --config rig.toml`, then open its address in a browser
         """

@@ -146,7 +146,7 @@ class Machine:
 
     def _hindrance(self, event: Event) -> str:
         if self.ending:
-            return "the procedure that was stopped has not come to its end"
+            return "the procedure that was stopped has not ended"
         if event is Event.END:
             return "no procedure is under way"
         return f"the rig is {self.state}, must be {' or '.join(state for state in State if state in _BY_EVENT[event])}"

@@ -64,7 +64,7 @@ def stopped(table: Daemon | str, file: Path | None, token: Path | None, why: str
         except OSError as fault:
             faults.append(f"by a signal to process {process}, which {where}: {_said(fault)}")
             continue
-        return f"process {process}, which {where}, was told to stop by a signal, since its page was no way: {faults[0]}"
+        return f"process {process}, which {where}, was stopped by a signal, its page could not be reached: {faults[0]}"
     raise ValueError(f"nothing was stopped{_at(table)} {'; '.join(faults)}")
 
 

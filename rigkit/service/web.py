@@ -230,11 +230,11 @@ def _add_rare_commands(app: APIRouter, ends: Ends) -> None:
 def _add_commands_with_a_reason(app: APIRouter, ends: Ends) -> None:
     for name, meaning in (
         ("arm", "Make the rig ready for procedures."),
-        ("disarm", "Take that back."),
-        ("hold", "Let the procedure pause after the step under way."),
-        ("resume", "Let it go on."),
-        ("abort", "Let it end after the step under way; the rig stays armed."),
-        ("acknowledge", "Leave FAULT, after finding out why."),
+        ("disarm", "Disarm the rig."),
+        ("hold", "Pause the procedure after the present step."),
+        ("resume", "Resume the procedure."),
+        ("abort", "End the procedure after the present step; the rig stays armed."),
+        ("acknowledge", "Leave FAULT, after the cause has been found."),
     ):
         add = app.post(f"/api/{name}", name=name, description=meaning, response_model=answers.Made)
         add(_with_reason(ends.asking, name))

@@ -41,7 +41,7 @@ def matched(one: Iterable[Row], other: Iterable[Row]) -> list[tuple[Row, Row]]:
     there = {_name(row): row for row in other}
     pairs = [(row, there[_name(row)]) for row in one if _name(row) in there]
     if not pairs:
-        raise ValueError("the two have no task in common: machine, seed and settings must be the same")
+        raise ValueError("the two have no task in common: plant, seed and settings must be the same")
     return pairs
 
 

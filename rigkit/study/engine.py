@@ -175,4 +175,4 @@ def _result(future: Future[Outcome], task: Task, lost: tuple[type[BaseException]
     except lost:
         return None
     except CancelledError:
-        raise ValueError(f"{task.folder}: the workers are gone; the same command goes on") from None
+        raise ValueError(f"{task.folder}: the workers are gone; the same command continues") from None

@@ -11,7 +11,7 @@ from stagectl.link.stage_link import StageLink
 
 
 def acknowledge_command(
-    by: Annotated[str, typer.Option(metavar="NAME", help="The person who found out why it happened.")],
+    by: Annotated[str, typer.Option(metavar="NAME", help="The person who investigated it.")],
     config: ConfigOption = None,
     settings: SetOption = None,
     json: JsonOption = None,

@@ -36,7 +36,7 @@ def export(
         typer.Option(
             "--to",
             "--format",
-            help="mcap or parquet; may be given many times; both without.",
+            help="mcap or parquet; may be repeated; default: both.",
             autocompletion=one_of(FORMATS),
         ),
     ] = None,

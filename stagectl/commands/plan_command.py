@@ -12,29 +12,29 @@ from stagectl.planning.cutting import Cutting
 from stagectl.planning.planner_names import PLANNERS, UNTRAINED
 
 PocketFile = Annotated[Path, typer.Argument(metavar="POCKET.json", help="The pocket, its tool and its costs.")]
-PathFile = Annotated[Path | None, typer.Argument(metavar="PATH.json", help="With --check: the path to look at.")]
-Check = Annotated[bool, typer.Option("--check", help="Say whether PATH.json mills the pocket.")]
+PathFile = Annotated[Path | None, typer.Argument(metavar="PATH.json", help="With --check: the path.")]
+Check = Annotated[bool, typer.Option("--check", help="Check that PATH.json mills the pocket.")]
 Name = Annotated[
     str, typer.Option("--planner", metavar="NAME", help=f"{', '.join(PLANNERS)}.", autocompletion=one_of(PLANNERS))
 ]
-Count = Annotated[int, typer.Option("--pockets", min=1, help="How many to mill, learning from each to the next.")]
+Count = Annotated[int, typer.Option("--pockets", min=1, help="Number of pockets, learning from each to the next.")]
 Untrained = Annotated[
     bool, typer.Option("--untrained", help=f"The planner does not know the rates: {', '.join(UNTRAINED)}.")
 ]
 Learn = Annotated[Path | None, typer.Option(metavar="SEGMENTS.csv", help="Learn from recorded segments first.")]
 PriorFile = Annotated[
     Path | None,
-    written_file("FILE", "uncertain keeps in FILE how far rates were off, and learns its scales.", "--prior"),
+    written_file("FILE", "uncertain stores the errors of its rates in FILE, and learns their scales.", "--prior"),
 ]
 Record = Annotated[Path | None, written_file("SEGMENTS.csv", "Write every finished segment.")]
-Seed = Annotated[int, typer.Option(min=0, help="Of what the planner draws.")]
+Seed = Annotated[int, typer.Option(min=0, help="Seed of the planner's random numbers.")]
 Out = Annotated[Path | None, written_file("PATH.json", "Write the path of the last pocket.")]
 GCode = Annotated[Path | None, written_file("FILE", "Write it as G-code.", "--gcode")]
 Rapid = Annotated[Path | None, written_file("FILE", "Write it as a RAPID module.", "--rapid")]
 Cell = Annotated[float, typer.Option(help="Side of a cell, m, in G-code and RAPID.")]
 Depth = Annotated[float, typer.Option(help="Depth of the cut, m, in G-code and RAPID.")]
 Simulate = Annotated[
-    bool, typer.Option("--simulate", help="Mill with the force controlled, in the simulated cell; durations are those.")
+    bool, typer.Option("--simulate", help="Mill under force control in the simulated cell, for its durations.")
 ]
 Page = Annotated[Path | None, written_file("FILE.html", "Write paths, times and types.", "--report")]
 

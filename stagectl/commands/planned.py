@@ -31,7 +31,7 @@ def trained(
 ) -> Planner:
     """Make a planner, which has learned from the segments in `learn` where that is given."""
     if is_untrained and prior is not None:
-        raise ValueError(f"--untrained knows no rates that could be off, must be left out with --prior {prior}")
+        raise ValueError(f"--untrained has no prior of the rates, must be left out with --prior {prior}")
     made = untrained(name, pocket) if is_untrained else planner(name, pocket, seed, prior)
     for segment in read_segments(learn, pocket) if learn is not None else ():
         made.learn(segment)
@@ -53,7 +53,7 @@ def milled(pocket: Pocket, made: Planner, pockets: int, cell: CellConfig | None)
             return simulated_pockets(cell, pocket, made, pockets, Conduct(lambda: stop.made, show=meter.show))
         except ValueError:
             if stop.made:
-                raise Stopped("stopped; nothing is kept") from None
+                raise Stopped("stopped; nothing is stored") from None
             raise
 
 

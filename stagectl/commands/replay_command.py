@@ -21,23 +21,21 @@ from stagectl.commands.kinds_of_run import remade, replayed
 def replay_command(
     path: RunArgument,
     log: Annotated[
-        Path | None, typer.Option("--from", metavar="LOG", help="Somebody's recording, in place of the run's sensors.")
+        Path | None,
+        typer.Option("--from", metavar="LOG", help="A log of other origin, in place of the run's sensors."),
     ] = None,
     columns: Annotated[
         list[str] | None, typer.Option("--map", metavar="CHANNEL=COLUMN", help=f"With --from, of each channel: {EACH}.")
     ] = None,
-    rate: Annotated[float | None, typer.Option(help="With --from: samples/s, where the log does not say.")] = None,
-    out: Annotated[
-        Path | None, written_file("FILE", "With --from: a .csv or .wav for what the controllers made.")
-    ] = None,
+    rate: Annotated[float | None, typer.Option(help="With --from: samples/s, if not in the log.")] = None,
+    out: Annotated[Path | None, written_file("FILE", "With --from: a .csv or .wav for the outputs.")] = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
     """Recompute every output of a run from its recorded sensors; status 1 if one differs from the recorded one.
 
-    With --set it tells what would have been made of the sensors as they were, and by how much that differs.  With
-    --from the run says what is controlled and how, and another program's log (CSV, WAV, HDF5, MAT, Parquet, MCAP) is
-    what the sensors said: each channel that controllers read needs a column.
+    With --set it gives the outputs of other settings for the same sensors.  With --from the controllers are those of
+    the run, and the sensors another program's log (CSV, WAV, HDF5, MAT, Parquet, MCAP): a column for each channel.
 
     Examples: `stagectl replay RUN/`, `stagectl replay RUN/ --set midranging.valve.feed=1.0`,
     `stagectl replay RUN/ --from LOG.csv --map position=gauge*1e-6,control==0 --out MADE.csv`

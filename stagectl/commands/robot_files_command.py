@@ -29,13 +29,13 @@ _COMM_TIMEOUT, _FILTER = 1.0, 20.0
 Maker = Annotated[
     str, typer.Argument(metavar="MAKER", help=f"One of {', '.join(MAKERS)}.", autocompletion=one_of(MAKERS))
 ]
-Out = Annotated[Path, made_folder("DIR", "Where they are written.", "--out")]
+Out = Annotated[Path, made_folder("DIR", "Folder to write.", "--out")]
 
 
 def robot_files(
     maker: Maker, out: Out, config: ConfigOption = None, settings: SetOption = None, json: JsonOption = None
 ) -> None:
-    """Write the files for a robot's controller: programs, signals, and what its wires carry.
+    """Write the files for a robot's controller: programs, signals, and interfaces.
 
     Addresses, ports and limits are those of the cell's file.  docs/robot-files.md says where each belongs.
 
@@ -50,7 +50,13 @@ def robot_files(
     out.mkdir(parents=True, exist_ok=True)
     for name, text in made.items():
         atomic.write(out / name, text)
-    words(json).write("".join(f"{out / name}\n" for name in made))
+    stream = words(json)
+    stream.write("".join(f"{out / name}\n" for name in made) + "docs/robot-files.md says where each belongs\n")
+    if cell.robot.listen.startswith("127."):
+        stream.write(
+            f"robot.listen is {cell.robot.listen}, where only a simulator finds this computer: for a controller set "
+            "its address on the robot's network, and write the files anew\n"
+        )
     write_json(json, {"files": [str(out / name) for name in made]})
 
 

@@ -49,7 +49,7 @@ class Conductor:
             self.desk.event("held", where)
             self.desk.wait_while_held()
         if self.ending():
-            raise Stopped("ended, as asked; what is recorded is kept")
+            raise Stopped("ended on request; the recording is stored")
 
     def heard(self, event: str, fields: Mapping[str, Any]) -> None:
         """Tell the desk of an event of a run's folder."""

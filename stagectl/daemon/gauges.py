@@ -48,7 +48,7 @@ def paced(pace: Pace) -> Iterator[Gauge]:
 def linked(link: StageLink) -> Iterator[Gauge]:
     """Give whether the stage is led, as it says itself, and what became of the frames on the link."""
     counts, led = link.counts, link.state not in (State.HOLDING, State.FAULT)
-    yield Gauge("led", "Stage is led (1), or held at mid-travel (0)", float(led), "1", is_output=True)
+    yield Gauge("led", "Stage follows (1), or is held at mid-travel (0)", float(led), "1", is_output=True)
     yield Gauge("link_lost", "Blocks from the stage lost", counts.lost, "1")
     yield Gauge("link_late", "Blocks from the stage late", counts.late, "1")
     yield Gauge("link_garbled", "Frames garbled", counts.garbled, "1")

@@ -12,7 +12,7 @@ _NAME_OR_NONE = r"^([A-Za-z0-9][A-Za-z0-9._-]{0,79})?$"
 class Renewed(Section):
     """What may be wanted of a calibration whose name is there already."""
 
-    again: bool = setting(False, "", "measure anew; what is there under that name is kept under its date")
+    again: bool = setting(False, "", "measure again; the earlier result is renamed with its date")
     recompute: bool = setting(False, "", "compute again from the recordings that are there, with their settings")
     accept: tuple[str, ...] = setting((), "", "keys that may differ from those that an unfinished one began with")
 

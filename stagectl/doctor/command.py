@@ -21,14 +21,14 @@ PERIOD = 1e-3
 DEVICES = "serial.tools.list_ports:comports"
 """What lists the serial ports."""
 ReportOption = Annotated[
-    Path | None, written_file("FILE.zip", "What one is asked for in an issue, without names.", "--report")
+    Path | None, written_file("FILE.zip", "An archive for a request for help, without names.", "--report")
 ]
 
 
 def doctor_command(
     config: ConfigOption = None,
     stage: Annotated[Path | None, typer.Option(metavar="FILE", help="Rig file of the stage.")] = None,
-    seconds: Annotated[float, typer.Option(help="Of waiting; let what usually runs beside it run.")] = 10.0,
+    seconds: Annotated[float, typer.Option(help="Duration; run the usual other programs meanwhile.")] = 10.0,
     report: ReportOption = None,
     settings: SetOption = None,
     json: JsonOption = None,

@@ -2,10 +2,8 @@
 
 from rigkit.experiment.registration import Registration, Served
 
-_HELD = (
-    "The robot is held where it is, within limits.stop, as by a STOP; what is recorded is kept. The rig stays armed."
-)
-_AT_ONCE = "It ends at once; what is recorded is kept. Live, the robot is held and the stage goes to mid-travel."
+_HELD = "The robot is held where it is, within limits.stop, as by a STOP; the recording is stored. The rig stays armed."
+_AT_ONCE = "It ends at once; the recording is stored. Live, the robot is held and the stage goes to mid-travel."
 
 STAGE = (
     Registration(
@@ -58,7 +56,7 @@ CELL = (
             _HELD,
             "stagectl.experiments.toroid.options:CellOptions",
             "stagectl.experiments.toroid.daemon:procedure",
-            "This setup is run to its end; the next one waits until it goes on.",
+            "This setup is run to its end; the next one waits for resume.",
         ),
     ),
     Registration(
@@ -70,11 +68,10 @@ CELL = (
         Served(
             "Learn to mill",
             "s",
-            "This trial is run to its end and kept; the run can be resumed. STOP lifts the tool out of the block at "
-            "once.",
+            "This trial is finished and stored; the run can be resumed. STOP lifts the tool out of the block at once.",
             "stagectl.experiments.trials.options:IlcOptions",
             "stagectl.experiments.trials.daemon:procedure",
-            "This trial is run to its end and kept; the tool is in the air until it goes on, with a fresh block.",
+            "This trial is finished and stored; the tool is clear of the block until resume, with a fresh block.",
         ),
     ),
     Registration(
@@ -89,7 +86,7 @@ CELL = (
             _HELD,
             "stagectl.experiments.feed.options:ForceOptions",
             "stagectl.experiments.feed.daemon:procedure",
-            "This pocket is milled to its end; the next one waits until it goes on.",
+            "This pocket is milled to its end; the next one waits for resume.",
         ),
     ),
 )

@@ -22,11 +22,13 @@ class Link(Section):
     data_bitrate: int = setting(5_000_000, "bit/s", "of a CAN FD frame's data", ge=1_000_000, le=8_000_000)
     options: dict[str, Any] = setting({}, "", "more keywords the bus is built with, such as interface")
     origin: float = setting(
-        225e-6, "m", "position that is zero on the wire: mid-travel", ge=-1e-2, le=1e-2, role="wiring"
+        225e-6, "m", "position that is transmitted as zero: mid-travel", ge=-1e-2, le=1e-2, role="wiring"
     )
-    silence: float = setting(SILENCE, "s", "without a heartbeat of the host that is a fault", ge=0.01, le=10)
-    hold: float = setting(HOLD, "s", "beyond silence, for which references, and the stage, may stay away", ge=0, le=10)
-    patience: float = setting(2.0, "s", "for the stage to be heard at first, and to answer", ge=0.05, le=60)
+    silence: float = setting(SILENCE, "s", "time without a heartbeat of the host that is a fault", ge=0.01, le=10)
+    hold: float = setting(
+        HOLD, "s", "beyond silence, for which references or the stage's frames may be missing", ge=0, le=10
+    )
+    patience: float = setting(2.0, "s", "time-out for the stage's first frame and for its answers", ge=0.05, le=60)
     relay: Relay = Field(default_factory=Relay)
 
     @property
@@ -52,9 +54,9 @@ class Laser(Section):
 
     on: bool = setting(False, "", "the stage's processor reads a laser an axis; a live run records it")
     rate: float = setting(5_000.0, "Hz", "readings a second of the stage's lasers", ge=100, le=10_000)
-    late: float = setting(1e-3, "s", "by which a reading may be older than three cycles of its laser", ge=0, le=0.1)
-    stuck: int = setting(200, "readings", "the same number so often is a stuck laser", ge=10, le=100_000)
-    speed: float = setting(0.25, "m/s", "fastest change of a laser's reading that can be", gt=0, le=10)
+    late: float = setting(1e-3, "s", "age of a reading beyond three cycles of its laser that is allowed", ge=0, le=0.1)
+    stuck: int = setting(200, "readings", "identical readings in a row that mean a stuck laser", ge=10, le=100_000)
+    speed: float = setting(0.25, "m/s", "largest plausible speed of a laser's reading", gt=0, le=10)
 
 
 GONE = tuple(f"laser.{key}" for key in ("port", "device", "baud", "mode", "output", "scale", "silence"))

@@ -65,7 +65,7 @@ class StageLink:
         self._carrier.open()
         if not self._until(lambda: self._conversation.inbox.heard > -np.inf, self.link.patience):
             self._carrier.close()
-            raise LinkError(f"the stage on {self.link.channel} is not heard within {self.link.patience:g} s")
+            raise LinkError(f"the stage on {self.link.channel} has sent nothing within {self.link.patience:g} s")
         try:
             self._relay.start()
         except BaseException:
@@ -218,7 +218,7 @@ class StageLink:
         reason = self.reason or (self.stage_fault.name if self.stage_fault is not Fault.NONE else "")
         to_clear("the link to the stage", reason, by)
         if not self._is_heard:
-            raise LinkError(f"{by} cannot acknowledge yet: the stage on {self.link.channel} is not heard")
+            raise LinkError(f"{by} cannot acknowledge yet: the stage on {self.link.channel} sends nothing")
         if not self._until(lambda: self.state in (State.HOLDING, State.FAULT), self.link.patience):
             raise LinkError(f"{by} cannot acknowledge yet: the stage is {self.state.name}")
         result, _ = self.ask(Command.ACKNOWLEDGE, 0)

@@ -12,7 +12,7 @@ _CAUSES = {
     kernel.TORQUE: "the torque of joint {joint} is beyond its limit of {torque:g} N m",
     kernel.TRAVEL: "the clamp slips: joint {joint} has moved by more than {travel:g} mrad",
     kernel.REACH: "the reference of joint {joint} is {reach:g} mrad off and its torque is not reached: is it clamped?",
-    kernel.NO_ZERO: "no zero torque was found within {rounds} rounds, joint {joint} was looked at last",
+    kernel.NO_ZERO: "no zero torque was found within {rounds} rounds, last at joint {joint}",
     kernel.NO_ANSWER: "step {kind!r} was not answered within {patience:g} s",
     kernel.OPENED: "the clamp has opened",
     kernel.OUTSIDE: "{reason}",

@@ -51,7 +51,7 @@ class TrackedLinks:
             self._stream.close()
             where = f"{self._tracker.host}:{self._tracker.port}"
             raise LinkError(
-                f"the tracker on {where} is not heard within {self._patience:g} s; or set clamping.track=false"
+                f"the tracker on {where} has sent nothing within {self._patience:g} s; or set clamping.track=false"
             )
         return self
 

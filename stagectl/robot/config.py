@@ -48,24 +48,26 @@ class Robot(Section):
     )
     wire: RobotMake = setting("egm", "", "egm, ABB's guided motion, or rsi, KUKA's sensor interface", role="wiring")
     tool: float = setting(0.1, "m", "from the flange along its axis to the tool point", ge=0, le=1, role="wiring")
-    listen: str = setting("127.0.0.1", "", "this computer's address towards the robot", min_length=1)
+    listen: str = setting("127.0.0.1", "", "this computer's address in the robot's network", min_length=1)
     port: int = setting(6510, "", "UDP port the robot sends to; 0 for any that is free", ge=0, le=65_535)
-    address: str = setting("", "", "the robot's own address; others are not listened to; empty for the first heard")
+    address: str = setting(
+        "", "", "the robot's own address; datagrams from others are ignored; empty: the first sender"
+    )
     mode: Literal["joints", "pose"] = setting(
         "joints", "", "what is sent: joint angles, or the tool's pose", role="experiment"
     )
     silence: int = setting(
-        3, "cycles", "without a report from the robot, or without a reference, is a fault", ge=1, le=250
+        3, "cycles", "cycles without a report from the robot, or without a reference, that are a fault", ge=1, le=250
     )
     late: int = setting(
-        150_000, "cycles", "without an answer in time after which rsi is switched off, by its files", ge=1, le=2**31 - 1
+        150_000, "cycles", "cycles without an answer in time after which the controller ends RSI", ge=1, le=2**31 - 1
     )
-    lag: float = setting(0.05, "s", "a report that comes by so much later than the quickest is a fault", gt=0, le=10)
-    patience: float = setting(2.0, "s", "for the robot to be heard at first", ge=0.05, le=60)
+    lag: float = setting(0.05, "s", "a report delayed by so much re the fastest one is a fault", gt=0, le=10)
+    patience: float = setting(2.0, "s", "time-out for the robot's first report", ge=0.05, le=60)
     commands: int = setting(
         6511, "", "TCP port of the robot's own program: soft servo, clamp; 0 for none", ge=0, le=65_535
     )
-    signals: int = setting(6512, "", "TCP port where motor torques come from; 0 for none", ge=0, le=65_535)
+    signals: int = setting(6512, "", "TCP port of the motor torques; 0 for none", ge=0, le=65_535)
     torque_constant: tuple[Constant, Constant, Constant, Constant, Constant, Constant] = setting(
         (1.0,) * 6, "N m/A", "of each motor times its gear; over rsi torques are currents times these", role="wiring"
     )
@@ -79,7 +81,7 @@ class Robot(Section):
     height: float = setting(
         0.03,
         "m",
-        "over a workpiece, where the tool goes across to where it begins, and waits",
+        "height over a workpiece at which the tool travels to its start, and waits",
         ge=5e-3,
         le=1,
         role="experiment",
@@ -87,7 +89,7 @@ class Robot(Section):
     travel: float = setting(
         0.05, "m/s", "speed of the tool on the way there, at most", gt=0, le=0.25, role="experiment"
     )
-    changer: bool = setting(False, "", "its own program changes workpieces, by BLOCK 1 and BLOCK 0; else a person does")
+    changer: bool = setting(False, "", "its program changes workpieces, by BLOCK 1 and BLOCK 0; else a person does")
 
     @model_validator(mode="after")
     def _is_coupled_well(self) -> Self:
@@ -116,14 +118,14 @@ class Robot(Section):
 
 
 class RobotLimits(Section):
-    """What the robot may be asked for, whatever has asked; beyond it the port holds the robot and says why."""
+    """Limits of every reference to the robot; beyond them the port holds the robot and reports why."""
 
-    margin: float = setting(0.035, "rad", "distance kept from the arm's own joint limits", ge=0, le=1)
+    margin: float = setting(0.035, "rad", "distance from the arm's own joint limits", ge=0, le=1)
     speed: float = setting(0.1, "1", "part of the arm's own joint speeds", gt=0, le=1)
-    correction: float = setting(1e-3, "m", "distance by which corrections may move the tool", gt=0, le=5e-3)
-    rotation: float = setting(5e-3, "rad", "angle by which corrections may turn the tool", gt=0, le=0.05)
+    correction: float = setting(1e-3, "m", "largest displacement of the tool by corrections", gt=0, le=5e-3)
+    rotation: float = setting(5e-3, "rad", "largest rotation of the tool by corrections", gt=0, le=0.05)
     lowest: Box = setting((-1.0, -1.0, 0.0), "m", "corner of the box that the tool stays in, in the base")
-    highest: Box = setting((1.0, 1.0, 1.5), "m", "the corner across")
+    highest: Box = setting((1.0, 1.0, 1.5), "m", "the opposite corner")
     tool_speed: float = setting(0.25, "m/s", "of the tool", gt=0, le=5)
     turn_speed: float = setting(0.5, "rad/s", "of the tool's direction, where poses are sent", gt=0, le=10)
     stop: float = setting(0.1, "s", "in which a hold brings the references to rest", ge=0.004, le=2)
@@ -144,25 +146,25 @@ class Tracker(Section):
     host: str = setting("127.0.0.1", "", "its address", min_length=1)
     port: int = setting(6513, "", "its TCP port", ge=1, le=65_535)
     rate: float = setting(440.0, "samples/s", "it sends", gt=0, le=10_000)
-    frame: int = setting(7, "", "number of the frame that is followed: the tool's", ge=0, le=255, role="wiring")
-    blind: float = setting(0.05, "s", "without a sight of that frame is a fault", gt=0, le=10)
-    leds: int = setting(3, "", "fewer LEDs seen do not make a pose", ge=3, le=255)
-    residual: float = setting(5e-4, "m", "a pose whose LEDs fit worse, rms, is left out", gt=0, le=0.01)
+    frame: int = setting(7, "", "number of the tracked frame: the tool's", ge=0, le=255, role="wiring")
+    blind: float = setting(0.05, "s", "time without a valid pose of that frame that is a fault", gt=0, le=10)
+    leds: int = setting(3, "", "smallest number of visible LEDs for a valid pose", ge=3, le=255)
+    residual: float = setting(5e-4, "m", "largest rms residual of the LEDs of a valid pose", gt=0, le=0.01)
     jump: float = setting(
-        5e-4, "m", "noise and more; a pose further off than that and `speed` allow is left out", gt=0, le=0.1
+        5e-4, "m", "allowance for noise; a pose further off than this and `speed` allow is invalid", gt=0, le=0.1
     )
-    speed: float = setting(0.05, "m/s", "fastest that the frame moves while it is followed", gt=0, le=10)
-    lag: float = setting(0.05, "s", "a sample that comes by so much later than the quickest is left out", gt=0, le=10)
+    speed: float = setting(0.05, "m/s", "largest speed of the tracked frame", gt=0, le=10)
+    lag: float = setting(0.05, "s", "a sample delayed by so much re the fastest one is left out", gt=0, le=10)
 
 
 class Simulator(Section):
-    """The robot without the robot; a live run does not read it."""
+    """The simulated robot; a live run does not read it."""
 
     role = "plant"
 
     options: dict[str, Any] = keywords("keywords the simulated robot is built with", "clamped", "plants.robot")
     clamped: str = code("firmware_sim.clamped_robot:ClampedRobot", "module:Class of its Block for `calibrate joints`")
-    clamp: float = setting(2e-8, "m/N", "compliance of what its clamp is fastened to, along each axis", ge=0, le=1e-4)
+    clamp: float = setting(2e-8, "m/N", "compliance of the clamp's mount along each axis", ge=0, le=1e-4)
     clamp_turn: float = setting(2e-7, "rad/(N m)", "and about each axis", ge=0, le=1e-2)
     slip: float = setting(5e3, "N", "force beyond which the clamp slips", gt=0, le=1e9)
 

@@ -6,7 +6,7 @@ from rigkit.config import Section, setting
 
 
 class ForceFeed(Section):
-    """Force-controlled feed: what force is wanted, what is known before, how quickly it learns, and its limits."""
+    """Force-controlled feed: the set-point, the prior of the material, adaptation, and limits."""
 
     force: float = setting(10.0, "N", "wanted: of the horizontal force on the tool", gt=0, le=1e3)
     stiffness: float = setting(75e3, "N/m", "K_f, of tool, robot and workpiece together", ge=1e3, le=1e7)
@@ -19,27 +19,29 @@ class ForceFeed(Section):
     force_noise: float = setting(0.15, "N", "standard deviation of the force sensor's noise", gt=0, le=100)
     velocity_noise: float = setting(3e-4, "m/s", "standard deviation of the velocity's noise", gt=0, le=0.1)
     activation: float = setting(
-        2.0, "", "control begins when both deviations are below so many times what they come to", gt=1, le=100
+        2.0, "", "control begins when both deviations are below so many times their steady-state values", gt=1, le=100
     )
-    hesitation: float = setting(0.3, "s", "after which control begins though they are not", ge=0.004, le=60)
+    hesitation: float = setting(0.3, "s", "time after which control begins even so", ge=0.004, le=60)
     start: Literal["gentle", "constant"] = setting(
-        "gentle", "", "until then: the feed rises until there is force enough, or is `initial`, as in the thesis"
+        "gentle", "", "before that: the feed rises until the force suffices, or is `initial`, as in the thesis"
     )
     initial: float = setting(
         15e-3, "m/s", "v_init: feed before control; gentle: highest before the tool touches", gt=0, le=0.2
     )
     approach: float = setting(3e-3, "m/s", "gentle: feed to begin with", gt=0, le=0.2)
-    rise: float = setting(0.1, "s", "gentle: in which it grows by a factor of e", ge=0.01, le=10)
+    rise: float = setting(0.1, "s", "gentle: time in which it grows by a factor of e", ge=0.01, le=10)
     enough: float = setting(0.5, "", "gentle: until this share of the force wanted is there", gt=0, le=1)
-    contact: float = setting(1.0, "N", "the tool touches, and is learned from, beyond that force", gt=0, le=100)
-    lost: float = setting(0.1, "s", "without half of that, contact is lost", ge=0.004, le=10)
+    contact: float = setting(1.0, "N", "force above which the tool is in contact, and estimation runs", gt=0, le=100)
+    lost: float = setting(0.1, "s", "time below half of that after which contact is lost", ge=0.004, le=10)
     highest: float = setting(0.1, "m/s", "feed", gt=0, le=0.25)
     acceleration: float = setting(2.0, "m/s^2", "of the feed wanted", gt=0, le=100)
-    overload: float = setting(80.0, "N", "force at which the tool retreats", gt=0, le=1e3)
-    blind: float = setting(0.02, "s", "without a valid force the tool retreats", ge=0.004, le=1)
-    stuck: float = setting(0.2, "s", "in which a force is exactly the same until the tool retreats", ge=0.02, le=10)
-    retreat: float = setting(0.02, "m/s", "speed of a retreat, back along the segment", gt=0, le=0.2)
-    distance: float = setting(2e-3, "m", "of a retreat", gt=0, le=0.1)
+    overload: float = setting(80.0, "N", "force at which the tool retracts", gt=0, le=1e3)
+    blind: float = setting(0.02, "s", "time without a valid force after which the tool retracts", ge=0.004, le=1)
+    stuck: float = setting(
+        0.2, "s", "time with an exactly constant force after which the tool retracts", ge=0.02, le=10
+    )
+    retreat: float = setting(0.02, "m/s", "speed of a retract, back along the segment", gt=0, le=0.2)
+    distance: float = setting(2e-3, "m", "distance of a retract", gt=0, le=0.1)
     integral: float = setting(
         0.05, "s", "outer loop: time in which the integral weighs as the force itself", gt=0, le=10
     )
@@ -73,6 +75,9 @@ class ForceFeed(Section):
     )
     chatter: float = setting(
         0.7, "", "once the tool chatters, the feed is at most that part of what it was", gt=0, lt=1
+    )
+    chattering: float = setting(
+        2.0, "s", "of chatter that goes on though the feed was lowered three times: the tool retreats", ge=0.1, le=3_600
     )
     careful_lag: float = setting(
         0.06,

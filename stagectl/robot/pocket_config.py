@@ -25,16 +25,18 @@ class Pocket(Section):
     slope: float = setting(0.0625, "1", "at which the path descends, at most", gt=0, le=1)
     corner: float = setting(1e-3, "m", "radius by which corners of the path are blended", gt=0, le=0.02)
     feed: float = setting(10e-3, "m/s", "along the path", ge=1e-3, le=0.05)
-    ramp: float = setting(0.3, "s", "in which the feed begins and ends", gt=0, le=10)
-    clearance: float = setting(1e-3, "m", "over the surface, where a trial begins, ends and retreats to", gt=0, le=0.1)
-    lead: float = setting(1.5, "s", "before the path, to come to rest", ge=1, le=60)
+    ramp: float = setting(0.3, "s", "duration of the ramp of the feed at start and end", gt=0, le=10)
+    clearance: float = setting(
+        1e-3, "m", "height over the surface at which a trial begins and ends, and to which it retracts", gt=0, le=0.1
+    )
+    lead: float = setting(1.5, "s", "before the path: time to settle", ge=1, le=60)
     tail: float = setting(1.0, "s", "at rest after it", ge=0.5, le=60)
-    retreat: float = setting(0.4, "s", "in which a retreat lifts the tool to its clearance", ge=0.1, le=10)
+    retreat: float = setting(0.4, "s", "duration of a retract to the clearance", ge=0.1, le=10)
     workpiece: tuple[Length, Length, Length] = setting(
         (50e-3, 50e-3, 6e-3), "m", "the block along x, y and z, the pocket in its middle"
     )
-    wall: float = setting(1e-3, "m", "of the block that no path may come closer to, floor and sides", gt=0, le=0.1)
-    margin: float = setting(0.01, "m", "the tool stays within so much of its path", gt=0, le=0.5)
+    wall: float = setting(1e-3, "m", "smallest thickness of the block that remains, floor and sides", gt=0, le=0.1)
+    margin: float = setting(0.01, "m", "largest distance of the tool from its path", gt=0, le=0.5)
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -57,24 +59,24 @@ class Learning(Section):
     """Learning from trial to trial."""
 
     model: str = setting("milling.h5", "", "model file, as `calibrate milling` writes it", min_length=1, files=("",))
-    free: int = setting(2, "", "trials in free space that are learned from, before the first in material", ge=1, le=20)
+    free: int = setting(2, "", "air cuts that are learned from, before the first trial in material", ge=1, le=20)
     cutoff: float = setting(10.0, "Hz", "of Q, a low-pass without phase", ge=0.1, le=50)
-    highest: float = setting(25.0, "Hz", "nothing is learned above", ge=0.2, le=100)
-    gain: float = setting(1.0, "1", "part of the correction that is made at once", gt=0, le=1)
+    highest: float = setting(25.0, "Hz", "upper limit of the frequencies that are learned", ge=0.2, le=100)
+    gain: float = setting(1.0, "1", "part of the computed correction that is applied in one trial", gt=0, le=1)
     inverse: Inverse = setting("regularised", "", "how L inverts G_R: regularised, or mirrored (zeros)")
     epsilon: float = setting(1e-3, "1", "of the regularised inverse", ge=0, le=1)
     cut: Literal["measured", "model"] = setting(
-        "measured", "", "how a cut answers to speed: place by place, as the last trial shows, or as G_M has it"
+        "measured", "", "response of the cut to a speed: measured along the path in the last trial, or G_M"
     )
-    gap: float = setting(0.05, "s", "without a sample in a log is refused", gt=0, le=1)
+    gap: float = setting(0.05, "s", "longest gap without a sample in a log", gt=0, le=1)
     correction: float = setting(
         3e-3,
         "m",
-        "distance by which learning may move the tool; in place of limits.correction",
+        "largest displacement of the tool by learning; in place of limits.correction",
         gt=0,
         le=5e-3,
     )
-    stray: float = setting(2e-3, "m", "a path that takes the tool further from where it is wanted is refused", gt=0)
+    stray: float = setting(2e-3, "m", "largest distance of a corrected path from the reference path", gt=0)
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:

@@ -73,7 +73,7 @@ class RobotPort:
             self._carrier.close()
             host, port = self.address
             why = self.conversation.why_refused
-            raise LinkError(f"the robot is not heard on {host}:{port} within {self.robot.patience:g} s{why}")
+            raise LinkError(f"no report from the robot on {host}:{port} within {self.robot.patience:g} s{why}")
         return self
 
     def __exit__(self, *_: object) -> None:

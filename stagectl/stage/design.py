@@ -222,17 +222,13 @@ def only(weights: Weights) -> Ranges:
 def _no_loop(search: Search, tried: int, known: list[tuple[Candidate, Reached]]) -> NoLoop:
     model, outer, axis = search.model, search.outer, search.axis
     if not known:
-        why = (
-            "there is no LQ gain for this model"
-            if tried == 0
-            else f"none of {tried} outer loops leaves less error than none"
-        )
+        why = "there is no LQ gain for this model" if tried == 0 else f"none of {tried} outer loops reduces the error"
         return NoLoop(f"axis {axis + 1}: {why}: has it a gain at rest, and at each resonance?", None)
     nearest, reached = min(known, key=lambda each: (not each[1].is_looked_at, each[1].over(outer)))
     advice = (
-        "the loop of [weights] does not keep its bounds; calibrate again, or leave [weights] out: it has"
+        "the loop of [weights] violates its bounds; calibrate again, or leave [weights] out: it has"
         if tried == 1
-        else f"none of {tried} outer loops keeps its bounds; what binds is {reached.binding(outer)}; the nearest has"
+        else f"none of {tried} outer loops meets its bounds; binding is {reached.binding(outer)}; the nearest has"
     )
     return NoLoop(
         f"axis {axis + 1}: {advice} {reached}; allowed are Ms {outer.max_sensitivity:g}, mistuned and answer "

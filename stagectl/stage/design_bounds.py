@@ -76,7 +76,7 @@ class Reached:
             ),
             "Ms or the answer to a reference where natural frequencies are off: lower outer.mistuning, or raise "
             "outer.mistuned_sensitivity": max(self.mistuned_sensitivity, self.answer) / outer.mistuned_sensitivity,
-            "Ms on the plant as the chirps heard it, not as its model says: lower outer.disturbance, or calibrate with "
+            "Ms on the measured response of the plant, not on its model: lower outer.disturbance, or calibrate with "
             "another --order": self.heard_sensitivity / outer.mistuned_sensitivity,
             "the loop that a deflection's compensation is, where laser and plate's sensor do not see the plate alike: "
             "is deflection.delay right? else lower outer.feedforward or outer.disturbance": self.compensation / SMALL,
@@ -89,7 +89,7 @@ class Reached:
             f"{self.beyond_share:.2g} and {self.forward_share:.2g} of those allowed"
         )
         if self.heard_sensitivity > 0.0:
-            gains += f", as heard Ms {self.heard_sensitivity:.2f}, compensation {self.compensation:.2f} of {SMALL:g}"
+            gains += f", measured Ms {self.heard_sensitivity:.2f}, compensation {self.compensation:.2f} of {SMALL:g}"
         if self.sensitivity == 0.0:
             return gains
         return (

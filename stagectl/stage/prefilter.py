@@ -151,7 +151,7 @@ def refuse_unfit(
     if not over <= ROUNDED:
         raise ValueError(
             f"{name} belongs to another loop: with it the answer to a reference, or the gain from it, is {over:.3g} of "
-            "what [outer] allows, must be <= 1; make it anew: run with session.compare"
+            "what [outer] allows, must be <= 1; make it again: run with session.compare"
         )
 
 

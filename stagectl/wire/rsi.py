@@ -136,7 +136,7 @@ class Rsi:
         axes, tool = "of the axes", "of the tool"
         return (
             f"corrections {tool if is_joints else axes} are on, must be none for those "
-            f"{axes if is_joints else tool}: start the robot's program anew"
+            f"{axes if is_joints else tool}: start the robot's program again"
         )
 
     def _shift(self, wanted: np.ndarray) -> list[float]:

@@ -9,6 +9,7 @@ import pytest
 import soundfile
 
 from calibration.__main__ import main
+from calibration.from_command import opened_pair
 from tests.calibration.recorded_lab import BAND, heard, noise, truth
 from tests.vibractl.linear_rig import RATE, linear_config
 from vibractl.model_file import read_model
@@ -72,6 +73,17 @@ def test_recordings_of_24_bits_give_a_model_that_a_run_takes(
     assert [each.read_bytes() for each in folder.glob("m-*.h5")] == [written]
 
 
+def test_one_file_may_hold_drives_and_responses(folder: Path, files: Path) -> None:
+    rig, pair = linear_config(), (files / "d0.wav", files / "r0.wav")
+    drive, response = (soundfile.read(each)[0] for each in pair)
+    both = folder / "both.wav"
+    soundfile.write(both, np.hstack([response, drive * [1, -1]]), RATE, "PCM_24")
+    given = {"drive_1": "3", "drive_2": "-4", "response_1": "1", "response_2": "2"}
+    apart, together = opened_pair(*pair, rig, {}), opened_pair(both, both, rig, given)
+    np.testing.assert_allclose(together.drive.whole().data, apart.drive.whole().data, atol=1e-5)
+    np.testing.assert_allclose(together.response.whole().data, apart.response.whole().data, atol=1e-5)
+
+
 def damaged(folder: Path) -> None:
     """Write files that cannot be taken."""
     drive, rate = soundfile.read(folder / "d0.wav")
@@ -98,19 +110,21 @@ def damaged(folder: Path) -> None:
         ((*PAIRS, "--quiet"), "--quiet and --from are given, must be one of them"),
         ((*PAIRS, "--recompute"), "--recompute and --from are given, must be one of them"),
         (("--correct-clock",), "--correct-clock is given without --from"),
+        (("--map", "drive_1=1"), "--map is given without --from"),
+        ((*PAIRS, "--map", "drive_1=1"), "d0.wav: --map has drive_1, must have drive_1, drive_2"),
         ((*PAIRS, "--out", "m.txt"), "m.txt: the suffix is '.txt', must be '.h5'"),
-        ((*PAIRS, "--set", "audio.rate=48000"), "d0.wav: 44100 samples/s, must be 48000"),
+        ((*PAIRS, "--set", "audio.rate=48000"), "d0.wav: 44100 samples/s, must be audio.rate, 48000"),
         (("--from", "d0.wav", "d0.wav", "--set", "audio.response_channels=[1]"), "d0.wav: 2 channels"),
         (("--from", "d0.wav", "cut.wav"), "cut.wav: "),
         (("--from", "d0.wav", "empty.wav"), "empty.wav: "),
         (("--from", "d0.wav", "mono.wav"), "mono.wav: 1 channels"),
         (("--from", "d0.wav", "nan.wav"), "nan.wav: channel 'channel_1', sample 777: nan, must be finite"),
         (("--from", "d0.wav", "loud.wav"), "loud.wav: response 1 is clipped at full scale, "),
-        (("--from", "d0.wav", "slow.wav"), "slow.wav: 48000 samples/s, must be 44100"),
+        (("--from", "d0.wav", "slow.wav"), "slow.wav: 48000 samples/s, must be audio.rate, 44100"),
         (("--from", "d0.wav", "short.wav"), "short.wav: 22050 samples, d0.wav has 132300, must be nearly as many"),
         (("--from", "d0.wav", "other.wav"), "no model comes of this: 30 to 130 Hz: the responses do not follow the"),
         (("--from", "d0.wav", "still.wav"), "still.wav: response 2 never changes, must move"),
-        (("--from", "same.wav", "r0.wav"), "no model comes of this: 30 to 130 Hz: the drives go together and cannot"),
+        (("--from", "same.wav", "r0.wav"), "no model comes of this: 30 to 130 Hz: the drives are correlated and not"),
     ],
 )
 def test_what_gives_no_model_is_one_line_and_writes_nothing(

@@ -118,7 +118,7 @@ def test_a_multisine_tells_its_averages_noise_and_distortion() -> None:
 @pytest.mark.parametrize(
     ("drives", "reason"),
     [
-        ([np.stack([sweep(), 1.2 * sweep()], axis=1)], "the drives go together and cannot be told apart"),
+        ([np.stack([sweep(), 1.2 * sweep()], axis=1)], "the drives are correlated and not distinguishable"),
         ([alone(sweep(), 0)], "drive 2 is not excited"),
     ],
 )
@@ -142,7 +142,7 @@ def test_outside_of_what_is_excited_there_is_no_value_and_nothing_is_made_up_the
     write_model(tmp_path / "m.h5", found.matrix)
     model, some = read_model(tmp_path / "m.h5"), np.linspace(55.0, 80.0, 7)
     assert np.allclose(model.at(some).response, found.matrix.at(some).response)
-    with pytest.raises(ValueError, match="lines 35 to 60 Hz are wanted, the model was measured from"):
+    with pytest.raises(ValueError, match="bins 35 to 60 Hz are wanted, the model was measured from"):
         model.at(np.array([35.0, 60.0]))
 
 
@@ -150,7 +150,7 @@ def test_a_gap_in_the_middle_is_not_bridged() -> None:
     low, high = sweep(25, 60), sweep(90, 150)
     matrix = found_from(records([alone(each, side) for each in (low, high) for side in (0, 1)], 30.0)).matrix
     with pytest.raises(
-        ValueError, match=r"lines 40 to 120 Hz are wanted, the model has no value from .* are (hardly|not)"
+        ValueError, match=r"bins 40 to 120 Hz are wanted, the model has no value from .* are (hardly|not)"
     ):
         matrix.at(np.array([40.0, 75.0, 100.0, 120.0]))
     assert len(matrix.at(np.array([40.0, 45.0, 110.0, 120.0])).frequency) == 4

@@ -46,7 +46,7 @@ def test_it_writes_model_report_figures_and_json(
     assert 0.1 < figures["opening_of_span"] < 0.3
     assert "What is left" in out.with_suffix(".html").read_text()
     assert {path.name for path in (tmp_path / "png").iterdir()} == {"loops.png", "what-is-left.png", "model.png"}
-    assert "held back" in capsys.readouterr().out
+    assert "validation" in capsys.readouterr().out
 
 
 def test_the_record_of_a_stack_is_read_as_it_was_published(

@@ -33,7 +33,7 @@ def test_where_the_response_bends_too_fast_the_variance_says_so() -> None:
 
 
 @pytest.mark.parametrize(
-    ("lines", "degree", "words"), [(16, 4, "16 lines, must be at least 17"), (40, 16, "must be 0 to 15")]
+    ("lines", "degree", "words"), [(16, 4, "16 bins, must be at least 17"), (40, 16, "must be 0 to 15")]
 )
 def test_what_cannot_be_fitted_is_refused(lines: int, degree: int, words: str) -> None:
     with pytest.raises(ValueError, match=words):
@@ -59,7 +59,5 @@ def test_with_fewer_experiments_than_inputs_the_smallest_transfer_that_fits_is_t
 
 
 def test_too_few_equations_for_a_transfer_are_refused() -> None:
-    with pytest.raises(
-        ValueError, match="10 lines and 1 experiments, must be at least 17 lines, and more than 6 equat"
-    ):
+    with pytest.raises(ValueError, match="10 bins and 1 experiments, must be at least 17 bins, and more than 6 equat"):
         local_transfer(np.arange(10.0), np.ones((10, 2, 1)), np.ones((10, 1, 1)), np.arange(3.0), 8, 2)

@@ -54,6 +54,7 @@ def test_by_multisine_it_says_how_long_it_emitted_and_draws_noise_and_distortion
     assert len(list((tmp_path / "model.raw").glob("multisine-*.wav"))) == 5
 
 
+@pytest.mark.slow
 def test_two_models_are_compared(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -163,7 +163,7 @@ def test_a_vibrator_whose_sensor_was_turned_round_is_measured_anew(
     capsys.readouterr()
     assert calibrated(monkeypatch, out, *turned) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert "is finished; --again measures anew" in line
+    assert "is finished; --again measures again" in line
     assert out.read_bytes() == before
     assert calibrated(monkeypatch, out, *turned, "--recompute") == 0
     assert "with their settings" in capsys.readouterr().err

@@ -92,9 +92,7 @@ def test_a_rig_that_sticks_where_there_is_no_limit_is_heard_above() -> None:
 
 def test_a_rig_that_answers_nothing_is_refused() -> None:
     rig = Rig(1e-9, 1e-9, noise=0.01)
-    with pytest.raises(
-        UnheardError, match=r"drives of .* V a line are heard at no response; are amplifier and sensors on"
-    ):
+    with pytest.raises(UnheardError, match=r"drives of .* V per bin reach no response; are amplifier and sensors on"):
         probed(rig)
     assert rig.probes == MOST_LOW + MOST_STUCK
 

@@ -47,5 +47,5 @@ def test_tones_of_another_operating_point_count_less() -> None:
 
 
 def test_tones_beside_the_lines_are_refused() -> None:
-    with pytest.raises(ValueError, match="must lie on lines"):
+    with pytest.raises(ValueError, match="must lie on bins"):
         merged(matrix(FREQUENCY, 1.0, 0.01), matrix(FREQUENCY[:8] + 0.1, 1.0, 0.01))

@@ -55,7 +55,7 @@ def test_another_level_is_another_plan() -> None:
             "around is reference, must be band: characterisation.method is both, must",
         ),
         (("method=both", "quiet=true"), "quiet is true, but method is both, must be multisine: tones are not quiet"),
-        (("band=[60, 66]", "period=1"), "must be >= 10.5 Hz for a polynomial over 17 lines"),
+        (("band=[60, 66]", "period=1"), "must be >= 10.5 Hz for a polynomial over 17 bins"),
         (("band=[0.1, 66]",), "begins at 0.1 Hz, must be >= 0.2 Hz"),
     ],
 )

@@ -11,23 +11,22 @@ NAMES = [each.name for each in EXPERIMENTS]
 STATED = Path(__file__).with_name("experiments.toml")
 ABILITIES = {
     "simulated": "runs without hardware",
-    "live": "runs with `--live`, over the machine's wires",
-    "log": "`stagectl replay RUN/ --from LOG`: another program's log goes through its controllers",
-    "stop": "Ctrl-C, or STOP under the daemon: it ends safely, and what is recorded is kept",
-    "pause": "under the daemon: it waits, and goes on",
-    "resume": "`--resume`, or the daemon's option: it goes on with a run that was stopped or killed",
-    "killed": "after `kill -9` what was recorded is there, and is reported",
-    "replay": "`stagectl replay RUN/`: what controllers made comes out again, bit for bit",
-    "what_if": "`stagectl replay RUN/ --set KEY=VALUE`: what would have been made of the sensors",
+    "live": "runs with `--live` on the hardware",
+    "log": "`stagectl replay RUN/ --from LOG`: feeds another program's log to its controllers",
+    "stop": "Ctrl-C, or STOP under the daemon: it ends safely, and the recording is stored",
+    "pause": "under the daemon: it pauses and continues",
+    "resume": "`--resume`, or the daemon's option: continues a stopped or killed run",
+    "killed": "after `kill -9` the recording is intact and can be reported",
+    "replay": "`stagectl replay RUN/`: reproduces the controllers' outputs, bit for bit",
+    "what_if": "`stagectl replay RUN/ --set KEY=VALUE`: outputs of other settings for the same sensor signals",
     "report": "`stagectl report RUN/`",
     "export": "`stagectl export RUN/`",
     "daemon": "is a procedure of [`stagectl daemon`](service.md)",
 }
 HEAD = """# What each experiment can do
 
-Made by `make docs` from `tests/commands/experiments.toml`, each cell with the test that shows it. The suite refuses a
-cell whose test is not there, and an option or a procedure of the daemon that this page does not know.  What the one
-runner does for every experiment is shown on those that there were.
+Which experiment of `stagectl` supports which operation, each cell with the test that shows it.  Made by `make docs`
+from `tests/commands/experiments.toml`; the tests check that every option and every procedure of the daemon is listed.
 """
 
 

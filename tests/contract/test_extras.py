@@ -44,6 +44,7 @@ def test_without_an_extra_one_is_told_how_to_install_it(extra: str) -> None:
     assert f"pip install 'vibrostage[{extra}]'" in done.stderr.splitlines()[-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("program", ["vibractl", "stagectl", "calibration", "firmware_sim", "vibrostage"])
 def test_no_command_imports_one_that_it_does_not_need(program: str) -> None:
     names = [package for package, _ in WITHOUT.values()] + ["pyarrow", "pyuff", "segyio", "pinocchio", "pyfftw"]

@@ -75,6 +75,7 @@ def test_a_laser_that_goes_wrong_takes_the_stage_to_rest_until_it_is_cleared(
     assert played_before["fault"] is Fault.NONE
 
 
+@pytest.mark.slow
 def test_what_the_robot_gives_way_is_compensated() -> None:
     left = {}
     for corner in (None, 2_000.0):

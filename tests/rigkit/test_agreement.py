@@ -83,14 +83,14 @@ def test_a_refusal_names_key_values_the_way_out_and_how_to_accept() -> None:
     found = differences(rig().model_dump(mode="json"), rig(audio={"rate": 48_000}), MEASURED_ELSEWHERE)
     with pytest.raises(
         DisagreementError,
-        match=r"m.h5 is of another: audio.rate was 44100, is 48000; measure anew, .* with --accept audio.rate$",
+        match=r"m.h5 is of another: audio.rate was 44100, is 48000; measure again, .* with --accept audio.rate$",
     ):
-        agreed(found, [], "m.h5 is of another", "measure anew")
+        agreed(found, [], "m.h5 is of another", "measure again")
 
 
 def test_what_is_accepted_is_said_and_what_accepts_nothing_as_well() -> None:
     found = differences(rig().model_dump(mode="json"), rig(audio={"rate": 48_000}), MEASURED_ELSEWHERE)
-    notes = agreed(found, ["audio.rate", "audio.device"], "m.h5", "measure anew")
+    notes = agreed(found, ["audio.rate", "audio.device"], "m.h5", "measure again")
     assert notes == ["m.h5: audio.rate was 44100, is 48000; accepted", "--accept audio.device: nothing differs there"]
     assert accepted(found, ["audio.rate", "audio.device"]) == ["audio.rate"]
 

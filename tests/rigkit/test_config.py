@@ -88,6 +88,11 @@ def test_of_several_faults_the_first_is_told_and_the_others_counted(tmp_path: Pa
     assert message.endswith("must be >= 8000 and <= 192000 samples/s (and 2 more)")
 
 
+def test_a_file_in_which_little_is_right_may_be_that_of_another_program(tmp_path: Path) -> None:
+    message = refusal("[device]\n" + "".join(f"other_{n} = {n}\n" for n in range(12)), tmp_path)
+    assert message.endswith("(and 11 more: is it the file of another program?)")
+
+
 def test_a_long_value_is_shortened(tmp_path: Path) -> None:
     message = refusal(f"[device]\nrate = {list(range(1000))}", tmp_path)
     assert message.startswith("device.rate is [0, 1, 2,")

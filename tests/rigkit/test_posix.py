@@ -35,6 +35,7 @@ def test_programs_and_doors_are_imported_without_them() -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("package", ["vibractl", "calibration"])
 def test_every_command_of_a_program_without_wires_is_imported_without_them(package: str) -> None:
     """Those of stagectl and firmware_sim import pyserial, which imports them itself on Linux."""

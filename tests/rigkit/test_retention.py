@@ -87,7 +87,7 @@ def test_a_run_that_a_wrong_clock_has_dated_is_kept_and_takes_no_others_place(
     gone = [each.path.name for each in superfluous(stored_runs(root), Policy(newest=2), time.time())]
     assert gone == ["run-2", "run-4"]
     assert prune(monkeypatch, root, "--days", "1") == 0
-    assert f"kept, since their dates are not of this time: {root / 'run-3'}\n" in capsys.readouterr().out
+    assert f"not deleted, implausible dates: {root / 'run-3'}\n" in capsys.readouterr().out
     assert names(root) == ["notes", "run-0", "run-3", "thesis.txt"]
 
 
@@ -109,7 +109,7 @@ def test_what_is_marked_or_at_work_is_kept_and_the_rest_goes(
     os.utime(root / "run-3" / "keep", (0, 0))
     with RunFolder.open(root / "run-2"):
         assert prune(monkeypatch, root, "--newest", "1") == 0
-    assert "at work, kept" in capsys.readouterr().out
+    assert "in progress, not deleted" in capsys.readouterr().out
     assert names(root) == ["notes", "run-0", "run-2", "run-3", "thesis.txt"]
 
 

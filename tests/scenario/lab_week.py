@@ -202,7 +202,7 @@ CELLS: dict[str, tuple[Cell | None, ...]] = {
 """A command's row: what is tried in each of `SITUATIONS`; None where that does not arise."""
 
 
-SAID = {"is at work": "is at work", "at work, kept": "is at work", "written over": "is written over"}
+SAID = {"is at work": "is at work", "in progress, not deleted": "is at work", "written over": "is written over"}
 REFUSED = {
     "is finished": "is finished",
     "is in use": "is in use",

@@ -37,6 +37,7 @@ def robot_of(cell: SteppedCell) -> LedRobot:
     return LedRobot(cell.config, Person(lambda _: None, False), cell.now)
 
 
+@pytest.mark.slow
 def test_the_robot_answers_as_in_process_but_for_a_report() -> None:
     with SteppedCell(**SETTINGS) as cell:
         free = free_of(cell)

@@ -36,4 +36,4 @@ def test_accelerometers_in_each_others_inputs_are_found() -> None:
 def test_a_cable_in_an_accelerometers_input_is_found_there() -> None:
     found = examined(loopback_input=1, response_channels=(3, 2))
     assert verdict(found, "loopback").advice == "the cable is in input 3, must be in 1"
-    assert "response 1 hears no coil" in verdict(found, "channel map").measured
+    assert "response 1 responds to no coil" in verdict(found, "channel map").measured

@@ -67,6 +67,7 @@ def test_robot_and_tracker_keep_to_the_path_and_a_replay_makes_all_again(cell: S
     assert "as it was seen" in (tmp_path / "run" / "report.html").read_text()
 
 
+@pytest.mark.slow
 def test_the_stage_takes_up_what_the_robot_misses(tmp_path: Path) -> None:
     with (
         running(tmp_path / "can", Settings(silence=PATIENT, pace="host")) as (node, stage),

@@ -126,7 +126,7 @@ def test_without_a_timing_signal_the_line_does_not_open(files: list[str], alignm
         patch.setattr(Stream, "from_config", lambda _: unplugged)
         wanted = {
             "loopback": "no loopback signal: its quality is 0.000.*from output 3 to input 4",
-            "marker": "the marker is not heard: its quality is 0.000.*drive 1 on output 1, response 1 on input 1",
+            "marker": "the marker is not detected: its quality is 0.000.*drive 1 on output 1, response 1 on input 1",
         }[alignment]
         with pytest.raises(AudioError, match=wanted), Line(config):
             pass

@@ -170,7 +170,7 @@ def test_a_process_that_stands_still_before_its_stream_runs_is_ended(monkeypatch
     monkeypatch.setattr(audio_process, "_LONGEST_IDLE", 0.5)
     hanging = Simulator(plant="tests.vibractl.test_audio_process:Hanging")
     line = Line(RigConfig(audio=Audio(isolated=True), simulator=hanging))
-    with pytest.raises(AudioError, match=r"the audio process stands still for 0\.5 s while it \w+"), line:
+    with pytest.raises(AudioError, match=r"the audio process has not responded for 0\.5 s while it \w+"), line:
         pass
     assert not processor_time(line._host.pid)  # type: ignore[attr-defined]  # noqa: SLF001
 
@@ -186,6 +186,6 @@ def test_a_stream_that_stands_still_is_given_up(tmp_path: Path, monkeypatch: pyt
     with Line(rig(tmp_path, speed=1.0)) as line:
         pid = line._host.pid  # type: ignore[attr-defined]  # noqa: SLF001
         os.kill(pid, signal.SIGSTOP)
-        with pytest.raises(AudioError, match=r"the audio stream stands still: no callback for 0\.5 s"):
+        with pytest.raises(AudioError, match=r"the audio stream has stalled: no callback for 0\.5 s"):
             line.emit(sweep())
         os.kill(pid, signal.SIGCONT)

@@ -10,12 +10,15 @@ from vibractl.quality_table import floor_said
 @pytest.mark.parametrize(
     ("figures", "said"),
     [
-        ({}, "the machine moves by itself by"),
+        ({}, "change of the plant"),
         ({"floor_explained_db": 9.0}, "what the model does not explain changes by"),  # the drive still changes more
         ({"worst_line_db": 30.0}, "what the model does not explain changes by"),  # nor is that what stands in the way
         ({"floor_db": 51.0, "worst_line_db": 38.0}, "what the model does not explain changes by"),  # it diverges
         ({"floor_explained_db": None}, "what the model does not explain changes by"),  # a run of an earlier version
-        ({"floor_db": -20.0, "floor_explained_db": -30.0, "worst_line_db": -3.0}, "the machine moves by itself by"),
+        (
+            {"floor_db": -20.0, "floor_explained_db": -30.0, "worst_line_db": -3.0},
+            "change of the plant",
+        ),
         ({"shots_hidden": 6}, ""),
         ({"floor_db": None}, ""),
     ],

@@ -55,7 +55,7 @@ def test_a_file_of_one_channel_serves_all_sides(tmp_path: Path) -> None:
 def test_a_wav_of_integers_needs_a_full_scale(tmp_path: Path) -> None:
     path = tmp_path / "r.wav"
     soundfile.write(path, np.full((6_000, 1), 0.5), int(RATE), "PCM_16")
-    with pytest.raises(ValueError, match=r"r.wav: a WAV of integers says no units; reference.full_scale must be"):
+    with pytest.raises(ValueError, match=r"r.wav: an integer WAV has no unit; reference.full_scale must state"):
         reference_from(str(path), RATE, 10.0, 0.0, 2, 4)
     signal = reference_from(str(path), RATE, 10.0, 0.0, 2, 4, full_scale=20.0).signal
     np.testing.assert_allclose(signal[:6_000], 10.0)
@@ -86,7 +86,7 @@ def test_what_is_no_reference_is_refused(text: str, words: str) -> None:
 
 def test_an_unusable_file_is_refused_with_what_it_should_be(tmp_path: Path) -> None:
     noise = np.random.default_rng(1).standard_normal((6_000, 3))
-    with pytest.raises(ValueError, match="48000 samples/s, must be 44100"):
+    with pytest.raises(ValueError, match="48000 samples/s, must be audio.rate, 44100"):
         made(wav(tmp_path / "a.wav", noise[:, :1], 48_000))
     with pytest.raises(ValueError, match="3 channels, must be 1 or 2 channels"):
         made(wav(tmp_path / "b.wav", noise))

@@ -77,7 +77,7 @@ def test_learning_that_stands_still_is_told_once_and_again_of_a_run_that_goes_on
     run(tmp_path / "run", linear_model(tmp_path), 17, "quality.objective=-120.0")
     told = [event for event in read_events(tmp_path / "run") if event["event"] == "stands_still"]
     assert len(told) == 1
-    assert told[0]["because"].startswith("learning stands still, because ")
+    assert told[0]["because"].startswith("learning has stalled: ")
     with RunFolder.open(tmp_path / "run") as folder:
         assert Session(folder, resumed_setup(folder)).remark
 
@@ -208,18 +208,18 @@ def test_a_run_that_begins_faint_says_so_and_goes_on_where_it_stopped(tmp_path: 
     assert drives(tmp_path / "parts") == drives(tmp_path / "whole")
     rows = read_quality(tmp_path / "whole")
     assert [row["verdict"] for row in rows] == ["rise"] * 4
-    assert rows[0]["reason"].startswith("at -34 dB of the reference, loudest line within the limit by")
+    assert rows[0]["reason"].startswith("at -34 dB of the reference, loudest bin within the limit by")
     figures = json.loads((tmp_path / "whole" / "summary.json").read_text())
     assert figures["loudest_line_db"] <= 0
     assert figures["shots_proven_over"] == 0
     run_report(tmp_path / "parts")
     page = (tmp_path / "parts" / "report.html").read_text(encoding="utf-8")
     assert "not reached: at -" in page
-    assert "Loudest line of any shot" in page
+    assert "Loudest bin of any shot" in page
 
 
 def test_a_reference_that_only_fits_faint_is_refused_before_it_rises(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"the first drive is not played: .* limits.peak is 0.1 V"):
+    with pytest.raises(ValueError, match=r"the first drive is refused: .* limits.peak is 0.1 V"):
         create(tmp_path / "run", linear_config("limits.peak=0.1", "learning.quiet=true"), linear_model(tmp_path))
 
 

@@ -27,7 +27,7 @@ def test_time_brings_back_what_lies_in_the_band_and_nothing_else() -> None:
 
 
 def test_a_band_without_a_line_is_refused() -> None:
-    with pytest.raises(ValueError, match="no line of 441 Hz spacing lies within 10 to 20 Hz"):
+    with pytest.raises(ValueError, match="no bin of 441 Hz spacing lies within 10 to 20 Hz"):
         LineSpectrum(100, 1, RATE, (10.0, 20.0), Plans())
 
 

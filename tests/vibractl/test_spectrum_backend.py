@@ -96,6 +96,7 @@ def test_scipy_has_no_plans_to_measure() -> None:
         plan_command(settings=["spectrum.backend=scipy"])
 
 
+@pytest.mark.slow
 def test_a_shot_is_learned_where_pyfftw_cannot_be_imported(tmp_path: Path) -> None:
     """As a program whose environment lacks it; the audio's process is another one and imports it neither."""
     model = linear_model(tmp_path)

@@ -69,7 +69,7 @@ def test_interpolation_of_a_1_hz_grid_is_good_to_two_percent() -> None:
 
 
 def test_lines_outside_the_measured_band_are_refused() -> None:
-    with pytest.raises(ValueError, match="lines 10 to 30 Hz are wanted, the model was measured from 20 to 49 Hz"):
+    with pytest.raises(ValueError, match="bins 10 to 30 Hz are wanted, the model was measured from 20 to 49 Hz"):
         matrix().at(np.array([10.0, 30.0]))
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import dlti
 
 from tests.vibractl.learning.line_plant import LinePlant, law_of, matrix_of, modal
 from vibractl.config import Adaptation, Watch
@@ -75,8 +76,8 @@ def test_several_drives_and_sensors_are_learned_together() -> None:
     [
         (([1.0, 2.0], None, None), "response has shape"),
         ((PLANT, None, WANTED[:-1]), r"reference has shape \(198,\), must be \(199,\)"),
-        ((PLANT, None, np.zeros(199)), "reference is zero on every line"),
-        ((PLANT, None, np.full(199, np.nan)), "reference is not finite on line 0"),
+        ((PLANT, None, np.zeros(199)), "reference is zero on every bin"),
+        ((PLANT, None, np.full(199, np.nan)), "reference is not finite on bin 0"),
     ],
 )
 def test_what_does_not_fit_is_refused_by_name(arguments: tuple[np.ndarray, None, np.ndarray], text: str) -> None:
@@ -125,6 +126,19 @@ def test_a_law_may_converge_and_grow_on_the_way() -> None:
     assert inside.norm > 1.0
 
 
+def test_a_plant_with_dead_time_converges_where_that_is_left_out() -> None:
+    """In the whole trial the last samples of the drive have no answer: nothing of them comes nearer to a limit."""
+    plant = dlti([0.5], [1.0, -0.8, 0.0, 0.0, 0.0], dt=0.01)  # four samples late
+    whole, inside = lifted(plant, 40), lifted(plant, 40, lead=4)
+    np.testing.assert_array_equal(inside[:-4], whole[4:])
+    assert convergence(norm_optimal(whole, change=0.1), whole).radius == pytest.approx(1.0)
+    found = convergence(norm_optimal(inside, change=0.1), inside)
+    assert found.is_monotone
+    assert repr(found).endswith("; converges, monotone>")
+    assert "does not converge" in repr(convergence(p_type(9.0, 40, lead=0), inside))
+    assert repr(p_type(1.0, 3)) == "<LinearILC: L of shape (3, 3), Q of shape ()>"
+
+
 def test_a_low_pass_makes_robust_what_the_model_does_not_know() -> None:
     wrong = np.where(LINES > 120, -1.0, 1.0) * PLANT
     inverse = (0.5 / wrong)[:, None, None]
@@ -142,7 +156,25 @@ def test_a_low_pass_makes_robust_what_the_model_does_not_know() -> None:
     [
         (lambda: norm_optimal(np.eye(3), error=-1.0), "error is -1.0, must be >= 0"),
         (lambda: norm_optimal(decaying()), "drive or change must be > 0"),
-        (lambda: p_type(1.0, 5, 5), "lead is 5, must be 0 to 4"),
+        (lambda: p_type(1.0, 5, 5), "lead is 5 and samples 5, must be whole numbers with 0 <= lead < samples"),
+        (lambda: p_type(5, 0.1), "lead is 1 and samples 0.1"),  # type: ignore[arg-type]
+        (lambda: lifted(np.ones((5, 1)), 5), r"impulse response has shape \(5, 1\), must be \(taps,\)"),
+        (lambda: lifted(np.array([0.0, np.nan]), 5), "not finite at sample 1"),
+        (lambda: lifted(np.ones(3), 5.0), "samples is 5.0, must be a whole number >= 1"),  # type: ignore[arg-type]
+        (lambda: lifted(np.ones(3), 5, lead=-1), "lead is -1, must be a whole number >= 0"),
+        (lambda: norm_optimal(np.ones(5), change=1.0), r"plant has shape \(5,\), must be .*lifted"),
+        (lambda: norm_optimal(dlti([1.0], [1.0, 0.5], dt=1.0), change=1.0), "plant is a .*lifted"),
+        (lambda: convergence(p_type(1.0, 5), np.eye(4)), r"plant has shape \(4, 4\) and the law's L \(5, 5\)"),
+        (lambda: convergence(np.eye(5), np.eye(5)), "law is a ndarray, must be a LinearILC"),  # type: ignore[arg-type]
+        (
+            lambda: p_type(1.0, 5).step(np.ones(4), np.ones(5)),
+            r"drive has shape \(4,\) and error \(5,\), must",
+        ),
+        (
+            lambda: with_low_pass(np.eye(5), np.arange(3.0), np.cos),
+            r"learning has shape \(5, 5\) and what passes",
+        ),
+        (lambda: LinearILC(0.5), r"learning has shape \(\)"),  # type: ignore[arg-type]
         (lambda: LinearILC(np.eye(3), np.eye(2)), r"learning has shape \(3, 3\) and robustness \(2, 2\)"),
     ],
 )

@@ -2,8 +2,10 @@
 
 import math
 
+import control
 import numpy as np
 import pytest
+from scipy.signal import dlti, lti
 
 from stagectl.experiments.midranging.scenario import STEPS, Scenario, steps
 from stagectl.experiments.midranging.schedule import simulate as run_of_program
@@ -78,6 +80,14 @@ def test_a_state_space_is_taken_for_its_transfer_function_and_zeros_at_the_end_f
     assert model.inputs == pytest.approx((0.2, -0.17))
     assert delay == 0
     assert midranging.as_model((SLOW[0], [*SLOW[1], *[0.0] * 7])) == (midranging.as_model(SLOW)[0], 7)
+
+
+def test_loops_of_scipy_and_python_control_are_taken_as_they_are() -> None:
+    late = SLOW[0], SLOW[1] + [0.0] * 12
+    for kind in (lambda loop: dlti(*loop, dt=1 / RATE), lambda loop: control.tf(*loop, 1 / RATE)):
+        assert midranging.as_model(kind(late)) == midranging.as_model(late)
+    with pytest.raises(ValueError, match="fast: the system's sample period is dt = None"):
+        midranging.valve_position(lti([1.0], [1.0, 1.0]), SLOW, RATE)
 
 
 def test_a_dead_time_that_was_not_told_is_found_and_one_step_at_a_time_is_the_same() -> None:

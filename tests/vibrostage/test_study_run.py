@@ -130,7 +130,7 @@ def test_ctrl_c_stores_what_is_done_and_says_how_to_go_on(folder: Path) -> None:
         said = program.communicate(timeout=EVER)[1]
     assert program.returncode == 130
     assert "of 18000 tasks" in said
-    assert "the same command goes on" in said
+    assert "the same command continues" in said
     assert results("stopped")
 
 

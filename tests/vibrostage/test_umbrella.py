@@ -1,4 +1,4 @@
-"""`vibrostage` calls every program by a word."""
+"""`vibrostage` calls all programs in one."""
 
 import sys
 

@@ -75,8 +75,8 @@ def live_panel(response: np.ndarray, config: RigConfig) -> Curves:
     ]
     ends = np.array([quality.above, quality.judged_to])
     limit = Trace("objective", ends, np.full(2, quality.objective), "limit")
-    axes = Axis("frequency", "Hz"), Axis("level re the strongest line", "dB")
-    return Curves(f"Heard in the last {SECONDS:g} s", *axes, (*traces, limit))
+    axes = Axis("frequency", "Hz"), Axis("level re the strongest bin", "dB")
+    return Curves(f"Spectrum of the last {SECONDS:g} s", *axes, (*traces, limit))
 
 
 def spectrum(signal: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:

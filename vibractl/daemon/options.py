@@ -11,11 +11,11 @@ class RunOptions(Section):
     """A run."""
 
     run: str = setting("", "", "name of its folder; empty for date and time", pattern=_NAME_OR_NONE)
-    resume: bool = setting(False, "", "go on with the run of that name")
+    resume: bool = setting(False, "", "continue the run of that name")
     model: str = setting("model.h5", "", "model file in the data folder", pattern=NAME)
     reference: str = setting("", "", choices("a file in the data folder"))
     shots: int = setting(0, "shots", "shots in all; 0 for session.shots", ge=0, le=100_000)
-    watch: bool = setting(False, "", "reidentify bands that diverge, while it goes on")
+    watch: bool = setting(False, "", "reidentify bands that diverge, during the run")
     accept: tuple[str, ...] = setting((), "", "keys that may differ from what the model or the run was made with")
 
 
@@ -23,6 +23,6 @@ class CalibrationOptions(Section):
     """A calibration."""
 
     model: str = setting("model.h5", "", "model file to write in the data folder", pattern=NAME)
-    again: bool = setting(False, "", "measure anew; what is there under that name is kept under its date")
+    again: bool = setting(False, "", "measure again; the earlier result is renamed with its date")
     recompute: bool = setting(False, "", "compute again from the recordings that are there, with their settings")
     accept: tuple[str, ...] = setting((), "", "keys that may differ from those that an unfinished one began with")

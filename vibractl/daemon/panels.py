@@ -67,7 +67,7 @@ class Panels:
     def _convergence(self) -> None:
         limit = Trace("objective", np.array([0.0, self._worst.rows[-1, 0]]), np.zeros(2), "limit")
         worst = self._over_shots(self._worst)
-        over = Axis("worst line over the objective", "dB")
+        over = Axis("worst bin over the objective", "dB")
         self._desk.show("convergence", Curves("Convergence", _SHOT, over, (*worst, limit)))
 
     def _absolute_error(self) -> None:
@@ -93,7 +93,7 @@ class Panels:
             last = Trace(f"shot {shot}", *largest_by_span(frequency, column))
             if len(self._first) < side:
                 self._first.append(replace(last, role="reference"))
-            title = f"Error of {self._sides[side]}, line by line"
+            title = f"Error of {self._sides[side]}, bin by bin"
             before = (self._first[side - 1],) if len(self._worst.rows) > 1 else ()
             self._desk.show(f"spectrum_{side}", Curves(title, *axes, (*before, last, limit)))
 
@@ -102,7 +102,7 @@ class Panels:
         limit = Trace("1: it converges below", at[[0, -1]], np.ones(2), "limit")
         bound = Axis("bound on the error map", "1")
         traces = Trace("certificate", at, largest), limit
-        self._desk.show("certificate", Curves("Certificate, line by line", _FREQUENCY, bound, traces))
+        self._desk.show("certificate", Curves("Certificate, bin by bin", _FREQUENCY, bound, traces))
 
     def _table(self, level: np.ndarray, algorithm: Algorithm) -> None:
         """Show the worst lines, one of each band, with their certificates."""
@@ -120,8 +120,8 @@ class Panels:
             )
             for line, n in worst
         )
-        head = "side", "line, Hz", "over the objective, dB", "certificate"
-        self._desk.show("lines", Table("Worst lines", head, rows))
+        head = "side", "bin, Hz", "over the objective, dB", "certificate"
+        self._desk.show("lines", Table("Worst bins", head, rows))
 
     def _spectrograms(self, shot: int, response: np.ndarray) -> None:
         heard = np.asarray(response[:, list(self._judge.place.sensors)], dtype=float)

@@ -81,7 +81,7 @@ class Vibrator:
         self._under_way: _UnderWay | None = None
         self.faults = FaultTable(input_names(self.config.audio)) if self.config.daemon.faults else None
         aborted = "This shot is played to its end and recorded, then the drive is silent and the rig stays armed."
-        paused = "This shot is played to its end and learned from; then the drive is silent until it goes on."
+        paused = "This shot is finished and learned from; then the drive is silent until the run is resumed."
         self.procedures: Sequence[Procedure] = (
             Procedure("run", "Learning run", "run", "shots", True, paused, aborted, RunOptions, self._run),
             Procedure(
@@ -108,7 +108,7 @@ class Vibrator:
         elif under_way is not None:  # it is closed, between two shots: the card is given nothing
             found += (self._drive_peak(side, 0.0) for side, _ in enumerate(self.config.audio.drive_channels, start=1))
         if isinstance(under_way, Running):
-            found.append(Gauge("worst_line", "Worst line over the objective", under_way.worst_db, "dB", high=0.0))
+            found.append(Gauge("worst_line", "Worst bin over the objective", under_way.worst_db, "dB", high=0.0))
             found.append(Gauge("discarded", "Recordings discarded", under_way.discarded, "1"))
         return [*found, Gauge("disk_free", "Room on the disk", there, "byte", low=RESERVE)]
 

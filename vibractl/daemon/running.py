@@ -84,7 +84,7 @@ class Running:
         if devices:
             earlier = [] if self._waiting is None else self._waiting[1]
             self._waiting = new, [*earlier, *devices]
-        parts = ["now" * bool(now), "the line is opened again after this shot" * bool(devices)]
+        parts = ["now" * bool(now), "the audio stream is reopened after this shot" * bool(devices)]
         if change.keys.keys() - set(now) - set(devices):
             parts.append("the rest from the next run on, as this run's folder says what it was made with")
         return "; ".join(filter(None, parts))

@@ -27,7 +27,7 @@ def model_verdict(found: Answers, matrix: TransferMatrix, late: float) -> Verdic
     inside = matrix.covers(found.frequency)
     frequency = found.frequency[inside]
     if not len(frequency):
-        measured = f"the model has no line from {found.frequency[0]:.0f} to {found.frequency[-1]:.0f} Hz"
+        measured = f"the model has no bin from {found.frequency[0]:.0f} to {found.frequency[-1]:.0f} Hz"
         return Verdict(MODEL, "warn", measured, _LIMIT, "nothing can be compared")
     heard = found.response[inside] * np.exp(2j * np.pi * frequency * late)[:, None, None]
     model = matrix.at(frequency).response
@@ -40,10 +40,8 @@ def model_verdict(found: Answers, matrix: TransferMatrix, late: float) -> Verdic
     if change is not None:
         advice = "set it right, or measure a new model with `calibrate vibrator`"
         return Verdict(MODEL, "fail", change.text, _LIMIT, advice, off, "1", {"left": change.left})
-    measured = f"off by {off:.2f} of what is heard"
+    measured = f"off by {off:.2f} of the response"
     if off > POOR:
-        advice = (
-            "the machine answers a weak sweep otherwise than what it was calibrated with: calibrate as loud as it works"
-        )
+        advice = "the response to a weak sweep differs from the calibrated one: calibrate at the working level"
         return Verdict(MODEL, "warn", f"{measured}, by no change of channels", _LIMIT, advice, off, "1")
     return Verdict(MODEL, "pass", f"{measured}: the channels that were calibrated", _LIMIT, "", off, "1")

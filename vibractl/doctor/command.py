@@ -22,7 +22,7 @@ DEVICES = "sounddevice:query_devices"
 ReportOption = Annotated[
     Path | None,
     written_file(
-        "FILE", ".html: a page with figures; .zip: what one is asked for in an issue, without names.", "--report"
+        "FILE", ".html: a page with figures; .zip: an archive for a request for help, without names.", "--report"
     ),
 ]
 
@@ -35,9 +35,7 @@ def doctor_command(
     accept: AcceptOption = None,
     report: Annotated[
         Path | None,
-        written_file(
-            "FILE", ".html: a page with figures; .zip: all that one is asked for in an issue, names taken out."
-        ),
+        written_file("FILE", ".html: a page with figures; .zip: an archive for a request for help, without names."),
     ] = None,
     settings: SetOption = None,
     json: JsonOption = None,
@@ -79,7 +77,10 @@ def doctor_command(
 def _print(found: Examination, json: str | None) -> None:
     rows = [[each.check, each.grade, each.measured, each.limit] for each in found.verdicts]
     print_table(
-        f"{found.config.rig.name}: what the doctor says", ["check", "verdict", "measured", "wanted"], rows, words(json)
+        f"{found.config.rig.name}: verdicts of the doctor",
+        ["check", "verdict", "measured", "wanted"],
+        rows,
+        words(json),
     )
     for each in found.verdicts:
         if each.advice:

@@ -43,7 +43,7 @@ DRIVE_LEVEL = 10 ** (-30 / 20)
 _FIRST = 0.5
 """s of chirps that the cable is looked for with: two clocks have not yet drifted apart."""
 
-_NO_CABLE = "give a spare channel to a loopback cable: a marker cannot tell this"
+_NO_CABLE = "use a spare channel for a loopback cable: a marker cannot show this"
 
 Tell = Callable[[float, str], None]
 
@@ -129,7 +129,7 @@ def examine(
             visit.say(_card_verdict(config))
             visit.say(recordings_verdict(visit.emissions, visit.reasons, visit.late))
     except ShotAbandoned as fault:
-        advice = "nothing can be learned like this: what it says of every attempt is to be put right first"
+        advice = "learning is impossible: correct the cause of the failed attempts first"
         visit.say(_card_verdict(config))
         visit.say(Verdict("recordings", "fail", str(fault), "none discarded", advice))
     except GuardLatched:

@@ -45,7 +45,7 @@ def loopback_verdict(found: Cable, elsewhere: int | None, config: RigConfig) -> 
         measured = f"no loopback signal: quality {found.quality:.3f}"
         advice = f"put a cable from {ends}, and check that input's gain"
         if elsewhere is not None:
-            measured += f"; it is heard on response {elsewhere}"
+            measured += f"; it shows on response {elsewhere}"
             advice = (
                 f"the cable is in input {audio.response_channels[elsewhere - 1]}, must be in {audio.loopback_input}"
             )
@@ -162,22 +162,25 @@ def map_verdict(found: Answers, config: RigConfig) -> Verdict:
     silent = [coil + 1 for coil in sides if not found.loudness[:, coil].max() >= HEARD]
     if silent:
         out = ", ".join(str(config.audio.drive_channels[coil - 1]) for coil in silent)
-        measured = f"coil {', '.join(map(str, silent))} is heard by no accelerometer"
+        measured = f"coil {', '.join(map(str, silent))} reaches no accelerometer"
         advice = f"amplifier on output {out}: is it on, and connected?"
         return Verdict("channel map", "fail", measured, limit, advice, margin, "dB", detail)
     wrong = [coil for coil in sides if owner[coil] != coil]
     deaf = [side + 1 for side in sides if not found.loudness[side].max() >= HEARD]
     if deaf:
         inputs = ", ".join(str(config.audio.response_channels[side - 1]) for side in deaf)
-        measured, advice = f"response {', '.join(map(str, deaf))} hears no coil", f"accelerometer on input {inputs}?"
+        measured, advice = (
+            f"response {', '.join(map(str, deaf))} responds to no coil",
+            f"accelerometer on input {inputs}?",
+        )
         return Verdict("channel map", "fail", measured, limit, advice, margin, "dB", detail)
     if wrong:
         told = ", ".join(f"coil {coil + 1} on response {owner[coil] + 1}" for coil in wrong)
         channels = [config.audio.response_channels[owner[coil]] for coil in sides]
         advice = f"swap the cables, or set audio.response_channels = {channels}"
-        return Verdict("channel map", "fail", f"heard best: {told}", limit, advice, margin, "dB", detail)
+        return Verdict("channel map", "fail", f"largest response: {told}", limit, advice, margin, "dB", detail)
     measured = f"each coil is loudest on its own accelerometer, by {margin:.1f} dB or more"
-    advice = "" if margin >= CLEARLY else "hardly told apart: check by tapping each shell"
+    advice = "" if margin >= CLEARLY else "hardly distinguishable: check by tapping each shell"
     return Verdict(
         "channel map", "pass" if margin >= CLEARLY else "warn", measured, limit, advice, margin, "dB", detail
     )

@@ -29,7 +29,7 @@ def write_report(path: Path, found: Examination) -> None:
     """
     with styled():
         facts = tuple(_fact(each) for each in found.verdicts)
-        title = f"{found.config.rig.name}: what the doctor says"
+        title = f"{found.config.rig.name}: verdicts of the doctor"
         Report(title, f"{now()}, {software()}", facts, tuple(_sections(found))).write(path)
 
 
@@ -65,11 +65,9 @@ def _noise_plot(found: Examination) -> Plot:
     axes.plot(
         [quality.above, quality.judged_to], [quality.objective + WANTED] * 2, "k--", linewidth=1.0, label="wanted"
     )
-    axes.set(xlabel="frequency, Hz", ylabel="line of a shot re reference, dB")
+    axes.set(xlabel="frequency, Hz", ylabel="bin of a shot re reference, dB")
     axes.legend(ncols=2)
-    return Plot(
-        figure, "Recorded without a drive, as lines of a shot; crosses: the mains, of the louder accelerometer."
-    )
+    return Plot(figure, "Recorded without a drive, as bins of a shot; crosses: the mains, of the louder accelerometer.")
 
 
 def _clock_plot(found: Examination) -> Plot:
@@ -92,4 +90,4 @@ def _answers_plot(found: Examination) -> Plot:
         axes.plot(found.answers.frequency, size, style, label=f"response {response + 1}, coil {coil + 1}")
     axes.set(xlabel="frequency, Hz", ylabel="dB re 1 m/s² per V")
     axes.legend()
-    return Plot(figure, "Answers to a sweep on one coil at a time; solid: a coil's own accelerometer.")
+    return Plot(figure, "Responses to a sweep on one coil at a time; solid: a coil's own accelerometer.")

@@ -21,13 +21,13 @@ def export_command(
         typer.Option(
             "--format",
             "--to",
-            help="uff, segy, csv, mat, mcap or parquet; may be given many times; all without.",
+            help="uff, segy, csv, mat, mcap or parquet; may be repeated; default: all.",
             autocompletion=one_of(FORMATS),
         ),
     ] = None,
     out: OutOption = None,
     file: FileOption = None,
-    shots: Annotated[str | None, typer.Option(help="all, or as in 0,5,10-20; the first and the last without.")] = None,
+    shots: Annotated[str | None, typer.Option(help="all, or as in 0,5,10-20; default: first and last.")] = None,
     json: JsonOption = None,
 ) -> None:
     """Write model, reference and shots of a run for other programs: UFF58, SEG-Y, CSV, MATLAB, MCAP, Parquet.

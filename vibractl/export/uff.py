@@ -92,7 +92,7 @@ def _near_field(matrix: TransferMatrix, about: str, created: str) -> Iterator[di
                 f"Coherence of response_{output + 1} with drive_{coil + 1}",
                 matrix.coherence[:, output, coil],
                 "1",
-                {**element, "id4": "part of the response's power at the line that the drive explains"},
+                {**element, "id4": "part of the response's power at the bin that the drive explains"},
             )
 
 
@@ -140,7 +140,7 @@ def _signals(
                 f"Auto spectrum of {name}, {what}",
                 square,
                 f"({unit})^2",
-                {**end, **axis, "binary": 0, "x": frequency, "id4": "mean square per line while the reference lasts"},
+                {**end, **axis, "binary": 0, "x": frequency, "id4": "mean square per bin while the reference lasts"},
             )
 
 

@@ -51,7 +51,7 @@ def drive_spectrum_plot(result: Result) -> Plot:
     rows[0].set_ylim(bottom=max(rows[0].get_ylim()[0], loudest - SHOWN))
     rows[0].margins(x=0.01)
     legend_above(rows[0])
-    return Plot(figure, "Spectra of the drives over the lines that are learned.")
+    return Plot(figure, "Spectra of the drives over the bins that are learned.")
 
 
 def headroom_table(result: Result) -> Table:

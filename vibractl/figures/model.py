@@ -63,5 +63,5 @@ def trust_plot(model: TransferMatrix, made: Setup) -> Plot:
     return Plot(
         figure,
         "Above: part of the response that the drive explains, coil to side. Below: ||I - K G G⁺|| with two standard "
-        f"deviations of doubt on G; {certified} of {len(bound)} learned lines are certified to converge.",
+        f"deviations of G; {certified} of {len(bound)} learned bins are certified to converge.",
     )

@@ -28,7 +28,7 @@ def learning_plot(result: Result) -> Plot:
     error.set_title("Integrated absolute error (IAE)")
     worst.axhline(0.0, **BOUND, label="limit")
     worst.set_ylabel("over the limit, dB")
-    worst.set_title("Worst line: below 0 dB the objective holds")
+    worst.set_title("Worst bin: below 0 dB the objective holds")
     for axes in (error, worst):
         _mark_gains(axes, result.column("gain"), named=axes is error)
         legend_above(axes)

@@ -28,7 +28,7 @@ def response_plot(result: Result) -> Plot:
     return Plot(
         figure,
         f"Spectra of the response; 0 dB is the reference's own level, {_level(result)}. Dashed: the objective. "
-        "Where a line of the figure stands for several of the spectrum, it shows the largest.",
+        "Where a point of the figure represents several bins, it shows the largest.",
     )
 
 
@@ -51,10 +51,10 @@ def error_plot(result: Result) -> Plot:
         if sine:
             axes.set_xticks(frequency)
     _finish(rows, "error re reference, dB", -np.inf if sine else FLOOR)
-    what = "the root's overtones" if sine else f"every line from {frequency[0]:g} to {frequency[-1]:g} Hz"
+    what = "the root's overtones" if sine else f"every bin from {frequency[0]:g} to {frequency[-1]:g} Hz"
     return Plot(
         figure,
-        f"What is judged: the error on {what}. Below the dashed limit the objective holds; ring: the worst line.",
+        f"What is judged: the error on {what}. Below the dashed limit the objective holds; ring: the worst bin.",
     )
 
 

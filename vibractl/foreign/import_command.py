@@ -20,28 +20,26 @@ from vibractl.reference_option import ReferenceOption
 
 HEAD = ("shot", "recording", "begins, s", "correlation", "delay, samples", "clock, ppm", "polarity")
 
-DriveOption = Annotated[str, typer.Option(metavar="D.wav", help="What was played, or a pattern: a file a shot.")]
-ResponseOption = Annotated[str, typer.Option(metavar="R.wav", help="What was recorded, or a pattern: a file a shot.")]
+DriveOption = Annotated[str, typer.Option(metavar="D.wav", help="The drive, or a pattern of one file per shot.")]
+ResponseOption = Annotated[str, typer.Option(metavar="R.wav", help="The response, or a pattern of one file per shot.")]
 OutOption = Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make.")]
 ModelOption = Annotated[Path | None, typer.Option(metavar="FILE", help="Model file from `calibrate vibrator`.")]
 SilenceOption = Annotated[Path | None, typer.Option(metavar="S.wav", help="The same sensors without a drive.")]
 MapOption = Annotated[
-    str | None, typer.Option("--map", metavar="drive_1=3,...", help="Channels by name or number; - turns one round.")
+    str | None, typer.Option("--map", metavar="drive_1=3,...", help="Channels by name or number; - inverts one.")
 ]
-VoltsOption = Annotated[float | None, typer.Option("--volts-per-full-scale", help="Of a sound of drives.")]
+VoltsOption = Annotated[
+    float | None, typer.Option("--volts-per-full-scale", help="Full scale of a drive's sound file.")
+]
 AccelerationOption = Annotated[
-    float | None, typer.Option("--mps2-per-full-scale", help="Of a sound of responses, m/s^2.")
+    float | None, typer.Option("--mps2-per-full-scale", help="Full scale of a response's sound file, m/s^2.")
 ]
-DelayOption = Annotated[
-    float | None, typer.Option(metavar="SAMPLES", help="By which responses come late, where that is known.")
-]
-ClockOption = Annotated[
-    bool, typer.Option("--correct-clock", help="Take out how clocks differ, and parts of a sample.")
-]
+DelayOption = Annotated[float | None, typer.Option(metavar="SAMPLES", help="Known delay of the responses.")]
+ClockOption = Annotated[bool, typer.Option("--correct-clock", help="Correct clock differences and fractional delays.")]
 SkipOption = Annotated[
     bool, typer.Option("--skip-spoiled", help="Leave out shots that are clipped, have dropouts or are cut off.")
 ]
-DryOption = Annotated[bool, typer.Option("--dry-run", help="Show what is found, and write nothing.")]
+DryOption = Annotated[bool, typer.Option("--dry-run", help="Show the result, and write nothing.")]
 
 
 def import_command(
@@ -66,13 +64,13 @@ def import_command(
 ) -> None:
     """Make a run folder from recordings of other software: finds the shots, checks and judges them.
 
-    Drive and response are one file that holds both, or two, sample by sample beside each other; or the drive of one
-    shot, which is found wherever in the response it was played; or patterns, a file of each a shot.
+    Drive and response are in one file, or in two files with synchronous samples; or the drive of one shot, which is
+    located in the response; or patterns, one file of each per shot.
 
     Example: `vibractl import --drive D.wav --response R.wav --reference chirp:40:90:5 --out RUN/`
     """
     if more:
-        raise ValueError(f"{more[0]} is one file too many: a pattern stands in quotes, as in --drive 'shots/d*.wav'")
+        raise ValueError(f"{more[0]} is one file too many: quote the pattern, as in --drive 'shots/d*.wav'")
     if (out is None) != dry_run:
         raise ValueError("--out RUN/ says where it goes, --dry-run that it goes nowhere: must be one of them")
     rig = rig_file.load(config, RigConfig, laid_over(settings, {"reference.signal": reference or None}))

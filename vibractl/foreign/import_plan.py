@@ -107,6 +107,11 @@ def scan(
         ]
         _refuse_dead(recorded, faults, made)
         if not seen:
+            if recorded.frames < made.shot.frames:
+                raise RecordingError(
+                    f"{recorded.name}: {recorded.frames} samples, must be at least {made.shot.frames}: the "
+                    f"reference and {made.shot.rest} after it in which the vibrator comes to rest"
+                )
             what = "drive in its monitors" if recorded.widths[2] else "reference"
             raise RecordingError(
                 f"{recorded.name}: does not hold the {what}: correlation {search.best:.2f} where they are most alike, "

@@ -126,6 +126,6 @@ def _corrections(scanned: Sequence[Scanned]) -> list[Remark]:
     said = []
     for each in scanned:
         taken = correction_of(each)
-        what = f"{taken.text} ppm" if taken.value else "nothing that can be told"
+        what = f"{taken.text} ppm" if taken.value else "not determinable"
         said.append(Remark(f"{each.recorded.name}: taken out of the clock: {what}; responses are resampled"))
     return said

@@ -124,7 +124,9 @@ def remarks(scanned: Sequence[Scanned], made: Setup | Judging) -> Iterator[Remar
     yield from _of_wires(shots, made)
     yield from _of_delay(shots, made)
     if all(each.clock is None for each in scanned):
-        text = "whether player and recorder have one clock cannot be told without a model or monitors of the drives"
+        text = (
+            "whether player and recorder share one clock cannot be determined without a model or monitors of the drives"
+        )
         yield Remark(text, is_warning=False)
 
 
@@ -195,7 +197,7 @@ def _of_ends(shots: Sequence[FoundShot], made: Setup | Judging) -> Iterator[Rema
             text = (
                 f"{numbered(some)}: up to {max(missing) / made.shot.rate:.3g} s {what} the reference are not recorded"
             )
-            yield Remark(f"{text}; silence stands there", is_warning=False)
+            yield Remark(f"{text}; silence is inserted there", is_warning=False)
 
 
 def _of_raster(shots: Sequence[FoundShot]) -> Iterator[Remark]:
@@ -217,14 +219,14 @@ def _of_delay(shots: Sequence[FoundShot], made: Setup | Judging) -> Iterator[Rem
         yield Remark(f"responses are put {removed} samples earlier: by so much they come after the drives")
     elif not shots[0].recorded.has_drive:
         text = "the drive is not recorded along with the response: it is taken for what was played each time"
-        yield Remark(f"{text}, and how late responses come after it cannot be told", is_warning=False)
+        yield Remark(f"{text}, and how late responses come after it cannot be determined", is_warning=False)
     elif delay is None:
-        text = "how late responses come after drives cannot be told without --model FILE or --delay SAMPLES"
+        text = "how late responses come after drives cannot be determined without --model FILE or --delay SAMPLES"
         yield Remark(text, is_warning=False)
     elif delay.is_told and not isinstance(made, Setup):
         yield Remark(
             f"the response comes {delay.text} samples after the drive: what of that is the chain's "
-            " delay and what the vibrator's own, cannot be told without --model FILE or --delay SAMPLES",
+            " delay and what the vibrator's own, cannot be determined without --model FILE or --delay SAMPLES",
             is_warning=False,
         )
 
@@ -241,9 +243,11 @@ def _of_wires(shots: Sequence[FoundShot], made: Setup | Judging) -> Iterator[Rem
         if not any(each.is_sure for each in found) and len(made.places[0].sensors) > 1:
             sure = f", confidence {100 * max(each.confidence for each in found):.0f} %" if found else ""
             by = "signals are too alike" if found else "that takes a model or a reference that differs by side"
-            yield Remark(f"whether {kind} are exchanged cannot be told ({by}{sure})", is_warning=False)
+            yield Remark(f"whether {kind} are exchanged cannot be determined ({by}{sure})", is_warning=False)
     if not any(sign.is_sure for shot in shots for _, sign in _signs(shot, made)):
-        yield Remark("whether responses are inverted cannot be told: they are not like the reference", is_warning=False)
+        yield Remark(
+            "whether responses are inverted cannot be determined: they do not resemble the reference", is_warning=False
+        )
 
 
 def _signs(shot: FoundShot, made: Setup | Judging) -> Iterator[tuple[int, Sign]]:

@@ -186,7 +186,7 @@ class _Writer:
         line = int(np.argmin(np.abs(self._judge.frequency - marks.worst_line_hz[side])))
         size = abs(self._judge.lines(error)[line, side])
         if self._silent[line, side] > 10 ** (-3 / 20) * size:
-            text = "the worst line is as loud in silence: it is hum or noise, and not emitted"
+            text = "the worst bin is as loud in silence: it is hum or noise, and not emitted"
             self._folder.event("remark", {"shot": number, "text": text})
 
 

@@ -12,11 +12,12 @@ from rigkit.written import made_folder, written_file
 from vibractl.config import RigConfig
 from vibractl.foreign.judge_report import judge_report
 from vibractl.foreign.judged import Verdict, judged
-from vibractl.foreign.signals import open_kind, responses_of
+from vibractl.foreign.signals import responses_of
+from vibractl.foreign.tracks import open_mapped, parsed_map
 from vibractl.judging import Judging
 from vibractl.reference_option import ReferenceOption
 
-HEAD = ("side", "worst line, dB over", "at, Hz", "worst 50 Hz band, dB over", "IAE, m/s^2", "error, dB", "THD, dB")
+HEAD = ("side", "worst bin, dB over", "at, Hz", "worst 50 Hz band, dB over", "IAE, m/s^2", "error, dB", "THD, dB")
 
 
 def judge_command(
@@ -26,6 +27,10 @@ def judge_command(
     config: ConfigOption = None,
     report: Annotated[Path | None, written_file("FILE", "Write an HTML page with the picture.")] = None,
     png: Annotated[Path | None, made_folder("DIR", "Write the picture as a PNG file.")] = None,
+    channels: Annotated[
+        str | None,
+        typer.Option("--map", metavar="response_1=2,...", help="Channels by name or number; - turns one round."),
+    ] = None,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
@@ -37,8 +42,9 @@ def judge_command(
     """
     rig = rig_file.load(config, RigConfig, laid_over(settings, {"reference.signal": reference or None}))
     made, kind = Judging.of(rig), responses_of(rig.audio)
-    quiet = None if silence is None else open_kind(silence, kind, rig.audio.rate)
-    found = judged(made, open_kind(recorded, kind, rig.audio.rate), quiet)
+    given, rate = parsed_map(channels), rig.audio.rate
+    quiet = None if silence is None else open_mapped(silence, kind, rate, given)
+    found = judged(made, open_mapped(recorded, kind, rate, given), quiet)
     if report is not None or png is not None:
         with styled():
             page = judge_report(found, made, str(recorded))
@@ -100,7 +106,7 @@ def _print(found: Verdict, made: Judging, name: str, json: str | None) -> None:
             stream.write(f"response {output + 1} is inverted: its correlation with the reference is negative\n")
     if found.silence_db is not None:
         told = ", ".join(f"{level:+.1f} dB" for level in found.silence_db)
-        stream.write(f"silence, worst line over the limit: {told}\n")
+        stream.write(f"silence, worst bin over the limit: {told}\n")
     if found.is_noise:
-        stream.write("the worst line is as loud in silence: it is hum or noise, and not emitted\n")
+        stream.write("the worst bin is as loud in silence: it is hum or noise, and not emitted\n")
     stream.write(f"objective {marks.reason}\n")

@@ -74,7 +74,7 @@ def _plot(found: Verdict, made: Judging) -> Plot:
     figure.colorbar(shown, ax=grid[:, 1], extend="min", label="level re its largest, dB", pad=0.02, aspect=30)
     return Plot(
         figure,
-        f"Left: what is judged, the error on every line from {judge.frequency[judge.judged][0]:g} to "
-        f"{judge.frequency[judge.judged][-1]:g} Hz; ring: the worst line. Right: the response while the reference "
+        f"Left: what is judged, the error on every bin from {judge.frequency[judge.judged][0]:g} to "
+        f"{judge.frequency[judge.judged][-1]:g} Hz; ring: the worst bin. Right: the response while the reference "
         "lasts.",
     )

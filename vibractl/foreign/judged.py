@@ -1,8 +1,10 @@
 """One recorded response against a reference: found in its recording, cut out, and judged as a shot of a run is."""
 
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
+from scipy.signal import hilbert
 
 from ctlblocks.recording import RecordingError
 from rigkit.foreign_stream import Signals
@@ -14,6 +16,7 @@ from vibractl.foreign.timing import Timing, timing
 from vibractl.judging import Judging
 from vibractl.learner import Timeline
 from vibractl.quality import Judge, Marks
+from vibractl.reference import Reference
 
 LIKE = 0.5
 """Least correlation with the reference: a response of which three quarters of the power is something else is found."""
@@ -83,7 +86,7 @@ def judged(made: Judging, response: Signals, silence: Signals | None) -> Verdict
     judge = Judge(made)
     quiet = None if silence is None else silent_lines(judge, silence, made.shot)
     sides, shot, name = list(made.places[0].sensors), made.shot, response.path
-    found = _found(made.reference.signal, response, sides)
+    found = _found(made.reference, response, sides)
     if found.frames < shot.sounded:
         raise RecordingError(f"{name}: {found.frames} samples, must be at least {shot.sounded}, the reference's")
     if found.is_silent:
@@ -91,7 +94,7 @@ def judged(made: Judging, response: Signals, silence: Signals | None) -> Verdict
     if not found.likeness >= LIKE:
         raise RecordingError(
             f"{name}: does not hold the reference: correlation {found.likeness:.2f} where they are most alike, must "
-            f"be >= {LIKE:g}"
+            f"be >= {LIKE:g}{_in_another_phase(made.reference.sounded, response, sides)}"
         )
     reach = shot.total + shot.frames // 100 + 1_000
     start = max(found.first - reach, 0)
@@ -103,10 +106,23 @@ def judged(made: Judging, response: Signals, silence: Signals | None) -> Verdict
     return Verdict(marks, replace(there, delay=there.delay + start), error, quiet, judge)
 
 
-def _found(reference: np.ndarray, response: Signals, sides: list[int]) -> Found:
-    """Search the whole recording, and show how far that is."""
+def _in_another_phase(reference: np.ndarray, response: Signals, sides: list[int]) -> str:
+    """Return what is to be said where the recording is like the reference a quarter of a period off; else nothing."""
+    turned = find(np.imag(hilbert(reference, axis=0)), (block[:, sides] for block in response.blocks()))
+    if not turned.likeness >= LIKE:
+        return ""
+    return (
+        f"; {turned.likeness:.2f} with each of its tones a quarter of a period off: chirp:F0:F1:SECONDS begins as a "
+        "sine, scipy.signal.chirp as a cosine, so give the sweep as it was played, --reference SWEEP.wav"
+    )
+
+
+def _found(reference: Reference, response: Signals, sides: list[int]) -> Found:
+    """Search the whole recording, as if silence came after it, and show how far that is."""
+    heard = (block[:, sides] for block in response.blocks())
     with progress("searching", response.frames or 0) as meter:
-        return find(reference, (block[:, sides] for block in response.blocks()), meter.show)
+        found = find(reference.signal, chain(heard, [np.zeros((reference.rest, len(sides)))]), meter.show)
+    return replace(found, frames=found.frames - reference.rest)
 
 
 def _placed(response: np.ndarray, found: Timing, shot: Timeline) -> np.ndarray:

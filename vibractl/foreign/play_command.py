@@ -22,22 +22,22 @@ SIMULATED = (f"audio.stream={STREAM}", "audio.isolated=false", "audio.device=''"
 
 
 def play_command(
-    drive: Annotated[Path, typer.Argument(metavar="DRIVE.wav", help="What to play: parts of full scale.")],
-    out: Annotated[Path, written_file("RESPONSE.wav", "What comes back, sample by sample beside it.")],
+    drive: Annotated[Path, typer.Argument(metavar="DRIVE.wav", help="The drive, in parts of full scale.")],
+    out: Annotated[Path, written_file("RESPONSE.wav", "The response, sample by sample.")],
     config: ConfigOption = None,
-    seed: Annotated[int | None, typer.Option(min=0, help="Which vibrator: simulator.options.seed.")] = None,
-    plant: Annotated[str | None, typer.Option(help="Which plant: simulator.plant.")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of the vibrator: simulator.options.seed.")] = None,
+    plant: Annotated[str | None, typer.Option(help="Plant: simulator.plant.")] = None,
     state: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="The vibrator as it was left, and is left; at rest without.")
+        Path | None, typer.Option(metavar="FILE", help="State of the vibrator before and after; default: at rest.")
     ] = None,
     bits: Annotated[int, typer.Option(help=f"Of a sample: {', '.join(map(str, BITS))}; 32 and 64 are floats.")] = 64,
     settings: SetOption = None,
     json: JsonOption = None,
 ) -> None:
-    """Play a WAV on the simulated vibrator and write its response as a WAV, as a card records it.
+    """Play a WAV on the simulated vibrator and write its response as a WAV, as an audio interface records it.
 
-    It goes through the program's own guard and alignment.  With --state one call goes on where the last one ended, as
-    the shots of one run do: the file holds what was played before, which is played again first.
+    It goes through the program's own guard and alignment.  With --state a call continues where the last one ended,
+    like the shots of one run: the file stores the earlier drives, which are played again first.
 
     Example: `firmware-sim play next.wav --out heard.wav --seed 3 --state vibrator.h5`
     """

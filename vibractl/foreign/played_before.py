@@ -56,7 +56,7 @@ class PlayedBefore:
         for key in dict.fromkeys([*there, *wanted]):
             if there.get(key) != wanted.get(key):
                 raise PlayedBeforeError(
-                    f"{path}: {key} was {there.get(key)}, is {wanted.get(key)}: that is another machine, begin with "
+                    f"{path}: {key} was {there.get(key)}, is {wanted.get(key)}: that is another plant, begin with "
                     "another --state"
                 )
         return cls(there, drives)

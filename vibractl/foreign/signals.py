@@ -1,11 +1,13 @@
 """Drives and responses from a file of anybody's, in V and m/s^2."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ctlblocks.recording import RecordingError
+from rigkit.even_time import STEADY
 from rigkit.foreign_record import is_sound, open_signals
 from rigkit.foreign_stream import Signals
 from vibractl.config import Audio
@@ -49,7 +51,7 @@ def responses_of(audio: Audio) -> Kind:
     return Kind("response", len(audio.response_channels), "m/s^2", audio.input_full_scale)
 
 
-def open_kind(path: Path, kind: Kind, rate: float) -> Signals:
+def open_kind(path: Path, kind: Kind, rate: float, is_mapped: bool = False) -> Signals:
     """Open all signals of one kind in a file that holds them, by name or because it holds nothing else.
 
     Numbers without a unit are parts of full scale in a sound, else in the kind's unit.
@@ -61,6 +63,8 @@ def open_kind(path: Path, kind: Kind, rate: float) -> Signals:
     kind : Kind
     rate : float, samples/s
         Which the file must have.
+    is_mapped : bool
+        Whether who calls takes a map of channels, for the error.
 
     Returns
     -------
@@ -71,16 +75,43 @@ def open_kind(path: Path, kind: Kind, rate: float) -> Signals:
     ------
     RecordingError : it names the file, what is in it and what must be.
     """
-    found = open_signals(path, rate)
+    found, _ = opened(path, rate)
     named = [f"{kind.name}_{number + 1}" for number in range(kind.width)]
     if set(named) <= set(found.names):
         found = found.select(named)
     elif len(found.names) != kind.width:
+        hint = f"; --map {named[0]}=CHANNEL,... says which they are" if is_mapped else ""
         raise RecordingError(
             f"{path}: {len(found.names)} channels ({', '.join(found.names)}), must be {kind.width}, one for each "
-            f"{kind.name}, or have channels named {', '.join(named)}"
+            f"{kind.name}, or have channels named {', '.join(named)}{hint}"
         )
     return found.scaled(kind.unit, scales_of(found, kind))
+
+
+def opened(path: Path, rate: float, channels: Sequence[str] | None = None) -> tuple[Signals, bool]:
+    """Open a file that has the rig's rate, or says none; and whether it says one.
+
+    Parameters
+    ----------
+    path : Path
+    rate : float, samples/s
+    channels : sequence of str, optional
+        As of `rigkit.foreign_record.open_signals`.
+
+    Raises
+    ------
+    RecordingError : another rate, or as of `open_signals`.
+    """
+    try:
+        found, says_rate = open_signals(path, None, channels), True
+    except RecordingError:
+        found, says_rate = open_signals(path, rate, channels), False
+    if not abs(found.rate - rate) <= STEADY * rate:
+        raise RecordingError(
+            f"{path}: {found.rate:.9g} samples/s, must be audio.rate, {rate:.9g}: nothing is resampled in silence, "
+            f"--set audio.rate={found.rate:.0f} processes it at its own rate"
+        )
+    return found, says_rate
 
 
 def scales_of(found: Signals, kind: Kind) -> np.ndarray:

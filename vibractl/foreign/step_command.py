@@ -24,12 +24,12 @@ from vibractl.reference import is_file
 from vibractl.reference_option import ReferenceOption
 from vibractl.run_setup import MODEL, UNCHANGED, create, settings_of, setup_of
 
-WAY_OUT = "go back to what it began with, or begin anew with another --state"
+WAY_OUT = "go back to what it began with, or begin again with another --state"
 
 
 def step_command(
-    state: Annotated[Path, typer.Option(metavar="S.h5", help="Where the learning stands; made by the first call.")],
-    out: Annotated[Path, written_file("NEXT.wav", "The drive to play next: parts of full scale.")],
+    state: Annotated[Path, typer.Option(metavar="S.h5", help="State of the learning; created by the first call.")],
+    out: Annotated[Path, written_file("NEXT.wav", "The drive to play next, in parts of full scale.")],
     drive: Annotated[Path | None, typer.Option(metavar="D.wav", help="The drive that was played.")] = None,
     response: Annotated[Path | None, typer.Option(metavar="R.wav", help="The response that was recorded.")] = None,
     model: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file from `calibrate vibrator`.")] = None,

@@ -119,7 +119,7 @@ class Stepper:
         name = checksum(response)
         known = [step.recording for step in self.state.steps]
         if name in known:
-            raise StepError(f"{heard}: was learned from before, as shot {known.index(name)}; record the drive anew")
+            raise StepError(f"{heard}: was learned from before, as shot {known.index(name)}; record the drive again")
         self._learner.response[: len(response)] = response
         followed = deepcopy(self._learner.mains)
         taken = self._learner.analysed()

@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from ctlblocks.recording import RecordingError
-from rigkit.even_time import STEADY
 from rigkit.foreign_arrays import SUFFIXES
-from rigkit.foreign_record import is_sound, open_signals
+from rigkit.foreign_record import is_sound
 from rigkit.foreign_stream import Signals
-from vibractl.foreign.signals import Kind, scales_of
+from vibractl.foreign.signals import Kind, open_kind, opened, scales_of
 
 BLOCK = 2**16
 """Samples that are read at once, of every file: drives and responses lie beside each other."""
@@ -113,6 +112,33 @@ def open_track(path: Path, kinds: Sequence[Kind], rate: float, given: Mapping[st
     return Track(chosen, np.concatenate(scales), np.concatenate(bounds), frames, says_rate)
 
 
+def open_mapped(path: Path, kind: Kind, rate: float, given: Mapping[str, str]) -> Signals:
+    """Open all signals of one kind in a file, by a map where one is given for that kind.
+
+    Parameters
+    ----------
+    path, kind, rate : as of `vibractl.foreign.signals.open_kind`
+    given : mapping of str to str
+        As of `parsed_map`; what it says of other kinds is for other files.
+
+    Returns
+    -------
+    Signals
+        In the kind's unit.
+
+    Raises
+    ------
+    RecordingError : as of `open_track`.
+    """
+    if not any(name.startswith(f"{kind.name}_") for name in given):
+        return open_kind(path, kind, rate, is_mapped=True)
+    wanted = [given.get(name, "") for name in _names(kind)]
+    found, _ = _opened(path, rate, wanted if all(wanted) else None)
+    names, signs = _channels(found, kind, given, is_alone=True)
+    chosen = found.select(names)
+    return chosen.scaled(kind.unit, signs * scales_of(chosen, kind))
+
+
 def has_all(path: Path, kind: Kind, given: Mapping[str, str], rate: float) -> bool:
     """Whether a file has channels of a kind, by map or by name."""
     names = _names(kind)
@@ -126,16 +152,7 @@ def _opened(path: Path, rate: float, channels: Sequence[str] | None) -> tuple[Si
     wanted = None
     if channels is not None and path.suffix.lower() in SUFFIXES:
         wanted = [channel.removeprefix("-") for channel in channels]
-    try:
-        found, says_rate = open_signals(path, None, wanted), True
-    except RecordingError:
-        found, says_rate = open_signals(path, rate, wanted), False
-    if not abs(found.rate - rate) <= STEADY * rate:
-        raise RecordingError(
-            f"{path}: {found.rate:.9g} samples/s, must be audio.rate, {rate:.9g}: nothing is resampled in silence, "
-            f"--set audio.rate={found.rate:.0f} processes it at its own rate"
-        )
-    return found, says_rate
+    return opened(path, rate, wanted)
 
 
 def _names(kind: Kind) -> list[str]:

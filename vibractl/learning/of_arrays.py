@@ -143,7 +143,7 @@ class FrequencyDomainILC:
     def _begin(self, reference: np.ndarray) -> None:
         wanted, model, settings = self._lines(reference, 1, "reference"), self._model, self._settings
         if not np.abs(wanted).max() > 0:
-            raise ValueError("reference is zero on every line, must be something to emit")
+            raise ValueError("reference is zero on every bin, must be something to emit")
         inverse, kind = bounded_inverse(model.response, settings), KINDS[self.law]
         start = kind.law.first(Plant(model.response, inverse, wanted))
         gains = Gains(settings.gains, settings.stages) if settings.gains else kind.gains
@@ -158,7 +158,7 @@ class FrequencyDomainILC:
         if found.shape != wanted:
             raise ValueError(f"{name} has shape {np.shape(given)}, must be {wanted[:1] if self._is_single else wanted}")
         if not np.isfinite(found).all():
-            raise ValueError(f"{name} is not finite on line {int(np.argwhere(~np.isfinite(found))[0][0])}")
+            raise ValueError(f"{name} is not finite on bin {int(np.argwhere(~np.isfinite(found))[0][0])}")
         return found
 
     def _told(self, lines: np.ndarray) -> np.ndarray:

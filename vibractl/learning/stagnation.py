@@ -56,8 +56,8 @@ class Stagnation:
         if self._first is not None and self._grown >= GROWING:
             said, self._since = self._grown > GROWING, self._since + 1
             self.text = (
-                f"errors grow, from {self._first:.0f} to {over_db:.0f} dB over the limit: this machine is not as the "
-                "model says; calibrate it again"
+                f"errors grow, from {self._first:.0f} to {over_db:.0f} dB over the limit: the response differs from "
+                "the model; calibrate again"
             )
             fields = {"over_db": tidy(over_db), "first_db": tidy(self._first), "at_hz": tidy(hz)}
             return None if said else Decision("errors_grow", fields)
@@ -68,7 +68,7 @@ class Stagnation:
         if self._since < WAIT:
             return None
         said = bool(self.text)
-        self.text = f"learning stands still, because {_reason(hz, shot, algorithm, is_hidden)}"
+        self.text = f"learning has stalled: {_reason(hz, shot, algorithm, is_hidden)}"
         if said:
             return None
         return Decision("stands_still", {"over_db": tidy(over_db), "at_hz": tidy(hz), "because": self.text})
@@ -91,7 +91,7 @@ def _reason(hz: float, shot: Shot, algorithm: Algorithm, is_hidden: bool) -> str
     follows = algorithm.belief.disturbance(shot, daring.nominal * error)[line] - shot.noise[line].sum()
     if follows < LARGE * float(np.sum(np.abs(error[line]) ** 2)):
         bound = f"the bound on what is left of an error is {daring.certificate[line]:.2f}"
-        return f"{where} what is taken away comes back: the machine moves, or is not as the model says ({bound})"
+        return f"{where} the error returns after each update: the plant changes, or differs from the model ({bound})"
     strong = algorithm.belief.strong
     off = np.linalg.norm(error[strong]) / np.linalg.norm(law.reference[strong])
-    return f"distortion {where} follows the reference's own lines, which are still {100 * off:.0f} % off"
+    return f"distortion {where} follows the reference's own bins, whose error is still {100 * off:.0f} % off"

@@ -32,14 +32,14 @@ from vibractl.setup import reference_of
 
 NEAREST = "nearest"
 
-library_app = application("Learned drives kept by reference, rig and tags, to start later runs from.")
+library_app = application("Stored drives by reference, rig and tags, to warm-start later runs.")
 
 LibraryOption = Annotated[
-    Path | None, typer.Option("--library", metavar="DIR", help="Folder of the library; without one, this user's.")
+    Path | None, typer.Option("--library", metavar="DIR", help="Folder of the library; default: this user's.")
 ]
 TagOption = Annotated[
     list[str] | None,
-    typer.Option("--tag", metavar="KEY=VALUE", help="A tag, such as depth=10; may be given many times."),
+    typer.Option("--tag", metavar="KEY=VALUE", help="A tag, such as depth=10; may be repeated."),
 ]
 NameArgument = Annotated[str, typer.Argument(metavar="NAME", help="Name of an entry.")]
 
@@ -75,11 +75,11 @@ def chosen_entry(
 @library_app.command("add")
 def add_command(
     run: RunArgument,
-    name: Annotated[str | None, typer.Option(help="Name of the entry; without one, the run's and the shot's.")] = None,
+    name: Annotated[str | None, typer.Option(help="Name of the entry; default: run and shot.")] = None,
     tag: TagOption = None,
     accept: AcceptOption = None,
     shot: Annotated[
-        int | None, typer.Option(help="Whose drive; without, the last that met the objective, or the least error.")
+        int | None, typer.Option(help="Shot of the drive; default: the last that met the objective, or of least error.")
     ] = None,
     library: LibraryOption = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an entry of that name.")] = False,
@@ -174,7 +174,7 @@ def nearest_command(
     write_json(json, {"entries": [_candidate(each) for each in found], "refused": refused})
 
 
-_HEAD = ["entry", "reference", "tags", "objective", "worst line, dB", "error, dB", "date, UTC"]
+_HEAD = ["entry", "reference", "tags", "objective", "worst bin, dB", "error, dB", "date, UTC"]
 
 
 def _row(name: str, entry: Entry) -> list[str]:

@@ -80,7 +80,7 @@ class Entry:
             if value.dtype.kind not in ("fc" if name in ("drive", "reference", "error", "model") else "f"):
                 raise EntryError(f"{name} holds {value.dtype}, must hold numbers")
             if not np.isfinite(value).all():
-                raise EntryError(f"{name} is not finite at line {np.argwhere(~np.isfinite(value))[0][0]}")
+                raise EntryError(f"{name} is not finite at bin {np.argwhere(~np.isfinite(value))[0][0]}")
         lines, outputs, inputs = self.model.shape if self.model.ndim == 3 else (0, 0, 0)
         wanted = {"frequency": (lines,), "drive": (lines, inputs), "reference": (lines, outputs)}
         wanted |= {"error": (lines, outputs), "variance": (lines, outputs, inputs)}

@@ -48,7 +48,7 @@ def misfit(entry: Entry, config: RigConfig, reference: Reference) -> str:
     if about["rig"] != config.rig.name:
         return f"of rig {about['rig']!r}, this rig is {config.rig.name!r}"
     if about["wiring"] != wiring(config):
-        return f"of channels and lines {about['wiring']}, this run has {wiring(config)}"
+        return f"of channels and bins {about['wiring']}, this run has {wiring(config)}"
     if about["reference_hash"] != reference_hash(reference, config.audio.rate):
         told = about["reference_text"]
         same = " (of another amplitude, taper or rate)" if told == reference.text else ""

@@ -177,7 +177,7 @@ def _wired_otherwise(entry: Entry, config: RigConfig, accept: Collection[str]) -
     """Say how the rig that an entry was learned on was wired otherwise; nothing where that does no harm."""
     found = measured_otherwise("vibrator", entry.about, config, f"library entry {entry.name}")
     try:
-        agreed(found, accept, "of a rig that was wired otherwise", "learn it anew")
+        agreed(found, accept, "of a rig that was wired otherwise", "learn it again")
     except DisagreementError as fault:
         return str(fault)
     return ""

@@ -29,7 +29,7 @@ def predict_command(
     shots: Annotated[int | None, typer.Option(help="Shots of each simulated run.")] = None,
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
     law: Annotated[
-        str | None, typer.Option(help="kalman, or thesis for the text's own law.", autocompletion=one_of(KINDS))
+        str | None, typer.Option(help="kalman, or thesis for the law of the thesis.", autocompletion=one_of(KINDS))
     ] = None,
     report: Annotated[Path | None, written_file("FILE", "Write an HTML page with figures.")] = None,
     accept: AcceptOption = None,
@@ -68,7 +68,7 @@ def _print(found: Prediction, json: str | None) -> None:
         stream.write(f"the guard would not let it out: {found.drives.violation}\n")
     if found.made.note:
         stream.write(f"{found.made.note}\n")
-    certified = f"{found.lines.certified.sum()} of {found.lines.learned.sum()} learned lines are certified to converge"
+    certified = f"{found.lines.certified.sum()} of {found.lines.learned.sum()} learned bins are certified to converge"
     if reasons.rows:
         print_table(certified, reasons.head, reasons.rows, stream)
     else:

@@ -76,7 +76,7 @@ def _facts(found: Prediction) -> Iterator[Fact]:
     yield Fact("10 to 90 % of simulated runs", ends)
     room = found.drives.headroom(found.made.config.limits)
     yield Fact("Least head-room", f"{room.min():.1f} dB", found.within_limits)
-    yield Fact("Learned lines certified to converge", f"{lines.certified.sum()} of {lines.learned.sum()}")
+    yield Fact("Learned bins certified to converge", f"{lines.certified.sum()} of {lines.learned.sum()}")
 
 
 def _sections(found: Prediction) -> Iterator[Section]:
@@ -105,7 +105,7 @@ def _certificate_plot(found: Prediction) -> Plot:
     legend_above(axes)
     return Plot(
         figure,
-        "Part of the error that the first update leaves, at most, with two standard deviations of doubt on G; bounds "
+        "Part of the error that the first update leaves, at most, with two standard deviations of G; bounds "
         f"above {TALLEST:g} are drawn there. Not certified does not mean that it diverges.",
     )
 
@@ -116,9 +116,9 @@ def _shots_plot(found: Prediction) -> Plot:
     axes.plot(np.arange(len(worst)), worst, color=COLOURS[4], linewidth=0.8)
     axes.axhline(0.0, **BOUND)
     low, high = np.nanmin(worst), np.nanmax(worst)
-    axes.set(xlabel="shot", ylabel="worst line over the limit, dB", ylim=(max(low, -40) - 3, min(high, 60) + 3))
+    axes.set(xlabel="shot", ylabel="worst bin over the limit, dB", ylim=(max(low, -40) - 3, min(high, 60) + 3))
     return Plot(
-        figure, "The worst line of every simulated run, each on another vibrator that the model does not rule out."
+        figure, "The worst bin of every simulated run, each on another vibrator that the model does not rule out."
     )
 
 

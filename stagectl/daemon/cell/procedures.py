@@ -12,7 +12,7 @@ SERVED = {each.name: each.served for each in registry.CELL if each.served} | {
     "calibrate-milling": Served(
         "Calibrate milling",
         "steps",
-        "This trial is run to its end and kept, a sweep holds at once; begun again, it goes on from there.",
+        "This trial is finished and stored, a sweep holds at once; begun again, it continues from there.",
         "stagectl.daemon.cell.options:MillingOptions",
         "calibration.milling.procedure:MillingProcedure",
         kind="calibrate",
@@ -20,7 +20,7 @@ SERVED = {each.name: each.served for each in registry.CELL if each.served} | {
     "calibrate-joints": Served(
         "Calibrate joints in a clamp",
         "steps",
-        "The arm holds where it is, soft servo and clamp stay; begun again, it measures the joints that are missing.",
+        "The arm holds where it is, soft servo and clamp stay; begun again, it measures the remaining joints.",
         "stagectl.daemon.cell.options:JointsOptions",
         "calibration.joint_clamping.procedure:JointsProcedure",
         kind="calibrate",

@@ -31,11 +31,11 @@ REACHES = {
 }
 
 
-PAUSED = "The reference comes to a stop within limits.ramp, and stays; it goes on from there. Recording goes on."
+PAUSED = "The reference stops within limits.ramp, and continues from there. Recording continues."
 CALIBRATION = "calibration.stage_axes.procedure:StageProcedure"
 """Found when it is asked for: calibration stands above this package."""
 CALIBRATION_ENDS = (
-    "The stage goes to rest, this excitation is discarded; begun again, it goes on from what is recorded."
+    "The stage goes to rest, this excitation is discarded; begun again, it continues from the recordings."
 )
 
 
@@ -72,7 +72,7 @@ class PiezoStage:
         self._ready: Ready | None = None
         self._under_way: _UnderWay | None = None
         self.faults = _fault_table(self.config)
-        ends = "The stage goes to mid-travel, what has come is kept, and the rig stays armed."
+        ends = "The stage goes to mid-travel, the recording is stored, and the rig stays armed."
         self.procedures: Sequence[Procedure] = (
             Procedure("follow", "Follow a reference", "run", "s", True, PAUSED, ends, FollowOptions, self._follow),
             Procedure("hold", "Hold a position", "run", "s", False, "", ends, HoldOptions, self._follow),

@@ -35,7 +35,7 @@ Task = Annotated[
         autocompletion=one_of([*POCKETS, PROCESS]),
     ),
 ]
-Newtons = Annotated[float | None, typer.Option("--force", metavar="N", help="The force wanted.")]
+Newtons = Annotated[float | None, typer.Option("--force", metavar="N", help="Set-point of the force.")]
 Out = Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make for recordings and report.")]
 Model = Annotated[Path | None, typer.Option(metavar="FILE", help="The robot's velocity model.")]
 Name = Annotated[
@@ -45,17 +45,20 @@ Untrained = Annotated[
     bool, typer.Option("--untrained", help=f"The planner does not know the rates: {', '.join(UNTRAINED)}.")
 ]
 PriorFile = Annotated[
-    Path | None, written_file("FILE", "uncertain keeps how far rates were off in FILE: see `stagectl plan`.", "--prior")
+    Path | None,
+    written_file("FILE", "uncertain stores the errors of its rates in FILE: see `stagectl plan`.", "--prior"),
 ]
-Count = Annotated[int, typer.Option("--pockets", min=1, max=20, help="How many, each in a piece of wood of its own.")]
+Count = Annotated[
+    int, typer.Option("--pockets", min=1, max=20, help="Number of pockets, each in a piece of wood of its own.")
+]
 Compares = Annotated[
     bool, typer.Option("--compare", help="Mill the last pocket once more by position control at the safe feed.")
 ]
-Seed = Annotated[int, typer.Option(min=0, help="Of what the planner draws.")]
-Paced = Annotated[bool, typer.Option("--paced", help="In real time; else as fast as it goes.")]
+Seed = Annotated[int, typer.Option(min=0, help="Seed of the planner's random numbers.")]
+Paced = Annotated[bool, typer.Option("--paced", help="In real time; else as fast as possible.")]
 Live = Annotated[bool, typer.Option("--live", help="The robot of [robot]; else the simulated cell.")]
-Sure = Annotated[bool, typer.Option("--yes", help="Live: go on from pocket to pocket without asking.")]
-Dry = Annotated[bool, typer.Option("--dry-run", help="Print every motion of a live run, and make none.")]
+Sure = Annotated[bool, typer.Option("--yes", help="Live: no confirmation between pockets.")]
+Dry = Annotated[bool, typer.Option("--dry-run", help="Print every motion of a live run; nothing moves.")]
 
 
 def force(
@@ -81,7 +84,7 @@ def force(
 ) -> None:
     """Mill as fast as the force allows: forces, kappa and beta with their uncertainty, feed; with the planner's order.
 
-    Live, it asks for a fresh piece before each pocket.  Ctrl-C in a strip goes back along it and holds the robot.
+    Live, it asks for a fresh piece before each pocket.  Ctrl-C in a strip retracts along it and holds the robot.
 
     Examples: `stagectl force --config cell.toml --force 10 --task pocket --compare --out RUN/`,
     `stagectl force --config cell.toml --live --task slot --out RUN/`

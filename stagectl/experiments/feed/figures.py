@@ -55,7 +55,7 @@ def control_plot(record: Recording, force: float, names: Names) -> Plot:
     if has_estimates:
         _estimate(panels[1], record, "kappa", 1e3, "κ, mm/(N s)", time, step)
         _estimate(panels[2], record, "beta", 1.0, "β", time, step)
-    panels[-1].plot(time[::step], 1e3 * channel(record, names.feed)[::step], color=BLUE, label="asked of the robot")
+    panels[-1].plot(time[::step], 1e3 * channel(record, names.feed)[::step], color=BLUE, label="reference of the robot")
     if has_estimates:
         panels[-1].plot(
             time[::step], 1e3 * channel(record, "estimated")[::step], color=RED, linewidth=0.8, label="observed"

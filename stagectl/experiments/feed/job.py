@@ -40,7 +40,7 @@ class Job:
         Whether the planner has to find out the rates.
     pockets : int
     seed : int
-        Of what the planner draws.
+        Seed of the planner's random numbers.
     compares : bool
         Whether the last pocket is milled once more by position control.
     prior : str
@@ -61,9 +61,7 @@ class Job:
         assert self.pocket is not None
         if self.is_untrained:
             if self.prior:
-                raise ValueError(
-                    f"an untrained planner knows no rates that could be off, must have no prior {self.prior}"
-                )
+                raise ValueError(f"an untrained planner has no prior of the rates, must have no prior {self.prior}")
             return untrained(self.planner, self.pocket)
         return planner(self.planner, self.pocket, self.seed, Path(self.prior) if self.prior else None)
 

@@ -137,7 +137,7 @@ def safe_feeds(milled: Iterable[Strip], types: Sequence[str]) -> dict[str, float
         if np.isfinite(each.slowest):
             found[each.name] = min(found.get(each.name, np.inf), each.slowest)
     if not found:
-        raise ValueError("no segment was under force control for long enough to tell a safe feed")
+        raise ValueError("no segment was under force control for long enough to determine a safe feed")
     least = min(found.values())
     return {name: found.get(name, least) for name in types}
 

@@ -45,7 +45,7 @@ def midrange(
         typer.Option(
             "--controller",
             metavar="NAME",
-            help=f"{', '.join(CONTROLLERS)}; table-3.1 runs all it needs.",
+            help=f"{', '.join(CONTROLLERS)}; table-3.1 runs all that it needs.",
             autocompletion=one_of(CONTROLLERS),
         ),
     ] = "aimc",

@@ -33,7 +33,7 @@ Runs = dict[str, Recording]
 """By the axis' name, which is empty where there is one axis only."""
 
 
-LAW = 2
+LAW = 3
 """Of what a controller makes of its inputs: a run of adaptive control by an earlier one is not made again."""
 
 

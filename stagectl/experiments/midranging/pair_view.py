@@ -82,7 +82,7 @@ class PairView:
         now, before = watch.newest("asked"), watch.newest("asked", back=1)
         speed = 0.0 if now is None or before is None else float(np.linalg.norm(now - before)) * LOOKS
         most = self._made.cell.limits.tool_speed
-        yield Gauge("tool_speed", "Tool speed that is asked of the robot", speed, "m/s", high=most, is_output=True)
+        yield Gauge("tool_speed", "Reference of the tool speed", speed, "m/s", high=most, is_output=True)
         control, limit = watch.newest("control"), self._made.config.inner.limit
         for axis, signal in zip(axes, () if control is None else control.tolist(), strict=False):
             yield Gauge(f"control_{axis}", f"Control signal of the stage, {axis}", signal, "m/s", -limit, limit)

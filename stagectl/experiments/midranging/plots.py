@@ -75,7 +75,7 @@ def control_plot(run: Recording, chosen: Scenario, config: MidrangeConfig) -> Pl
     if governed:
         panels[1].plot(time, channel(run, "share"), color=GREEN, linewidth=0.9)
         panels[1].set_ylabel("governor's share, 1")
-        caption += " Below: alpha, the share of the wanted change of the reference that the governor lets through."
+        caption += " Below: alpha, the share of the requested change of the reference that the governor passes."
     return Plot(figure, caption + _mark(panels, chosen, run))
 
 

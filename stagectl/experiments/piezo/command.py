@@ -34,9 +34,9 @@ def run_command(
     ] = None,
     seconds: Annotated[float | None, typer.Option(help="Length of the run.")] = None,
     scenario: Annotated[
-        str | None, typer.Option(metavar="milling-x|milling-y|milling-z", help="What disturbs it.")
+        str | None, typer.Option(metavar="milling-x|milling-y|milling-z", help="Simulated disturbance.")
     ] = None,
-    seed: Annotated[int | None, typer.Option(help="Which simulated stage.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed of the simulated stage.")] = None,
     live: Annotated[bool, typer.Option("--live", help="The stage behind its CAN adapter.")] = False,
     accept: AcceptOption = None,
     settings: SetOption = None,

@@ -40,7 +40,7 @@ def learned(record: Recording, made: "Setup") -> tuple[Prefilter | None, ...]:
     found: list[Prefilter | None] = []
     for axis, design, measured in zip(config.stage.axes, made.designs, made.measured, strict=True):
         if measured is None:
-            raise ValueError(f"the model of {axis} does not say what was heard of the stage: calibrate again")
+            raise ValueError(f"the model of {axis} does not hold the measured response of the stage: calibrate again")
         laser, position = record.select([f"absolute_{axis}", f"position_{axis}"]).data[begin:].T.astype(float)
         seen = disturbance(laser - position, record.rate)
         found.append(prefilter(design, config.outer, seen, lateness(config), measured))

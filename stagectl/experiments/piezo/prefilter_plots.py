@@ -26,8 +26,9 @@ def prefilter_plot(result: Result) -> Plot:
     axes.legend(loc="best")
     return Plot(
         figure,
-        "What loop and prefilter leave of a deflection, on the axes' models; dotted: the loop as designed, without "
-        "prefilter. Above the line it is made larger: that is dared where the deflection that was seen has little.",
+        "Sensitivity of loop and prefilter to a deflection, on the axes' models; dotted: the loop as designed, without "
+        "prefilter. Above the line the deflection is amplified: the design allows this where the measured deflection "
+        "has little power.",
     )
 
 

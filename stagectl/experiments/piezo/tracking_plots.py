@@ -46,7 +46,7 @@ def error_plot(result: Result) -> Plot:
         axes.set_title(f"Axis {result.axes[number]}")
         axes.set_ylabel("error, µm")
     panels[-1].set_xlabel("time, s")
-    what = "Wanted position less laser" if result.made.config.deflection.on else "Reference less measured position"
+    what = "Reference position minus laser" if result.made.config.deflection.on else "Reference less measured position"
     return Plot(figure, f"{what}, as the smallest and largest sample of short spans. Dashed: ±5 µm.")
 
 

@@ -66,7 +66,7 @@ def write_report(
         facts += [Fact(f"Unexplained, {name}", f"{100 * part:.2g} %", part <= LINEAR) for name, part in _left(figures)]
         about = (
             "The model is of first order with dead time, fitted to all repetitions; +- is one standard error, by "
-            "leaving out each repetition in turn, and says nothing of what such a model cannot be."
+            "leaving out each repetition in turn; it does not cover the error of the model structure."
         )
         section = Section("Responses", about, plots, (Table(HEAD, tuple(rows(figures))), _terms(figures)))
         title = f"{wanted.kind.capitalize()} responses of {' and '.join(wanted.manipulators)}"

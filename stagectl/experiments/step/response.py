@@ -27,7 +27,7 @@ class Wanted(Section):
     size: float = setting(0.5e-3, "m", "of the steps, or the peak of the multisine", gt=0, le=0.1)
     period: float = setting(8.0, "s", "of the steps, up and down, or of the multisine", ge=0.1, le=600)
     repeats: int = setting(4, "periods", "of each manipulator; a multisine has one more ahead of them", ge=2, le=100)
-    highest: float = setting(20.0, "Hz", "line of the multisine", gt=0, le=1000)
+    highest: float = setting(20.0, "Hz", "bin of the multisine", gt=0, le=1000)
 
     @property
     def manipulators(self) -> list[str]:
@@ -55,7 +55,7 @@ class Wanted(Section):
         count = round(self.period * rate)
         most = min(int(self.highest * self.period + 1e-9), (count - 1) // 2)
         if most < 3:
-            raise ValueError(f"highest is {self.highest:g} Hz, must be >= {3 / self.period:g} Hz: three lines")
+            raise ValueError(f"highest is {self.highest:g} Hz, must be >= {3 / self.period:g} Hz: three bins")
         return np.arange(1, most + 1)
 
 

@@ -25,7 +25,7 @@ from stagectl.robot.live.person import Person
 
 ResumeOption = Annotated[
     Path | None,
-    typer.Option(metavar="RUN/", help="Go on with that run: its settings, and the setups that are left of it."),
+    typer.Option(metavar="RUN/", help="Continue that run with its settings: the remaining setups."),
 ]
 ModelsOption = Annotated[
     list[Path] | None,
@@ -51,10 +51,10 @@ def cell(
     config: ConfigOption = None,
     stage: Annotated[Path | None, typer.Option(metavar="FILE", help="The stage's own rig file.")] = None,
     model: ModelsOption = None,
-    is_paced: Annotated[bool, typer.Option("--paced", help="In real time; else as fast as it goes.")] = False,
+    is_paced: Annotated[bool, typer.Option("--paced", help="In real time; else as fast as possible.")] = False,
     is_live: LiveOption = False,
     is_sure: Annotated[
-        bool, typer.Option("--yes", help="With --live: nobody is asked before the robot moves.")
+        bool, typer.Option("--yes", help="With --live: no confirmation before the robot moves.")
     ] = False,
     png: PngOption = None,
     accept: AcceptOption = None,
@@ -78,7 +78,7 @@ def cell(
         _go_on(CommandLine("the toroid", was_live(resume), resume, png, json, clock), resume, is_sure, accept or ())
         return
     if setup is None or out is None:
-        raise ValueError("--setup and --out are missing: what is run, and where it is kept")
+        raise ValueError("--setup and --out are missing: the setup, and the folder of its run")
     refuse_needless_yes(is_sure, is_live)
     if is_live and is_paced:
         raise ValueError("--paced and --live are given, must be one of them: live, the robot is the clock")

@@ -61,7 +61,7 @@ class _View:
         self._motion = Motion(made.plans[0].cell, idle)
         self._rows: list[dict[str, Any]] = []
         self.sources = {**REFERENCE, "age": "seen.age", "deviation": "relative.deviation", "travel": "travel.reference"}
-        titles = {"deviation": "Tool off its path", "travel": "Stage, asked of it"}
+        titles = {"deviation": "Tool off its path", "travel": "Stage, reference"}
         self._strips = [Strip(name, "m", (name,), AXES, title) for name, title in titles.items()]
 
     def gauges(self, watch: Watch) -> Iterator[Gauge]:

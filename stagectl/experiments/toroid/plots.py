@@ -129,7 +129,7 @@ def travel_plot(runs: list[Run]) -> Plot:
         panel.set_ylabel("µm")
     panels[0].legend(loc="best", ncols=3)
     panels[-1].set_xlabel("time, s")
-    return Plot(figure, "What is asked of the stage, from the middle of its travel. Dashed: its ends.")
+    return Plot(figure, "Reference of the stage, from the middle of its travel. Dashed: its ends.")
 
 
 def _along(axes: Axes, run: Run, signal: np.ndarray) -> None:

@@ -71,7 +71,7 @@ class Asked:
 
         def make(done: Collection[str]) -> Milling:
             if any(path.glob(f"*-{BESIDE}.csv")):
-                raise ValueError(f"{path}: is of version 0.1.0, must be begun anew: it is reported and replayed")
+                raise ValueError(f"{path}: is of version 0.1.0, must be begun again: it can be reported and replayed")
             cell, task = task_of(path)
             joints = path / JOINTS if (path / JOINTS).is_file() else None
             made = self._made(cell, Files(task, path / MODEL, joints), done, path)

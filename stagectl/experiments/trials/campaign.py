@@ -62,7 +62,7 @@ def refuse_worse(free: DoneTrial, least: float) -> float:
     found = size(free)
     if found > WORSE * least:
         raise ValueError(
-            f"{free.name}: in the air the tool is {1e6 * found:.0f} µm off its path after learning, {1e6 * least:.0f} "
+            f"{free.name}: in air cuts the tool is {1e6 * found:.0f} µm off its path after learning, {1e6 * least:.0f} "
             "before: G_R is of another robot, calibrate again; nothing is milled"
         )
     return min(found, least)

@@ -32,10 +32,10 @@ PACES = {True: "in real time", False: "simulated some five times as fast"}
 """How long motions take, live and simulated."""
 METHOD, ITERATIONS, TASK = "1", 4, "pocket28"
 """Unless given."""
-UNTOUCHED = "nothing is touched off, where the tracker's axes are off is learned as an error, and the cut goes by G_M"
+UNTOUCHED = "no touch-off, offsets of the tracker's axes are learned as errors, and the cut is predicted by G_M"
 ResumeOption = Annotated[
     Path | None,
-    typer.Option(metavar="RUN/", help="Go on with that run: its settings and models, the trials that are left."),
+    typer.Option(metavar="RUN/", help="Continue that run with its settings and models: the remaining trials."),
 ]
 
 
@@ -50,7 +50,7 @@ LogsOption = Annotated[
 ]
 JointsOption = Annotated[
     Path | None,
-    typer.Option(metavar="FILE", help="Joint models: the path carries the lost motion of joints that turn around."),
+    typer.Option(metavar="FILE", help="Joint models, to compensate lost motion at reversals in the path."),
 ]
 PlayOption = Annotated[
     Path | None, typer.Option("--path", metavar="LOGDIR", help="Write the path to play first, sent.csv; run nothing.")
@@ -68,8 +68,8 @@ def ilc(
     out: Annotated[Path | None, typer.Option(metavar="RUN/", help="Folder to make for trials and report.")] = None,
     resume: ResumeOption = None,
     is_live: Annotated[bool, typer.Option("--live", help="The robot of [robot]; else the simulated cell.")] = False,
-    is_sure: Annotated[bool, typer.Option("--yes", help="Live: go on from trial to trial without asking.")] = False,
-    dry: Annotated[bool, typer.Option("--dry-run", help="Print every motion of a live run, and make none.")] = False,
+    is_sure: Annotated[bool, typer.Option("--yes", help="Live: no confirmation between trials.")] = False,
+    dry: Annotated[bool, typer.Option("--dry-run", help="Print every motion of a live run; nothing moves.")] = False,
     logs: LogsOption = None,
     play: PlayOption = None,
     config: ConfigOption = None,
@@ -86,8 +86,8 @@ def ilc(
     force estimated from motor torques.  For a trial that is run elsewhere --path writes what to play, and --from reads
     its logs and writes the path to send next into that folder.
 
-    Live, it asks before each trial: for no block, or for a fresh one.  Ctrl-C in a trial lifts the tool out.  Stopped
-    or killed, --resume goes on with the trial that was under way; with --iterations or --method a run goes further.
+    Live, it asks before each trial: for no block, or for a fresh one.  Ctrl-C in a trial lifts the tool out.  After a
+    stop or kill --resume continues with the trial in progress; --iterations or --method extend a run.
 
     Examples: `stagectl ilc --config cell.toml --method 1 --iterations 4 --task pocket28 --out RUN/`,
     `stagectl ilc --config cell.toml --method 1 --live --out RUN/`, `stagectl ilc --resume RUN/ --iterations 8`,
@@ -111,7 +111,7 @@ def ilc(
     elif logs is not None:
         _say_next(logs, cell, files, methods, accept or [], json)
     elif out is None:
-        raise ValueError("--out is missing: trials are kept there")
+        raise ValueError("--out is missing: the folder of the trials")
     else:
         _run(_line(is_live, out, png, json), cell, files, methods, some, accept or [], is_sure)
 

@@ -145,7 +145,7 @@ class Milling:
     def figures(self, records: Records) -> dict[str, Any]:
         """Return the errors of each trial that came to its end, m: in the air, and by method."""
         if not (whole := self.whole(records)):
-            raise ValueError("no trial has come to its end")
+            raise ValueError("no trial has ended")
         return figures(*grouped(whole))
 
     def report(self, path: Path, records: Records, figures: Mapping[str, Any], png: Path | None) -> None:

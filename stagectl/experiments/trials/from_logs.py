@@ -36,7 +36,7 @@ def learn_from_logs(folder: Path, first: Trial, learner: Learner, method: int) -
     done = LogFolder(folder, first, axes)
     air = LogFolder(folder / AIR, first, axes) if (folder / AIR).is_dir() else None
     if air is None and method != 1:
-        raise ValueError(f"{folder / AIR}/ is missing: method {method} needs the logs of a trial in the air")
+        raise ValueError(f"{folder / AIR}/ is missing: method {method} needs the logs of an air cut")
     if air is not None:
         done.zero, done.apart = air.touch_off(), air.apart
         kinematic = kinematic_error([air.signals(True, False)])

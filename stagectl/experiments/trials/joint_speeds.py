@@ -27,7 +27,7 @@ def refuse_unknown_speeds(first: Trial, known: np.ndarray, smoothing: float, sou
     joint = int(np.argmin(known - wanted))
     if known[joint] < wanted[joint]:
         raise ValueError(
-            f"{source} tells the friction of joint {joint + 1} at up to {known[joint]:.3g} rad/s, must be >= "
-            f"{wanted[joint]:.3g} rad/s, as fast as milling may turn it: raise friction.speed, which "
-            "limits.tool_speed holds down, too, or lower pocket.feed"
+            f"{source} gives the friction of joint {joint + 1} at up to {known[joint]:.3g} rad/s, must be >= "
+            f"{wanted[joint]:.3g} rad/s, the speed that milling may need: raise friction.speed, which "
+            "limits.tool_speed bounds as well, or lower pocket.feed"
         )

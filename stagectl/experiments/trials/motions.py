@@ -23,7 +23,7 @@ def steps(cell: CellConfig, first: Trial, trials: int) -> list[str]:
     before, after = ways(cell, first)
     return [
         before,
-        f"{cell.learning.free + 1} trials in the air, x {lowest[0]:.0f} to {highest[0]:.0f}, y {lowest[1]:.0f} to "
+        f"{cell.learning.free + 1} air cuts, x {lowest[0]:.0f} to {highest[0]:.0f}, y {lowest[1]:.0f} to "
         f"{highest[1]:.0f}, z {lowest[2]:.0f} to {highest[2]:.0f} mm in the workpiece, and up to "
         f"{1e3 * cell.learning.correction:g} mm beside that: {path.samples / RATE:.1f} s each, no block under the tool",
         f"{trials} trials in material, {1e3 * path.pocket.depth:g} mm deep: {path.samples / RATE:.1f} s each, a fresh "

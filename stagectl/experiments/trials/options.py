@@ -16,7 +16,7 @@ from stagectl.robot.config import CellConfig
 class IlcOptions(Run):
     """Trials in the air, then in material."""
 
-    resume: bool = setting(False, "", "go on with the run of that name: its settings, task and models")
+    resume: bool = setting(False, "", "continue the run of that name with its settings, task and models")
     method: str = setting("1", "", "1, 2, 3, several as 1,2, or all", pattern=r"^(all|[123](,[123]){0,2})$")
     iterations: int = setting(4, "trials", "in material after the first one, of each method", ge=1, le=50)
     task: Literal["pocket28", "pocket28-deep", "pocket"] = setting("pocket28", "", "pocket is that of [pocket]")

@@ -142,7 +142,7 @@ def _along(done: Sequence[DoneTrial]) -> Plot:
             panel.legend(loc="best", ncols=2, title="trial")
         if axis == 2:
             panel.set_xlabel("time, s")
-    return Plot(figure, "What is wanted less where the tool was, in the first trial and in the last.")
+    return Plot(figure, "Reference minus position of the tool, in the first and the last trial.")
 
 
 def _errors(found: Mapping[str, Any]) -> tuple[str, ...]:

@@ -173,7 +173,7 @@ def torque_log(trial: Trial, records: Mapping[str, Recording]) -> tuple[np.ndarr
     stamp = beside.select(stamped.channels).data[:, 0]
     new = np.flatnonzero(np.diff(stamp) != 0) + 1
     if not len(new):
-        raise ValueError("no motor torques are heard")
+        raise ValueError("no motor torques arrive")
     torque = beside.select(logged.channels).data[new]
     grid = np.arange(len(angle)) / RATE
     return angle, on_grid(stamp[new], torque, grid, trial.cell.learning.gap, "the torque signals")

@@ -54,7 +54,7 @@ class Person:
         while not stopped():
             if select.select([line], [], [], _LOOK)[0]:
                 if not os.read(line, 1_024):
-                    raise ValueError("the terminal has gone: nobody confirms")
+                    raise ValueError("the terminal has gone: no confirmation")
                 return
         raise Stopped("stopped before the robot moved on: it is held")
 
@@ -63,6 +63,6 @@ def refuse_without_terminal() -> None:
     """Refuse to ask where nobody can answer, by ValueError."""
     if not sys.stdin.isatty():
         raise ValueError(
-            "the standard input is no terminal: nobody can confirm that the block is in its place; say --yes to go on "
-            "without asking"
+            "the standard input is no terminal: nobody can confirm that the block is in its place; --yes goes on "
+            "without confirmation"
         )

@@ -5,11 +5,12 @@ from typing import Any
 
 import numpy as np
 
+from rigkit.discrete_system import arrays_of, is_system
 from stagectl.robot.midranging.axis_record import ORDER
 from stagectl.robot.midranging.tuning import LoopModel
 
 System = Sequence[Any]
-"""(numerator, denominator) in falling powers of z, or (A, B, C) or (A, B, C, D)."""
+"""(numerator, denominator) in falling powers of z, (A, B, C), (A, B, C, D), or a system of scipy.signal or control."""
 NOTHING = 1e-12
 """Share of the largest coefficient that is rounding."""
 
@@ -19,7 +20,7 @@ def coefficients(system: System) -> tuple[np.ndarray, np.ndarray]:
 
     Parameters
     ----------
-    system : (numerator, denominator) or (A, B, C) or (A, B, C, D)
+    system : (numerator, denominator) or (A, B, C) or (A, B, C, D), scipy.signal.dlti, or of python-control
         One input, one output, strictly proper: arrays of falling powers of z, or a state space's.
 
     Returns
@@ -36,6 +37,8 @@ def coefficients(system: System) -> tuple[np.ndarray, np.ndarray]:
     >>> coefficients(([0.5], [1.0, -0.5, 0.0]))
     (array([0. , 0. , 0.5]), array([ 1. , -0.5,  0. ]))
     """
+    if is_system(system):
+        system = arrays_of(system)
     if len(system) == 2:
         numerator, denominator = (np.trim_zeros(np.atleast_1d(np.asarray(each, float)), "f") for each in system)
     elif len(system) in (3, 4):

@@ -88,6 +88,7 @@ LOOP = np.dtype(
         ("wanted_time", "f8"),  # samples, its time constant; 0 where it is not of first order
         ("bank", CANDIDATE, BANK),
         ("candidates", "i8"),
+        ("chosen", "i8"),  # of them
         # excitation of the estimation phase, and how its end is judged
         ("amplitude", "f8"),  # m
         ("half_period", "f8"),  # samples
@@ -169,7 +170,8 @@ AXIS = np.dtype(
         ("slow", LOOP),
         ("governor", GOVERNOR),
         ("valve", VALVE),
-        ("swing", SWING),
+        ("swing", SWING),  # what valve position control takes over for
+        ("ripple", SWING),  # what only noise is smaller than, about a quicker mean
         ("tracking", "f8"),  # 1 a sample, of the valve position control's fast integral
         ("order", "i8"),
         ("middle", "f8"),  # m
@@ -186,6 +188,7 @@ AXIS = np.dtype(
         ("error", "f8"),  # m, of the relative position
         ("disturbance", "f8"),  # m
         ("outside", "f8"),  # m, relative position less both manipulators', as measured
+        ("cautious", "i8"),  # whether the error has oscillated
         ("slow_given", "f8"),  # m, what both loops were given last
         ("fast_given", "f8"),
         ("blind", "i8"),  # samples in which something was no number

@@ -55,8 +55,6 @@ def best(loop: Record) -> int:
 def choose(loop: Record, order: int, chosen: int) -> None:
     """Use a candidate from now on, its estimate and its covariance; how the estimator forgets stays the loop's own."""
     candidate, own = loop.bank[chosen], loop.squares
-    own.estimate[:] = candidate.squares.estimate
-    own.factors[:] = candidate.squares.factors
     own.outputs[:] = candidate.squares.outputs
     own.inputs[:] = candidate.squares.inputs
     own.slow_input = candidate.squares.slow_input
@@ -64,6 +62,15 @@ def choose(loop: Record, order: int, chosen: int) -> None:
     left = max(candidate.squares.residual_power - 2.0 * own.variance, 0.0)
     own.relative = max(ALLOWED * left / max(candidate.squares.activity_power, 1e-300), (LEAST * (1.0 - own.pole)) ** 2)
     own.most = DEAFEST * own.relative
-    loop.delay = candidate.delay
+    loop.chosen, loop.delay = chosen, candidate.delay
+    recall(loop, order)
+
+
+@njit(cache=True, nogil=True)
+def recall(loop: Record, order: int) -> None:
+    """Use the model that was chosen, and its covariance, as the estimation phase has left them."""
+    candidate, own = loop.bank[loop.chosen], loop.squares
+    own.estimate[:] = candidate.squares.estimate
+    own.factors[:] = candidate.squares.factors
     own.estimate[: 2 * order] = candidate.model.used[: 2 * order]
     model.adopt(loop, order)

@@ -38,7 +38,9 @@ NOISES = 4.0, 1.0
 """Standard deviations of the fast position's noise: how far the control signal keeps off its limit, and how far the
 smoothed position may be from what is measured."""
 SWING_LEAST = 0.05
-"""Share of the travel, below which the mean size of an oscillation's half waves does not matter."""
+"""Share of the travel, below which valve position control does not take over for an oscillation."""
+RIPPLE_MEAN = 2.0
+"""Memory of the mean that small oscillations are about, over the fast loop's dead time and time constant."""
 FALL_BACK = ValvePositionAxis(Pi(1.0, 10.0), Pi(1.0, 1.0), tracking=0.1)
 
 
@@ -214,6 +216,8 @@ def _packed(axis: InternalModelAxis, order: int, rate: float) -> np.void:
     swing["pole"], swing["noise"] = math.exp(-WINDOW / window), noise
     travel = axis.governor.travel
     swing["least"] = max(SWING_LEAST * travel if math.isfinite(travel) else 0.0, NOISES[0] * noise)
+    ripple, fast = record["ripple"], sum(float(record["fast"][name]) for name in ("delay", "time"))
+    ripple["pole"], ripple["noise"], ripple["least"] = math.exp(-1.0 / (RIPPLE_MEAN * fast)), noise, NOISES[0] * noise
     return record
 
 

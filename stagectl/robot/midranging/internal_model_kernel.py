@@ -41,6 +41,8 @@ WINDOW = 4.0
 """Of the watch over the models, over the slow loop's dead time and time constant together."""
 FAST_MOST, SLOW_MOST, LEAST = 1.5, 1.1, 0.05
 """A model diverges where its error is so many times its output, and so large a share of the travel."""
+CAUTIOUS = 0.5
+"""Time constant of the fast loop's robustness filter once the error oscillates, over the loop's."""
 HALVINGS = 3
 """Of valve position control's gain, at most: a sensor that swings by itself does not end control."""
 
@@ -174,24 +176,40 @@ def _look(axis: Record, seen: tuple[float, float, float, float]) -> tuple[float,
 
 @njit(cache=True, nogil=True)
 def _supervise(axis: Record, fast: float, slow: float) -> None:
-    """Let valve position control take over where a model diverges, or the error goes on oscillating."""
+    """Answer to a model that diverges, and to an error that goes on oscillating: with caution, then by taking over."""
     least, order = LEAST * axis.governor.travel, axis.order
     if not math.isfinite(least):
         least = 0.0
     is_off = supervision.is_diverging(axis.fast, FAST_MOST, least, fast, model.shown(axis.fast, order))
     if supervision.is_diverging(axis.slow, SLOW_MOST, least, slow, model.shown(axis.slow, order)) or is_off:
         _take_over(axis, DIVERGING)
-    elif oscillation.is_oscillating(axis.swing, axis.error, axis.reference - axis.outside):
+        return
+    called = axis.reference - axis.outside
+    is_small = oscillation.is_oscillating(axis.ripple, axis.error, called)
+    is_large = oscillation.is_oscillating(axis.swing, axis.error, called)
+    if is_small and not axis.cautious:
+        _be_cautious(axis)
+        oscillation.begin(axis.swing)
+    elif is_large:
         _take_over(axis, OSCILLATING)
         oscillation.begin(axis.swing)
 
 
 @njit(cache=True, nogil=True)
+def _be_cautious(axis: Record) -> None:
+    """Go back to the fast model of the estimation phase, which starts anew no more, and feed back less of its error."""
+    fast = axis.fast
+    identification.recall(fast, axis.order)
+    fast.squares.limit = math.inf
+    fast.filter_pole = max(fast.filter_pole, math.exp(-1.0 / (CAUTIOUS * fast.time)))
+    axis.cautious = 1
+
+
+@njit(cache=True, nogil=True)
 def _relax(axis: Record) -> None:
     """Halve the gain of valve position control where that oscillates as well; neither reference jumps."""
-    swing = axis.swing
+    swing, control = axis.swing, axis.valve
     if oscillation.is_oscillating(swing, axis.error, axis.reference - axis.outside) and swing.halved < HALVINGS:
-        control = axis.valve
         swing.halved += 1
         control.fast_gain, control.fast_rate = 0.5 * control.fast_gain, 0.5 * control.fast_rate
         control.fast_integral += control.fast_gain * axis.error

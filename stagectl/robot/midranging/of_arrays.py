@@ -105,7 +105,7 @@ def valve_position(
 
     Parameters
     ----------
-    fast, slow : (numerator, denominator) in falling powers of z, or (A, B, C) or (A, B, C, D)
+    fast, slow : (numerator, denominator) in falling powers of z, (A, B, C), (A, B, C, D), scipy's or control's
         The closed loops of the fast and the slow manipulator, discrete at `rate`, gain one at rest.
     rate : float, samples/s
     kind : str

@@ -8,6 +8,8 @@ from stagectl.robot.milling.velocity_loop_kernel import foreseen
 
 SCATTERS = 2.0
 """Of the usual scatter, beside the share of the force wanted, beyond which it brakes: a ripple's peak is at 1.6."""
+LARGER = 1.5
+"""Times a swing before, as it fades, that one must be to be braked for: one in 0.2 s and more often is not."""
 RELEASE = 0.5
 """Of the way from the force wanted to where it brakes, at which it ends."""
 LEAD = 2.0
@@ -18,23 +20,38 @@ LEAD = 2.0
 def begin(brake: Record) -> None:
     """Have seen nothing."""
     brake.scatter, brake.last, brake.is_on = brake.noise, 0.0, 0
+    brake.swing = brake.peak = 0.0
+
+
+@njit(cache=True, nogil=True)
+def _swing(brake: Record, over: float) -> None:
+    """Keep how far the force went beyond what is wanted in the swings before this one, as it fades; `over` in N."""
+    brake.peak -= brake.slow * brake.peak
+    if over > 0.0:
+        brake.swing = max(brake.swing, over)
+    else:
+        brake.peak, brake.swing = max(brake.peak, brake.swing), 0.0
 
 
 @njit(cache=True, nogil=True)
 def observe(feed: Record, force: float, notched: float) -> bool:
     """Take in a force, N, as it is and without its ripple; return whether the feed is braked in this sample.
 
-    The scatter goes on while it brakes, so that chatter, which no feed ends, does not hold the tool for good.
+    A swing about as large as those before is none that a feed ends: chatter is not braked for.  Where the robot
+    does not follow its model, nothing is foreseen, and the loop for its lag is all there is.
     """
     brake = feed.brake
-    if feed.phase != CONTROLLING and feed.phase != ESTIMATING:
+    if (feed.phase != CONTROLLING and feed.phase != ESTIMATING) or feed.is_careful:
         brake.is_on = 0
         return False
     beyond = (brake.share - 1.0) * feed.force + SCATTERS * brake.scatter
-    seen = min(force, notched)
-    least = feed.force + (RELEASE if brake.is_on else 1.0) * beyond
-    brake.is_on = 1 if (seen if brake.is_on else 0.5 * (seen + brake.last)) > least else 0
-    brake.last = seen
+    seen, was = min(force, notched), brake.last
+    mean, brake.last = 0.5 * (seen + was), seen
+    _swing(brake, mean - feed.force)
+    if brake.is_on:
+        brake.is_on = 1 if seen > feed.force + RELEASE * beyond else 0
+    else:
+        brake.is_on = 1 if mean > feed.force + max(beyond, LARGER * brake.peak) else 0
     if feed.phase == CONTROLLING:
         brake.scatter += brake.slow * (abs(force - feed.waves.level) - brake.scatter)
     return bool(brake.is_on)
@@ -51,8 +68,6 @@ def _foreseen(feed: Record, velocity: float, goal: float) -> float:
     """Return the velocity in the time in which the robot follows by half, if `goal` is asked for until then, m/s."""
     loop, brake = feed.loop, feed.brake
     n = loop.states
-    if feed.is_careful:
-        return velocity
     for i in range(n):
         brake.state[i] = loop.state[i]
     for _ in range(brake.samples):

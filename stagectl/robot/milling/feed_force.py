@@ -126,6 +126,10 @@ class FeedForce(Block):
                 f"for its feed the force must be beyond force.overload, {settings.overload:g} N, by what is known of "
                 "the material: the force sensor's scale?"
             ),
+            record.CHATTERING: (
+                f"the tool still chatters {settings.chattering:g} s after the feed was lowered for the last time: mill "
+                "less deep, or at another speed of the spindle"
+            ),
             record.STUCK: f"the force has been exactly the same for {settings.stuck:g} s",
             record.SENSOR: f"there is no valid force for {settings.blind:g} s",
         }[int(self._feed.reason)]
@@ -214,6 +218,7 @@ def _pack(feed: Record, settings: ForceFeed, rate: float) -> None:
     feed.kappa_doubt, feed.beta_doubt = settings.kappa_deviation**2, settings.beta_deviation**2
     feed.careful_lag, feed.careful_integral = 1.0 / settings.careful_lag, settings.careful_integral**-2
     feed.chatter_share, feed.stuck_samples = settings.chatter, max(1, round(settings.stuck * rate))
+    feed.chatter_samples = max(1, round(settings.chattering * rate))
     feed.law.ratio, feed.law.is_adapted = settings.renewal, settings.adapted
     feed.law.fixed_kappa, feed.law.fixed_widening = settings.kappa, math.hypot(1.0, settings.beta)
     feed.follow.forget, feed.follow.floor = -math.expm1(-1.0 / (FORGET * rate)), FLOOR

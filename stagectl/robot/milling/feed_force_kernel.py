@@ -20,6 +20,7 @@ from stagectl.robot.milling.feed_record import (
     APPROACHING,
     BRAKED,
     CHATTER,
+    CHATTERING,
     CONTROLLING,
     ESTIMATING,
     IDLE,
@@ -79,11 +80,14 @@ def _judge(feed: Record, measured: float) -> None:
         _be_careful(feed, MODEL)
     if feed.phase != CONTROLLING:
         return
+    feed.usual += feed.brake.slow * (feed.wanted - feed.usual)
     if waves.oscillates(feed.waves):
         _be_careful(feed, OSCILLATION)
     if waves.chatters(feed.waves):
         feed.notice |= CHATTER
-        feed.cap = max(feed.chatter_share * min(feed.cap, feed.wanted), CREEP * feed.most)
+        feed.cap = max(feed.chatter_share * min(feed.cap, feed.usual), CREEP * feed.most)
+    if feed.waves.lasting >= feed.chatter_samples:
+        watch.retreat(feed, CHATTERING)
     if feed.waves.weight > 0.0:
         feed.notice |= RIPPLE
     watch.recognize(feed)
@@ -187,7 +191,7 @@ def _step(feed: Record, measured: float, along: float, across: float, is_valid: 
     feed.estimating = feed.estimating + 1 if feed.phase == ESTIMATING else 0
     if feed.phase == ESTIMATING and (watch.is_known(feed, force) or feed.estimating > feed.hesitation):
         feed.notice |= 0 if watch.is_known(feed, force) else UNKNOWN
-        feed.phase, feed.waves.samples = CONTROLLING, 0
+        feed.phase, feed.waves.samples, feed.usual = CONTROLLING, 0, feed.wanted
         law.begin(feed, velocity, notched)
     feed.last_velocity, feed.last_force = velocity, force
     if IDLE < feed.phase <= CONTROLLING:

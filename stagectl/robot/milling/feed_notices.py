@@ -3,9 +3,9 @@
 from stagectl.robot.milling.feed_record import BRAKED, CHATTER, MODEL, OSCILLATION, RIPPLE, SCALE, UNKNOWN
 
 NOTICES = {
-    UNKNOWN: "control begins though kappa and beta are not known",
-    MODEL: "the robot no longer follows as identified: control goes on without the velocity model",
-    OSCILLATION: "the force oscillates: control goes on more slowly",
+    UNKNOWN: "control begins although kappa and beta are uncertain",
+    MODEL: "the robot no longer follows as identified: control continues without the velocity model",
+    OSCILLATION: "the force oscillates: control continues with slower gains",
     CHATTER: "the tool chatters: the feed is lowered",
     RIPPLE: "the force has a ripple, which is not fed back",
     BRAKED: "the force rose at once: the feed was braked",

@@ -7,7 +7,7 @@ MOST_STATES = 8
 
 IDLE, APPROACHING, ESTIMATING, CONTROLLING, RETREATING, RETREATED = range(6)
 """Of `phase`."""
-FINE, OVERLOAD, SENSOR, LEAVING, STUCK, UNFAMILIAR = range(6)
+FINE, OVERLOAD, SENSOR, LEAVING, STUCK, UNFAMILIAR, CHATTERING = range(7)
 """Of `reason`."""
 UNKNOWN, MODEL, OSCILLATION, CHATTER, RIPPLE, BRAKED, SCALE = 1, 2, 4, 8, 16, 32, 64
 """Bits of `notice`: control began before kappa and beta were known; the robot no longer follows as identified; the
@@ -146,6 +146,10 @@ WAVES = np.dtype(
         ("swinging", "i8"),  # samples of large low amplitude
         ("growing", "i8"),  # samples of grown high amplitude
         ("wait", "i8"),  # samples until chatter is judged again
+        ("calm", "f8"),  # 1, usual amplitude before the tool chattered; 0 while it does not
+        ("fading", "i8"),  # samples of an amplitude that is none of chatter
+        ("answers", "i8"),  # given to this chatter
+        ("lasting", "i8"),  # samples of it since all answers are given
     ],
     align=True,
 )
@@ -161,6 +165,8 @@ BRAKE = np.dtype(
         ("state", "f8", _N),
         ("last", "f8"),  # N
         ("scatter", "f8"),  # N, slow mean of what the force is off its mean
+        ("swing", "f8"),  # N, by which the force was beyond that wanted in the present swing
+        ("peak", "f8"),  # N, in those before, as it fades
         ("is_on", "i8"),
     ],
     align=True,
@@ -195,6 +201,7 @@ FEED = np.dtype(
         ("careful_lag", "f8"),  # 1/s and 1/s^2, in place of those of `outer` where model or loop are in doubt
         ("careful_integral", "f8"),
         ("chatter_share", "f8"),  # of the feed, once the tool has chattered
+        ("chatter_samples", "i8"),  # of chatter that no lower feed ends
         ("familiar", "f8"),  # 1, factor of the first guess within which kappa can be
         ("familiar_samples", "i8"),  # out of it, after which that is said
         # faults
@@ -222,6 +229,7 @@ FEED = np.dtype(
         ("estimating", "i8"),  # samples
         ("returning", "f8"),  # m/s, at which contact is looked for
         ("cap", "f8"),  # m/s, highest feed in this segment
+        ("usual", "f8"),  # m/s, slow mean of the feed wanted under control
         ("is_careful", "i8"),
         ("strange", "i8"),  # samples in which kappa is none that it can be
         ("notice", "i8"),

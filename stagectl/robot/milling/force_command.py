@@ -30,7 +30,7 @@ def estimate_force_command(
     config: ConfigOption = None,
     angles: Annotated[str | None, typer.Option(metavar="deg|rad", help="Unit of the log's angles; else deg.")] = None,
     tie_break: Annotated[
-        str | None, typer.Option(metavar="|".join(TIE_BREAKS), help="Which of the forces that are as likely.")
+        str | None, typer.Option(metavar="|".join(TIE_BREAKS), help="Choice among equally likely forces.")
     ] = None,
     png: Annotated[Path | None, made_folder("DIR", f"Draw the forces as {PICTURE}.")] = None,
     settings: SetOption = None,
@@ -38,8 +38,8 @@ def estimate_force_command(
 ) -> None:
     """Estimate the force on the tool, with its bounds, from the motor torques in a signal log.
 
-    Angles and torques are the motors', seen from the joints' side of the gears, as `robot.signals` gives them.  Gaps
-    are left empty, and said.
+    Angles and torques are the motors', converted to the joints' side of the gears, as `robot.signals` gives them.
+    Gaps are left empty, and reported.
 
     Example: `stagectl estimate-force torque.csv --model milling.h5 --out force.csv --png figures/`
     """
@@ -123,7 +123,7 @@ def _remarks(log: TorqueLog, figures: dict[str, Any]) -> list[str]:
         )
     if figures["undetermined"]:
         found.append(
-            f"{figures['undetermined']} samples tell no force: a joint is faster than friction is known, or the arm is "
+            f"{figures['undetermined']} samples give no force: a joint is faster than friction is known, or the arm is "
             "singular"
         )
     return found

@@ -56,7 +56,7 @@ def _refuse_other_signs(told: np.ndarray, held: np.ndarray, friction: np.ndarray
     share = np.sum(told * held, axis=0)[heavy] / power[heavy]
     if wrong := heavy[share < REVERSED].tolist():
         raise TorqueLogError(
-            f"the torque's sign looks reversed, of joint {', '.join(str(joint + 1) for joint in wrong)}: it is "
+            f"the torque's sign appears reversed, of joint {', '.join(str(joint + 1) for joint in wrong)}: it is "
             f"{share.min():.2g} times what holds the arm up; torques must be those of the motors on the arm"
         )
     if len(heavy) and np.abs(share).max() < SILENT:

@@ -53,7 +53,7 @@ def kinematic_error(free: Sequence[TrialSignals]) -> np.ndarray:
     """
     off = [each.seen - each.joints for each in free if each.seen is not None]
     if not off:
-        raise ValueError("no trial in the air was seen by the tracker: where the tool is in free space is not known")
+        raise ValueError("the tracker saw no air cut: the tool's path in free space is unknown")
     return np.asarray(np.mean(off, axis=0))
 
 

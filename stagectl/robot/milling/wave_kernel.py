@@ -21,6 +21,9 @@ SWING, SWINGING = 0.35, 75
 GROWN, LOUD, GROWING, WAIT, SETTLING = 3.0, 0.3, 10, 125, 75
 """By what an amplitude above 30 Hz has grown, and what it is of the mean force at least, for chatter after so many
 samples; samples until it is judged again, and after the beginning of control."""
+CALMED, QUIET, ANSWERS = 1.5, 1e-3, 3
+"""Times the usual amplitude before it, which is taken for `QUIET` at least, beyond which chatter goes on, where it is
+beyond `LOUD` as well; without that for `SETTLING` samples it has ended.  How often it is answered."""
 
 
 @njit(cache=True, nogil=True)
@@ -31,6 +34,8 @@ def begin(waves: Record) -> None:
     waves.level = waves.omega = waves.ripple_cosine = waves.ripple_sine = waves.weight = 0.0
     waves.low = waves.high = waves.usual = 0.0
     waves.at = waves.samples = waves.swinging = waves.growing = waves.wait = 0
+    waves.calm = 0.0
+    waves.fading = waves.answers = waves.lasting = 0
 
 
 @njit(cache=True, nogil=True)
@@ -88,15 +93,35 @@ def oscillates(waves: Record) -> bool:
 
 
 @njit(cache=True, nogil=True)
+def _lasts(waves: Record) -> bool:
+    """Return whether chatter that was seen goes on; it has ended when its peak has been as before for a while."""
+    if waves.calm == 0.0:
+        return False
+    goes_on = waves.high > max(LOUD, CALMED * waves.calm)
+    waves.fading = 0 if goes_on else waves.fading + 1
+    if waves.fading > SETTLING:
+        waves.calm, waves.answers, waves.lasting = 0.0, 0, 0
+    elif waves.answers >= ANSWERS and waves.wait == 0:
+        waves.lasting += 1
+    return bool(goes_on)
+
+
+@njit(cache=True, nogil=True)
 def chatters(waves: Record) -> bool:
-    """Return whether a peak above 30 Hz has grown beyond what is usual in this cut (after `oscillates`)."""
+    """Return whether chatter is to be answered (once a sample, after `oscillates`).
+
+    A peak above 30 Hz has grown beyond what is usual in this cut; or it goes on after the answer before.
+    """
     if waves.samples <= SETTLING:
         waves.usual = waves.high
         return False
-    wait, high = max(waves.wait - 1, 0), waves.high
-    grows = high > GROWN * waves.usual and high > LOUD and wait == 0
-    growing = waves.growing + 1 if grows else 0
+    waves.wait, high, lasts = max(waves.wait - 1, 0), waves.high, _lasts(waves)
+    has_grown = high > GROWN * waves.usual and high > LOUD
+    is_open = waves.wait == 0 and waves.answers < ANSWERS
+    waves.growing = waves.growing + 1 if is_open and (has_grown or lasts) else 0
     waves.usual += USUAL * (high - waves.usual)
-    is_chatter: bool = growing >= GROWING
-    waves.growing, waves.wait = (0, WAIT) if is_chatter else (growing, wait)
-    return is_chatter
+    if waves.growing < GROWING:
+        return False
+    waves.calm = waves.calm if waves.calm > 0.0 else max(waves.usual, QUIET)
+    waves.answers, waves.growing, waves.wait = waves.answers + 1, 0, WAIT
+    return True

@@ -186,7 +186,7 @@ def _why(found: Agreement, signal: str, model: str) -> str:
     if abs(found.correlation) < ALIKE:
         return f"they have little in common ({told}): other axes, another clock, or {model} of another robot"
     if found.slope < 0:
-        return f"{signal}'s sign looks reversed ({told}), or {model} is of another robot: calibrate again"
+        return f"{signal}'s sign appears reversed ({told}), or {model} is of another robot: calibrate again"
     return f"another unit of {signal}, or {model} of another robot ({told}): calibrate again"
 
 

@@ -63,7 +63,7 @@ def test_a_recording_is_fitted_by_its_response(tmp_path: Path, monkeypatch: pyte
     [
         (("low.h5", "--order", "some"), "--order is 'some', must be auto or a whole number >= 1"),
         (("low.h5", "--most", "0"), "--most is 0, must be >= 1"),
-        (("low.h5", "--band", "300", "400"), "--band is 300 to 400 Hz, must hold lines of 4 to 89.75 Hz"),
+        (("low.h5", "--band", "300", "400"), "--band is 300 to 400 Hz, must hold bins of 4 to 89.75 Hz"),
         (("low.h5", "one.h5"), "one.h5 is of 1 coils and 2 sensors, must be of 2 and 2 as low.h5 is"),
         (("low.h5", "--inputs", "u"), "--inputs and --outputs are of one recording"),
         (("low.h5", "--rate", "100"), "frequency goes to 89.75 Hz, must be below half the rate, 50 Hz"),

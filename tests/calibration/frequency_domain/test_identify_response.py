@@ -156,6 +156,10 @@ def test_it_is_stable_and_ready_for_others() -> None:
     np.testing.assert_allclose(found.response(np.array([31.0]))[0], again, rtol=1e-9)
     for each in (found.to_scipy(), found.to_control()):
         np.testing.assert_allclose(each.A, a)
+    told, _, head, *modes = found.summary().splitlines()
+    assert told == "20 states, 2 to 2, continuous, 4 to 199.75 Hz"
+    assert head.split() == ["frequency,", "Hz", "+-", "damping", "ratio", "+-"]
+    assert [float(line.split()[0]) for line in modes] == pytest.approx(list(found.poles()["frequency"]), rel=1e-4)
 
 
 def test_at_a_rate_its_matrices_are_those_of_a_sampled_system() -> None:
@@ -180,14 +184,16 @@ def test_a_file_brings_it_back(tmp_path: Path) -> None:
     [
         ({"frequency": FREQUENCY[:5]}, r"response has shape \(784, 2, 2\) over \(5,\)"),
         ({"frequency": FREQUENCY - 4.0}, "> 0 Hz and rising"),
+        ({"frequency": FREQUENCY + 0j}, "frequency is complex, must be real, in Hz: it is given before the response"),
+        ({"response": np.ones((784, 2, 2))}, "response is real, must be complex"),
         ({"rate": 300.0}, r"frequency goes to 199.75 Hz, must be below half the rate, 150 Hz"),
         ({"rate": "600"}, "rate is '600', must be a number > 0, samples/s"),
         ({"order": 2.5}, "order is 2.5, must be a whole number >= 1"),
         ({"most": 0}, "most is 0, must be a whole number >= 1"),
-        ({"order": 2000}, r"order is 2000, must be 1 to \d+ for 784 lines"),
+        ({"order": 2000}, r"order is 2000, must be 1 to \d+ for 784 bins"),
         ({"variance": np.full((784, 2, 2), -1.0)}, "variance must be finite and >= 0"),
-        ({"response": np.zeros((784, 2, 2))}, "response is 0 at all lines"),
-        ({"response": np.full((784, 2, 2), np.nan)}, "response is not finite at 4 Hz"),
+        ({"response": np.zeros((784, 2, 2), complex)}, "response is 0 at all bins"),
+        ({"response": np.full((784, 2, 2), np.nan + 0j)}, "response is not finite at 4 Hz"),
     ],
 )
 def test_what_cannot_be_fitted_is_refused(change: dict[str, object], reason: str) -> None:

@@ -93,6 +93,7 @@ def test_a_delay_is_told_and_taken_out_if_asked(
     assert g_off(tmp_path) < 0.1
 
 
+@pytest.mark.slow
 def test_one_clock_and_one_beginning_are_left_as_they_are(
     lab: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -106,7 +106,7 @@ def test_columns_go_by_number_and_figures_to_the_standard_output(
         (("--delay", "1,x"), "--delay is '1,x', must be auto, samples >= 0 of all inputs"),
         (("--delay", "1,2"), "delay has 2 entries, must be one number or one for each of 1 inputs"),
         (("--detrend", "line"), "--detrend is 'line', must be one of mean, record, linear, slow, none"),
-        (("--hold-back", "2"), "held back are 2.0"),
+        (("--hold-back", "2"), "the validation share is 2.0"),
     ],
 )
 def test_a_fault_is_one_line_and_status_2(

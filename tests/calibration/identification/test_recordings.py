@@ -147,7 +147,7 @@ def test_three_recordings_of_several_lengths_give_one_model(
     assert figures["recordings"] == ["d0.csv + r0.tsv", "d1.csv + r1.tsv"]
     assert min(each["free_run_nrmse"] for each in figures["held_back"]["outputs"].values()) > 95
     printed = capsys.readouterr().out
-    assert "1350 samples held back" in printed
+    assert "1350validation samples" in printed
     assert "nearly go together" not in printed
 
 
@@ -256,7 +256,7 @@ def test_a_longer_file_is_used_as_far_as_the_other_reaches() -> None:
         (("--from", "silent-rate.csv", "r2.tsv"), "silent-rate.csv: does not say its rate"),
         ((*THREE[:3], "--rate", "500"), "d0.csv: 1000 samples/s, --rate says 500"),
         (("--from", "d2.csv", "holes.csv"), "holes.csv: "),
-        (("--from", "alike.csv", "r2.tsv"), "inputs u1 and u2 cannot be told apart"),
+        (("--from", "alike.csv", "r2.tsv"), "inputs u1 and u2 are not distinguishable"),
         ((*THREE[:3], "--inputs", "u1"), "--inputs or --outputs and --from are given, must be one of them"),
         ((*THREE[:3], "--map", "drive_2=u1"), "--map has drive_2, must have drive_1: numbers from 1 on"),
         ((*THREE[:3], "--map", "drive_1=z"), "d0.csv: no channel 'z'; there are t, u1, u2"),

@@ -56,7 +56,7 @@ def test_pem_predicts_no_worse_than_what_it_starts_from() -> None:
 
 def test_what_cannot_be_done_is_refused() -> None:
     measured = recorded(500)
-    for wrong, complaint in (({"hold_back": 0.95}, "held back are 0.95"), ({"method": "arx"}, "method is 'arx'")):
+    for wrong, complaint in (({"hold_back": 0.95}, "validation share is 0.95"), ({"method": "arx"}, "method is 'arx'")):
         with pytest.raises(ValueError, match=complaint):
             identify_recordings([measured], 1, **wrong)  # type: ignore[arg-type]
     still = np.array(measured.data)
@@ -100,7 +100,7 @@ def test_samples_far_off_are_replaced_and_judge_no_model() -> None:
     found = identify_recordings([marred], 1, order=9, horizon=20)
     assert found.notes[:2] == (
         "1 of 2100 samples of y1 is far off what those around it tell, and replaced",
-        "of what is held back, 1 of 900 samples of y1 is far off what those around it tell, and replaced",
+        "of the validation data, 1 of 900 samples of y1 is far off what those around it tell, and replaced",
     )
     np.testing.assert_allclose(found.fresh.one_step.nrmse, clean.fresh.one_step.nrmse, atol=0.5)
     kept = identify_recordings([marred], 1, order=9, horizon=20, outliers="keep")

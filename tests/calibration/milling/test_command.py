@@ -87,10 +87,10 @@ def test_a_pocket_is_learned_replayed_reported_and_learned_from_its_logs(
     logs = run / "logs/milled-0"
     capsys.readouterr()
     assert shell(monkeypatch, *ilc, "--method", "1", "--from", str(logs)) == 0
-    assert "nothing is touched off" in capsys.readouterr().out
+    assert "no touch-off" in capsys.readouterr().out
     shutil.copytree(run / "logs/free-1", logs / "free")
     assert shell(monkeypatch, *ilc, "--from", str(logs)) == 0
-    assert "nothing is touched off" not in capsys.readouterr().out
+    assert "no touch-off" not in capsys.readouterr().out
     files = (logs / "next.csv", run / "logs/method-3-1/sent.csv")
     by_logs, by_run = (np.loadtxt(file, delimiter=",", skiprows=1, usecols=(1, 2, 3)) for file in files)
     assert np.abs(by_logs - by_run).mean() < 40e-6
@@ -98,7 +98,7 @@ def test_a_pocket_is_learned_replayed_reported_and_learned_from_its_logs(
     turned = (",".join([row.split(",")[0], *(repr(-float(cell)) for cell in row.split(",")[1:])]) for row in rows)
     (logs / "force.csv").write_text("\n".join([head, *turned]))
     assert shell(monkeypatch, *(*ilc[:-2], "--method", "2"), "--from", str(logs)) == 2
-    assert "the force's sign looks reversed (correlation -0.9" in capsys.readouterr().err
+    assert "the force's sign appears reversed (correlation -0.9" in capsys.readouterr().err
 
 
 def test_a_calibration_killed_in_its_last_trial_goes_on_to_the_same_models(
@@ -119,7 +119,7 @@ def test_a_calibration_killed_in_its_last_trial_goes_on_to_the_same_models(
     [
         ("pocket.size=[12e-3, 12e-3]", "the path is in the material for 4.47 s, must be >= 8 s"),
         ("pocket.depth=9", "pocket.depth"),
-        ("friction.speed=0.06", "a sweep by [friction] tells the friction of joint 3 at up to"),
+        ("friction.speed=0.06", "a sweep by [friction] gives the friction of joint 3 at up to"),
         ("friction.poses=2", "friction.poses"),
         ("friction.highest=[200, 8, 14, 16, 16, 16]", "joint 1"),
     ],

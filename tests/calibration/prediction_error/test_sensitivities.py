@@ -65,6 +65,7 @@ def test_each_parameter_moves_the_responses_as_differences_say(is_predictor: boo
         np.testing.assert_allclose(alone.simulation_errors(here, drive), runs, rtol=1e-4, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_models_of_many_records_lie_as_far_apart_as_one_of_them_says() -> None:
     system, drive = order_9(), np.random.default_rng(6).standard_normal((60, 1))
     found = [refine(system.model, *system.record(3000, seed=200 + seed)) for seed in range(24)]

@@ -104,7 +104,7 @@ def test_a_model_without_an_outer_loop_is_told_of_with_the_values(monkeypatch: p
     why = calibration.outer_loop(rig.outer, 2, stage_model("z"))
     assert isinstance(why, str)
     assert re.search(
-        r"axis 3: none of \d+ outer loops keeps its bounds; what binds is the controller's gain above outer\.reach: "
+        r"axis 3: none of \d+ outer loops meets its bounds; binding is the controller's gain above outer\.reach: "
         r"calibrate with a wider characterisation\.band .*; the nearest has gains .* of those allowed.*; "
         r"allowed are Ms 2\.2, ",
         why,

@@ -62,6 +62,7 @@ def test_what_a_laser_sees_otherwise_than_the_plates_sensor_bounds_the_answer_to
     np.testing.assert_allclose(allowed(heard(4.0), heard(0.2)).forward, SMALL / 0.2)
 
 
+@pytest.mark.slow
 def test_a_loop_leaves_out_what_rings_and_is_as_good_as_without_elsewhere() -> None:
     """A faint resonance far above costs less than the same bound for all frequencies."""
     outer = Outer(bandwidth=(100.0,))

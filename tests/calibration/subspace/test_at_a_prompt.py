@@ -19,6 +19,7 @@ def test_a_warning_names_the_line_of_whoever_called() -> None:
     assert {Path(each.filename) for each in (*told, *told_again)} == {Path(__file__)}
 
 
+@pytest.mark.slow
 def test_records_of_a_few_samples_between_gaps_are_told_of_and_held_against() -> None:
     drive, response = order_7().record(4000, seed=5)
     response[::20] = np.nan

@@ -23,7 +23,7 @@ def spring(samples: int, seed: int, cubic: float) -> tuple[np.ndarray, np.ndarra
 def test_records_in_order_are_called_so() -> None:
     said = subspace.examine(*order_7().record(3000, seed=1)).sentences
     assert said[:2] == ("3000 samples in 1 record", "inputs excite persistently of order 40 or more")
-    assert said[2].startswith("input 1 is heard after so many samples: ")
+    assert said[2].startswith("input 1 shows in the outputs after so many samples: ")
     assert len(said) == 3
 
 
@@ -40,7 +40,7 @@ def test_inputs_that_excite_too_little_or_twice_the_same_are_named() -> None:
     sine = np.sin(0.3 * np.arange(2000.0))[:, None]
     said = str(subspace.examine(*order_7().record(2000, seed=1, drive=sine)))
     assert "inputs excite persistently of order 2: enough for 1 states" in said
-    assert "what is heard of the inputs cannot be told" in said
+    assert "the response to the inputs cannot be determined" in said
     u, y = order_18().record(2000, seed=1)
     u[:, 2] = -u[:, 0]
     assert "inputs 1 and 3 are the same signal" in str(subspace.examine(u, y))
@@ -53,7 +53,7 @@ def test_a_loop_gaps_and_outliers_are_told_of() -> None:
     with pytest.warns(UserWarning, match="1 of 8000 samples is missing"):
         found = subspace.examine(u, y)
     assert found.records == 2
-    assert "input 1 follows from the outputs, which tell" in str(found)
+    assert "input 1 follows from the outputs, which predict" in str(found)
     assert found.outliers[0][3000, 0]
     assert "replaced" in found.sentences[-1]
 

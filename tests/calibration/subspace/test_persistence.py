@@ -31,7 +31,7 @@ def test_noise_excites_whatever_is_asked_and_an_input_twice_nothing() -> None:
 def test_a_model_of_what_a_sine_excites_is_called_guessed() -> None:
     drive = np.sin(0.3 * TIME)[:, None]
     found = subspace.identify(*order_7().record(800, seed=1, drive=drive), RATE, order=5, horizon=15)
-    assert "inputs excite persistently of order 2 only, 10 is wanted: much of the model is guessed" in str(
+    assert "inputs excite persistently of order 2 only, 10 is wanted: much of the model is not identifiable" in str(
         found.diagnosis
     )
 
@@ -43,7 +43,7 @@ def test_verdicts_name_what_is_wrong() -> None:
         "300 samples are few for 25 coefficients",
         "are not white",
         "20 % of the residuals' correlations with earlier inputs",
-        "input 1 follows from the outputs, which tell 60 % of what is new in it: a loop was closed",
+        "input 1 follows from the outputs, which predict 60 % of its innovations: a loop was closed",
         "2 poles were moved into the unit circle",
     ):
         assert said in text

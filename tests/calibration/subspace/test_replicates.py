@@ -1,6 +1,7 @@
 """Errors of responses from what segments of the records say, each left out in turn."""
 
 import numpy as np
+import pytest
 
 from calibration import subspace
 from tests.calibration.resonant_systems import RATE, order_7
@@ -9,6 +10,7 @@ from tests.calibration.subspace.test_feedback import record
 FREQUENCY = np.linspace(2.0, 300.0, 40)
 
 
+@pytest.mark.slow
 def test_the_truth_lies_within_them_as_often_as_it_should() -> None:
     """24 records; frequencies of one have their errors in common, so that the share scatters."""
     system, drive = order_7(), np.random.default_rng(7).standard_normal((80, 1))

@@ -29,6 +29,7 @@ def found() -> subspace.Identified:
     return subspace.identify(None, series(8000, 1), RATE)
 
 
+@pytest.mark.slow
 def test_it_foretells_nearly_as_well_as_the_truth(found: subspace.Identified) -> None:
     fresh = series(4000, 2)
     truth = nrmse(fresh - 2.0, SYSTEM.predict(np.zeros((4000, 1)), fresh - 2.0)).mean()

@@ -151,6 +151,7 @@ def test_no_reference_asks_for_more_excursion_than_it_is_made_for() -> None:
         assert levels[0] == pytest.approx(machine.level, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_seed_runs_the_same_twice() -> None:
     """To the last bit, noise and all."""
     machine = draw_moving_coil(MOVING_COIL, 3)

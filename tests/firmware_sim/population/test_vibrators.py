@@ -140,6 +140,7 @@ def test_delays_are_of_1_to_30_ms_with_fractions_of_a_sample() -> None:
     assert np.histogram(fractions, 5, (0, 1))[0].min() > 0.1 * len(delays)
 
 
+@pytest.mark.slow
 def test_distortion_is_any_mix_from_none_to_as_loud_as_the_reference() -> None:
     mixes = [
         {each.name.removeprefix("distortion by "): each.value for each in draw.quantities if "distortion" in each.name}

@@ -173,7 +173,7 @@ def test_a_stop_gets_through_whatever_the_rig_file_was_edited_to(
     status, out, _ = shell(rig.parents[1], "stop", "--config", "d1/rig.toml")
     assert status == 0
     if edit is None or edit.startswith("[daemon"):
-        assert f"process {made.process.pid}, which was started with d1/rig.toml, was told to stop by a signal" in out
+        assert f"process {made.process.pid}, which was started with d1/rig.toml, was stopped by a signal" in out
     else:
         assert out == "stopped: RUNNING -> DISARMED\n"
         assert shell(rig.parents[1], "status", "--config", "d1/rig.toml")[0] == 0

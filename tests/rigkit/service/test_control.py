@@ -96,7 +96,7 @@ def test_stop_waits_for_no_command_that_hangs(bench: Bench) -> None:
     assert bench.rig.output == 0.0
     leave.set()
     arming.join()
-    assert "somebody has stopped the rig meanwhile" in str(refused[0])
+    assert "the rig was stopped meanwhile" in str(refused[0])
     assert bench.state is State.DISARMED
 
 

@@ -87,7 +87,7 @@ def test_nothing_begins_before_what_was_stopped_has_ended() -> None:
     made = machine_in(State.RUNNING)
     made.take(Event.STOP, *PERSON)
     assert made.ending
-    with pytest.raises(NotNow, match="the procedure that was stopped has not come to its end"):
+    with pytest.raises(NotNow, match="the procedure that was stopped has not ended"):
         made.take(Event.ARM, *PERSON)
     assert made.allowed() == ["stop"]
     made.take(Event.END, *PERSON)

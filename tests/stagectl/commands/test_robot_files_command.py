@@ -274,7 +274,12 @@ def test_the_command_writes_them_and_refuses_what_does_not_fit(
 
     assert run("kuka", "--set", "robot.wire=rsi") == 0
     assert {file.name for file in (tmp_path / "made").iterdir()} == set(KUKA)
-    assert len(capsys.readouterr().out.splitlines()) == len(KUKA)
+    *written, where, note = capsys.readouterr().out.splitlines()
+    assert len(written) == len(KUKA)
+    assert where == "docs/robot-files.md says where each belongs"
+    assert note.startswith("robot.listen is 127.0.0.1, where only a simulator finds this computer")
+    assert run("kuka", "--set", "robot.wire=rsi", "--set", "robot.listen=172.31.2.1") == 0
+    assert "only a simulator" not in capsys.readouterr().out
     for words, reason in (
         (("fanuc",), "the maker is 'fanuc', must be one of abb, kuka"),
         (("kuka",), "robot.wire is 'egm', must be 'rsi' for a robot of kuka"),

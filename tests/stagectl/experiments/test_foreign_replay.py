@@ -120,6 +120,7 @@ def test_other_settings_make_something_else_of_it(
     assert max(found.values()) > 1e-6
 
 
+@pytest.mark.slow
 def test_a_stage_s_log_goes_through_the_loops_of_its_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = finished(tmp_path, "session.seconds=0.4")
     record = recorded(path)

@@ -87,7 +87,7 @@ def test_a_port_that_is_not_there_is_named(tmp_path: Path) -> None:
 
 def test_a_bus_without_a_stage_is_said_to_be_silent(tmp_path: Path) -> None:
     link = link_to(tmp_path, bus="can:Bus", channel="alone", options={"interface": "virtual"}, patience=0.1)
-    with pytest.raises(LinkError, match="the stage on alone is not heard within 0.1 s"):
+    with pytest.raises(LinkError, match="the stage on alone has sent nothing within 0.1 s"):
         StageLink(link).__enter__()
 
 

@@ -93,7 +93,7 @@ def test_a_robot_whose_rsi_has_ended_is_not_heard_until_a_person_starts_it(
     bench.suffer("trip")
     until(lambda: bench.controller.motion is Motion.STOPPED)
     hasty = config.model_copy(update={"robot": config.robot.model_copy(update={"patience": 0.2})})
-    with pytest.raises(LinkError, match="the robot is not heard on"), RobotPort(hasty):
+    with pytest.raises(LinkError, match="no report from the robot on"), RobotPort(hasty):
         pass
     bench.suffer("start")
     with RobotPort(config) as port:
@@ -121,7 +121,7 @@ def test_a_program_for_poses_does_not_take_back_what_one_for_joints_has_left(
         port.conversation.wanted.put(port.sent, port.sent)
         port.flush()
         port.until(lambda: bool(port.reason), BUSY)
-        assert "start the robot's program anew" in port.reason
+        assert "start the robot's program again" in port.reason
     np.testing.assert_array_equal(bench.controller.asked, rests)
 
 

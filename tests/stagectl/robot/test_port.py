@@ -168,7 +168,7 @@ def test_poses_are_sent_in_pose_mode() -> None:
 
 def test_a_port_that_hears_nobody_says_so() -> None:
     config = CellConfig(robot=Robot(port=0, patience=0.05))
-    with pytest.raises(LinkError, match=r"the robot is not heard on 127.0.0.1:\d+ within 0.05 s"), RobotPort(config):
+    with pytest.raises(LinkError, match=r"no report from the robot on 127.0.0.1:\d+ within 0.05 s"), RobotPort(config):
         pass
 
 

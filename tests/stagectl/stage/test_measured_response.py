@@ -68,6 +68,7 @@ def test_a_laser_that_comes_late_keeps_the_gain_from_the_reference_small() -> No
     assert after <= SMALL
 
 
+@pytest.mark.slow
 def test_refining_keeps_to_it_and_a_plant_that_allows_nothing_is_named() -> None:
     heard = measured(model("x"), late=1e-3)
     refined = designed(model("x"), Outer(), 0, measured=heard)
@@ -92,6 +93,7 @@ def gain(filters: Prefilter, heard: MeasuredResponse) -> float:
     return float(np.max(heard.answers(led).compensation * np.abs(filters.response(CELLS, RATE))))
 
 
+@pytest.mark.slow
 def test_a_prefilter_leaves_alone_what_laser_and_sensor_see_differently_where_the_model_misses_it() -> None:
     """The shapes of a drawn stage that swung: the model of its plate had no resonance there."""
     heard = measured(with_missed(), late=2e-4)

@@ -107,6 +107,7 @@ def test_the_design_finds_a_loop_with_them_where_there_is_none_without() -> None
         design(replace(model("z")), Outer(mistuning=0.01), 2, found().weights)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [0.955, 1.0, 1.045])
 def test_a_plate_whose_resonances_are_elsewhere_follows_and_does_not_ring(factor: float) -> None:
     made = bench(factor)

@@ -72,7 +72,7 @@ def test_a_name_that_is_taken_is_measured_anew_computed_again_and_accepted_at_th
 ) -> None:
     daemon, there = visit.daemon, checksum(tmp_path / "model.h5")
     begin(visit, "calibrate")
-    assert "is finished; again measures anew and keeps it under its date, recompute computes" in refused(visit)
+    assert "is finished; again measures again and renames the earlier result, recompute computes" in refused(visit)
     until(lambda: visit.tab.shows("option-again"))
     assert visit.tab.run("return document.getElementById('command').scrollWidth <= command.clientWidth")
     begin(visit, "calibrate", again="true")

@@ -24,7 +24,7 @@ def test_it_says_what_it_will_play_and_then_what_it_found(
 ) -> None:
     assert call(monkeypatch, "--json", tmp_path / "d.json", "--report", tmp_path / "d.html") == 0
     out = capsys.readouterr().out
-    assert out.index("0.285 V (30 dB under limits.peak)") < out.index("what the doctor says")
+    assert out.index("0.285 V (30 dB under limits.peak)") < out.index("verdicts of the doctor")
     figures = json.loads((tmp_path / "d.json").read_text())
     assert figures["verdict"] == "pass"
     assert [each["check"] for each in figures["checks"]][:2] == ["card", "recordings"]

@@ -67,10 +67,10 @@ def test_an_inverted_side_is_found(tmp_path: Path, signs: list[list[int]]) -> No
 @pytest.mark.usefixtures("brief")
 def test_a_dead_coil_and_a_dead_accelerometer_are_told_apart(tmp_path: Path) -> None:
     found = examine(wired(tmp_path, SIDES * [[1, 0], [1, 0]]))
-    assert "coil 2 is heard by no accelerometer" in verdict(found, "channel map").measured
+    assert "coil 2 reaches no accelerometer" in verdict(found, "channel map").measured
     assert verdict(found, "polarity").measured.startswith("not measured")
     found = examine(wired(tmp_path, SIDES * [[1, 1], [0, 0]]))
-    assert "response 2 hears no coil" in verdict(found, "channel map").measured
+    assert "response 2 responds to no coil" in verdict(found, "channel map").measured
 
 
 @pytest.mark.usefixtures("brief")

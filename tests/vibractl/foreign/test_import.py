@@ -64,7 +64,7 @@ def test_without_a_model_what_needs_none_works_and_what_needs_one_says_so(record
     assert "2" in recordings.done("vibractl", "replay", "RUN", "--model", "model.h5", "--json", "-")
     said = recordings.call("vibractl", "run", "--resume", "RUN")
     assert said[0] == 2
-    assert "RUN/ was played by other software and imported, so it does not go on here" in said[1]
+    assert "RUN/ was played by other software and imported, so it is not resumed here" in said[1]
 
 
 def test_with_a_model_it_is_kept_in_the_library_and_replayed(recordings: LabOfRecordings) -> None:

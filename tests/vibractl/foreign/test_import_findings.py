@@ -104,10 +104,11 @@ def test_wires_that_are_wrong_are_refused_by_the_model(recordings: LabOfRecordin
 def test_what_of_the_wires_cannot_be_told_is_said(recordings: LabOfRecordings) -> None:
     said = recordings.done(*recordings.words("d0.wav", "r0.wav", "--dry-run"))
     assert (
-        "whether drives are exchanged cannot be told (that takes a model or a reference that differs by side)" in said
+        "whether drives are exchanged cannot be determined (that takes a model or a reference that differs by side)"
+        in said
     )
-    assert "whether player and recorder have one clock cannot be told" in said
-    assert "cannot be told" not in recordings.done(*recordings.words("d0.wav", "r0.wav", "--dry-run", *MODEL))
+    assert "whether player and recorder share one clock cannot be determined" in said
+    assert "cannot be determined" not in recordings.done(*recordings.words("d0.wav", "r0.wav", "--dry-run", *MODEL))
 
 
 def test_an_inverted_response_is_warned_of_without_a_model(recordings: LabOfRecordings) -> None:

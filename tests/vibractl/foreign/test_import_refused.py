@@ -56,6 +56,15 @@ def test_nothing_but_noise_holds_no_reference(recordings: LabOfRecordings) -> No
     assert "must be >= 0.5" in said
 
 
+def test_a_recording_that_ends_with_the_reference_is_told_what_is_missing(recordings: LabOfRecordings) -> None:
+    data, _ = soundfile.read("r0.wav", always_2d=True)
+    for name in ("d0.wav", "r0.wav"):
+        recordings.sound(name, data[: round(0.9 * RATE)])
+    said = recordings.import_refused("d0.wav", "r0.wav")
+    assert f"r0.wav: {round(0.9 * RATE)} samples, must be at least " in said
+    assert "after it in which the vibrator comes to rest" in said
+
+
 def test_a_drive_of_something_else_does_not_belong_to_a_response(recordings: LabOfRecordings) -> None:
     time = np.arange(70_560) / RATE
     other = 0.05 * np.sin(2 * np.pi * 300.0 * time)[:, None] * [1, 1] * np.hanning(70_560)[:, None]
@@ -137,7 +146,7 @@ def test_a_first_line_that_contradicts_the_column_of_time(recordings: LabOfRecor
         (("--model", "r0.wav"), "r0.wav: "),
         (("--silence", "gone.wav"), "gone.wav: there is no such file"),
         (("--dry-run",), "--out RUN/ says where it goes, --dry-run that it goes nowhere: must be one of them"),
-        (("r0.wav",), "r0.wav is one file too many: a pattern stands in quotes"),
+        (("r0.wav",), "r0.wav is one file too many: quote the pattern"),
     ],
 )
 def test_what_is_asked_for_and_cannot_be(recordings: LabOfRecordings, words: tuple[str, ...], reason: str) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import soundfile
+from scipy.signal import chirp
 
 from tests.vibractl.foreign.lab_of_files import LabOfFiles
 from vibractl.judging import Judging
@@ -92,6 +93,15 @@ def test_hum_that_is_there_in_silence_is_told_from_what_is_emitted(lab: LabOfFil
     assert not quiet["worst_is_silence"]
 
 
+def test_channels_are_named_by_a_map(lab: LabOfFiles) -> None:
+    found = verdict(lab)
+    data = heard(lab)
+    mixed = written(lab, "mixed.wav", np.stack([data[:, 1], np.zeros(len(data)), -data[:, 0]], axis=1))
+    assert verdict(lab, mixed, "--map", "response_1=-3,response_2=1") == found
+    said = lab.refused("vibractl", "judge", mixed, *REFERENCE, "--map", "response_1=3,response_2=4")
+    assert "mixed.wav: no channel '4'; there are 1 channel_1" in said
+
+
 def test_the_picture_is_drawn(lab: LabOfFiles) -> None:
     verdict(lab, "heard-0.wav", "--report", "judged.html", "--png", "figures")
     assert "data:image/" in (lab.path / "judged.html").read_text()
@@ -108,12 +118,29 @@ def test_the_picture_is_drawn(lab: LabOfFiles) -> None:
         (lambda data: 0 * data, "bad.wav: silent, must hold a response"),
         (lambda data: data[:40_000], "bad.wav: 40000 samples, must be at least 44100, the reference's"),
         (lambda data: data[:, :1], "bad.wav: 1 channels (channel_1), must be 2, one for each response"),
+        (lambda data: data[:, :1], "named response_1, response_2; --map response_1=CHANNEL,... says which they are"),
         (lambda data: np.where(np.arange(len(data))[:, None] == 100, np.inf, data), "sample 100: inf, must be finite"),
     ],
 )
 def test_what_cannot_be_judged_is_refused(lab: LabOfFiles, change: Any, reason: str) -> None:
     written(lab, "bad.wav", change(heard(lab)))
     assert reason in lab.refused("vibractl", "judge", "bad.wav", *REFERENCE)
+
+
+def test_a_recording_of_the_reference_alone_is_judged(lab: LabOfFiles) -> None:
+    whole = verdict(lab)
+    begin = round(whole["begins_s"] * 44_100)
+    cut = verdict(lab, written(lab, "cut.wav", heard(lab)[begin : begin + 44_100 + 5]))
+    assert cut["begins_s"] == pytest.approx(whole["begins_s"] - begin / 44_100, abs=1e-4)
+    assert cut["iae"] == pytest.approx(whole["iae"], rel=0.1)
+
+
+def test_a_sweep_that_begins_as_a_cosine_is_told(lab: LabOfFiles) -> None:
+    wide = ("--config", "rig.toml", "--reference", "chirp:20:600:1")
+    sweep = chirp(np.arange(44_100) / 44_100, 20.0, 1.0, 600.0)
+    said = lab.refused("vibractl", "judge", written(lab, "cosine.wav", 0.1 * np.c_[sweep, sweep]), *wide)
+    assert "does not hold the reference: correlation 0." in said
+    assert "with each of its tones a quarter of a period off: chirp:F0:F1:SECONDS begins as a sine" in said
 
 
 def test_a_silence_shorter_than_a_shot_is_refused(lab: LabOfFiles) -> None:

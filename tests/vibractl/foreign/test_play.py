@@ -59,7 +59,10 @@ def test_a_plant_of_ones_own_is_played_on(lab: LabOfFiles) -> None:
         (("--out", "0.wav"), "--out 0.wav is DRIVE.wav's file, must be another"),
         (("--out", "heard.flac"), "heard.flac: suffix is '.flac', must be .wav"),
         (("--out", "heard.wav", "--set", "limits.peak=0.1"), "the drive is not played: drive "),
-        (("--out", "heard.wav", "--set", "audio.rate=48000"), "0.wav: 44100 samples/s, must be 48000"),
+        (
+            ("--out", "heard.wav", "--set", "audio.rate=48000"),
+            "0.wav: 44100 samples/s, must be audio.rate, 48000: nothing is resampled in silence",
+        ),
         (("--out", "heard.wav", "--state", "V.h5", "--seed", "3"), "V.h5: simulator.options was"),
         (("--out", "heard.wav", "--state", "model.h5"), "model.h5: format is 'vibrostage transfer matrix 1'"),
         (("--out", "heard.wav", "--plant", "no-such"), "simulator.plant is 'no-such', must be vibrator, "),

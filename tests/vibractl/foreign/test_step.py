@@ -109,7 +109,7 @@ def test_another_rate_is_refused(lab: LabOfFiles) -> None:
     data, _ = soundfile.read(lab.path / "heard-0.wav", always_2d=True)
     soundfile.write(lab.path / "heard-0.wav", data, 48_000, "DOUBLE")
     said = lab.refused("vibractl", "step", *lab.recorded(0), "--state", "S.h5", "--out", "1.wav")
-    assert "heard-0.wav: 48000 samples/s, must be 44100" in said
+    assert "heard-0.wav: 48000 samples/s, must be audio.rate, 44100" in said
 
 
 def test_other_settings_model_or_reference_than_it_began_with_are_refused_until_accepted(lab: LabOfFiles) -> None:
@@ -147,7 +147,7 @@ def test_a_first_drive_beyond_the_limits_is_not_written_or_fitted(lab: LabOfFile
     (lab.path / "S.h5").unlink()
     begin = ("--config", "rig.toml", "--model", "model.h5", "--state", "S.h5", "--out", "1.wav")
     said = lab.refused("vibractl", "step", *begin, "--set", "limits.peak=0.5")
-    assert "the first drive is not played: drive " in said
+    assert "the first drive is refused: drive " in said
     assert "limits.peak is 0.5 V; it needs " in said
     fitted = lab.done("vibractl", "step", *begin, "--set", "limits.peak=0.5", "--fit-amplitude")
     assert "reference.amplitude is " in fitted

@@ -74,7 +74,7 @@ def test_a_session_is_imported_with_its_silence_and_reported(lab: LabOfFiles) ->
     assert [RATE * each["begins_s"] for each in shots] == pytest.approx(begins, abs=1.0)
     (silence,) = [each for each in read_events("SESSION") if each["event"] == "silence"]
     assert max(silence["over_the_limit_db"]) < -20.0
-    assert "worst line, dB over" in lab.done("vibractl", "judge", "lab/shot.mat", *REFERENCE)
+    assert "worst bin, dB over" in lab.done("vibractl", "judge", "lab/shot.mat", *REFERENCE)
 
 
 @pytest.mark.slow

@@ -47,7 +47,9 @@ def test_errors_that_grow_are_told_once_and_as_long_as_they_do() -> None:
     decisions, stagnation = told(algorithm, plant, [26.0, 35.0, 55.0, 63.0, 64.0], 200.0)
     assert [decision.event for decision in decisions] == ["errors_grow"]
     assert decisions[0].fields == {"over_db": 63.0, "first_db": 26.0, "at_hz": 200.0}
-    assert stagnation.text.startswith("errors grow, from 26 to 64 dB over the limit: this machine is not as the model")
+    assert stagnation.text.startswith(
+        "errors grow, from 26 to 64 dB over the limit: the response differs from the model"
+    )
     decisions, stagnation = told(algorithm, plant, [26.0, 40.0, 25.0, 40.0, 20.0], 200.0)
     assert (decisions, stagnation.text) == ([], "")
     decisions, stagnation = told(algorithm, plant, [-20.0, 5.0, 5.0, 5.0], 200.0)
@@ -62,9 +64,14 @@ def test_errors_that_grow_are_told_once_and_as_long_as_they_do() -> None:
             1e-6,
             2.5,
             200.0,
-            "distortion at 200.0 Hz follows the reference's own lines, which are",
+            "distortion at 200.0 Hz follows the reference's own bins, whose error is",
         ),
-        (1e-6, 1.2, 200.0, "at 200.0 Hz what is taken away comes back: the machine moves, or is not as the model says"),
+        (
+            1e-6,
+            1.2,
+            200.0,
+            "at 200.0 Hz the error returns after each update: the plant changes, or differs from the model",
+        ),
         (1e-6, 1.2, 700.0, "nothing is learned at 700.0 Hz"),
     ],
     ids=["noise", "distortion", "model", "beyond"],
@@ -72,11 +79,11 @@ def test_errors_that_grow_are_told_once_and_as_long_as_they_do() -> None:
 def test_it_says_what_stands_in_the_way(noise: float, wrong: float, hz: float, because: str) -> None:
     algorithm, plant = learned(noise, wrong)
     _, stagnation = told(algorithm, plant, [5.0] * (WAIT + 1), hz)
-    assert stagnation.text.startswith(f"learning stands still, because {because}")
+    assert stagnation.text.startswith(f"learning has stalled: {because}")
 
 
 def test_a_frozen_line_is_not_learned() -> None:
     algorithm, plant = learned()
     algorithm.daring.freeze(np.abs(algorithm.law.matrix.frequency - 200.0) < 5)
     _, stagnation = told(algorithm, plant, [5.0] * (WAIT + 1), 200.0)
-    assert stagnation.text == "learning stands still, because nothing is learned at 200.0 Hz"
+    assert stagnation.text == "learning has stalled: nothing is learned at 200.0 Hz"

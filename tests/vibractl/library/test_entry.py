@@ -44,7 +44,7 @@ def test_every_part_has_its_unit(tmp_path: Path, entry: Entry) -> None:
         ({"error": np.zeros((0, 2), complex)}, "error has shape"),
         ({"model": np.zeros(4, complex)}, "frequency has shape"),
         ({"frequency": None}, "must rise"),
-        ({"reference": np.nan}, "reference is not finite at line 0"),
+        ({"reference": np.nan}, "reference is not finite at bin 0"),
         ({"drive": 0.0}, "the drive is silent"),
         ({"drive": "text"}, "must hold numbers"),
         ({"variance": 1j}, "must hold numbers"),

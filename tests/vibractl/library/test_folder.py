@@ -83,9 +83,9 @@ def test_the_nearest_is_the_one_whose_tags_are_and_then_the_latest(
         (("rig.name=other",), "of rig 'simulated-vibrator', this rig is 'other'"),
         (("reference.signal=chirp:40:91:1",), "of reference chirp:40:90:1, this run's is chirp:40:91:1"),
         (("reference.amplitude=9",), "this run's is chirp:40:90:1 .of another amplitude, taper or rate"),
-        (("learning.side=1",), "of channels and lines"),
-        (("learning.band=[20.0,650.0]",), "of channels and lines"),
-        (("audio.response_channels=[1,4]",), "of channels and lines"),
+        (("learning.side=1",), "of channels and bins"),
+        (("learning.band=[20.0,650.0]",), "of channels and bins"),
+        (("audio.response_channels=[1,4]",), "of channels and bins"),
     ],
 )
 def test_what_does_not_fit_is_refused_with_the_reason(tmp_path: Path, overrides: tuple[str, ...], words: str) -> None:

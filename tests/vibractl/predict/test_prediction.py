@@ -25,7 +25,7 @@ def test_it_tells_drives_lines_and_shots_and_emits_nothing(
     assert call(monkeypatch, "--model", linear_model(tmp_path), *settings, "--json", target, "--report", page) == 0
     out = capsys.readouterr().out
     assert "coil 2, slew, V/s" in out
-    assert "learned lines are certified to converge" in out
+    assert "learned bins are certified to converge" in out
     assert "law kalman, objective -40 dB: met from shot" in out
     figures = json.loads(target.read_text())
     assert figures["law"] == "kalman"

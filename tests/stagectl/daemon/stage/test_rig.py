@@ -120,7 +120,7 @@ def test_a_stop_takes_the_stage_to_mid_travel_and_keeps_what_has_come(lab: Lab) 
     assert np.abs(np.diff(voltage, axis=0)).max() <= 15.0 + 1e-9
     assert replays(path)
     assert not (path / "report.html").exists()
-    assert [event["why"] for event in lab.events("end")][-1].endswith("what is recorded is kept")
+    assert [event["why"] for event in lab.events("end")][-1].endswith("the recording is stored")
 
 
 def test_a_sensor_that_fails_is_a_fault_with_its_reason_until_a_person_has_acknowledged(lab: Lab) -> None:

@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from stagectl.application import PROGRAM
 from stagectl.experiments.piezo.cell import RECORDING
 from tests.stagectl.experiments.piezo.simulated_models import write_models
@@ -13,6 +15,7 @@ from tests.stagectl.experiments.piezo.stage_runs import recording_of, replay
 from tests.until import until
 
 
+@pytest.mark.slow
 def test_what_was_recorded_before_a_kill_is_reported_and_replayed(tmp_path: Path) -> None:
     path, growing = tmp_path / "run", tmp_path / f"run/{RECORDING}.part.wav"
     words = ["--set", "session.lead=0.5", "--set", "session.seconds=100", "--out", str(path)]

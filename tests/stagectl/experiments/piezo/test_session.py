@@ -175,6 +175,7 @@ def test_a_milling_run_compares_with_the_uncompensated_one(tmp_path: Path) -> No
     assert all(each.identical for each in replay(path))
 
 
+@pytest.mark.slow
 def test_a_milling_run_is_prefiltered_by_what_the_uncompensated_one_has_shown(tmp_path: Path) -> None:
     cut = scenario_settings("milling-z", rig_file.load(None, StageConfig, ["session.seconds=5"]).session)
     settings = (*cut, "session.seconds=4.2", "simulator.surroundings_options.seconds=5.0")
@@ -215,7 +216,7 @@ def test_nothing_is_learned_of_a_stage_that_nobody_has_heard(tmp_path: Path) -> 
     config = rig_file.load(None, StageConfig, [*QUICK, *cut, "session.seconds=0.5"])
     carried_out(tmp_path / "run", config, files)
     notes = [event["text"] for event in read_events(tmp_path / "run") if event["event"] == "note"]
-    assert notes == ["no prefilter: the model of x does not say what was heard of the stage: calibrate again"]
+    assert notes == ["no prefilter: the model of x does not hold the measured response of the stage: calibrate again"]
 
 
 def test_a_scenario_that_is_unknown_or_too_short_is_refused() -> None:

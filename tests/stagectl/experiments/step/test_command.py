@@ -64,6 +64,7 @@ def test_the_simulated_pair_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert call(monkeypatch, "replay", run) == 0
 
 
+@pytest.mark.slow
 def test_what_was_recorded_before_a_kill_is_reported_and_replayed(tmp_path: Path) -> None:
     path = tmp_path / "run"
     command = [sys.executable, "-m", "stagectl", "step", "--out", str(path), "--repeats", "100", "--of", "robot"]
@@ -90,7 +91,7 @@ def test_what_was_recorded_before_a_kill_is_reported_and_replayed(tmp_path: Path
         (("--of", "arm"), 'of is "arm", must be "both" or "robot" or "stage"'),
         (("--repeats", "1"), "repeats is 1, must be >= 2 and <= 100 periods"),
         (("--of", "stage", "--size", "0.05"), "size is 0.05 m, must be <= midranging.pair.travel, 0.025 m"),
-        (("--kind", "multisine", "--highest", "0.1"), "highest is 0.1 Hz, must be >= 0.375 Hz: three lines"),
+        (("--kind", "multisine", "--highest", "0.1"), "highest is 0.1 Hz, must be >= 0.375 Hz: three bins"),
         (("--png", "pictures"), "--png goes with --out RUN/, which is not given"),
         (("--live", "--set", "midranging.pair.rate=100"), "a live run has the axes x at midranging.pair.rate 100"),
     ],

@@ -78,6 +78,7 @@ def test_a_replay_is_of_the_last_attempt(path: Path) -> None:
     assert all(each.identical for each in done)
 
 
+@pytest.mark.slow
 def test_a_second_attempt_may_be_killed_as_well(path: Path) -> None:
     for number in (1, 2):
         with pytest.raises(RuntimeError, match="the machine goes down"):

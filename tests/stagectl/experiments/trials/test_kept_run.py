@@ -87,6 +87,7 @@ def test_of_the_trial_under_way_all_but_the_last_moments_are_kept(path: Path) ->
     assert "Ended early, milled-0" in (path / "report.html").read_text()
 
 
+@pytest.mark.slow
 def test_what_is_left_is_run_as_if_nothing_had_happened(path: Path, whole: Path) -> None:
     _run("ilc", "--resume", str(path))
     assert [each.name for each in _trials(path)] == NAMES
@@ -150,7 +151,7 @@ def test_a_folder_of_the_version_before_is_reported_and_replayed(
     assert found["methods"] == {}
     _run("replay", str(old))
     assert "made again: milled-0-tracker" in capsys.readouterr().err
-    with pytest.raises(ValueError, match="is of version 0.1.0, must be begun anew"):
+    with pytest.raises(ValueError, match="is of version 0.1.0, must be begun again"):
         _run("ilc", "--resume", str(old))
 
 

@@ -96,7 +96,7 @@ def test_method_3_without_torques_is_refused(tmp_path: Path, first: Trial, known
     found = LogFolder(tmp_path, first, known.robot["motors"].axes)
     with pytest.raises(ValueError, match="has no column torque_1"):
         _ = found.torques
-    with pytest.raises(ValueError, match="method 2 needs the logs of a trial in the air"):
+    with pytest.raises(ValueError, match="method 2 needs the logs of an air cut"):
         learn_from_logs(tmp_path, first, Learner(first.cell, known), 2)
 
 

@@ -175,6 +175,6 @@ def test_enter_confirms(terminal: int) -> None:
 def test_without_a_terminal_nobody_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     with open(os.devnull) as nobody:
         monkeypatch.setattr(sys, "stdin", nobody)
-        with pytest.raises(ValueError, match="no terminal: nobody can confirm .* say --yes"):
+        with pytest.raises(ValueError, match="no terminal: nobody can confirm .* --yes goes on"):
             Person(print, True)
         Person(print, False).confirm("a fresh block", lambda: False)

@@ -28,6 +28,8 @@ class Pair:
     stuck: range = range(0)
     dark: str = ""
     swings: tuple[str, ...] = ()
+    swing: float = 0.6e-3
+    frequency: float = 20.0
 
     def run(self, axis: InternalModelAxis, reference: np.ndarray) -> dict[str, np.ndarray]:
         """Return what the axis made of it, and the control signal itself, shape (samples,) each."""
@@ -43,7 +45,7 @@ class Pair:
             noisy = {name: each + self.noise * random.standard_normal() for name, each in shown.items()}
             noisy["reference"] = value
             for name in self.swings if n >= 2000 else ():
-                noisy[name] += 0.6e-3 * np.sin(2.0 * np.pi * 20.0 * n / RATE)
+                noisy[name] += self.swing * np.sin(2.0 * np.pi * self.frequency * n / RATE)
             if self.dark and 1500 <= n < 1800:
                 noisy[self.dark] = np.nan
             block.process(*(np.array([[each]]) for each in noisy.values()), *outputs.values())
@@ -62,6 +64,8 @@ class Pair:
             "delay": record["slow"]["delay"],
             "reason": record["reason"],
             "gain": record["valve"]["fast_gain"],
+            "cautious": bool(record["cautious"].all()),
+            "pole": record["fast"]["filter_pole"],
         }
 
 

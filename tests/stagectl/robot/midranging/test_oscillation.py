@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from stagectl.robot.midranging.axis_record import OSCILLATING, SWING
+from stagectl.robot.midranging.least_squares import LeastSquares
 from stagectl.robot.midranging.oscillation_kernel import MOST, is_oscillating
-from tests.stagectl.robot.midranging.test_dead_time import RATE, Pair, _axis, _steps
+from tests.stagectl.robot.midranging.test_dead_time import FAST, RATE, Pair, _axis, _steps
 
 TIME = np.arange(2500) / RATE
 SINE = 0.4e-3 * np.sin(2.0 * np.pi * 20.0 * TIME)
@@ -47,6 +48,25 @@ def test_what_is_called_for_from_outside_noise_and_what_is_small_are_none() -> N
     assert begun_at(np.zeros(2500)) is None
 
 
+@pytest.mark.parametrize(("swing", "is_seen"), [(20e-6, True), (1e-6, False)])
+def test_an_oscillation_that_only_noise_is_smaller_than_makes_control_cautious_and_takes_nothing_over(
+    swing: float, is_seen: bool
+) -> None:
+    """It is 0.4 % of the travel; the one that is not seen is smaller than what noise of 1 um explains."""
+    got = Pair(swings=("relative", "fast"), swing=swing).run(_axis(), _steps())
+    assert (got["active"][2000:] == 1.0).all()
+    assert got["cautious"] == is_seen
+    assert (got["pole"] == np.exp(-1.0 / (0.5 * FAST.time_constant(RATE) * RATE))) == is_seen
+
+
+@pytest.mark.parametrize("frequency", [1.0, 5.0, 20.0])
+def test_a_disturbance_that_swings_and_noise_make_nothing_cautious(frequency: float) -> None:
+    learning = {f"{name}_learning": LeastSquares(noise=20e-6, smoothing=time, gate=3.0)
+                for name, time in (("fast", 0.1), ("slow", 0.5))}  # fmt: skip
+    pair = Pair(swings=("relative",), swing=0.6e-3, noise=20e-6, frequency=frequency)
+    assert not pair.run(_axis(**learning), _steps())["cautious"]
+
+
 @pytest.mark.parametrize(("swings", "phase"), [(("relative", "fast"), 2.0), (("relative",), 1.0)])
 def test_valve_position_control_takes_over_where_the_micro_manipulator_swings_by_itself(
     swings: tuple[str, ...], phase: float
@@ -57,6 +77,7 @@ def test_valve_position_control_takes_over_where_the_micro_manipulator_swings_by
     if phase == 2.0:
         begins = int(np.flatnonzero(got["active"] == 2.0)[0])
         assert got["reason"] == OSCILLATING
+        assert got["cautious"]
         assert abs(got["slow_reference"][begins] - got["slow_reference"][begins - 1]) < 0.5e-3
 
 

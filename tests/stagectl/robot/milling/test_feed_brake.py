@@ -31,6 +31,31 @@ def test_a_spark_brakes_for_a_sample_or_two_and_leaves_no_error() -> None:
     assert bench.of("resultant") == pytest.approx(10.0, abs=0.2)
 
 
+def braked(bench: Bench, seconds: float) -> int:
+    """Show three times the force for 12 ms, ten times a second; return how often it brakes."""
+    found, was = 0, False
+    for n in range(round(seconds / H)):
+        bench.run(H, force=float(np.hypot(*bench.force)) * (3.0 if n % 25 < 3 else 1.0))
+        is_on = bool(bench.block._feed.brake.is_on)  # noqa: SLF001 (what is recorded is the feed)
+        found, was = found + (is_on and not was), is_on
+    return found
+
+
+def test_a_swing_is_braked_for_once_and_not_where_it_comes_again() -> None:
+    bench = Bench()
+    bench.run(2.0)
+    assert 1 <= braked(bench, 2.0) <= 2
+
+
+def test_a_robot_that_does_not_follow_as_identified_is_not_braked() -> None:
+    bench = Bench()
+    bench.run(1.0)
+    bench.pull = 0.5
+    bench.run(2.0)
+    assert bench.block._feed.is_careful  # noqa: SLF001
+    assert braked(bench, 0.3) == 0
+
+
 def shown(bench: Bench, seconds: float, scale: float) -> None:
     """Go on with a sensor that shows another force than there is."""
     for _ in range(round(seconds / H)):

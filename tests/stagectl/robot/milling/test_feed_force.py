@@ -212,3 +212,33 @@ def test_a_peak_that_grows_is_chatter_and_lowers_the_feed() -> None:
     ripples(bench, 1.0, 0.6, 71.0)
     assert bench.block.notice & CHATTER
     assert bench.of("wanted") < 0.85 * feed
+
+
+def test_chatter_that_no_lower_feed_ends_makes_it_retreat() -> None:
+    bench = Bench(chattering=1.0)
+    bench.run(1.5)
+    ripples(bench, 2.5, 0.6, 71.0)
+    assert bench.phase == "controlling"
+    ripples(bench, 1.5, 0.6, 71.0)
+    assert bench.phase in ("retreating", "retreated")
+    assert bench.block.reason == (
+        "the tool still chatters 1 s after the feed was lowered for the last time: mill less deep, or at another speed "
+        "of the spindle"
+    )
+
+
+def test_chatter_that_a_lower_feed_ends_is_milled_on_through() -> None:
+    bench = Bench(chattering=0.1)
+    bench.run(1.5)
+    feed = bench.of("wanted")
+    for _ in range(40):
+        ripples(bench, 0.1, 0.6 if bench.of("wanted") > 0.6 * feed else 0.05, 71.0)
+    assert bench.phase == "controlling"
+    assert 0.4 * feed < bench.of("wanted") < 0.6 * feed
+
+
+def test_a_ripple_that_was_there_from_the_beginning_is_no_chatter() -> None:
+    bench = Bench(chattering=0.1)
+    ripples(bench, 4.0, 0.6, 71.0)
+    assert bench.phase == "controlling"
+    assert not bench.block.notice & CHATTER

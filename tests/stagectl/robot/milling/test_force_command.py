@@ -85,7 +85,7 @@ def test_a_joint_faster_than_friction_is_known_is_said(call, capsys: pytest.Capt
     rows = a_log()
     rows[250:, 6] += 1.0
     assert call(rows) == 0
-    assert "1 samples tell no force: a joint is faster than friction is known" in capsys.readouterr().out
+    assert "1 samples give no force: a joint is faster than friction is known" in capsys.readouterr().out
 
 
 def wrong(change: object) -> np.ndarray:
@@ -135,8 +135,8 @@ def far(rows: np.ndarray) -> None:
     [
         (radians, "log.csv: all angles are within +-6.28, are they in deg or in rad? Say --angles deg or rad"),
         (in_motor_units, "N m off what holds the arm up, its friction is at most 8 N m: torques must be in N m"),
-        (reversed_signs, "the torque's sign looks reversed, of joint 2, 3, 4, 5, 6: it is -"),
-        (one_sign, "the torque's sign looks reversed, of joint 2: it is -"),
+        (reversed_signs, "the torque's sign appears reversed, of joint 2, 3, 4, 5, 6: it is -"),
+        (one_sign, "the torque's sign appears reversed, of joint 2: it is -"),
         (no_torques, "times what holds the arm up: there are none, or they are in other units"),
         (back, "log.csv: row 18: time goes from 3.064 to 3.06 s, must rise"),
         (uneven, "log.csv: row 21: time goes on by 0.006 s, must by whole samples of 0.004 s"),

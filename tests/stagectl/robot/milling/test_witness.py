@@ -69,7 +69,7 @@ def test_a_tracker_in_other_units_or_axes_is_refused(joints: np.ndarray) -> None
 @pytest.mark.parametrize(
     ("factor", "words"),
     [
-        (-1.0, "the force's sign looks reversed"),
+        (-1.0, "the force's sign appears reversed"),
         (3.0, "another unit of the force, or G_K of another robot"),
         (0.3, "another unit of the force, or G_K of another robot"),
         (0.0, "no force is measured"),
@@ -100,6 +100,10 @@ def test_without_a_tracker_a_sign_a_unit_and_nothing_at_all_are_told_by_g_m() ->
     force = foreseen + wandering(6.0, 9)
     refuse_other_force(force, foreseen, RATE, "force.csv")
     refuse_other_force(2.0 * force, foreseen, RATE, "force.csv")
-    for wrong, words in ((-force, "sign looks reversed"), (0.0 * force, "no force is measured"), (1e3 * force, "unit")):
+    for wrong, words in (
+        (-force, "sign appears reversed"),
+        (0.0 * force, "no force is measured"),
+        (1e3 * force, "unit"),
+    ):
         with pytest.raises(ValueError, match=words):
             refuse_other_force(wrong, foreseen, RATE, "force.csv")
