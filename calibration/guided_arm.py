@@ -83,7 +83,7 @@ def led_arm(
     ------
     ValueError, LinkError : as of `wired_arm`.
     """
-    with wired_arm(cell, track, tell) as robot, undisturbed():
+    with undisturbed(), wired_arm(cell, track, tell) as robot:
         yield led_by(robot.port, make(robot), ArmClock(robot.port))
 
 

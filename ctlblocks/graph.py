@@ -90,6 +90,18 @@ class Graph:
         self._plans = tuple((*copies, *(call for every, call in calls if n % every == 0)) for n in range(cycle))
         self.ticks = 0
 
+    def rehearse(self) -> None:
+        """Have every block do what it does in a first tick and a second, and forget it; then it must be prepared.
+
+        What is compiled at its first use is compiled now, while nothing outside waits.  For blocks with devices behind
+        them that are not open, or do nothing yet.
+        """
+        self.prepare()
+        for _ in range(2):
+            for process, signals in self._plans[0]:
+                process(*signals)
+        self._plans = _UNPREPARED
+
     def tick(self) -> None:
         """Run one tick.  No array is made, no lock, I/O or log call happens below this line."""
         if self.changes:

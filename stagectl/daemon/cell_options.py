@@ -6,6 +6,7 @@ from rigkit.config import Section, setting
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$"
 MODEL = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,76}\.h5$"
+MODEL_OR_NONE = r"^([A-Za-z0-9][A-Za-z0-9._-]{0,76}\.h5)?$"
 NAME_OR_NONE = r"^([A-Za-z0-9][A-Za-z0-9._-]{0,79})?$"
 
 

@@ -179,3 +179,19 @@ def test_a_clock_writes_a_source_and_reads_the_last_output_through_live_frames()
 def test_reading_an_output_that_is_not_there_is_refused() -> None:
     with pytest.raises(KeyError, match="a has no port 'x' among its outputs"):
         graph_of(a=Count()).signal("a.x")
+
+
+def test_what_was_rehearsed_is_forgotten_and_waits_to_be_prepared() -> None:
+    graph = graph_of(a=Count(), b=Count())
+    once, slow = Pass(), Pass()
+    graph.add("once", once)
+    graph.add("slow", slow, every=4)
+    graph.connect("a.count", "once.signal")
+    graph.connect("b.count", "slow.signal", delayed=True)
+    graph.rehearse()
+    assert (once.seen, slow.seen) == ([1, 2], [0, 1])
+    with pytest.raises(RuntimeError, match="not prepared"):
+        graph.tick()
+    graph.prepare()
+    assert values(graph, "once.same", 3) == [1, 2, 3]
+    assert graph.ticks == 3

@@ -85,3 +85,17 @@ def test_what_was_left_out_of_the_search_for_garbage_still_is(is_frozen: bool) -
     finally:
         if before:
             gc.freeze()
+
+
+def test_nothing_is_searched_for_again_within_a_block_in_which_nothing_is() -> None:
+    searched = list[str]()
+    with undisturbed():
+        gc.callbacks.append(lambda phase, _: searched.append(phase))
+        try:
+            with undisturbed():
+                assert not gc.isenabled()
+        finally:
+            gc.callbacks.pop()
+        assert not gc.isenabled()
+    assert searched == []
+    assert gc.isenabled()

@@ -51,7 +51,8 @@ def procedure(config: CellConfig, options: ForceOptions, desk: Desk) -> Experime
     task = options.task if options.task in POCKETS else str(data_file(data, "task", options.task, POCKETS))
     pocket = pocket_of(task, config.segments)
     assert pocket is not None, "a task of `POCKETS` or a file has one"
-    job = Job(task, pocket, options.planner, options.untrained, options.pockets, options.seed, options.compare)
+    prior = str(Path(data) / options.prior) if options.prior else ""
+    job = Job(task, pocket, options.planner, options.untrained, options.pockets, options.seed, options.compare, prior)
     files = Files(job, data_file(data, "model", options.model) if options.model else None)
     for note in files.refuse_foreign(config, options.accept):
         desk.event("note", {"text": note})

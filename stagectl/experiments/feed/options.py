@@ -8,6 +8,8 @@ from rigkit.config import setting
 from stagectl.daemon.cell_options import Run
 from stagectl.planning.planner_names import UNTRAINED
 
+PRIOR = r"^([A-Za-z0-9][A-Za-z0-9._-]{0,74}\.json)?$"
+
 
 class ForceOptions(Run):
     """Pockets milled with the force controlled by the feed."""
@@ -21,6 +23,12 @@ class ForceOptions(Run):
     pockets: int = setting(1, "pockets", "how many, each in a piece of wood of its own", ge=1, le=20)
     compare: bool = setting(False, "", "mill the last pocket once more by position control at the safe feed")
     seed: int = setting(0, "", "of what the planner draws", ge=0)
+    prior: str = setting(
+        "",
+        "",
+        "file in the data folder where uncertain keeps how far rates were off, made if it is not there; empty for none",
+        pattern=PRIOR,
+    )
     model: str = setting("", "", "the robot's velocity model in the data folder; empty for the nominal one")
     accept: tuple[str, ...] = setting((), "", "keys that may differ from what that was measured with")
 

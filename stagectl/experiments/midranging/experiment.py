@@ -177,7 +177,7 @@ class Midranging:
     def _live(self) -> Iterator[Part]:
         axes = list(self.chosen)
         wired.compile_kernel(self.controller(len(axes)))
-        with wired.opened(self.cell, self.axes) as pair, undisturbed():
+        with undisturbed(), wired.opened(self.cell, self.axes) as pair:
             self.pair = pair
             try:
                 make = pairs.wired(pair, self.config.session.smoothing)

@@ -156,7 +156,7 @@ class StageRun:
         LinkError : the bus cannot be opened, or the stage is not heard.
         """
         live = self.made.config.session.live
-        with self._opened(tell) if live else nullcontext() as link, undisturbed() if live else nullcontext():
+        with undisturbed() if live else nullcontext(), self._opened(tell) if live else nullcontext() as link:
             for name in self.names:
                 learner = self._learner(name)
                 try:

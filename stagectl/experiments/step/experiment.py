@@ -93,7 +93,7 @@ class Steps:
         if not self.is_live:
             yield self._part(pairs.simulated(self.config, {}))
             return
-        with wired.opened(self.cell, self.axes) as pair, undisturbed():
+        with undisturbed(), wired.opened(self.cell, self.axes) as pair:
             self.pair = pair
             try:
                 made = self._part(pairs.wired(pair, self.config.session.smoothing))

@@ -126,6 +126,7 @@ class Toroid:
         bring(plan, tell, stopped, self._now)
         with opened(plan, tell, self._now) as ends, real_time():
             made = _part(plan, ends.wires.unless_told(tell), wired(ends))
+            made.graph.rehearse()  # the robot is not led yet, nor the stage
             assert made.retreat is not None
             retreat = replace(made.retreat, fault=partial(ends.fault, made.retreat))
             self.ends = ends

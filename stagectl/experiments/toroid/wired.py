@@ -102,11 +102,10 @@ def opened(plan: Plan, tell: Tell, now: Callable[[], float] = time.monotonic) ->
     ------
     LinkError : a wire that cannot be had.
     """
-    with ExitStack() as stack:
+    with undisturbed(), ExitStack() as stack:
         stage = stack.enter_context(StageLink(plan.cell.link, tell)) if plan.has_stage else None
         begin = (lambda: None) if stage is None else stage.start
         wires = stack.enter_context(LiveWires(plan.cell, tell, now=now, feels=False, beside=begin))
-        stack.enter_context(undisturbed())
         yield Ends(wires, stage)
 
 

@@ -9,14 +9,12 @@ from rigkit.experiment.resumed import GoingOn
 from stagectl.experiments.trials.bench import Bench, SimulatedBench
 from stagectl.experiments.trials.done import BESIDE, done_trial
 from stagectl.experiments.trials.experiment import Milling
-from stagectl.experiments.trials.learner import learner_of
+from stagectl.experiments.trials.learner import learner_of, lost_motion_of
 from stagectl.experiments.trials.read_back import JOINTS, MODEL, Files, task_of
 from stagectl.experiments.trials.runner import trial_of
 from stagectl.experiments.trials.surroundings import refuse_wrong_plants
 from stagectl.experiments.trials.trial import first_trial
-from stagectl.models.joint_backlash import lost_motion
 from stagectl.robot.config import CellConfig
-from stagectl.robot.milling.torque_file import read_gravity
 
 
 def unheard(text: str) -> None:
@@ -85,8 +83,7 @@ class Asked:
         first = first_trial(cell, files.task)
         learner = learner_of(cell, files.model, first, self.methods, self.accept, self.note)
         if files.joints is not None:
-            held = read_gravity(files.model, first.arm).torque(first.arm, first.joints)
-            learner.lost = lost_motion(files.joints, cell, held, self.accept, self.note)
+            learner.lost = lost_motion_of(files.joints, files.model, first, self.accept, self.note)
         for method in (None, *self.methods):
             learner.contraction(method).refuse_divergence()
         if isinstance(self.bench, SimulatedBench):

@@ -1,6 +1,7 @@
 """The command `stagectl ilc`: a path learned in free space, then in material."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,7 +18,7 @@ from stagectl.experiments.trials.asked import Asked
 from stagectl.experiments.trials.experiment import Milling
 from stagectl.experiments.trials.from_logs import AIR, learn_from_logs
 from stagectl.experiments.trials.laws import Learner
-from stagectl.experiments.trials.learner import ALL, learner_of, wanted_methods
+from stagectl.experiments.trials.learner import ALL, learner_of, lost_motion_of, wanted_methods
 from stagectl.experiments.trials.log_folder import SENT, write_path
 from stagectl.experiments.trials.motions import steps
 from stagectl.experiments.trials.read_back import TRIALS, Files, asked_of, task_of, was_live
@@ -105,7 +106,7 @@ def ilc(
     cell = cell_for_task(rig_file.load(config, CellConfig, settings or []), task or TASK)
     files = Files(task or TASK, model or Path(cell.learning.model), joints)
     if play is not None:
-        _say_path(play, cell, files, json)
+        _say_path(play, cell, files, accept or [], json)
     elif dry:
         _say_steps(cell, files.task, 1 + some * len(methods))
     elif logs is not None:
@@ -146,7 +147,7 @@ def _asked(
         print(text, file=words(line.json), flush=True)  # noqa: T201
 
     person = Person(say, not is_sure) if line.is_live else None
-    return Asked(methods, iterations, bench(cell, person), accept, lambda text: sys.stderr.write(f"{text}\n"), say)
+    return Asked(methods, iterations, bench(cell, person), accept, _note, say)
 
 
 def _go_on(
@@ -186,17 +187,15 @@ def _refuse_with_logs(given: dict[str, bool]) -> None:
         raise ValueError(f"{name} and --from are given, must be one of them: nothing is run, LOGDIR gets the path")
 
 
-def _refuse_joints(files: Files, other: str) -> None:
-    if files.joints is not None:
-        raise ValueError(f"--joints and {other} are given, must be one of them: only a run carries lost motion")
-
-
-def _say_path(folder: Path, cell: CellConfig, files: Files, json: str | None) -> None:
-    """Write the path as it is wanted, for who plays and logs it: as learning begins with it, in the air and cut."""
-    _refuse_joints(files, "--path")
+def _say_path(folder: Path, cell: CellConfig, files: Files, accept: list[str], json: str | None) -> None:
+    """Write the path as learning begins with it, for who plays and logs it, in the air and cut."""
     first = first_trial(cell, files.task)
     if (folder / SENT).exists():
         raise ValueError(f"{folder / SENT} is there already, must be another folder: its logs belong to that path")
+    if files.joints is not None:
+        learner = learner_of(cell, files.model, first, (), accept, _note)
+        learner.lost = lost_motion_of(files.joints, files.model, first, accept, _note)
+        first = replace(first, sent=first.sent + learner.carried(first))
     folder.mkdir(parents=True, exist_ok=True)
     write_path(folder / SENT, first.sent, first.joints)
     text = (
@@ -209,16 +208,21 @@ def _say_path(folder: Path, cell: CellConfig, files: Files, json: str | None) ->
 def _say_next(
     logs: Path, cell: CellConfig, files: Files, methods: tuple[int, ...], accept: list[str], json: str | None
 ) -> None:
-    _refuse_joints(files, "--from")
     if len(methods) != 1:
         raise ValueError(f"--method is {methods}, must be one with --from")
     first = first_trial(cell, files.task)
-    learner: Learner = learner_of(cell, files.model, first, methods, accept, lambda text: sys.stderr.write(f"{text}\n"))
+    learner: Learner = learner_of(cell, files.model, first, methods, accept, _note)
+    if files.joints is not None:
+        learner.note, learner.lost = _note, lost_motion_of(files.joints, files.model, first, accept, _note)
     path = learn_from_logs(logs, first, learner, methods[0])
     if not (logs / AIR).is_dir():
         print(f"{logs / AIR}/ is not there: {UNTOUCHED}", file=words(json))  # noqa: T201
     print(f"the path to send next: {path}", file=words(json))  # noqa: T201
     write_json(json, {"path": str(path)})
+
+
+def _note(text: str) -> None:
+    sys.stderr.write(f"{text}\n")
 
 
 def _say_steps(cell: CellConfig, task: str, trials: int) -> None:

@@ -60,7 +60,8 @@ def procedure(config: CellConfig, options: IlcOptions, desk: Desk) -> Experiment
             raise ValueError(f"run is {options.run!r}, where no trials are in {path}/")
         folder, made = take_up(path, asked.going_on(path))
     else:
-        files = Files(options.task, data_file(data, "model", options.model))
+        joints = data_file(data, "joints", options.joints) if options.joints else None
+        files = Files(options.task, data_file(data, "model", options.model), joints)
         cell = cell_for_task(config, files.task)
         made = asked.new(cell, files)
         folder = create(path, TRIALS, cell, made, files.take_into, sorted(options.accept))

@@ -3,6 +3,8 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from stagectl.experiments.trials.laws import Learner, determined
 from stagectl.experiments.trials.log_folder import FORCE, ROBOT, TRACKER, LogFolder, write_path
 from stagectl.experiments.trials.methods import method_of
@@ -12,10 +14,14 @@ from stagectl.robot.milling.trial_error import kinematic_error
 from stagectl.robot.milling.witness import refuse_other_axes, refuse_other_robot
 
 AIR, NEXT = "free", "next.csv"
+SAME = 1e-6
+"""m, within which a path is one that was written to a file."""
 
 
 def learn_from_logs(folder: Path, first: Trial, learner: Learner, method: int) -> Path:
     """Learn from the logs of one trial; write the path to send next into their folder, and return where.
+
+    Lost motion that the first path has carried is taken out of the next one where the tracker denies it in the air.
 
     What the logs say is held against the models, and against each other: a force whose sign is reversed, or none, other
     units, swapped axes and clocks apart are refused by their likely reason.
@@ -50,5 +56,26 @@ def learn_from_logs(folder: Path, first: Trial, learner: Learner, method: int) -
     if method_of(method).is_by_force and kinematic is not None:
         learner.refuse_other_force(signals, kinematic, method, first.path.milled, str(folder / FORCE))
     sent = learner.corrected(first, [signals], method, kinematic).sent
+    if learner.lost is not None:
+        sent = sent - _denied(first, learner, method, done, air)
     write_path(folder / NEXT, sent, first.path.joints(first.arm, sent))
     return folder / NEXT
+
+
+def _denied(first: Trial, learner: Learner, method: int, done: LogFolder, air: LogFolder | None) -> np.ndarray:
+    """Return what is taken out of the next path again, shape (N, 3), m: lost motion that the tracker denies in the air.
+
+    It is judged by the first path, in which nothing is learned yet, and not again by later ones.
+    """
+    assert learner.lost is not None
+    path, none = first.path.wanted + learner.carried(first), np.zeros_like(first.path.wanted)
+    if np.abs(done.sent - path).max() > SAME:
+        return none
+    if air is None or not (air.path / TRACKER).is_file():
+        learner.note(f"{done.path / AIR}: no tracker saw the tool in the air: nothing judges what the path carries")
+        return none
+    why = learner.lost.refusal(first.arm, air.angle, air.signals(True, False), first.path.milled, RATE)
+    if not why:
+        return none
+    learner.note(f"{air.path}: {why}")
+    return learner.unlearned(first, method)

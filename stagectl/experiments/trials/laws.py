@@ -73,10 +73,13 @@ class Learner:
         if not why:
             return step
         self.note(f"{free.name}: {why}")
-        law, still = self.law(None), np.zeros_like(step.sent)
-        carried = self.carried(free.trial)
-        left = carried - correction(predicted(still, carried, law), law)
-        return replace(step, sent=step.sent - left, come=predicted(step.come, -left, law))
+        left = self.unlearned(free.trial, None)
+        return replace(step, sent=step.sent - left, come=predicted(step.come, -left, self.law(None)))
+
+    def unlearned(self, first: Trial, method: int | None) -> np.ndarray:
+        """Return what is left of what the first path carries once a method, or free space, has learned: (N, 3), m."""
+        law, carried = self.law(method), self.carried(first)
+        return np.asarray(carried - correction(predicted(np.zeros_like(carried), carried, law), law))
 
     def law(self, method: int | None) -> PathLaw:
         """Return the law of a method, or of free space, as cautious as the doubt about its models asks for."""

@@ -7,10 +7,12 @@ from stagectl.experiments.trials.joint_speeds import refuse_unknown_speeds
 from stagectl.experiments.trials.laws import Learner
 from stagectl.experiments.trials.tool_path import RATE
 from stagectl.experiments.trials.trial import Trial
+from stagectl.models.joint_backlash import lost_motion
 from stagectl.models.model_origin import refuse_other_wiring
 from stagectl.robot.config import CellConfig
+from stagectl.robot.milling.lost_motion import LostMotion
 from stagectl.robot.milling.milling_models import MillingModels, read_milling
-from stagectl.robot.milling.torque_file import read_force_model
+from stagectl.robot.milling.torque_file import read_force_model, read_gravity
 from stagectl.robot.milling.trial_error import METHODS
 
 ALL = "all"
@@ -59,3 +61,29 @@ def learner_of(
     known = read_force_model(file, first.arm, cell.force_estimate)
     refuse_unknown_speeds(first, known.friction.speed[-1], known.friction.smoothing, str(file))
     return Learner(cell, models, lambda angle, torque: known.estimate(angle, torque, RATE).force)
+
+
+def lost_motion_of(
+    joints: Path, model: Path, first: Trial, accept: Collection[str], note: Callable[[str], object]
+) -> LostMotion | None:
+    """Read the lost motion that a path carries; None, with a note, where nothing is left of it.
+
+    Parameters
+    ----------
+    joints : Path
+        File of joint models.
+    model : Path
+        File of the models that are learned by, whose gravity tells to which side joints are held.
+    first : Trial
+    accept : collection of str
+        Keys in which the cell that they were measured on may differ.
+    note : callable(str)
+        Told what is left out, and why.
+
+    Raises
+    ------
+    ValueError : a file that is missing or wrong.
+    DisagreementError : measured on a cell that was wired otherwise.
+    """
+    held = read_gravity(model, first.arm).torque(first.arm, first.joints)
+    return lost_motion(joints, first.cell, held, accept, note)

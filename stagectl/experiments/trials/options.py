@@ -9,7 +9,7 @@ from rigkit import config as rig_file
 from rigkit.config import Section, setting
 from rigkit.run_folder import CONFIG
 from rigkit.service.paths import run_path
-from stagectl.daemon.cell_options import NAME, Run
+from stagectl.daemon.cell_options import MODEL_OR_NONE, NAME, Run
 from stagectl.robot.config import CellConfig
 
 
@@ -21,12 +21,20 @@ class IlcOptions(Run):
     iterations: int = setting(4, "trials", "in material after the first one, of each method", ge=1, le=50)
     task: Literal["pocket28", "pocket28-deep", "pocket"] = setting("pocket28", "", "pocket is that of [pocket]")
     model: str = setting("milling.h5", "", "model file in the data folder", pattern=NAME)
+    joints: str = setting(
+        "",
+        "",
+        "joint models in the data folder: the path carries the lost motion of joints that turn around; empty for none",
+        pattern=MODEL_OR_NONE,
+    )
     accept: tuple[str, ...] = setting((), "", "keys that may differ from what the models or the run were made with")
 
     @model_validator(mode="after")
     def _names_what_it_goes_on_with(self) -> Self:
         if self.resume and not self.run:
             raise ValueError('run is "", must be the name of the run to go on with, since resume is true')
+        if self.resume and self.joints:
+            raise ValueError(f'joints is "{self.joints}", must be "" where resume is true: the run has its own')
         return self
 
     def led_to(self, data: str) -> Iterator[Section]:

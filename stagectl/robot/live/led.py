@@ -87,6 +87,7 @@ class LedRobot:
             LiveWires(work.cell, tell, work.tracks, self._guide.clock, work.feels) as wires,
         ):
             made = work.make(wires, wires.unless_told(tell))
+            made.graph.rehearse()  # nothing is open yet
             led = led_by(wires.port, made, ReportClock(wires, round(made.graph.rate / RATE)))
             yield led
             is_whole = made.graph.ticks > 0 and not led.fault()

@@ -160,18 +160,17 @@ def go(
     Stopped : it was asked to; the robot is held.
     """
     cell = cell.model_copy(update={"robot": cell.robot.model_copy(update={"mode": "joints"})})
-    with RobotPort(cell, tell, now) as port:
+    with undisturbed(), RobotPort(cell, tell, now) as port:
         begin_motion_of(port)
         way = plan(port.conversation.where.copy())
         rests = np.concatenate([way, np.tile(way[-1], (round(REST * RATE), 1))])
         graph = _graph(port, rests)
-        with undisturbed():
-            catch_up(port)
-            port.start()
-            try:
-                done = run_linked(graph, port, len(rests), stopped)
-            except LinkError as fault:
-                raise LinkError(f"{port.reason or fault}; the robot is held on its way over the workpiece") from fault
+        catch_up(port)
+        port.start()
+        try:
+            done = run_linked(graph, port, len(rests), stopped)
+        except LinkError as fault:
+            raise LinkError(f"{port.reason or fault}; the robot is held on its way over the workpiece") from fault
     if done < len(rests):
         raise Stopped(f"stopped on the robot's way, {done / RATE:.1f} of {len(rests) / RATE:.1f} s: it is held there")
 

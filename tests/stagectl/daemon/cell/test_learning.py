@@ -19,8 +19,11 @@ from stagectl.experiments.trials.done import DoneTrial, done_trial
 from stagectl.experiments.trials.read_back import TRIALS, Files, read_back, task_of
 from stagectl.experiments.trials.trial import cell_for_task, first_trial
 from stagectl.robot.config import CellConfig
+from stagectl.robot.milling.milling_models import write_milling
 from tests.stagectl.daemon.bench import Lab
 from tests.stagectl.daemon.cell.bench import cell_in
+from tests.stagectl.models.test_joint_backlash import written
+from tests.stagectl.robot.milling.test_milling_models import models
 from tests.until import until
 
 ILC = {"task": "pocket", "iterations": 1}
@@ -104,6 +107,15 @@ def test_a_stop_lifts_the_tool_out_of_the_material_and_the_run_goes_on_to_its_la
     assert shown["norm"] == pytest.approx(sizes)
     assert {"path", "error", "free_space", "trials", "force", "cutting_force_x"} <= set(panels.revisions())
     assert len(panels.panel("trials")["rows"]) == 4
+
+
+def test_joint_models_are_kept_with_the_run_whose_path_carries_their_lost_motion(lab: Lab) -> None:
+    write_milling(lab.data / "milling.h5", models(), {"gravity/moments": np.zeros((6, 4))})
+    written(lab.data / "joints.h5", [(2e-4, 1e-5)] * 6, rig_file.load(lab.file, CellConfig))
+    lab.begin("ilc", joints="joints.h5", **ILC)
+    lab.control.stop("Ada", "enough")
+    lab.ended()
+    assert (lab.run_folder() / "joints.h5").read_bytes() == (lab.data / "joints.h5").read_bytes()
 
 
 @pytest.mark.slow

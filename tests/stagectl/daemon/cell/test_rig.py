@@ -48,13 +48,14 @@ def pockets(lab: Lab) -> list[Kept]:
 
 
 def test_a_pocket_is_milled_by_force_and_what_is_believed_of_it_is_shown(lab: Lab) -> None:
-    lab.begin("force", task="small.json", force=8.0, planner="exact")
+    lab.begin("force", task="small.json", force=8.0, planner="uncertain", prior="prior.json")
     until(lambda: any(gauge.name == "kappa" and gauge.interval for gauge in lab.rig.gauges()))
     kappa = lab.gauge("kappa")
     assert kappa.interval is not None
     assert kappa.interval[0] < kappa.value < kappa.interval[1]
     lab.ended()
     assert lab.state is State.ARMED, lab.why
+    assert json.loads((lab.data / "prior.json").read_text())["lots"]
     (kept,) = pockets(lab)
     assert kept.plan.cell.force.force == 8.0
     assert not kept.done.reason
@@ -119,6 +120,9 @@ def test_steps_are_made_and_read_off(lab: Lab) -> None:
         ("ilc", {"run": "../x"}, 'run is "../x", must be text, matching '),
         ("ilc", {"method": "4"}, 'method is "4", must be text, matching '),
         ("ilc", {"resume": True, "run": ""}, 'run is "", must be the name of the run to go on with, since resume'),
+        ("ilc", {"resume": True, "run": "a", "joints": "j.h5"}, 'joints is "j.h5", must be "" where resume is true'),
+        ("ilc", {"joints": "joints.txt"}, 'joints is "joints.txt", must be text, matching '),
+        ("force", {"prior": "../prior.json"}, 'prior is "../prior.json", must be text, matching '),
         ("force", {"force": None}, "force is null, must be a number >= 0 and <= 1000 N"),
         ("force", {"force": float("nan")}, "force is NaN, must be a number >= 0 and <= 1000 N"),
         ("force", {"planner": "magic"}, 'planner is "magic", must be "exact" or "sequential" or '),
@@ -147,6 +151,7 @@ def test_options_that_cannot_be_are_refused_and_the_rig_stays_armed(
     [
         ("force", {"task": "process"}, "task is 'process', must be slot, pocket, or a file in the data folder, "),
         ("force", {"model": "../x.h5"}, "model is '../x.h5', must be a file in the data folder, "),
+        ("force", {"prior": "prior.json"}, "planner is 'sequential', must be uncertain to keep a prior in "),
         ("cell", {"stage": "none.toml"}, "stage is 'none.toml', must be a file in the data folder, "),
         ("step", {"of": "stage", "size": 0.05}, "size is 0.05 m, must be <= midranging.pair.travel, 0.025 m"),
         ("midrange", {"scenario": "nix"}, "scenario is 'nix', must be thesis-1, thesis-2, toroid, or a file in the "),

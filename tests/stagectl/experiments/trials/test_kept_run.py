@@ -24,10 +24,13 @@ from rigkit.run_folder import read_events
 from stagectl.application import PROGRAM
 from stagectl.experiments.trials.done import BESIDE, DoneTrial
 from stagectl.experiments.trials.laws import Learner
+from stagectl.experiments.trials.log_folder import POSITION, read_log
 from stagectl.experiments.trials.read_back import TRIALS, read_back
+from stagectl.robot.config import CellConfig
 from stagectl.robot.milling.lost_motion import LostMotion
 from stagectl.robot.milling.milling_models import write_milling
 from tests.stagectl.experiments.trials.short_trial import SMALL
+from tests.stagectl.models.test_joint_backlash import written
 from tests.stagectl.robot.milling.test_milling_models import models
 from tests.until import until
 
@@ -178,12 +181,15 @@ def test_the_path_to_play_first_is_that_of_a_run(tmp_path: Path, whole: Path) ->
         _run(*words)
 
 
-@pytest.mark.parametrize("other", ["--path", "--from"])
-def test_only_a_run_carries_lost_motion(tmp_path: Path, other: str) -> None:
-    words = (other, str(tmp_path), "--joints", str(tmp_path / "joints.h5"), "--task", "pocket", *SETTINGS)
-    write_milling(tmp_path / "models.h5", models(), {})
-    with pytest.raises(ValueError, match=f"--joints and {other} are given, must be one of them"):
-        _run("ilc", "--model", str(tmp_path / "models.h5"), *words)
+def test_the_path_to_play_first_carries_lost_motion(tmp_path: Path, whole: Path) -> None:
+    write_milling(tmp_path / "models.h5", models(), {"gravity/moments": np.zeros((6, 4))})
+    cell = CellConfig()
+    joints = ("--joints", str(written(tmp_path / "joints.h5", [(2e-4, 1e-5)] * 6, cell)))
+    words = ("--path", str(tmp_path / "logs"), "--model", str(tmp_path / "models.h5"), "--task", "pocket", *SETTINGS)
+    _run("ilc", *words, *joints)
+    played = [read_log(folder / "sent.csv", POSITION) for folder in (tmp_path / "logs", whole / "logs/free-0")]
+    more = np.stack([played[0][name] - played[1][name] for name in POSITION])
+    assert 2e-5 < np.abs(more).max() < 1e-3
 
 
 def test_lost_motion_that_the_tracker_denies_is_taken_out_of_the_next_path(whole: Path) -> None:

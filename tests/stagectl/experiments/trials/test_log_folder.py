@@ -1,5 +1,6 @@
 """Logs of other clocks and rates become a trial's signals; what is missing or has gaps is refused by name."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from stagectl.experiments.trials.command import learn_from_logs, wanted_methods
 from stagectl.experiments.trials.laws import Learner
 from stagectl.experiments.trials.log_folder import ANGLES, FORCES, POSITION, TORQUES, LogFolder, read_log, write_path
 from stagectl.experiments.trials.trial import Trial
+from stagectl.robot.milling.lost_motion import LostMotion
 from stagectl.robot.milling.milling_models import MillingModels
 from stagectl.robot.milling.zero_phase import filtered
 from tests.stagectl.experiments.trials.short_trial import small
@@ -61,6 +63,26 @@ def test_clocks_are_brought_together(tmp_path: Path, first: Trial, known: Millin
     assert signals.joints == pytest.approx(answer, abs=1e-6)
     assert signals.seen is not None
     assert signals.seen[400:-200] == pytest.approx(answer[400:-200] + (first.sent[0] - answer[0]), abs=3e-6)
+
+
+@pytest.mark.parametrize(("carries", "is_denied"), [(True, True), (False, False)])
+def test_lost_motion_that_the_tracker_denies_in_the_air_is_taken_out_of_the_next_path(
+    tmp_path: Path, first: Trial, known: MillingModels, carries: bool, is_denied: bool
+) -> None:
+    """The links of a robot without backlash; a path that carries none, or is learned already, is not judged."""
+    notes, paths = list[str](), list[np.ndarray]()
+    lost = LostMotion(np.array([3e-4, 0, 0, 0, 0, 0]))
+    carried = Learner(first.cell, known, lost=lost).carried(first)
+    played = replace(first, sent=first.sent + carried) if carries else first
+    for folder in (tmp_path, tmp_path / "free"):
+        logged(folder, played, known)
+    for each in (None, lost):
+        file = learn_from_logs(tmp_path, first, Learner(first.cell, known, lost=each, note=notes.append), 1)
+        paths.append(np.stack(list(read_log(file, POSITION).values())[1:], axis=1))
+    assert [note.split(": the tracker saw")[0] for note in notes] == [str(tmp_path / "free")] * is_denied
+    left = np.abs(paths[0] - paths[1])
+    assert bool(left.max() > 1e-6) is is_denied
+    assert left.max() < np.abs(carried).max()
 
 
 @pytest.mark.slow

@@ -1,19 +1,26 @@
 """What a live trial is made of: records and torques brought together, the way over the workpiece, the person asked."""
 
+import gc
 import os
 import pty
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from types import ModuleType
 
 import numpy as np
 import pytest
 
+from calibration import guided_arm
+from ctlblocks import Graph
+from rigkit.experiment.part import Part
 from rigkit.stop import Stopped
 from stagectl.experiments.trials.trial import tool_arm
+from stagectl.link.bus import LinkError
 from stagectl.link.tell import nobody
 from stagectl.robot.config import CellConfig, Robot
 from stagectl.robot.force_config import ForceSensor
 from stagectl.robot.kinematics import forward
+from stagectl.robot.live import way
 from stagectl.robot.live.blocks import LiveTorques, LiveTracker
 from stagectl.robot.live.force_records import ForceRecords
 from stagectl.robot.live.person import Person
@@ -178,3 +185,29 @@ def test_without_a_terminal_nobody_is_asked(monkeypatch: pytest.MonkeyPatch) -> 
         with pytest.raises(ValueError, match="no terminal: nobody can confirm .* --yes goes on"):
             Person(print, True)
         Person(print, False).confirm("a fresh block", lambda: False)
+
+
+def went() -> None:
+    way.go(CellConfig(), lambda here: here[None], nobody, lambda: False)
+
+
+def led() -> None:
+    with guided_arm.led_arm(CellConfig(), False, str, lambda _: Part("", Graph(250.0), (), ())):
+        pass
+
+
+@pytest.mark.parametrize(("module", "opens"), [(way, went), (guided_arm, led)])
+def test_garbage_is_searched_for_before_a_robot_waits_for_answers(
+    monkeypatch: pytest.MonkeyPatch, module: ModuleType, opens: Callable[[], None]
+) -> None:
+    """It took 0.15 s, for which the robot had no answer."""
+    searched = list[bool]()
+
+    def opened(*_: object) -> None:
+        searched.append(not gc.isenabled())
+        raise LinkError("the socket")
+
+    monkeypatch.setattr(module, "RobotPort", opened)
+    with pytest.raises(LinkError, match="the socket"):
+        opens()
+    assert searched == [True]
