@@ -61,11 +61,11 @@ def agreement(measured: np.ndarray, foreseen: np.ndarray, rate: float) -> Agreem
     own, tiny = float(np.sum(one**2)), np.finfo(float).tiny
     slope = cross / max(power, tiny)
     scores = _by_block(np.sum(other * (one - slope * other), axis=1), rate)
-    sizes = (float(np.sqrt(each / one.size)) for each in (own, power))
     return Agreement(
         slope,
         cross / max(np.sqrt(own * power), tiny),
-        *sizes,
+        float(np.sqrt(own / one.size)),
+        float(np.sqrt(power / one.size)),
         float(np.sqrt(np.sum(scores**2))) / max(power, tiny),
         _noise(measured, rate),
     )
