@@ -11,6 +11,7 @@ from pathlib import Path
 
 from benchmarks.ablation import ablation_table, shot
 from benchmarks.feed_study import feed_force_table
+from benchmarks.milling_study import milling_table, soft_table
 from benchmarks.page_table import DOCS, replaced
 from rigkit.origin import checksum
 from rigkit.report import Table
@@ -26,6 +27,8 @@ PLACES = {
     "around": "validation/vibrator-studies.md",
     "feed-force": "validation/force.md",
     "learning": "validation/learning.md",
+    "milling": "ilc.md",
+    "milling-soft": "ilc.md",
     "prediction": "validation/vibrator-studies.md",
     "quiet": "validation/vibrator-studies.md",
     "soft-start": "validation/vibrator-studies.md",
@@ -135,7 +138,12 @@ BESIDE: dict[str, Callable[[Sequence[Row]], str]] = {
     "vibrators": within_the_floor,
 }
 """What else is said of a study."""
-INSTEAD: dict[str, Callable[[StudyReport], str]] = {"ablation": ablation_table, "feed-force": feed_force_table}
+INSTEAD: dict[str, Callable[[StudyReport], str]] = {
+    "ablation": ablation_table,
+    "feed-force": feed_force_table,
+    "milling": milling_table,
+    "milling-soft": soft_table,
+}
 """What is shown in place of a table for each figure."""
 
 

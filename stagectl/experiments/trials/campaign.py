@@ -100,16 +100,27 @@ def learn_pocket(first: DoneTrial, learner: Learner, method: int, iterations: in
 def learn(first: Trial, learner: Learner, methods: Sequence[int], iterations: int) -> Steps:
     """Learn free space, mill, and learn the pocket by each method from the same first trial.
 
+    Of several methods one that is refused is left out: `Learner.leave_out` is told, and the others are learned by.
+
     Parameters
     ----------
     first : Trial
     learner : Learner
     methods : sequence of int
     iterations : int
+
+    Raises
+    ------
+    ValueError : in the air, as `learn_free_space`; as `learn_pocket` where there is one method.
     """
     milled = yield FIRST, (yield from learn_free_space(first, learner))
     for method in methods:
-        yield from learn_pocket(milled, learner, method, iterations)
+        try:
+            yield from learn_pocket(milled, learner, method, iterations)
+        except ValueError as fault:
+            if len(methods) == 1:
+                raise
+            learner.leave_out(method, str(fault))
 
 
 def names_of(free: int, methods: Sequence[int], iterations: int) -> list[str]:

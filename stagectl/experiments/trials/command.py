@@ -15,7 +15,7 @@ from rigkit.experiment.command import CommandLine, refuse_given
 from rigkit.experiment.kept import ended_early
 from rigkit.experiment.runner import STOPPED
 from stagectl.experiments.trials.asked import Asked
-from stagectl.experiments.trials.experiment import Milling
+from stagectl.experiments.trials.experiment import REFUSED, Milling
 from stagectl.experiments.trials.from_logs import AIR, learn_from_logs
 from stagectl.experiments.trials.laws import Learner
 from stagectl.experiments.trials.learner import ALL, learner_of, lost_motion_of, wanted_methods
@@ -165,7 +165,7 @@ def _go_on(
 
 
 def _tell(reasons: dict[str, str], found: dict[str, Any], path: Path, line: CommandLine) -> None:
-    """Print the tables; raise ValueError where a fault has ended a trial."""
+    """Print the tables; raise ValueError where a fault has ended a trial, or methods were refused."""
     stream = words(line.json)
     print_table(f"{path}: errors of every trial", HEAD, trial_rows(found), stream)
     if found["methods"]:
@@ -175,6 +175,9 @@ def _tell(reasons: dict[str, str], found: dict[str, Any], path: Path, line: Comm
     for name, reason in reasons.items():
         if reason != STOPPED:
             raise ValueError(f"{ended_early(name, reason)}; what is recorded is in {path}/")
+    if refused := found.get(REFUSED):
+        told = "; ".join(f"method {method}: {why}" for method, why in refused.items())
+        raise ValueError(f"{told}; what is recorded is in {path}/")
 
 
 def _say_how_long(made: Milling, line: CommandLine) -> None:

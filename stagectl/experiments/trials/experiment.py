@@ -10,6 +10,7 @@ from rigkit.experiment.kept import early_facts
 from rigkit.experiment.kind import Records
 from rigkit.experiment.part import Part
 from rigkit.experiment.runner import never
+from rigkit.report import Fact
 from stagectl.experiments.trials.bench import Bench, SimulatedBench
 from stagectl.experiments.trials.campaign import grouped, learn, names_of
 from stagectl.experiments.trials.done import DoneTrial, trials_in
@@ -23,6 +24,8 @@ from stagectl.experiments.trials.trial_graph import TrialGraph
 from stagectl.link.tell import Tell, nobody
 
 PAGE, LOGS = "report.html", "logs"
+REFUSED = "refused"
+"""The event of a method that is refused where there are others; among the figures, why, by method."""
 _LOGS = 2
 """Times the room that recordings take, with the logs that are written of them."""
 
@@ -46,6 +49,8 @@ class Milling:
         Why trials ended before their end, by name: these are learned from and judged by nobody.
     say : callable(str)
         Told a line of each trial.
+    refused : mapping of str to str, optional
+        Why methods were refused, by number.
     """
 
     def __init__(
@@ -58,10 +63,12 @@ class Milling:
         done: Mapping[str, DoneTrial] | None = None,
         reasons: Mapping[str, str] | None = None,
         say: Callable[[str], object] = lambda _: None,
+        refused: Mapping[str, str] | None = None,
     ) -> None:
         self.first, self.methods, self.iterations = first, tuple(methods), iterations
         self._learner, self._bench = learner, bench or SimulatedBench()
         self._done, self._reasons, self._say = dict(done or {}), dict(reasons or {}), say
+        self._refused = dict(refused or {})
 
     @property
     def done(self) -> list[DoneTrial]:
@@ -107,7 +114,7 @@ class Milling:
         LinkError, Stopped : as of the bench.
         """
         assert self._learner is not None
-        self._learner.note = self._noting(tell)
+        self._learner.note, self._learner.leave_out = self._noting(tell), self._leaving_out(tell)
         steps, came = learn(self.first, self._learner, self.methods, self.iterations), None
         while True:
             try:
@@ -133,6 +140,13 @@ class Milling:
 
         return note
 
+    def _leaving_out(self, tell: Tell) -> Callable[[int, str], object]:
+        def leave_out(method: int, why: str) -> None:
+            tell(REFUSED, {"method": method, "text": why})
+            self._say(f"method {method} is refused: {why}")
+
+        return leave_out
+
     def again(self, records: Records) -> Iterator[Part]:
         """Give a part for each trial that is recorded, its sensors as they were."""
         for each in trials_in(records, self.first):
@@ -143,16 +157,17 @@ class Milling:
         return [each for each in trials_in(records, self.first) if not self._reasons.get(each.name)]
 
     def figures(self, records: Records) -> dict[str, Any]:
-        """Return the errors of each trial that came to its end, m: in the air, and by method."""
+        """Return the errors of each trial that came to its end, m: in the air, and by method; methods refused."""
         if not (whole := self.whole(records)):
             raise ValueError("no trial has ended")
-        return figures(*grouped(whole))
+        return {**figures(*grouped(whole)), REFUSED: self._refused}
 
     def report(self, path: Path, records: Records, figures: Mapping[str, Any], png: Path | None) -> None:
         """Write the report, and of each trial its logs as other robots' are read."""
         whole = self.whole(records)
         made = trial_report(*grouped(whole), path)
-        made = replace(made, facts=(*made.facts, *early_facts(figures)))
+        left = (Fact(f"Refused, method {each}", why, passed=False) for each, why in self._refused.items())
+        made = replace(made, facts=(*made.facts, *left, *early_facts(figures)))
         made.write(path / PAGE)
         if png is not None:
             made.png(png)

@@ -37,6 +37,8 @@ class Learner:
         Method 3 needs it.
     note : callable(str)
         Told where learning turns back, or ends early.
+    leave_out : callable(int, str)
+        Told of a method that is refused, and why, where there are others.
     lost : LostMotion or None
         What the path carries from the first trial on.
     """
@@ -46,6 +48,7 @@ class Learner:
     forces: Forces | None = None
     free: list[DoneTrial] = field(default_factory=list)
     note: Callable[[str], object] = lambda _: None
+    leave_out: Callable[[int, str], object] = lambda *_: None
     lost: LostMotion | None = None
 
     def carried(self, first: Trial) -> np.ndarray:

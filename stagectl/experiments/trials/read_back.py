@@ -1,5 +1,6 @@
 """Runs of trials in their folder: what they are made from, kept there and read back."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,8 +10,8 @@ from rigkit.experiment.kept import told
 from rigkit.experiment.kind import Kind, Records
 from rigkit.experiment.runner import KILLED
 from rigkit.origin import RUN, read_origin
-from rigkit.run_folder import CONFIG, RunFolder
-from stagectl.experiments.trials.experiment import Milling
+from rigkit.run_folder import CONFIG, RunFolder, read_events
+from stagectl.experiments.trials.experiment import REFUSED, Milling
 from stagectl.experiments.trials.runner import trial_of
 from stagectl.experiments.trials.trial import cell_for_task, first_trial
 from stagectl.robot.config import CellConfig
@@ -81,7 +82,18 @@ def read_back(path: Path, records: Records, settings: Sequence[str] = ()) -> Mil
     reasons = dict.fromkeys(told(path, "started"), KILLED)
     reasons |= {part: end["reason"] for part, end in told(path, "ended").items()}
     reasons |= {name: "ended early" for name in map(trial_of, records) if name.endswith(ENDED)}
-    return Milling(first, reasons=reasons)
+    return Milling(first, reasons=reasons, refused=_refused(path))
+
+
+def _refused(path: Path) -> dict[str, str]:
+    """Return why methods were refused, by number, but of those that were learned by later."""
+    found: dict[str, str] = {}
+    for event in read_events(path):
+        if event["event"] == REFUSED:
+            found[str(event["method"])] = event["text"]
+        elif event["event"] == "started" and (of := re.match(r"method-(\d)-", event.get("part", ""))):
+            found.pop(of[1], None)
+    return found
 
 
 def asked_of(path: Path) -> tuple[tuple[int, ...], int]:

@@ -44,7 +44,7 @@ def method_rows(found: Mapping[str, Any]) -> list[tuple[str, ...]]:
     rows: list[tuple[str, ...]] = []
     for method, done in found["methods"].items():
         slow_of = [each["slow_norm"] for each in done]
-        best = int(np.argmin(slow_of))
+        best = found["best"][method]["iteration"]
         first, last = done[0]["norm"], done[best]["norm"]
         heard = _reduced(slow_of[0], slow_of[best]), f"{1e6 * done[best]['slow_noise']:.1f}"
         truths = [each.get("true_norm") for each in done]
@@ -55,10 +55,16 @@ def method_rows(found: Mapping[str, Any]) -> list[tuple[str, ...]]:
 
 
 def figures(free: Sequence[DoneTrial], learned: Learned) -> dict[str, Any]:
-    """Return what was reached, other programs' keys, m: MAE along each axis, its norm, the slow and the true ones."""
+    """Return what was reached, other programs' keys, m: MAE along each axis, its norm, the slow and the true ones.
+
+    The best iteration of a method is that of the least slow error, as the tracker sees it.
+    """
+    best = {str(method): int(np.argmin(norms(done))) for method, done in learned.items()}
+    methods = {str(method): [_figures(each) for each in done] for method, done in learned.items()}
     return {
         "free": [_figures(each) for each in free],
-        "methods": {str(method): [_figures(each) for each in done] for method, done in learned.items()},
+        "methods": methods,
+        "best": {method: {"iteration": at, **methods[method][at]} for method, at in best.items()},
     }
 
 

@@ -6,8 +6,9 @@ import numpy as np
 
 from stagectl.robot.arm import Arm
 from stagectl.robot.kinematics import jacobian
+from stagectl.robot.milling.agreement import agreement
 from stagectl.robot.milling.trial_error import TrialSignals, slow
-from stagectl.robot.milling.witness import ALIKE, BENDS, agreement
+from stagectl.robot.milling.witness import ALIKE, BENDS
 
 
 @dataclass(frozen=True, eq=False)

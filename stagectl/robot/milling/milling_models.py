@@ -15,7 +15,7 @@ from stagectl.robot.milling.convergence import Doubt, interpolated
 from stagectl.robot.milling.learning import ProcessModel
 
 FORMAT = "vibrostage milling models 1"
-SIDES = ("motors", "tool")
+SIDES = MOTORS, TOOL = "motors", "tool"
 """Where the robot's answer is seen: by its motors' angles, or by the tracker at the tool."""
 FORCES = ("measured", "estimated")
 """Which force a process model belongs to."""
@@ -93,21 +93,26 @@ class MillingModels:
     def doubt(self, side: str, force: str | None) -> Doubt:
         """Return what else robot and process may be, for `contraction`.
 
+        Where the tool's answer is not surely another than the motors', by its spread, it is taken as theirs: chirps
+        hardly move the tool at their lowest frequencies, where the tracker's noise would leave everything open.
+
         Parameters
         ----------
         side : str, of `SIDES`
         force : str, of `FORCES`, or None for free space
         """
         robot = self.robot[side]
+        response, spread = robot.response, robot.spread
+        if side == TOOL:
+            motors = self.robot[MOTORS]
+            there = interpolated(robot.frequency, motors.frequency, motors.response)
+            known = interpolated(robot.frequency, motors.frequency, motors.spread).real
+            is_other = np.abs(response - there) > spread
+            response, spread = np.where(is_other, response, there), np.where(is_other, spread, known)
         if force is None:
-            return Doubt(robot.frequency, robot.response, robot.spread)
+            return Doubt(robot.frequency, response, spread)
         process = self.process[force]
-        return Doubt(
-            robot.frequency,
-            robot.response,
-            robot.spread,
-            interpolated(robot.frequency, process.frequency, process.other),
-        )
+        return Doubt(robot.frequency, response, spread, interpolated(robot.frequency, process.frequency, process.other))
 
 
 def write_milling(path: Path, models: MillingModels, torque_units: Mapping[str, str]) -> None:

@@ -5,16 +5,12 @@ than the one it began with, and none is seen in what is learned from.  So one si
 to go with what was measured of it.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from stagectl.robot.milling.alignment import shift
+from stagectl.robot.milling.agreement import Agreement, agreement, lateness
 from stagectl.robot.milling.axis_model import AxisModel, robot_response
-from stagectl.robot.milling.zero_phase import filtered, low_pass
+from stagectl.robot.milling.zero_phase import filtered
 
-CUTOFF = 5.0
-"""Hz, up to which signals are held against each other: above is noise."""
 ALIKE = 0.5
 """Correlation from which on a slope tells something."""
 FOLLOWS = 0.85, 1.18
@@ -27,41 +23,11 @@ APART, FAR = 0.04, 0.3
 """s by which force and tracker may be apart, and are looked for."""
 LEAST = 0.02
 """Of what is foreseen: what is less is no signal."""
-
-
-@dataclass(frozen=True)
-class Agreement:
-    """How what was measured goes with what was foreseen.
-
-    Parameters
-    ----------
-    slope : float, 1
-        Of the former on the latter, by least squares over all axes, without their means.
-    correlation : float, 1
-    measured, foreseen : float
-        Their standard deviations, in their unit.
-    """
-
-    slope: float
-    correlation: float
-    measured: float
-    foreseen: float
-
-
-def agreement(measured: np.ndarray, foreseen: np.ndarray, rate: float) -> Agreement:
-    """Hold a signal against another up to `CUTOFF`.
-
-    Parameters
-    ----------
-    measured, foreseen : arrays, shape (N, width), any unit
-    rate : float, samples/s
-    """
-    one, other = (_smooth(each, rate) for each in (measured, foreseen))
-    one, other = one - one.mean(axis=0), other - other.mean(axis=0)
-    power, cross = float(np.sum(other**2)), float(np.sum(one * other))
-    own, tiny = float(np.sum(one**2)), np.finfo(float).tiny
-    sizes = (float(np.sqrt(each / one.size)) for each in (own, power))
-    return Agreement(cross / max(power, tiny), cross / max(np.sqrt(own * power), tiny), *sizes)
+SURE, SURELY_LATE = 3.0, 4.0
+"""Standard errors by which a slope of 1, or a clock that is right, has to be out of reach; of many shifts one is best.
+"""
+NOISY = 1.5
+"""Times what noise makes: what the tracker saw bent by no more tells nothing."""
 
 
 def refuse_other_robot(sent: np.ndarray, joints: np.ndarray, axes: tuple[AxisModel, ...], source: str) -> None:
@@ -121,6 +87,9 @@ def _likely(each: list[Agreement], number: int) -> str:
 def refuse_other_compliance(bent: np.ndarray, foreseen: np.ndarray, rate: float, source: str) -> None:
     """Refuse, by ValueError, a force and a G_K that do not make what the tracker saw.
 
+    A cut that bends the tool by little beside the tracker's noise tells little: what is beyond its bounds is refused
+    where it is beyond what chance makes of models and clocks that are right, as well.
+
     Parameters
     ----------
     bent : array, shape (N, 3), m
@@ -132,20 +101,21 @@ def refuse_other_compliance(bent: np.ndarray, foreseen: np.ndarray, rate: float,
         What is told of: "milled-0".
     """
     found = agreement(bent, foreseen, rate)
-    if max(found.measured, found.foreseen) < LEAST_BENT:
+    seen = found.measured if found.measured > NOISY * found.noise else 0.0
+    if max(seen, found.foreseen) < LEAST_BENT:
         return
-    if found.foreseen < LEAST * found.measured and abs(found.correlation) < ALIKE:
+    if found.foreseen < LEAST * seen and abs(found.correlation) < ALIKE:
         raise ValueError(
             f"{source}: the force bends the tool by {1e6 * found.foreseen:.2g} µm rms, where the tracker saw "
             f"{1e6 * found.measured:.0f}: no force is measured, is its line connected?"
         )
-    if not BENDS[0] <= found.slope <= BENDS[1]:
+    if not BENDS[0] <= found.slope <= BENDS[1] and abs(found.slope - 1.0) > SURE * found.deviation:
         raise ValueError(
             f"{source}: the tracker saw the tool bent by {found.slope:.3g} times what G_K makes of the force, must be "
             f"{BENDS[0]:g} to {BENDS[1]:g}: {_why(found, 'the force', 'G_K')}"
         )
-    late = shift(bent, foreseen, rate, FAR)
-    if abs(late) > APART:
+    late, sure = lateness(bent, foreseen, rate, FAR, APART)
+    if sure > SURELY_LATE:
         raise ValueError(
             f"{source}: the force is {late:.3g} s later than the tracker sees the tool bent by it, must be within "
             f"{APART:g} s: have they one clock?"
@@ -188,8 +158,3 @@ def _why(found: Agreement, signal: str, model: str) -> str:
     if found.slope < 0:
         return f"{signal}'s sign appears reversed ({told}), or {model} is of another robot: calibrate again"
     return f"another unit of {signal}, or {model} of another robot ({told}): calibrate again"
-
-
-def _smooth(signal: np.ndarray, rate: float) -> np.ndarray:
-    width = signal.shape[1]
-    return filtered(signal, rate, lambda frequency: low_pass(frequency, CUTOFF)[:, None, None] * np.eye(width))

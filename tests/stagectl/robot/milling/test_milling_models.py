@@ -1,11 +1,14 @@
 """Milling models go into their file and come back; what is no such file is refused."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from rigkit.model_file import ModelFileError
+from stagectl.robot.milling.convergence import cautious
+from stagectl.robot.milling.learning import PathLaw
 from stagectl.robot.milling.milling_models import MillingModels, Process, RobotModel, read_milling, write_milling
 from tests.stagectl.robot.milling.trial_models import RATE, axis, process
 
@@ -46,3 +49,19 @@ def test_another_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "milling.h5").write_bytes(b"no model")
     with pytest.raises(ModelFileError, match="not a readable model file"):
         read_milling(tmp_path / "milling.h5")
+
+
+def test_where_the_tracker_tells_nothing_of_the_tool_it_goes_as_the_motors_do() -> None:
+    """Chirps hardly move it at their lowest frequencies: learning is not given up there, nor a mode overlooked."""
+    found = models()
+    robot = found.robot["tool"]
+    response, spread = 1.7 * robot.response, np.array(robot.spread)
+    response[:3, 2], spread[:3, 2] = 0.3, 1.8
+    unsure = replace(found, robot={**found.robot, "tool": replace(robot, response=response, spread=spread)})
+    doubt = unsure.doubt("tool", None)
+    assert np.array_equal(doubt.robot[:3, 2], robot.response[:3, 2])
+    assert np.array_equal(doubt.spread[:3, 2], robot.spread[:3, 2])
+    assert np.array_equal(doubt.robot[3:], response[3:])
+    law = PathLaw(robot.axes)
+    assert cautious(law, doubt).passed(FREQUENCY[:3]).min() > 0.5
+    assert cautious(law, replace(doubt, robot=response, spread=spread)).passed(FREQUENCY[:3]).max() < 0.1

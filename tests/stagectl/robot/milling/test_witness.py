@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from stagectl.robot.milling.agreement import agreement
 from stagectl.robot.milling.axis_model import robot_response
 from stagectl.robot.milling.witness import (
-    agreement,
     refuse_other_axes,
     refuse_other_compliance,
     refuse_other_force,
@@ -86,6 +86,31 @@ def test_a_force_that_does_not_bend_the_tool_as_it_was_seen_is_refused(factor: f
 
 def test_a_cut_that_bends_nothing_tells_nothing() -> None:
     refuse_other_compliance(wandering(1e-6), wandering(1e-6, 4), RATE, "milled-0")
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_cut_that_bends_less_than_the_tracker_s_noise_is_not_refused_for_it(seed: int) -> None:
+    """As a soft wood before a stiff arm: 1.3 µm in noise of 40 µm a sample, of which 8 µm are slow."""
+    foreseen = wandering(1.3e-6, seed)
+    refuse_other_compliance(foreseen + noise(seed), foreseen, RATE, "milled-0")
+    refuse_other_compliance(5.0 * foreseen + noise(seed), 5.0 * foreseen, RATE, "milled-0")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_in_the_same_noise_a_wrong_model_sign_or_clock_is_refused(seed: int) -> None:
+    foreseen = wandering(3e-5, seed)
+    bent = foreseen + noise(seed)
+    refuse_other_compliance(bent, foreseen, RATE, "milled-0")
+    for factor in (2.0, 0.5, -1.0):
+        with pytest.raises(ValueError, match="times what G_K makes of the force"):
+            refuse_other_compliance(bent, factor * foreseen, RATE, "milled-0")
+    with pytest.raises(ValueError, match="have they one clock"):
+        refuse_other_compliance(bent, np.roll(foreseen, 50, axis=0), RATE, "milled-0")
+
+
+def noise(seed: int) -> np.ndarray:
+    """Return the tracker's, 40 µm."""
+    return np.asarray(4e-5 * np.random.default_rng(100 + seed).standard_normal((2_500, 3)))
 
 
 def test_a_force_by_another_clock_is_refused() -> None:
