@@ -182,7 +182,8 @@ def test_the_path_to_play_first_is_that_of_a_run(tmp_path: Path, whole: Path) ->
 
 
 def test_the_path_to_play_first_carries_lost_motion(tmp_path: Path, whole: Path) -> None:
-    write_milling(tmp_path / "models.h5", models(), {"gravity/moments": np.zeros((6, 4))})
+    weightless = replace(models(), torques={"gravity/moments": np.zeros((6, 4))})
+    write_milling(tmp_path / "models.h5", weightless, {"gravity/moments": "kg m"})
     cell = CellConfig()
     joints = ("--joints", str(written(tmp_path / "joints.h5", [(2e-4, 1e-5)] * 6, cell)))
     words = ("--path", str(tmp_path / "logs"), "--model", str(tmp_path / "models.h5"), "--task", "pocket", *SETTINGS)
