@@ -43,7 +43,7 @@ def test_it_writes_model_report_figures_and_json(
     assert figures["held_back"]["outputs"]["y"]["free_run_nrmse"] > 85
     assert "Singular values" in out.with_suffix(".html").read_text()
     names = {path.name for path in (tmp_path / "png").iterdir()}
-    assert names == {"singular-values.png", "orders.png", "free-run-on-held-back-data.png", "residuals.png"}
+    assert names == {"singular-values.png", "orders.png", "free-run-on-validation-data.png", "residuals.png"}
     printed, told = capsys.readouterr()
     assert "natural frequency" in printed
     assert "residuals one step ahead are" in printed
@@ -66,7 +66,7 @@ def test_a_time_series_is_judged_by_its_prediction_alone(
     share = 100 * (1 - 1 / np.std(series))  # the pushes are all that nobody can foretell
     assert figures["outputs"]["y"]["one_step_nrmse"] == pytest.approx(share, abs=3.0)
     assert not [name for name in (*figures, *figures["outputs"]["y"]) if "free" in name or "cross" in name]
-    assert "prediction-on-held-back-data.png" in {each.name for each in (tmp_path / "png").iterdir()}
+    assert "prediction-on-validation-data.png" in {each.name for each in (tmp_path / "png").iterdir()}
     said = capsys.readouterr().out
     assert "free run" not in said
     assert "drive" not in said
