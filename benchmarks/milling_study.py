@@ -17,6 +17,8 @@ METHODS = {"tracker": (1, 0.8), "sensor": (2, 0.7), "torques": (3, 0.6)}
 BLOCKS = 0.05
 """Of an error, by which trials of one path differ from block to block."""
 DRAWS = 10_000
+REFUSED = 2
+"""Exit status of what is refused."""
 HEAD = (
     "arm", "method", "N", "refused", "not compensated, µm", "best trial, µm", "reduced by, median", "95 % interval",
     "asked", "that or more",
@@ -35,11 +37,12 @@ WHY = {
 
 def milling_table(found: StudyReport) -> str:
     """Return a row an arm and method: what is won, and whether a trial made it worse."""
-    arms = [(arm, [row for row in found.rows if row.machine == arm]) for arm in ("irb140", "kuka")]
-    arms.append(("both", list(found.rows)))
+    ended = _ended(found)
+    arms = [(arm, [row for row in ended if row.machine == arm]) for arm in ("irb140", "kuka")]
+    arms.append(("both", ended))
     won = [_won(arm, rows, name) for arm, rows in arms for name in METHODS]
     worse = [_worse(arm, rows, name) for arm, rows in arms for name in METHODS]
-    air = [1e6 * np.array(_told(found.rows, name)) for name in ("first", "air")]
+    air = [1e6 * np.array(_told(ended, name)) for name in ("first", "air")]
     middle = [f"{np.median(each):.0f} ({each.min():.0f} to {each.max():.0f})" for each in air]
     said = (
         f"In the air the tool was {middle[0]} µm off its path in the median (least to most), and {middle[1]} µm after "
@@ -58,17 +61,23 @@ def milling_table(found: StudyReport) -> str:
 def soft_table(found: StudyReport) -> str:
     """Return a row for how many times as soft as its model the robot is, and method; and what it was noticed by."""
     rows = []
-    for times in sorted({next(iter(row.case.values())) for row in found.rows}):
-        here = [row for row in found.rows if next(iter(row.case.values())) == times]
+    ended = _ended(found)
+    for times in sorted({next(iter(row.case.values())) for row in ended}):
+        here = [row for row in ended if next(iter(row.case.values())) == times]
         for name, (method, _) in METHODS.items():
             cut = _reductions(here, name)
             *_, within, _, ratio = _worse("", here, name)
             counts = f"{method}", f"{len(here)}", f"{len(here) - len(cut)}"
             median = f"{100 * np.median(cut):.0f} %" if cut else "-"
             rows.append((f"x {times:g}", *counts, median, within, ratio))
-    noticed = Counter(why for row in found.rows for why in _reasons(row.message))
+    noticed = Counter(why for row in ended for why in _reasons(row.message))
     said = "; ".join(f"{why} ({count})" for why, count in noticed.most_common()) or "nothing"
     return "\n".join([markdown(Table(SOFT_HEAD, tuple(rows))), f"Noticed by: {said}.\n"])
+
+
+def _ended(found: StudyReport) -> list[Row]:
+    """Return the tasks that came to their end, or to a refusal; those that were killed tell nothing of learning."""
+    return [row for row in found.rows if row.status in (0, REFUSED)]
 
 
 def _won(arm: str, rows: Sequence[Row], name: str) -> tuple[str, ...]:
