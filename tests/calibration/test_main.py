@@ -50,7 +50,7 @@ def test_by_multisine_it_says_how_long_it_emitted_and_draws_noise_and_distortion
     assert len(figures["levels_db"]) == 4  # two bands, two responses
     assert "Noise and distortion" in (tmp_path / "model.html").read_text()
     assert (tmp_path / "png" / "noise-and-distortion.png").is_file()
-    assert "lines from 9.6 s of" in " ".join(capsys.readouterr().out.split())
+    assert "bins from 9.6 s of" in " ".join(capsys.readouterr().out.split())
     assert len(list((tmp_path / "model.raw").glob("multisine-*.wav"))) == 5
 
 
@@ -109,7 +109,7 @@ def test_computed_again_it_takes_the_recordings_that_are_there(tmp_path: Path, m
         (("--out", "model.h5", "--set", "characterisation.prob=1"), "prob"),
         (("--out", "model.h5", "--config", "no.toml"), "no.toml"),
         (("--out", "model.h5", "--set", "characterisation.band=[15, 20000]"), "20000"),
-        (("--out", "model.h5", "--set", "characterisation.step=3"), "must be <= 2.33333 Hz for 4 lines"),
+        (("--out", "model.h5", "--set", "characterisation.step=3"), "must be <= 2.33333 Hz for 4 bins"),
         (("--out", "taken.h5"), "taken.h5"),
     ],
 )

@@ -206,7 +206,7 @@ def test_a_stop_without_the_rig_file_goes_by_the_address(
     address = f"--set=daemon.address={made.settings.address}"
     status, out, _ = shell(tmp_path, "stop", address)
     assert status == 0
-    assert f"process {made.process.pid}, which has the address {made.settings.address}, was told to stop" in out
+    assert f"process {made.process.pid}, which has the address {made.settings.address}, was stopped by a signal" in out
     assert "data/tokens.toml" in out or "data/" in out
     until(lambda: len(made.named("stop")) > stops)
     status, _, error = shell(tmp_path, "status", address)
