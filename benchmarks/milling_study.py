@@ -54,8 +54,8 @@ def milling_table(found: StudyReport) -> str:
         f"A trial is worse by more than noise where it exceeds the first one by more than {100 * BLOCKS:.0f} % of it "
         "(two blocks) and the tracker's noise up to `learning.cutoff`, added as squares."
     )
-    tables = markdown(Table(HEAD, tuple(won))), f"{noise}\n", markdown(Table(WORSE_HEAD, tuple(worse)))
-    return "\n".join([f"{said}\n", *tables])
+    tables = markdown(Table(HEAD, tuple(won))), noise, markdown(Table(WORSE_HEAD, tuple(worse)))
+    return "\n\n".join([said, *tables]) + "\n"
 
 
 def soft_table(found: StudyReport) -> str:
@@ -72,7 +72,7 @@ def soft_table(found: StudyReport) -> str:
             rows.append((f"x {times:g}", *counts, median, within, ratio))
     noticed = Counter(why for row in ended for why in _reasons(row.message))
     said = "; ".join(f"{why} ({count})" for why, count in noticed.most_common()) or "nothing"
-    return "\n".join([markdown(Table(SOFT_HEAD, tuple(rows))), f"Noticed by: {said}.\n"])
+    return f"{markdown(Table(SOFT_HEAD, tuple(rows)))}\n\nNoticed by: {said}.\n"
 
 
 def _ended(found: StudyReport) -> list[Row]:
