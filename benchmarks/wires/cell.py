@@ -194,7 +194,7 @@ class Bench:
                 patience = _set([each for each in self.link(can) if "silence" in each])
                 stage = ["firmware_sim", "stage", "--pty", "--folder", str(can), *setup.stage, *patience]
                 stage += ["--config", str(self.stage / "s.toml")]
-                stack.enter_context(_simulator(self.run(stage, self.priority), "laser"))
+                stack.enter_context(_simulator(self.run(stage, self.priority), "CAN adapter"))
             robot = ["firmware_sim", "robot", *(word.format(can=can) for word in setup.robot)]
             robot += self.settings(setup, can)
             stack.enter_context(_simulator(self.run(robot, self.priority), "force sensor"))
