@@ -86,7 +86,7 @@ def _won(arm: str, rows: Sequence[Row], name: str) -> tuple[str, ...]:
     refused = len(rows) - len(cut)
     if not cut:
         return (arm, f"{method}", f"{len(rows)}", f"{refused}", *("-" for _ in HEAD[4:]))
-    there = [row for row in rows if row.figures[name] is not None]
+    there = _learned(rows, name)
     sizes = (f"{1e6 * np.median([row.figures[key] for row in there]):.0f}" for key in ("before", name))
     again = np.median(np.random.default_rng(1).choice(cut, (DRAWS, len(cut))), axis=1)
     low, high = np.quantile(again, [0.025, 0.975])
@@ -96,7 +96,7 @@ def _won(arm: str, rows: Sequence[Row], name: str) -> tuple[str, ...]:
 
 
 def _worse(arm: str, rows: Sequence[Row], name: str) -> tuple[str, ...]:
-    there = [row for row in rows if row.figures[name] is not None]
+    there = _learned(rows, name)
     first, worst, noise = (np.array(_told(there, key)) for key in ("before", f"worst_{name}", "noise"))
     none = int(np.sum(worst <= first))
     within = share_of(int(np.sum(worst <= first + np.hypot(BLOCKS * first, noise))), len(there))
@@ -105,8 +105,13 @@ def _worse(arm: str, rows: Sequence[Row], name: str) -> tuple[str, ...]:
 
 
 def _reductions(rows: Sequence[Row], name: str) -> list[float]:
-    there = [row for row in rows if row.figures[name] is not None]
+    there = _learned(rows, name)
     return [1.0 - after / before for before, after in zip(_told(there, "before"), _told(there, name), strict=True)]
+
+
+def _learned(rows: Sequence[Row], name: str) -> list[Row]:
+    """Return the tasks in which a method was learned by."""
+    return [row for row in rows if row.figures[name] is not None]
 
 
 def _told(rows: Sequence[Row], name: str) -> list[float]:

@@ -31,7 +31,7 @@ CorrectClockOption = Annotated[
 ]
 MapOption = Annotated[
     str | None,
-    typer.Option("--map", metavar="drive_1=3,...", help="Channels of --from by name or number; - turns one round."),
+    typer.Option("--map", metavar="drive_1=3,...", help="Channels of --from by name or number; - inverts one."),
 ]
 
 

@@ -2,6 +2,7 @@
 
 from rigkit.program import Program
 
+PACKAGES = "vibrostage", "calibration", "vibractl", "stagectl", "firmware_sim"
 STUDY = Program(
     "Run any command over plants, seeds and settings, on every core or a cluster.",
     {
@@ -11,12 +12,12 @@ STUDY = Program(
         "report": "vibrostage.study_results:report_command",
         "compare": "vibrostage.study_results:compare_command",
     },
-    ("vibrostage", "calibration", "vibractl", "stagectl", "firmware_sim"),
+    PACKAGES,
 )
 PROGRAM = Program(
     "Learning control for marine vibrators, piezo stages and the robots beside them: all programs in one.",
     {"plan": "stagectl.commands.plan_command:plan"},
-    ("vibrostage", "calibration", "vibractl", "stagectl", "firmware_sim"),
+    PACKAGES,
     {
         "vibrator": "vibractl.application:PROGRAM",
         "stage": "stagectl.application:STAGE",

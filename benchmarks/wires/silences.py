@@ -56,10 +56,6 @@ class Heard:
     unanswered: int
     silences: tuple[Silence, ...]
 
-    def of(self, whose: str) -> list[Silence]:
-        """Return those of somebody."""
-        return [each for each in self.silences if each.whose == whose]
-
 
 def heard(reports: np.ndarray, answers: np.ndarray, refused: np.ndarray, late: Sequence[np.ndarray]) -> Heard:
     """Find the silences of a command.

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, cast, get_args
 
 import typer
 
-from calibration.from_command import CorrectClockOption
+from calibration.from_command import CorrectClockOption, MapOption
 from calibration.identification.arguments import channels_of, delay_of, order_of
 from calibration.identification.beginnings import begun_together
 from calibration.identification.excitation import excitation_notes
@@ -61,10 +61,6 @@ OutputsOption = Annotated[str | None, typer.Option(metavar="y1,y2", help="Channe
 FromOption = Annotated[
     list[Path] | None,
     typer.Option("--from", metavar="D R", help="A recording in two files: drives, responses; may be repeated."),
-]
-MapOption = Annotated[
-    str | None,
-    typer.Option("--map", metavar="drive_1=3,...", help="Channels of --from by name or number; - inverts one."),
 ]
 
 OutliersOption = Annotated[str, typer.Option(metavar="replace|keep", help="Isolated outliers of outputs.")]

@@ -68,8 +68,9 @@ def plan(
     if check_path != (path_file is not None):
         raise ValueError("--check goes with two files, POCKET.json PATH.json, and two files with --check")
     from stagectl.commands import planned  # here and not above: its imports take a second, and --help needs none
+    from stagectl.planning.pocket_file import read_pocket
 
-    pocket, cutting = planned.read_pocket(pocket_file), Cutting(cell, depth)
+    pocket, cutting = read_pocket(pocket_file), Cutting(cell, depth)
     if path_file is not None:
         planned.check_path(pocket, path_file, json)
         return

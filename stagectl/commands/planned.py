@@ -17,13 +17,11 @@ from stagectl.planning.cutting import Cutting
 from stagectl.planning.exact import least_time
 from stagectl.planning.milling import Milled, Planner, mill, total
 from stagectl.planning.pocket import Pocket, check, planner, untrained
-from stagectl.planning.pocket_file import read_path, read_pocket, write_path
+from stagectl.planning.pocket_file import read_path, write_path
 from stagectl.planning.report import TYPE_HEAD, learned_types, type_rows, write_report
 from stagectl.planning.segment_file import read_segments, write_segments
 from stagectl.planning.toolpath import gcode, rapid
 from stagectl.robot.config import CellConfig
-
-__all__ = ["Written", "cell_of", "check_path", "milled", "read_pocket", "tell", "trained", "write"]
 
 
 def trained(

@@ -1,6 +1,6 @@
 """The compiled kernel of an inverse kinematics that goes from sample to sample.
 
-Numba's cache looks at the date of this file alone: touch it after a change of the kernels that it is made of.
+Numba's cache knows the text of this file alone: after a change of a kernel that it is made of, delete its `*.nbi`.
 """
 
 import numpy as np

@@ -29,7 +29,7 @@ def judge_command(
     png: Annotated[Path | None, made_folder("DIR", "Write the picture as a PNG file.")] = None,
     channels: Annotated[
         str | None,
-        typer.Option("--map", metavar="response_1=2,...", help="Channels by name or number; - turns one round."),
+        typer.Option("--map", metavar="response_1=2,...", help="Channels by name or number; - inverts one."),
     ] = None,
     settings: SetOption = None,
     json: JsonOption = None,

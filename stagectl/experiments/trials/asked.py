@@ -9,7 +9,7 @@ from rigkit.experiment.resumed import GoingOn
 from stagectl.experiments.trials.bench import Bench, SimulatedBench
 from stagectl.experiments.trials.done import BESIDE, done_trial
 from stagectl.experiments.trials.experiment import Milling
-from stagectl.experiments.trials.learner import learner_of, lost_motion_of
+from stagectl.experiments.trials.learner import learner_of
 from stagectl.experiments.trials.read_back import JOINTS, MODEL, Files, task_of
 from stagectl.experiments.trials.runner import trial_of
 from stagectl.experiments.trials.surroundings import refuse_wrong_plants
@@ -81,9 +81,7 @@ class Asked:
 
     def _made(self, cell: CellConfig, files: Files, names: Collection[str], path: Path = Path()) -> Milling:
         first = first_trial(cell, files.task)
-        learner = learner_of(cell, files.model, first, self.methods, self.accept, self.note)
-        if files.joints is not None:
-            learner.lost = lost_motion_of(files.joints, files.model, first, self.accept, self.note)
+        learner = learner_of(cell, files.model, first, self.methods, self.accept, self.note, files.joints)
         for method in (None, *self.methods):
             learner.contraction(method).refuse_divergence()
         if isinstance(self.bench, SimulatedBench):

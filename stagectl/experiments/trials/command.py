@@ -17,8 +17,7 @@ from rigkit.experiment.runner import STOPPED
 from stagectl.experiments.trials.asked import Asked
 from stagectl.experiments.trials.experiment import REFUSED, Milling
 from stagectl.experiments.trials.from_logs import AIR, learn_from_logs
-from stagectl.experiments.trials.laws import Learner
-from stagectl.experiments.trials.learner import ALL, learner_of, lost_motion_of, wanted_methods
+from stagectl.experiments.trials.learner import ALL, learner_of, wanted_methods
 from stagectl.experiments.trials.log_folder import SENT, write_path
 from stagectl.experiments.trials.motions import steps
 from stagectl.experiments.trials.read_back import TRIALS, Files, asked_of, task_of, was_live
@@ -196,8 +195,7 @@ def _say_path(folder: Path, cell: CellConfig, files: Files, accept: list[str], j
     if (folder / SENT).exists():
         raise ValueError(f"{folder / SENT} is there already, must be another folder: its logs belong to that path")
     if files.joints is not None:
-        learner = learner_of(cell, files.model, first, (), accept, _note)
-        learner.lost = lost_motion_of(files.joints, files.model, first, accept, _note)
+        learner = learner_of(cell, files.model, first, (), accept, _note, files.joints)
         first = replace(first, sent=first.sent + learner.carried(first))
     folder.mkdir(parents=True, exist_ok=True)
     write_path(folder / SENT, first.sent, first.joints)
@@ -214,9 +212,7 @@ def _say_next(
     if len(methods) != 1:
         raise ValueError(f"--method is {methods}, must be one with --from")
     first = first_trial(cell, files.task)
-    learner: Learner = learner_of(cell, files.model, first, methods, accept, _note)
-    if files.joints is not None:
-        learner.note, learner.lost = _note, lost_motion_of(files.joints, files.model, first, accept, _note)
+    learner = learner_of(cell, files.model, first, methods, accept, _note, files.joints)
     path = learn_from_logs(logs, first, learner, methods[0])
     if not (logs / AIR).is_dir():
         print(f"{logs / AIR}/ is not there: {UNTOUCHED}", file=words(json))  # noqa: T201

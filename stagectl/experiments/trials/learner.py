@@ -10,7 +10,6 @@ from stagectl.experiments.trials.trial import Trial
 from stagectl.models.joint_backlash import lost_motion
 from stagectl.models.model_origin import refuse_other_wiring
 from stagectl.robot.config import CellConfig
-from stagectl.robot.milling.lost_motion import LostMotion
 from stagectl.robot.milling.milling_models import MillingModels, read_milling
 from stagectl.robot.milling.torque_file import read_force_model, read_gravity
 from stagectl.robot.milling.trial_error import METHODS
@@ -34,19 +33,23 @@ def learner_of(
     methods: tuple[int, ...],
     accept: Collection[str] = (),
     say: Callable[[str], object] = lambda _: None,
+    joints: Path | None = None,
 ) -> Learner:
-    """Read the models that methods need.
+    """Read the models that methods need, and the lost motion that a path carries.
 
     Parameters
     ----------
     cell : CellConfig
     file : Path
+        Its gravity tells to which side joints are held.
     first : Trial
     methods : tuple of int
     accept : collection of str
         Keys in which the cell that they were measured on may differ.
     say : callable(str)
-        Told what differs without harm.
+        Told what differs without harm, what lost motion is left out, and why; and what the learner notes.
+    joints : Path, optional
+        File of joint models; without one the path carries nothing.
 
     Raises
     ------
@@ -56,34 +59,12 @@ def learner_of(
     models: MillingModels = read_milling(file)
     for text in refuse_other_wiring(cell, file, models.provenance, accept, "cell"):
         say(text)
-    if 3 not in methods:
-        return Learner(cell, models)
-    known = read_force_model(file, first.arm, cell.force_estimate)
-    refuse_unknown_speeds(first, known.friction.speed[-1], known.friction.smoothing, str(file))
-    return Learner(cell, models, lambda angle, torque: known.estimate(angle, torque, RATE).force)
-
-
-def lost_motion_of(
-    joints: Path, model: Path, first: Trial, accept: Collection[str], note: Callable[[str], object]
-) -> LostMotion | None:
-    """Read the lost motion that a path carries; None, with a note, where nothing is left of it.
-
-    Parameters
-    ----------
-    joints : Path
-        File of joint models.
-    model : Path
-        File of the models that are learned by, whose gravity tells to which side joints are held.
-    first : Trial
-    accept : collection of str
-        Keys in which the cell that they were measured on may differ.
-    note : callable(str)
-        Told what is left out, and why.
-
-    Raises
-    ------
-    ValueError : a file that is missing or wrong.
-    DisagreementError : measured on a cell that was wired otherwise.
-    """
-    held = read_gravity(model, first.arm).torque(first.arm, first.joints)
-    return lost_motion(joints, first.cell, held, accept, note)
+    learner = Learner(cell, models, note=say)
+    if 3 in methods:
+        known = read_force_model(file, first.arm, cell.force_estimate)
+        refuse_unknown_speeds(first, known.friction.speed[-1], known.friction.smoothing, str(file))
+        learner.forces = lambda angle, torque: known.estimate(angle, torque, RATE).force
+    if joints is not None:
+        held = read_gravity(file, first.arm).torque(first.arm, first.joints)
+        learner.lost = lost_motion(joints, first.cell, held, accept, say)
+    return learner

@@ -1,6 +1,6 @@
 """The compiled kernel of adaptive internal model control: every axis, a sample at a time.
 
-Numba's cache looks at the date of this file alone: change it with the kernels that it is made of.
+Numba's cache knows the text of this file alone: after a change of a kernel that it is made of, delete its `*.nbi`.
 """
 
 import math

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stagectl.robot.milling.zero_phase import filtered, low_pass
+from stagectl.robot.milling.zero_phase import low_passed
 
 CUTOFF = 5.0
 """Hz, up to which signals are held against each other: above is noise."""
@@ -56,7 +56,7 @@ def agreement(measured: np.ndarray, foreseen: np.ndarray, rate: float) -> Agreem
     The slope's standard error: the sandwich of White 1980, Econometrica 48, with samples of a block taken together, as
     Liang and Zeger 1986, Biometrika 73.
     """
-    one, other = (_centred(_smooth(each, rate)) for each in (measured, foreseen))
+    one, other = (_centred(low_passed(each, rate, CUTOFF)) for each in (measured, foreseen))
     power, cross = float(np.sum(other**2)), float(np.sum(one * other))
     own, tiny = float(np.sum(one**2)), np.finfo(float).tiny
     slope = cross / max(power, tiny)
@@ -99,7 +99,7 @@ def lateness(
     """
     reach = round(most * rate)
     shifts = np.arange(-reach, reach + 1)
-    one, other = (_smooth(each, rate) for each in (measured, foreseen))
+    one, other = (low_passed(each, rate, CUTOFF) for each in (measured, foreseen))
     here = _centred(one[reach : len(one) - reach])
     fits = np.stack([_fit(here, _centred(other[reach + k : len(other) - reach + k])) for k in shifts])
     left = np.sum((here - fits) ** 2, axis=(1, 2))
@@ -128,13 +128,9 @@ def _by_block(samples: np.ndarray, rate: float) -> np.ndarray:
 
 def _noise(signal: np.ndarray, rate: float) -> float:
     """Return the standard deviation up to `CUTOFF` of the white noise that a signal has beyond `FAST`."""
-    fast = signal - filtered(signal, rate, lambda f: low_pass(f, FAST)[:, None, None] * np.eye(signal.shape[1]))
+    fast = signal - low_passed(signal, rate, FAST)
     return float(fast.std() * np.sqrt(CUTOFF / max(0.5 * rate - FAST, CUTOFF)))
 
 
 def _centred(signal: np.ndarray) -> np.ndarray:
     return np.asarray(signal - signal.mean(axis=0))
-
-
-def _smooth(signal: np.ndarray, rate: float) -> np.ndarray:
-    return filtered(signal, rate, lambda f: low_pass(f, CUTOFF)[:, None, None] * np.eye(signal.shape[1]))

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from stagectl.robot.milling.zero_phase import filtered, low_pass
+from stagectl.robot.milling.zero_phase import low_passed
 
 CUTOFF = 10.0
 """Hz, below which shapes are compared: noise is smaller between two samples than on one, and would draw a shift there.
@@ -66,7 +66,7 @@ def shift(reference: np.ndarray, late: np.ndarray, rate: float, most: float) -> 
     ------
     ValueError : a reference that does not move, or records that do not overlap by half of the shorter.
     """
-    reference, late = _smooth(reference, rate), _smooth(late, rate)
+    reference, late = (low_passed(each, rate, CUTOFF) for each in (reference, late))
     if not np.ptp(reference, axis=0).max() > 0:
         raise ValueError("the signal to align with does not move")
     reach, shortest = round(most * rate), min(len(reference), len(late)) // 2
@@ -80,11 +80,6 @@ def shift(reference: np.ndarray, late: np.ndarray, rate: float, most: float) -> 
         lambda step: _mismatch(reference, late, step, shortest), bounds=near, method="bounded", options={"xatol": 1e-4}
     )
     return float(found.x) / rate
-
-
-def _smooth(signal: np.ndarray, rate: float) -> np.ndarray:
-    width = np.shape(signal)[1]
-    return filtered(signal, rate, lambda frequency: low_pass(frequency, CUTOFF)[:, None, None] * np.eye(width))
 
 
 def _mismatch(reference: np.ndarray, late: np.ndarray, step: float, shortest: int) -> float:

@@ -1,6 +1,6 @@
 """The compiled kernel of force-controlled feed: observer, estimates, outer and inner loop, and what goes wrong.
 
-Numba's cache looks at the date of this file alone: change it with the kernels that it is made of.
+Numba's cache knows the text of this file alone: after a change of a kernel that it is made of, delete its `*.nbi`.
 """
 
 import math

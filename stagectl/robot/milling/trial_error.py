@@ -7,7 +7,7 @@ import numpy as np
 
 from stagectl.robot.milling.learning import ProcessModel
 from stagectl.robot.milling.measured_cut import MeasuredCut, cutting_gain
-from stagectl.robot.milling.zero_phase import filtered, low_pass
+from stagectl.robot.milling.zero_phase import low_passed
 
 METHODS = {
     1: "the tool as the tracker sees it",
@@ -134,7 +134,7 @@ def slow(error: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
     cutoff : float, Hz
     rate : float, samples/s
     """
-    return filtered(error, rate, lambda frequency: low_pass(frequency, cutoff)[:, None, None] * np.eye(error.shape[1]))
+    return low_passed(error, rate, cutoff)
 
 
 def mae(error: np.ndarray) -> np.ndarray:

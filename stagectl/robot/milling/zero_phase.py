@@ -32,6 +32,26 @@ def low_pass(frequency: np.ndarray, cutoff: float, order: int = 4, highest: floa
     return np.where(frequency <= highest, passed, 0.0)
 
 
+def low_passed(signal: np.ndarray, rate: float, cutoff: float) -> np.ndarray:
+    """Return what a whole trial has up to a frequency, each channel by itself, shape (N, width), the signal's unit.
+
+    Parameters
+    ----------
+    signal : array, shape (N, width), any unit
+    rate : float, samples/s
+    cutoff : float, Hz
+        As of `low_pass`.
+
+    Raises
+    ------
+    ValueError : a value that is not finite.
+    """
+    signal = np.asarray(signal, float)
+    return filtered(
+        signal, rate, lambda frequency: low_pass(frequency, cutoff)[:, None, None] * np.eye(signal.shape[1])
+    )
+
+
 def filtered(signal: np.ndarray, rate: float, response: Response) -> np.ndarray:
     """Run a filter, causal or not, over a whole trial.
 
