@@ -88,6 +88,12 @@ def learn_pocket(first: DoneTrial, learner: Learner, method: int, iterations: in
     back = Lookback(first)
     for iteration in range(1, iterations + 1):
         step = learner.next_path(back.kept, method).part(back.share)
+        if step.witnessed == 0.0:
+            learner.note(
+                f"method-{method}-{iteration}: learning ends: the tracker foresees nothing to be won by what "
+                f"{back.kept[-1].name} has shown method {method}"
+            )
+            return
         trial = first.trial.again(step.sent, True, step.foreseen)
         trial = replace(trial, number=BLOCK * method + first.trial.number + iteration)
         said = back.take((yield f"method-{method}-{iteration}", trial))

@@ -55,7 +55,13 @@ def learn_from_logs(folder: Path, first: Trial, learner: Learner, method: int) -
         signals = replace(signals, force=told[0] - told[1])
     if method_of(method).is_by_force and kinematic is not None:
         learner.refuse_other_force(signals, kinematic, method, first.path.milled, str(folder / FORCE))
-    sent = learner.corrected(first, [signals], method, kinematic).sent
+    step = learner.corrected(first, [signals], method, kinematic)
+    if step.witnessed == 0.0:
+        raise ValueError(
+            f"{folder / TRACKER}: nothing is to be won by what the logs show method {method}: its correction does "
+            "not go with the errors that the tracker saw; learn by method 1, or stay with this path"
+        )
+    sent = step.sent
     if learner.lost is not None:
         sent = sent - _denied(first, learner, method, done, air)
     write_path(folder / NEXT, sent, first.path.joints(first.arm, sent))

@@ -16,7 +16,8 @@ from stagectl.robot.milling.convergence import Contraction, Doubt, cautious, con
 from stagectl.robot.milling.learning import PathLaw, ProcessModel, correction, predicted
 from stagectl.robot.milling.lost_motion import LostMotion
 from stagectl.robot.milling.measured_cut import MeasuredCut
-from stagectl.robot.milling.milling_models import MillingModels
+from stagectl.robot.milling.milling_models import TOOL, MillingModels
+from stagectl.robot.milling.step_size import witnessed
 from stagectl.robot.milling.trial_error import TrialSignals, kinematic_error, measured_cut, tool_position
 from stagectl.robot.milling.witness import refuse_other_compliance, refuse_other_force, refuse_other_robot
 from stagectl.robot.milling.zero_phase import filtered
@@ -195,12 +196,27 @@ class Learner:
         law, process = self.law(method), self._process(method)
         where = [tool_position(each, method or 1, RATE, process, kinematic) for each in signals]
         cuts = [self._cut(each, method, process, kinematic) for each in signals[-2:]]
-        milled = Milled(trial.path.wanted, [each.sent for each in signals], where, cuts, self._air(method))
+        seen = self._witness(signals, method)
+        milled = Milled(trial.path.wanted, [each.sent for each in signals], where, cuts, self._air(method), seen)
         sent = method_of(method).law.next(law, milled)
+        part = self._witnessed(trial, signals[-1], sent, law) if seen else 1.0
+        sent = signals[-1].sent + part * (sent - signals[-1].sent)
         come = predicted(where[-1], sent - signals[-1].sent, law)
         refuse_outside(trial.path.pocket, trial.path.wanted, come, self.cell.learning.stray)
         refuse_large(trial.path.wanted, sent, self.cell.learning.correction)
-        return Step(signals[-1].sent, sent, where[-1], come, trial.path.wanted, trial.path.milled)
+        return Step(signals[-1].sent, sent, where[-1], come, trial.path.wanted, trial.path.milled, part)
+
+    def _witness(self, signals: Sequence[TrialSignals], method: int | None) -> list[np.ndarray]:
+        """Return where the tracker saw the tool, if it saw every trial of a method that does not learn from it."""
+        seen = [each.seen for each in signals if each.seen is not None]
+        return seen if method_of(method).is_by_force and len(seen) == len(signals) else []
+
+    def _witnessed(self, trial: Trial, last: TrialSignals, sent: np.ndarray, law: PathLaw) -> float:
+        """Return the part of a correction that makes smaller what the tracker saw of the last trial."""
+        assert last.seen is not None
+        tool, inside = replace(law, axes=self.models.robot[TOOL].axes), trial.path.milled
+        change = filtered(sent - last.sent, RATE, tool.plant)
+        return witnessed((trial.path.wanted - last.seen)[inside], change[inside], law)
 
     def _air(self, method: int | None) -> tuple[list[np.ndarray], list[np.ndarray]]:
         """Return the last two paths in the air, and where the tracker saw the tool, for a method; none in the air."""

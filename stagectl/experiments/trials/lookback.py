@@ -27,6 +27,8 @@ class Step:
         r.
     milled : array, shape (N,)
         Which samples count.
+    witnessed : float, 0 to 1
+        Part of the law's correction that it is: no more than what makes smaller the errors that a tracker saw.
     """
 
     before: np.ndarray
@@ -35,6 +37,7 @@ class Step:
     come: np.ndarray
     wanted: np.ndarray
     milled: np.ndarray
+    witnessed: float = 1.0
 
     @property
     def foreseen(self) -> float:

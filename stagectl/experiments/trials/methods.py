@@ -28,6 +28,8 @@ class Milled:
         How the cut answered along each; None where it is not known.
     air : (sequence, sequence) of arrays, shape (N, 3), m
         Paths sent in the air before, and where the tracker saw the tool there.
+    seen : sequence of arrays, shape (N, 3), m
+        y_n as the tracker saw it; empty where it saw not all of the trials.
     """
 
     wanted: np.ndarray
@@ -35,6 +37,7 @@ class Milled:
     where: Sequence[np.ndarray]
     cuts: Sequence[MeasuredCut | None]
     air: tuple[Sequence[np.ndarray], Sequence[np.ndarray]] = ((), ())
+    seen: Sequence[np.ndarray] = ()
 
 
 MillingLaw = LearningLaw[ToolPath, PathLaw, Milled, np.ndarray]
@@ -57,8 +60,11 @@ class ByModels:
         """Return u + Q L (I - G_K G_M) e, shape (N, 3), m, and no more than the last step has proved right.
 
         After the first trial in material that is the last step in the air: what sticks, or has backlash, is the same.
+        Of a method that does not know the tool's place by the tracker, the tracker is asked beside what it learns from.
         """
         heeded = heeding(belief, trial.sent, trial.where, trial.cuts[0])
+        if len(trial.seen) > 1:
+            heeded = heeding(heeded, trial.sent, trial.seen, trial.cuts[0])
         if len(trial.sent) == 1 and len(trial.air[0]) > 1:
             proved = heeding(replace(belief, process=None, caution=None), *trial.air).caution
             assert proved is not None

@@ -43,20 +43,21 @@ class Agreement:
     noise: float
 
 
-def agreement(measured: np.ndarray, foreseen: np.ndarray, rate: float) -> Agreement:
-    """Hold a signal against another up to `CUTOFF`.
+def agreement(measured: np.ndarray, foreseen: np.ndarray, rate: float, cutoff: float = CUTOFF) -> Agreement:
+    """Hold a signal against another up to a frequency.
 
     Parameters
     ----------
     measured, foreseen : arrays, shape (N, width), any unit
     rate : float, samples/s
+    cutoff : float, Hz
 
     Source
     ------
     The slope's standard error: the sandwich of White 1980, Econometrica 48, with samples of a block taken together, as
     Liang and Zeger 1986, Biometrika 73.
     """
-    one, other = (_centred(low_passed(each, rate, CUTOFF)) for each in (measured, foreseen))
+    one, other = (_centred(low_passed(each, rate, cutoff)) for each in (measured, foreseen))
     power, cross = float(np.sum(other**2)), float(np.sum(one * other))
     own, tiny = float(np.sum(one**2)), np.finfo(float).tiny
     slope = cross / max(power, tiny)

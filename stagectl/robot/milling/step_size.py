@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.fft import rfft, rfftfreq
 
+from stagectl.robot.milling.agreement import agreement
 from stagectl.robot.milling.learning import PathLaw, correction
 from stagectl.robot.milling.measured_cut import MeasuredCut
 
@@ -13,6 +14,8 @@ LINES = 400
 """Frequencies at which it is found."""
 WIDTH, LEAST = 0.35, 0.1
 """Of a frequency, and Hz at least: so far to either side spectra are summed."""
+SURE = 1.645
+"""Standard errors by which a correction has to make errors smaller: one-sided, 95 %."""
 FLOOR = 0.05
 """Part that is made in any case: where nothing was changed nothing would be proved, and never be again."""
 
@@ -54,6 +57,27 @@ def heeding(
     wrong, right = (_sums(power, first, np.maximum(last, first + 1)) for power in (own, cross))
     part = np.clip(right / np.maximum(wrong, np.finfo(float).tiny), FLOOR, 1.0)
     return law.more_cautious(frequency, part)
+
+
+def witnessed(error: np.ndarray, change: np.ndarray, law: PathLaw) -> float:
+    """Return the part of a correction that makes the errors smaller that a witness saw, 0 to 1.
+
+    A method that does not know the tool's place corrects what it believes the errors to be.  With c the change of the
+    tool that a correction is foreseen to make, the part s leaves the witness |e - s c|^2, which is least at the slope
+    b = <e, c> / <c, c> and less than |e|^2 up to 2 b.  So s is at most b, and at most twice what b surely is: 0 where
+    nothing is to be won.
+
+    Parameters
+    ----------
+    error : array, shape (N, 3), m
+        As the witness, a tracker, saw them, where they count.
+    change : array, shape (N, 3), m
+        That is foreseen of the tool, by its G_R.
+    law : PathLaw
+        Has the rate, and the frequency up to which errors are learned.
+    """
+    found = agreement(error, change, law.axes[0].rate, law.cutoff)
+    return float(np.clip(min(found.slope, 2.0 * (found.slope - SURE * found.deviation)), 0.0, 1.0))
 
 
 def _sums(power: np.ndarray, first: np.ndarray, last: np.ndarray) -> np.ndarray:

@@ -48,3 +48,12 @@ def test_one_of_several_methods_that_is_refused_is_left_out(monkeypatch: pytest.
 def test_the_only_method_is_refused_as_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ValueError, match=WHY):
         learned(monkeypatch, 2)
+
+
+def test_learning_ends_where_the_witness_foresees_nothing_to_be_won() -> None:
+    first: Any = SimpleNamespace(name="milled-0", trial=None)
+    step: Any = SimpleNamespace(witnessed=0.0, part=lambda _: step)
+    told: list[str] = []
+    learner: Any = SimpleNamespace(refuse_other_compliance=lambda *_: None, next_path=lambda *_: step, note=told.append)
+    assert list(campaign.learn_pocket(first, learner, 2, 3)) == []
+    assert "learning ends: the tracker foresees nothing to be won" in told[0]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stagectl.robot.milling.learning import PathLaw, predicted, update
-from stagectl.robot.milling.step_size import FLOOR, heeding
+from stagectl.robot.milling.step_size import FLOOR, heeding, witnessed
 from tests.stagectl.robot.milling.trial_models import RATE, axis, process, square
 
 LAW = PathLaw((axis(2), axis(3, 0.3), axis(2, -0.5)), process())
@@ -76,3 +76,30 @@ def test_a_direction_that_answers_twofold_is_learned_by_half_and_the_others_whol
     come.append(come[0] + predicted(np.zeros_like(SENT[0]), SENT[1] - SENT[0], law) * [1.0, 2.0, 1.0])
     found = heeding(law, SENT[:2], come).passed(HEARD) / law.passed(HEARD)
     np.testing.assert_allclose(found, np.tile([1.0, 0.5, 1.0], (len(HEARD), 1)), rtol=0.25)
+
+
+STEP = 1e-4 * np.sin(2 * np.pi * 0.7 * np.arange(len(SENT[0])) / RATE)[:, None] * [1.0, -0.5, 0.2]
+"""A change of the tool that a correction is foreseen to make, m."""
+OTHER = np.random.default_rng(30).standard_normal(STEP.shape) * STEP.std()
+"""Errors that have nothing to do with it."""
+
+
+@pytest.mark.parametrize(("share", "expected"), [(1.0, 1.0), (2.0, 1.0), (0.5, 0.5), (0.0, 0.0), (-1.0, 0.0)])
+def test_a_correction_is_made_as_far_as_a_witness_saw_the_error_it_corrects(share: float, expected: float) -> None:
+    assert witnessed(share * STEP, STEP, LAW) == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_correction_of_errors_that_a_witness_did_not_see_is_not_made() -> None:
+    assert witnessed(OTHER, STEP, LAW) < 0.15
+
+
+def test_what_is_left_to_a_witness_is_never_surely_more_than_before() -> None:
+    for part in (0.1, 0.3, 0.6, 1.0):
+        error = part * STEP + 0.5 * OTHER
+        share = witnessed(error, STEP, LAW)
+        assert np.sum((error - share * STEP) ** 2) <= np.sum(error**2)
+
+
+def test_noise_far_above_the_cutoff_does_not_count_for_a_witness() -> None:
+    fast = 3e-4 * np.sin(2 * np.pi * 60.0 * np.arange(len(STEP)) / RATE)[:, None]
+    assert witnessed(STEP + fast, STEP, LAW) == pytest.approx(1.0, abs=0.01)
