@@ -1,7 +1,7 @@
 """A verdict on one thing about a rig: what was measured, what is allowed, and what to do."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -62,6 +62,21 @@ def graded(value: float, wanted: float, worst: float) -> Grade:
     if value <= wanted:
         return "pass"
     return "warn" if value <= worst else "fail"
+
+
+def advice(verdicts: Sequence[Verdict]) -> list[str]:
+    """Return what to do, a line for each different advice, with the checks that it is for.
+
+    Examples
+    --------
+    >>> advice([Verdict("hum", "fail", "-30 dB", "-60 dB", "one ground"), unmeasured("clock", "the card failed")])
+    ['hum: one ground', 'clock: put that right first, then look again']
+    """
+    checks: dict[str, list[str]] = {}
+    for each in verdicts:
+        if each.advice:
+            checks.setdefault(each.advice, []).append(each.check)
+    return [f"{', '.join(of)}: {what}" for what, of in checks.items()]
 
 
 def unmeasured(check: str, why: str) -> Verdict:

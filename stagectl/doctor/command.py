@@ -9,6 +9,7 @@ from rigkit import config as rig_file
 from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, words, write_json
 from rigkit.issue_file import SUFFIX, write_issue_file
 from rigkit.progress import progress
+from rigkit.verdict import advice
 from rigkit.written import written_file
 from stagectl.config import StageConfig
 from stagectl.doctor.examination import examined
@@ -51,9 +52,7 @@ def doctor_command(
     found = examined(seen, cell, its_stage, is_real_time_granted())
     rows = [[each.check, each.grade, each.measured, each.limit] for each in found]
     print_table(f"this machine, {seconds:g} s", ["check", "verdict", "measured", "wanted"], rows, words(json))
-    for each in found:
-        if each.advice:
-            words(json).write(f"{each.check}: {each.advice}\n")
+    words(json).write("".join(f"{line}\n" for line in advice(found)))
     if report is not None:
         lines = write_issue_file(report, {"cell.toml": cell, "stage.toml": its_stage}, found, DEVICES)
         words(json).write(f"{report} holds:\n" + "".join(f"  {line}\n" for line in lines))

@@ -11,6 +11,7 @@ from rigkit.command import ConfigOption, JsonOption, SetOption, print_table, wor
 from rigkit.issue_file import SUFFIX, write_issue_file
 from rigkit.progress import progress
 from rigkit.stop import Stopped
+from rigkit.verdict import advice
 from rigkit.written import written_file
 from vibractl.config import RigConfig
 from vibractl.doctor.examination import Examination, announcement, duration, examine
@@ -82,6 +83,4 @@ def _print(found: Examination, json: str | None) -> None:
         rows,
         words(json),
     )
-    for each in found.verdicts:
-        if each.advice:
-            words(json).write(f"{each.check}: {each.advice}\n")
+    words(json).write("".join(f"{line}\n" for line in advice(found.verdicts)))

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from rigkit.figure_style import styled
 from rigkit.provenance import now, software
 from rigkit.report import Fact, Plot, Report, Section, Table
-from rigkit.verdict import Verdict
+from rigkit.verdict import Verdict, advice
 from vibractl.decibels import FAINT, decibels
 from vibractl.doctor.examination import Examination
 from vibractl.doctor.opinion import WANTED
@@ -41,8 +41,8 @@ def _fact(each: Verdict) -> Fact:
 
 def _sections(found: Examination) -> Iterator[Section]:
     rows = tuple((each.check, each.grade, each.measured, each.limit) for each in found.verdicts)
-    advice = "\n\n".join(f"{each.check.capitalize()}: {each.advice}." for each in found.verdicts if each.advice)
-    yield Section("Verdicts", advice, tables=(Table(("check", "verdict", "measured", "wanted"), rows),))
+    advised = "\n\n".join(f"{line[0].upper()}{line[1:]}." for line in advice(found.verdicts))
+    yield Section("Verdicts", advised, tables=(Table(("check", "verdict", "measured", "wanted"), rows),))
     if found.hum is not None:
         yield Section("Noise and hum", plots=(_noise_plot(found),))
     if found.clock is not None:
