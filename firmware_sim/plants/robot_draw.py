@@ -12,6 +12,7 @@ from firmware_sim.plants.robot_joint_kernel import (
     COOLING,
     COULOMB,
     DAMPING,
+    DRAG,
     GRAVITY_MODEL,
     HARDENING,
     HEATING,
@@ -58,6 +59,8 @@ def draw_joints(rng: np.random.Generator, arm: Arm, options: RobotOptions) -> np
     table[DAMPING] = JOINT_LOSS * stiffness
     table[INERTIA] = arm.motor_inertia
     table[COULOMB] = options.friction * np.array(arm.coulomb) * drawn(FRICTION_SPREAD)
+    table[DRAG] = options.link_friction * table[COULOMB]
+    table[COULOMB] -= table[DRAG]
     table[STICTION] = options.stiction * table[COULOMB]
     table[STRIBECK] = options.stribeck
     table[LOADED], table[COLD] = options.load_friction, options.cold

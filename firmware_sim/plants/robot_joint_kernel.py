@@ -7,13 +7,13 @@ from firmware_sim.plants.flush_kernel import flushed
 
 # Rows of `joints` (ROWS, 6), seen from the arm's side of the gear; of `state` (CELLS, 6); SI units.  LOADED is friction
 # over the torque in the gear, COLD by what viscous friction is larger at no WARMTH, HEATING and COOLING what a watt and
-# a second make of that.
+# a second make of that.  DRAG is Coulomb's friction of the link, beyond the gear; DRAGGED how far its bristles give.
 (
     STIFF_PLUS, STIFF_MINUS, BACKLASH, HARDENING, DAMPING, INERTIA, COULOMB, STICTION, STRIBECK, VISCOUS, BRISTLE,
     POSITION_GAIN, SPEED_GAIN, RESET_RATE, TORQUE_LIMIT, GRAVITY_MODEL, ACROSS_X, ACROSS_Y, LOADED, COLD, HEATING,
-    COOLING, ROWS,
-) = range(23)  # fmt: skip
-MOTOR, MOTOR_SPEED, LINK, LINK_SPEED, PRESLIDE, INTEGRAL, WANTED, SOFT, OVERLOAD, WARMTH, CELLS = range(11)
+    COOLING, DRAG, ROWS,
+) = range(24)  # fmt: skip
+MOTOR, MOTOR_SPEED, LINK, LINK_SPEED, PRESLIDE, INTEGRAL, WANTED, SOFT, OVERLOAD, WARMTH, DRAGGED, CELLS = range(12)
 SOFTENING_TIME = 0.5
 """s in which the servo turns soft, or stiff again."""
 
@@ -56,6 +56,18 @@ def friction(i: int, step: float, load: float, joints: np.ndarray, state: np.nda
     warmed = joints[HEATING, i] * abs(torque * speed) - joints[COOLING, i] * state[WARMTH, i]
     state[WARMTH, i] = flushed(state[WARMTH, i] + step * warmed)
     return torque, viscous + bristle * step / slip
+
+
+@njit(cache=True, nogil=True)
+def drag(i: int, step: float, joints: np.ndarray, state: np.ndarray) -> tuple[float, float]:
+    """Move the bristles of a link's own bearing and seals on by a step (s); return torque (N m) and its slope.
+
+    As `friction`, by Coulomb's part alone: it holds a link that is within the backlash of its gear.
+    """
+    speed, bristle = state[LINK_SPEED, i], joints[BRISTLE, i]
+    slip = 1.0 + step * bristle * abs(speed) / joints[DRAG, i]
+    state[DRAGGED, i] = flushed((state[DRAGGED, i] + step * speed) / slip)
+    return bristle * state[DRAGGED, i], bristle * step / slip
 
 
 @njit(cache=True, nogil=True)

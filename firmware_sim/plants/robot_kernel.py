@@ -9,6 +9,7 @@ from firmware_sim.plants.robot_geometry_kernel import centres, jacobians, masses
 from firmware_sim.plants.robot_joint_kernel import (
     ACROSS_X,
     DAMPING,
+    DRAG,
     INERTIA,
     LINK,
     LINK_SPEED,
@@ -16,6 +17,7 @@ from firmware_sim.plants.robot_joint_kernel import (
     MOTOR_SPEED,
     OVERLOAD,
     TORQUE_LIMIT,
+    drag,
     friction,
     servo,
     spring,
@@ -192,11 +194,11 @@ def advance(wanted: np.ndarray, torque: np.ndarray, parts: Parts) -> None:
         wound, stiffness = spring(i, state[MOTOR, i] - state[LINK, i], joints)
         turning, loss = state[MOTOR_SPEED, i] - state[LINK_SPEED, i], joints[DAMPING, i]
         wound += loss * turning
-        drag, slope = friction(i, step, wound, joints, state)
+        rubbed, slope = friction(i, step, wound, joints, state)
         own = near * loss + rule * IMPLICIT * stiffness
         to_link = step * wound + rule * stiffness * turning
         heavy = 1e18 if locked else joints[INERTIA, i] + own + near * slope
-        to_motor = 0.0 if locked else step * (torque[i] - drag) - to_link
+        to_motor = 0.0 if locked else step * (torque[i] - rubbed) - to_link
         work[i, 6], work[i, 7], work[i, 8] = heavy, own, to_motor
         work[i, 9] = to_link - step * frozen[i, LOAD] + own / heavy * to_motor
         for j in range(6):
@@ -206,6 +208,10 @@ def advance(wanted: np.ndarray, torque: np.ndarray, parts: Parts) -> None:
             work[i, j] = frozen[i, MASS + j] + (near * CLAMP_LOSS + rule * IMPLICIT) * hold
         work[i, 9] += step * frozen[i, HELD]
         work[i, i] += own - own * own / heavy
+        if joints[DRAG, i] != 0.0:
+            held, slope = drag(i, step, joints, state)
+            work[i, 9] -= step * held
+            work[i, i] += near * slope
     _solve(work)
     for i in range(6):
         gained = work[i, 9]

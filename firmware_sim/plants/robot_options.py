@@ -26,6 +26,8 @@ class RobotOptions:
         Speed over which it falls from one to the other.
     load_friction : float, 1
         By what sliding friction grows with the torque in a gear.
+    link_friction : float, 1
+        Part of sliding friction that is the link's own, beyond the gear and its backlash, and drags it.
     cold : float, 1
         By what part viscous friction is larger in a cold joint; it falls by 1/e for each `warmth`.
     warmth : float, 1
@@ -51,6 +53,7 @@ class RobotOptions:
     stiction: float = option(1.25, "1", 1.0, 3.0)
     stribeck: float = option(0.02, "rad/s", 1e-3, 1.0)
     load_friction: float = option(0.0, "1", 0.0, 0.2)
+    link_friction: float = option(0.0, "1", 0.0, 0.9)
     cold: float = option(0.0, "1", 0.0, 5.0)
     warmth: float = option(0.0, "1", 0.0, 10.0)
     heating: float = option(0.0, "1/kJ", 0.0, 10.0)

@@ -12,6 +12,9 @@ from firmware_sim.plants.robot_joint_kernel import (
     BACKLASH,
     CELLS,
     COULOMB,
+    DRAG,
+    LINK,
+    MOTOR,
     MOTOR_SPEED,
     STIFF_MINUS,
     STIFF_PLUS,
@@ -249,3 +252,31 @@ def test_what_cannot_be_is_refused_by_name() -> None:
         plant.soften(np.full(6, np.nan))
     with pytest.raises(ValueError, match="compliance"):
         plant.clamp(-STIFF_CLAMP)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.4])
+def test_a_link_with_friction_of_its_own_is_dragged_behind_by_the_backlash_and_what_that_winds_up(share: float) -> None:
+    """To and fro at one speed along joint 1, which carries no weight: from turning to turning, in motion."""
+    plant = RobotPlant(seed=4, backlash=3.0, noise=0.0, link_friction=share)
+    at = np.arange(round(6.0 * plant.rate)) / plant.rate
+    reference = np.tile(plant.home, (len(at), 1))
+    reference[:, 0] += 0.03 * (1.0 - np.abs(at % 4.0 / 2.0 - 1.0))
+    ahead = np.empty(len(at))
+    for n, each in enumerate(reference):
+        run(plant, each[None, :])
+        ahead[n] = plant.state[MOTOR, 0] - plant.state[LINK, 0]
+    forth, back = ahead[(at > 5.0) & (at < 5.8)], ahead[(at > 3.0) & (at < 3.8)]
+    joint = plant.joints[:, 0]
+    wound = joint[DRAG] / joint[STIFF_PLUS] + joint[DRAG] / joint[STIFF_MINUS]
+    assert (joint[DRAG] > 0.0) == (share > 0.0)
+    if share:
+        assert forth.mean() - back.mean() == pytest.approx(joint[BACKLASH] + wound, rel=0.02)
+        assert max(np.ptp(forth), np.ptp(back)) < 0.05 * joint[BACKLASH]
+    else:
+        assert np.ptp(np.concatenate([forth, back])) > 0.5 * joint[BACKLASH]  # it swings within, held by nothing
+
+
+def test_friction_of_the_link_is_taken_from_that_of_the_motor() -> None:
+    whole, parted = (RobotPlant(seed=4, link_friction=share).joints for share in (0.0, 0.3))
+    np.testing.assert_allclose(parted[DRAG] + parted[COULOMB], whole[COULOMB])
+    np.testing.assert_allclose(parted[DRAG], 0.3 * whole[COULOMB])
