@@ -19,10 +19,13 @@ def _drawn(seed: int, family: str) -> DrawnCell:
     return draw_cell(seed, CELLS.family(seed, family))
 
 
-def _arm(seed: int, family: str, compliance: float, payload: float | None) -> tuple[DrawnCell, dict[str, Any]]:
+def _arm(
+    seed: int, family: str, compliance: float, payload: float | None, link_friction: float
+) -> tuple[DrawnCell, dict[str, Any]]:
     """Return a cell, and the keywords of its arm: softer by `compliance`, with another payload where one is given."""
     cell = _drawn(seed, family)
-    arm = cell.robot.arm | {"compliance": compliance * cell.robot.arm["compliance"]}
+    changed = {"compliance": compliance * cell.robot.arm["compliance"], "link_friction": link_friction}
+    arm = cell.robot.arm | changed
     return cell, arm if payload is None else arm | {"payload": payload}
 
 
@@ -36,6 +39,8 @@ class Robot(GuidedRobot):
         Of the cell; the seed's own without.  It changes nothing of the robot.
     compliance : float, 1
         Of the joints about their axes, over what is drawn.
+    link_friction : float, 1
+        As of `RobotOptions`; none is drawn.
     arm : str
         The kind of arm.
     tool, payload : float, m and kg
@@ -51,13 +56,14 @@ class Robot(GuidedRobot):
         seed: int = 1,
         family: str = "",
         compliance: float = 1.0,
+        link_friction: float = 0.0,
         arm: str = "irb140",
         tool: float = 0.1,
         payload: float | None = None,
         start: Sequence[float] = (),
         run: int = 0,
     ) -> None:
-        cell, drawn = _arm(seed, family, compliance, payload)
+        cell, drawn = _arm(seed, family, compliance, payload, link_friction)
         super().__init__(**drawn, **cell.robot.guided, arm=arm, tool=tool, start=start, run=run)
 
 
@@ -68,7 +74,7 @@ class ClampedArm(ClampedRobot):
     ----------
     seed : int
     family : str
-    compliance : float, 1
+    compliance, link_friction : float, 1
     arm : str
     tool, payload : float, m and kg
         As of `Robot`.
@@ -83,6 +89,7 @@ class ClampedArm(ClampedRobot):
         seed: int = 1,
         family: str = "",
         compliance: float = 1.0,
+        link_friction: float = 0.0,
         arm: str = "irb140",
         tool: float = 0.1,
         payload: float | None = None,
@@ -91,7 +98,7 @@ class ClampedArm(ClampedRobot):
         clamp_turn: float = ClampedRobot.clamp_turn,
         slip: float = ClampedRobot.slip,
     ) -> None:
-        drawn = _arm(seed, family, compliance, payload)[1]
+        drawn = _arm(seed, family, compliance, payload, link_friction)[1]
         super().__init__(**drawn, arm=arm, tool=tool, softness=softness, clamp=clamp, clamp_turn=clamp_turn, slip=slip)
 
 
