@@ -207,9 +207,9 @@ class Learner:
         return Step(signals[-1].sent, sent, where[-1], come, trial.path.wanted, trial.path.milled, part)
 
     def _witness(self, signals: Sequence[TrialSignals], method: int | None) -> list[np.ndarray]:
-        """Return where the tracker saw the tool, if it saw every trial of a method that does not learn from it."""
+        """Return where the tracker saw the tool in material, if it saw every trial."""
         seen = [each.seen for each in signals if each.seen is not None]
-        return seen if method_of(method).is_by_force and len(seen) == len(signals) else []
+        return seen if method is not None and len(seen) == len(signals) else []
 
     def _witnessed(self, trial: Trial, last: TrialSignals, sent: np.ndarray, law: PathLaw) -> float:
         """Return the part of a correction that makes smaller what the tracker saw of the last trial."""

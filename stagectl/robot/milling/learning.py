@@ -54,10 +54,6 @@ class ProcessModel:
         """
         return filtered(load, rate, self.compliance.frequency_response)
 
-    def stiffness(self) -> np.ndarray:
-        """Return the inverse of G_K at rest, shape (3, 3), N/m."""
-        return np.asarray(np.linalg.inv(self.compliance.frequency_response(np.zeros(1))[0].real))
-
 
 @dataclass(frozen=True, eq=False)
 class PathLaw:

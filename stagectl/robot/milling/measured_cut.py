@@ -22,14 +22,14 @@ class MeasuredCut:
 
     Parameters
     ----------
-    gain : array, shape (N, 3, 3), N s/m
-        As `cutting_gain` finds it.
-    compliance : InnovationModel
-        G_K.
+    gain : array, shape (N, 3, 3), N s/m, or s
+        As `cutting_gain` finds it, of the force, or of the deflection itself.
+    compliance : InnovationModel, optional
+        G_K, which makes a deflection of the force.
     """
 
     gain: np.ndarray
-    compliance: InnovationModel
+    compliance: InnovationModel | None = None
 
     def deflection(self, change: np.ndarray, rate: float) -> np.ndarray:
         """Return what a change of the tool's position does to it by way of the cut, shape (N, 3), m.
@@ -39,22 +39,23 @@ class MeasuredCut:
         change : array, shape (N, 3), m
         rate : float, samples/s
         """
-        force = np.einsum("nij,nj->ni", self.gain, velocity(change, rate))
-        return filtered(force, rate, self.compliance.frequency_response)
+        answer = np.einsum("nij,nj->ni", self.gain, velocity(change, rate))
+        return answer if self.compliance is None else filtered(answer, rate, self.compliance.frequency_response)
 
 
 def cutting_gain(load: np.ndarray, position: np.ndarray, rate: float) -> np.ndarray:
-    """Return the force that a change of velocity makes, shape (N, 3, 3), N s/m, at each sample of a trial.
+    """Return the force, or deflection, that a change of velocity makes, shape (N, 3, 3), N s/m or s, sample by sample.
 
     The chip is as thick as the tool is fast, and its force turns with the way the tool goes: f = g v, where f and v are
     complex, x + iy, and g is what they are to each other over `WINDOW`, by least squares.  In a slot g is the same
     whichever way it goes; at a flank it is less, and where nothing is cut it is 0.  Along z the force follows the speed
-    along the path, and a speed along z makes none.
+    along the path, and a speed along z makes none.  A deflection does the same as far as the arm is as soft one way as
+    the other, and slower than its modes.
 
     Parameters
     ----------
-    load : array, shape (N, 3), N
-        On the tool, beyond what there is in the air.
+    load : array, shape (N, 3), N or m
+        On the tool, or by which it is bent, beyond what there is in the air.
     position : array, shape (N, 3), m
         Of the tool.
     rate : float, samples/s

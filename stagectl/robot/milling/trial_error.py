@@ -109,7 +109,7 @@ def measured_cut(
     ----------
     trial : TrialSignals
     method : int, of `METHODS`
-        1: the force that bends the arm at rest as far as the tracker saw it bent; 2 and 3: f.
+        1: by how far the tracker saw the arm bent; 2 and 3: f, by which G_K bends it.
     rate : float, samples/s
     process : ProcessModel
     kinematic : array, shape (N, 3), m
@@ -120,9 +120,10 @@ def measured_cut(
     ValueError : as `tool_position`.
     """
     where = tool_position(trial, method, rate, process, kinematic)
-    load = (where - trial.joints - kinematic) @ process.stiffness().T if method == 1 else trial.force
-    assert load is not None
-    return MeasuredCut(cutting_gain(load, where, rate), process.compliance)
+    if method == 1:
+        return MeasuredCut(cutting_gain(where - trial.joints - kinematic, where, rate))
+    assert trial.force is not None
+    return MeasuredCut(cutting_gain(trial.force, where, rate), process.compliance)
 
 
 def slow(error: np.ndarray, cutoff: float, rate: float) -> np.ndarray:
