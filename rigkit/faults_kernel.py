@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from rigkit.record import Record
 
 NONE, STUCK, NAN, INF, ZERO, FULL_SCALE, TIMES_TEN, SIGN_FLIP, SWAP, DELAY, DROP, CLOCK, HUM = range(13)

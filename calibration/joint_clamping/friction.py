@@ -1,7 +1,8 @@
 """Friction of a slow motion to and fro: after a reversal it goes over from one sign to the other within a distance."""
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 
 def friction_shape(angle: np.ndarray, distance: float) -> np.ndarray:

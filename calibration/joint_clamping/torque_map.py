@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 TURN = 0.15
 """Part of the span by which a motion must go back before it counts as a reversal."""

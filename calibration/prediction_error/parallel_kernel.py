@@ -1,8 +1,8 @@
 """Kernels of a parallel form: its response, and the derivatives of it by every parameter, sample by sample."""
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from rigkit.flush_kernel import flushed
 
 _SIGMA, _BEND, _START, _INPUTS = 0, 1, 2, 3

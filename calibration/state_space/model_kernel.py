@@ -5,8 +5,8 @@ vector instructions.
 """
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from rigkit.flush_kernel import flushed
 
 

@@ -1,8 +1,8 @@
 """The compiled bank of first-order complex filters that a system's modes are."""
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from rigkit.flush_kernel import flushed
 
 

@@ -1,7 +1,8 @@
 """The compiled search for samples that are far from what those around them tell."""
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 EVIDENCE = 10.0
 """By which one of two must explain the samples after it better: twice a logarithm of likelihood, 150 to 1."""

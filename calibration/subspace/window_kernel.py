@@ -1,7 +1,8 @@
 """The compiled sums of products of a record's windows, by their block Hankel structure."""
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})

@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.record import Record
+from rigkit.compiled import njit
 
 MILL = np.dtype(
     [

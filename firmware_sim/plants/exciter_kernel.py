@@ -9,11 +9,11 @@ there, and held: of second order in the step, where those at its beginning would
 import math
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
 from firmware_sim.plants.friction_kernel import dahl, lugre
 from firmware_sim.plants.record import Record
+from rigkit.compiled import njit
 
 FAST = {"reassoc", "contract", "nsz"}
 

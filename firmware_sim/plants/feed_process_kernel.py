@@ -3,10 +3,10 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
 from firmware_sim.plants.record import Record
+from rigkit.compiled import njit
 
 VARIED = np.dtype([("rest", "f8"), ("swing", "f8"), ("step", "f8"), ("at", "f8")], align=True)
 """At rest, amplitude of its sine, by what it steps, and when, s."""

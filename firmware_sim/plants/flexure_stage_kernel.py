@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
 from firmware_sim.plants.hysteresis_kernel import (
@@ -19,6 +18,7 @@ from firmware_sim.plants.hysteresis_kernel import (
     plays,
 )
 from firmware_sim.plants.noise_kernel import NOISE_SCALE, four_uniforms
+from rigkit.compiled import njit
 
 AXIS = np.dtype(
     [

@@ -1,6 +1,6 @@
 """What died away, as zero: numbers too small to be normal take some processors a hundred times as long."""
 
-from numba import njit
+from rigkit.compiled import njit
 
 LEAST = 1e-150
 """In any unit.  A product of two that are no smaller is still a normal number, beyond 2.3e-308."""

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
 from firmware_sim.plants.noise_kernel import NOISE_SCALE, four_uniforms
 from firmware_sim.plants.options import option, refuse_rate, refuse_wrong_options
 from firmware_sim.plants.record import Record
+from rigkit.compiled import njit
 
 NEVER = 1e9
 """s, when nothing happens."""

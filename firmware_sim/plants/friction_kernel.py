@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
+from rigkit.compiled import njit
 
 
 @njit(cache=True, nogil=True)

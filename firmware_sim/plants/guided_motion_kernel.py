@@ -1,9 +1,9 @@
 """What guided motion makes of its references, sample by sample: delay, low-pass, speed limit, and the gears' errors."""
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
+from rigkit.compiled import njit
 
 MOTION = np.dtype(
     [

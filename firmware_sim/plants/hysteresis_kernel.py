@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
+from rigkit.compiled import njit
 
 BOUC_WEN, PLAYS, MAXWELL_SLIP, LINEAR = range(4)
 """What makes a stack's expansion from its voltage."""

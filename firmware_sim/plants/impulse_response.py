@@ -1,7 +1,8 @@
 """A linear plant from measured impulse responses: convolution without added latency, in frames of any length."""
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 BLOCK = 256
 """Samples convolved directly; what is older goes through partitions of this length in the frequency domain."""

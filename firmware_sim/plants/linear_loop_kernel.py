@@ -1,9 +1,9 @@
 """A discrete linear system, alone or in a loop with an observer, sample by sample."""
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
+from rigkit.compiled import njit
 
 
 @njit(cache=True, nogil=True)

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
 from firmware_sim.plants.options import option, refuse_wrong_options
+from rigkit.compiled import njit
 
 PAIR = np.dtype(
     [

@@ -3,10 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
 from firmware_sim.plants.record import Record
+from rigkit.compiled import njit
 
 OWN = np.dtype(
     [

@@ -4,11 +4,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.end_mill_kernel import BINS, MASS, ends, is_sinking, meet, turn
 from firmware_sim.plants.record import Record
 from firmware_sim.plants.workpiece_kernel import look, sweep, swept_layers
+from rigkit.compiled import njit
 
 STATE = np.dtype(
     [

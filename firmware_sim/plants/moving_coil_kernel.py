@@ -9,9 +9,9 @@ delays nothing.
 import math
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
+from rigkit.compiled import njit
 
 # Columns of `unit`; lengths are re the linear excursion, 1 / LIMIT.
 MASS, STIFFNESS, RELAXED, DAMPING, SPEED, AREA, FACING, SOFT = range(8)

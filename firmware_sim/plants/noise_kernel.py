@@ -1,7 +1,8 @@
 """Nearly normal noise from inside a compiled plant."""
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 NOISE_SCALE = np.sqrt(12.0 / 4) / 65_536
 """Times `four_uniforms`: of unit variance."""

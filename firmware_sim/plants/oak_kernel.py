@@ -3,10 +3,10 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.record import Record
 from firmware_sim.plants.workpiece_kernel import look, sweep
+from rigkit.compiled import njit
 
 OAK = np.dtype(
     [

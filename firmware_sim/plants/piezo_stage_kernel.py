@@ -1,12 +1,12 @@
 """The piezo stage sample by sample: amplifiers, stacks with loops and creep, exact modal recursion, sensors."""
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
 from firmware_sim.plants.noise_kernel import NOISE_SCALE, four_uniforms
 from firmware_sim.plants.piezo_stage_actuator import CONSTANTS, CREEP_TIMES, PLAYS, VOLTAGE
 from firmware_sim.plants.record import Record
+from rigkit.compiled import njit
 
 # Rows of `actuators`: piezo_stage_actuator.py.  Rows of `stacks` (3, 1 + PLAYS + creep): the amplifier's output, the
 # plays, the creep.  Rows of `mechanics` (17, modes): q' = a q + b v + e F, v' = c q + d v + b F as a b c d e; what

@@ -1,7 +1,8 @@
 """The simulated robot's own geometry: frames, Jacobians, masses and what acts on them."""
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 # `links` (7, 9): angle offset, d, a, alpha; centre of mass x y z in the link's frame; mass; radius of gyration;
 # the last row is the payload at the tool point.  `frames` (8, 3, 4): base, links 1 to 6, tool; rotation and origin in

@@ -1,9 +1,9 @@
 """One joint of the simulated robot: gear with backlash and nonlinear spring, friction, servo."""
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
+from rigkit.compiled import njit
 
 # Rows of `joints` (ROWS, 6), seen from the arm's side of the gear; of `state` (CELLS, 6); SI units.  LOADED is friction
 # over the torque in the gear, COLD by what viscous friction is larger at no WARMTH, HEATING and COOLING what a watt and

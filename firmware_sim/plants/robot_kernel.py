@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.robot_geometry_kernel import centres, jacobians, masses, place, weights, whirls
 from firmware_sim.plants.robot_joint_kernel import (
@@ -22,6 +21,7 @@ from firmware_sim.plants.robot_joint_kernel import (
     servo,
     spring,
 )
+from rigkit.compiled import njit
 
 IMPLICIT = 0.55
 """Part of a step's end in its rule: 0.5 keeps energy, 1 damps; here so little damping that 20 Hz loses 0.08 %."""

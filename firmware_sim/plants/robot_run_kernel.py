@@ -1,12 +1,12 @@
 """A frame of samples of the simulated robot: references in between, sensors at each sample's end."""
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.noise_kernel import NOISE_SCALE, four_uniforms
 from firmware_sim.plants.robot_geometry_kernel import place
 from firmware_sim.plants.robot_joint_kernel import LINK, MOTOR
 from firmware_sim.plants.robot_kernel import PHASE, REFRESH, Parts, advance, bear, refresh
+from rigkit.compiled import njit
 
 ARM = np.dtype(
     [

@@ -1,9 +1,9 @@
 """From an acceleration to what a sensor says of it: a delay with a fraction of a sample, its resonance, its bend."""
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
+from rigkit.compiled import njit
 
 LONGEST = 48
 """Taps of the interpolator."""

@@ -1,7 +1,8 @@
 """Sound from shells to other shells and to hydrophones: a gain and a delay for each path."""
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 
 class SoundPaths:

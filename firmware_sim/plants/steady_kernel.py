@@ -1,9 +1,9 @@
 """What the nonlinear laws make of a motion that repeats itself."""
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.exciter_kernel import amplified, element_force, force_factor
+from rigkit.compiled import njit
 
 
 @njit(cache=True, nogil=True)

@@ -4,11 +4,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.end_mill_kernel import BINS
 from firmware_sim.plants.milling_kernel import engage, take, touching_share
 from firmware_sim.plants.tooth_kernel import PLACE, SPEED, lean, ring, sink, stiffness_of, turn
+from rigkit.compiled import njit
 
 KEPT = np.dtype([("angle", "f8"), ("part", "f8"), ("kappa", "f8"), ("beta", "f8")], align=True)
 """rad, parts so far, m/(N s), 1."""

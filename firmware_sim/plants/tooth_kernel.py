@@ -3,11 +3,11 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.end_mill_kernel import BINS, EDGE
 from firmware_sim.plants.flush_kernel import flushed
 from firmware_sim.plants.record import Record
+from rigkit.compiled import njit
 
 CUTTER = np.dtype(
     [

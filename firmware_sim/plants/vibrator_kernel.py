@@ -1,9 +1,9 @@
 """The vibrator sample by sample: exact modal recursion, with the nonlinear forces taken at the sample's start."""
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.flush_kernel import flushed
+from rigkit.compiled import njit
 
 # Rows of `recursion` (6, modes): q' = a q + b v + e F, v' = c q + d v + g F.  Rows of `shapes` (10, modes), each for
 # side 1 and side 2: coil, spring, joint, the shell's w^2 and 2 zeta w.  `constants` are named in vibrator.py.  The

@@ -8,9 +8,9 @@ found between the points of the grid: bilinearly to some 0.1 um.
 import math
 
 import numpy as np
-from numba import njit
 
 from firmware_sim.plants.record import Record
+from rigkit.compiled import njit
 
 GRID = np.dtype(
     [

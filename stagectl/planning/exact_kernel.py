@@ -1,8 +1,8 @@
 """The least time to the end of a pocket from every state of it: dynamic programming, compiled."""
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from stagectl.planning.strip_kernel import (
     Uncut,
     across,

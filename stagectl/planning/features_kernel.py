@@ -1,8 +1,8 @@
 """The two features of chapter 8 and their weights' training, compiled."""
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from stagectl.planning.strip_kernel import Uncut, breadth, is_legal, time_of, without
 
 FEATURES = 2

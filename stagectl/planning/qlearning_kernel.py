@@ -1,8 +1,8 @@
 """Q-learning of two directions, compiled: rewards of the state space, and random transitions until nothing changes."""
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from stagectl.planning.strip_kernel import Uncut, is_legal, time_of, without
 
 TWO_DIRECTIONS = 4

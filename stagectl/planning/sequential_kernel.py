@@ -1,8 +1,8 @@
 """Chapter 7's rule: the next strip by its time per area there and back, and the corner to begin at, compiled."""
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from stagectl.planning.strip_kernel import Uncut, breadth, is_legal, length, time_of, without
 
 TWO_DIRECTIONS = 4

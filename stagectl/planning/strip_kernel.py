@@ -5,7 +5,8 @@ side, + 1 for a feed to the west or north.  A rectangle is north, south, west, e
 """
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 POCKET = np.dtype(
     [

@@ -1,8 +1,8 @@
 """Joint corrections from Cartesian ones, sample by sample: the Jacobian, damped where it is near singular."""
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from stagectl.robot.guard_kernel import flange
 
 TOOL_ARM = np.dtype(

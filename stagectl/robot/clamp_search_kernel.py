@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from rigkit.record import Record
 
 MOVE, SOFTEN, CLAMP, CHECK, SEARCH, ALTERNATE, UNCLAMP, STIFFEN = range(8)

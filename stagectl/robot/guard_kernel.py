@@ -1,7 +1,8 @@
 """What may be sent to the robot: a reference and its correction, held against every limit, then let through or not."""
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 FINE, NOT_FINITE, POSITION, SPEED, CORRECTION, ROTATION, TOOL_SPEED, BOX = range(8)
 """What `check_joints` and `check_pose` find."""

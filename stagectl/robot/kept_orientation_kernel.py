@@ -1,7 +1,8 @@
 """The compiled kernel that takes a small turn of what the robot holds back."""
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 TURN = np.dtype(
     [

@@ -1,11 +1,8 @@
-"""The compiled kernel of an inverse kinematics that goes from sample to sample.
-
-Numba's cache knows the text of this file alone: after a change of a kernel that it is made of, delete its `*.nbi`.
-"""
+"""The compiled kernel of an inverse kinematics that goes from sample to sample."""
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from stagectl.robot.cartesian_kernel import correct
 from stagectl.robot.guard_kernel import flange
 

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from rigkit.record import Record
 
 SHUT, RAMPING, OPEN, FADING, LATCHED = range(5)

@@ -1,8 +1,8 @@
 """The generalized Prandtl-Ishlinskii model sample by sample, and its inverse by a root of one monotone equation."""
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from rigkit.flush_kernel import flushed
 
 # `plays` (plays, 2): thresholds and weights; `memory` (plays + 1,): where each play stands, and x.  `shape` (SHAPE,):

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from rigkit.record import Record
 
 NONE, STALE, STUCK, RANGE, JUMP = range(5)

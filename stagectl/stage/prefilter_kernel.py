@@ -3,7 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 FILTER = np.dtype([("count", "i8"), ("spacing", "i8"), ("has_begun", "?")], align=True)
 """Of one axis: taps, samples from one to the next, and whether a number came since `prepare`."""

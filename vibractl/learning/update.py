@@ -1,7 +1,8 @@
 """Frequency-domain iterative learning control: one update."""
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 
 def update(

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from stagectl.robot.guard_kernel import flange
 
 SEEN = np.dtype(

@@ -1,8 +1,8 @@
 """The compiled kernel that takes the robot's deflection off a reference, a sample at a time."""
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from rigkit.flush_kernel import flushed
 
 

@@ -1,8 +1,8 @@
 """The compiled kernel that makes a relative position of a slow, noisy tracker and a quick, quiet stage."""
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from rigkit.flush_kernel import flushed
 
 AXIS = np.dtype(

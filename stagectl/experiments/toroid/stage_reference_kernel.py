@@ -1,7 +1,8 @@
 """The compiled kernel that keeps the stage's reference within its travel, and counts how long it could not."""
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 
 @njit(cache=True, nogil=True)

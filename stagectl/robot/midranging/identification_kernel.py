@@ -1,7 +1,6 @@
 """The compiled search for a loop's dead time: models with every one that is tried, estimated side by side."""
 
-from numba import njit
-
+from rigkit.compiled import njit
 from rigkit.flush_kernel import flushed
 from rigkit.record import Record
 from stagectl.robot.midranging import least_squares_kernel as squares

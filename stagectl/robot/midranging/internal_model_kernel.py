@@ -1,13 +1,10 @@
-"""The compiled kernel of adaptive internal model control: every axis, a sample at a time.
-
-Numba's cache knows the text of this file alone: after a change of a kernel that it is made of, delete its `*.nbi`.
-"""
+"""The compiled kernel of adaptive internal model control: every axis, a sample at a time."""
 
 import math
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from rigkit.flush_kernel import flushed
 from rigkit.record import Record
 from stagectl.robot.midranging import identification_kernel as identification

@@ -5,8 +5,7 @@ of the sensor is white in the output, and so correlated in the unsmoothed equati
 U D U' and updated by Bierman's algorithm: it stays positive whatever rounding does, for as long as the loop runs.
 """
 
-from numba import njit
-
+from rigkit.compiled import njit
 from rigkit.flush_kernel import flushed
 from rigkit.record import Record
 from stagectl.robot.midranging.axis_record import ORDER, SIZE

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from rigkit.flush_kernel import flushed
 from rigkit.record import Record
 from stagectl.robot.midranging.axis_record import LINE, ORDER

@@ -1,7 +1,6 @@
 """The compiled watch over an axis' error: half waves that go on without anything from outside that asks for them."""
 
-from numba import njit
-
+from rigkit.compiled import njit
 from rigkit.flush_kernel import flushed
 from rigkit.record import Record
 

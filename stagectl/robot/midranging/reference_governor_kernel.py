@@ -1,7 +1,6 @@
 """The compiled governor of one axis: the inner control signal and the travel, kept within their limits."""
 
-from numba import njit
-
+from rigkit.compiled import njit
 from rigkit.record import Record
 from stagectl.robot.midranging.axis_record import ORDER
 from stagectl.robot.midranging.loop_model_kernel import push

@@ -1,7 +1,6 @@
 """The compiled watch over a loop's model: the small-gain condition that internal model control diverges beyond."""
 
-from numba import njit
-
+from rigkit.compiled import njit
 from rigkit.flush_kernel import flushed
 from rigkit.record import Record
 

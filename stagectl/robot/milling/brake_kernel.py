@@ -1,7 +1,6 @@
 """The compiled kernel that brakes the feed where the force rises faster than feedback would follow."""
 
-from numba import njit
-
+from rigkit.compiled import njit
 from rigkit.record import Record
 from stagectl.robot.milling.feed_record import CONTROLLING, ESTIMATING
 from stagectl.robot.milling.velocity_loop_kernel import foreseen

@@ -2,8 +2,7 @@
 
 import math
 
-from numba import njit
-
+from rigkit.compiled import njit
 from rigkit.record import Record
 
 SCATTER = 0.04

@@ -1,13 +1,10 @@
-"""The compiled kernel of force-controlled feed: observer, estimates, outer and inner loop, and what goes wrong.
-
-Numba's cache knows the text of this file alone: after a change of a kernel that it is made of, delete its `*.nbi`.
-"""
+"""The compiled kernel of force-controlled feed: observer, estimates, outer and inner loop, and what goes wrong."""
 
 import math
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from rigkit.record import Record
 from stagectl.robot.milling import brake_kernel as brake
 from stagectl.robot.milling import cutting_estimate_kernel as cutting

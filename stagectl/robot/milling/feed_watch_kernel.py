@@ -2,8 +2,7 @@
 
 import math
 
-from numba import njit
-
+from rigkit.compiled import njit
 from rigkit.record import Record
 from stagectl.robot.milling import cutting_estimate_kernel as cutting
 from stagectl.robot.milling.feed_record import (

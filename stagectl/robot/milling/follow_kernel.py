@@ -2,8 +2,7 @@
 
 import math
 
-from numba import njit
-
+from rigkit.compiled import njit
 from rigkit.record import Record
 from stagectl.robot.milling.velocity_loop_kernel import foreseen
 

@@ -5,7 +5,8 @@ breaks most takes the place of one of the three, until no slab is broken.
 """
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 JOINTS, PARTS = 6, 3
 FOUND, EMPTY, LOST = range(3)

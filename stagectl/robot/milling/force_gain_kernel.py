@@ -3,8 +3,7 @@
 import cmath
 import math
 
-from numba import njit
-
+from rigkit.compiled import njit
 from rigkit.record import Record
 
 Cubic = tuple[float, float, float, float]

@@ -6,8 +6,8 @@ its ranges that much wider, leaves.
 """
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from stagectl.robot.milling import force_box_kernel as boxes
 from stagectl.robot.milling import force_set_kernel as likely
 from stagectl.robot.milling import force_slab_kernel as slabs

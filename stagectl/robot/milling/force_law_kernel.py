@@ -1,7 +1,6 @@
 """The compiled kernel of the outer loop in position form: scheduled gains, a bumpless integral, anti-windup."""
 
-from numba import njit
-
+from rigkit.compiled import njit
 from rigkit.record import Record
 from stagectl.robot.milling import cutting_estimate_kernel as cutting
 from stagectl.robot.milling import force_gain_kernel as gain

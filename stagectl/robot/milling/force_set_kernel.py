@@ -6,7 +6,8 @@ another one is inside, on a face or on an edge.
 """
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 JOINTS, PARTS = 6, 3
 SLACK = 1e-10

@@ -1,7 +1,8 @@
 """What each joint's torque leaves of the forces on the tool: a slab of them, as wide as its friction's range."""
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 JOINTS, PARTS = 6, 3
 SINGULAR = 1e-12

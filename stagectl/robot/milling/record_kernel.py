@@ -1,8 +1,8 @@
 """From angles and torques of the motors to forces on the tool, a whole record or one sample a call."""
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from rigkit.flush_kernel import flushed
 from stagectl.robot.milling import force_kernel
 from stagectl.robot.milling.torque_kernel import carry, follow_speed, friction_range, levers, place

@@ -5,7 +5,8 @@ reflections that turn L^-1 B upper triangular leave three rows without f: |d - A
 """
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 JOINTS, PARTS, REST = 6, 3, 3
 """Torques; parts of a force; rows that are left."""

@@ -1,8 +1,8 @@
 """From motor angles to what force estimation needs of an arm, sample by sample: speed, Jacobian, gravity, friction."""
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from rigkit.flush_kernel import flushed
 
 JOINTS = 6

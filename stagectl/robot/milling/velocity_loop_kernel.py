@@ -1,8 +1,8 @@
 """The compiled kernel of the feed's inner loop: a step of the observer, and the velocity asked of the robot."""
 
 import numpy as np
-from numba import njit
 
+from rigkit.compiled import njit
 from rigkit.flush_kernel import flushed
 from rigkit.record import Record
 

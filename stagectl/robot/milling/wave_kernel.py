@@ -2,8 +2,7 @@
 
 import math
 
-from numba import njit
-
+from rigkit.compiled import njit
 from rigkit.flush_kernel import flushed
 from rigkit.record import Record
 from stagectl.robot.milling.feed_record import BINS, LOW_BINS

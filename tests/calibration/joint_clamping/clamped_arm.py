@@ -9,7 +9,8 @@ with the pose, thermal expansion, ripple of the gears.
 from dataclasses import dataclass, field
 
 import numpy as np
-from numba import njit
+
+from rigkit.compiled import njit
 
 RATE = 250.0
 INSIDE = 16

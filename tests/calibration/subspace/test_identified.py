@@ -114,7 +114,7 @@ import sys, calibration.subspace
 print(*(name for name in sys.modules if name.partition(".")[0] in {}))
 """
 FAMILY = "ctlblocks", "rigkit", "vibractl", "stagectl", "calibration", "firmware_sim", "vibrostage"
-NEEDED = "calibration", "rigkit", "rigkit.flush_kernel", "rigkit.column_titles"
+NEEDED = "calibration", "rigkit", "rigkit.compiled", "rigkit.flush_kernel", "rigkit.column_titles"
 SLOW = "scipy.optimize", "scipy.special", "scipy.signal", "scipy.stats", "scipy.sparse"
 """What takes longer to import than the rest together."""
 
