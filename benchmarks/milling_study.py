@@ -29,7 +29,8 @@ WHY = {
     "bent by .* times what G_K": "the slope of what the tracker saw on G_K f",
     "went .* times as far as G_R": "the slope of the motors' path on G_R's",
     "s later than the tracker": "the lateness of the force",
-    "in the air the tool is": "trials in the air that get worse",
+    "in air cuts the tool is": "trials in the air that get worse",
+    "is predicted .* from where it is wanted": "a path that would stray",
     "is not determined": "torques that do not determine the force",
 }
 """What is said where a method is refused, and what was noticed by it."""
