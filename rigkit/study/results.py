@@ -176,9 +176,8 @@ def _read(file: Path) -> tuple[About, list[Row]]:
     arrow, parquet = optional("pyarrow"), optional("pyarrow.parquet")
     try:
         with file.open("rb") as stream:  # whose errors name the file
-            table = parquet.read_table(
-                stream, use_threads=False, pre_buffer=False
-            )  # Arrow's threads can abort a program that ends
+            # without `read_table`, whose scanner has threads that can abort a program that ends
+            table = parquet.ParquetFile(stream, pre_buffer=False).read(use_threads=False)
     except (arrow.ArrowException, OSError) as fault:
         if isinstance(fault, OSError) and fault.errno is not None:
             raise

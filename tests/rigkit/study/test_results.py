@@ -1,6 +1,8 @@
 """Rows as Parquet, and the hash of a study."""
 
 import random
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -35,6 +37,20 @@ def test_rows_are_read_as_they_were_written(tmp_path: Path) -> None:
     assert read_rows(tmp_path / "a.parquet") == (ABOUT, made)
     table = pyarrow.parquet.read_table(tmp_path / "a.parquet")
     assert table.schema.field("figure.total").metadata == {b"unit": b"s"}
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="threads are counted in /proc")
+def test_reading_begins_no_thread_that_could_abort_a_program_as_it_ends(tmp_path: Path) -> None:
+    write_rows(tmp_path / "a.parquet", rows(tmp_path), ABOUT)
+    reads = (
+        "import os, sys; from pathlib import Path; import pyarrow.parquet; from rigkit.study.results import read_rows\n"
+        "before = len(os.listdir('/proc/self/task')); read_rows(Path(sys.argv[1]))\n"
+        "print(len(os.listdir('/proc/self/task')) - before)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", reads, str(tmp_path / "a.parquet")], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "0"
 
 
 def test_the_hash_is_that_of_the_figures_whatever_the_order_the_time_and_the_place(tmp_path: Path) -> None:
