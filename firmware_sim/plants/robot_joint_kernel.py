@@ -34,6 +34,16 @@ def spring(i: int, wind_up: float, joints: np.ndarray) -> tuple[float, float]:
 
 
 @njit(cache=True, nogil=True)
+def _given(given: float, speed: float, step: float, bristle: float, level: float) -> tuple[float, float]:
+    """Return how far bristles give after a step, rad, and the slope of their torque over speed, N m s/rad; implicit.
+
+    They slide where their torque, `bristle` (N m/rad) times what they give, comes near `level` (N m).
+    """
+    slip = 1.0 + step * bristle * abs(speed) / level
+    return (given + step * speed) / slip, bristle * step / slip
+
+
+@njit(cache=True, nogil=True)
 def friction(i: int, step: float, load: float, joints: np.ndarray, state: np.ndarray) -> tuple[float, float]:
     """Move a joint's bristles on by a step (s); return torque (N m) and its slope over speed (N m s/rad).
 
@@ -50,12 +60,11 @@ def friction(i: int, step: float, load: float, joints: np.ndarray, state: np.nda
     drop = np.exp(-((speed / joints[STRIBECK, i]) ** 2))
     heavy = 1.0 + joints[LOADED, i] * abs(load) / joints[COULOMB, i]
     level = (joints[COULOMB, i] + (joints[STICTION, i] - joints[COULOMB, i]) * drop) * heavy
-    slip = 1.0 + step * bristle * abs(speed) / level
-    state[PRESLIDE, i] = (state[PRESLIDE, i] + step * speed) / slip
+    state[PRESLIDE, i], slope = _given(state[PRESLIDE, i], speed, step, bristle, level)
     torque = bristle * state[PRESLIDE, i] + viscous * speed
     warmed = joints[HEATING, i] * abs(torque * speed) - joints[COOLING, i] * state[WARMTH, i]
     state[WARMTH, i] = flushed(state[WARMTH, i] + step * warmed)
-    return torque, viscous + bristle * step / slip
+    return torque, viscous + slope
 
 
 @njit(cache=True, nogil=True)
@@ -65,9 +74,9 @@ def drag(i: int, step: float, joints: np.ndarray, state: np.ndarray) -> tuple[fl
     As `friction`, by Coulomb's part alone: it holds a link that is within the backlash of its gear.
     """
     speed, bristle = state[LINK_SPEED, i], joints[BRISTLE, i]
-    slip = 1.0 + step * bristle * abs(speed) / joints[DRAG, i]
-    state[DRAGGED, i] = flushed((state[DRAGGED, i] + step * speed) / slip)
-    return bristle * state[DRAGGED, i], bristle * step / slip
+    given, slope = _given(state[DRAGGED, i], speed, step, bristle, joints[DRAG, i])
+    state[DRAGGED, i] = flushed(given)
+    return bristle * state[DRAGGED, i], slope
 
 
 @njit(cache=True, nogil=True)

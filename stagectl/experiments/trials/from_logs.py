@@ -59,7 +59,7 @@ def learn_from_logs(folder: Path, first: Trial, learner: Learner, method: int) -
     if step.witnessed == 0.0:
         raise ValueError(
             f"{folder / TRACKER}: nothing is to be won by what the logs show method {method}: its correction does "
-            "not go with the errors that the tracker saw; learn by method 1, or stay with this path"
+            "not go with the errors that the tracker saw; learn by another method, or stay with this path"
         )
     sent = step.sent
     if learner.lost is not None:

@@ -197,7 +197,8 @@ class Learner:
         where = [tool_position(each, method or 1, RATE, process, kinematic) for each in signals]
         cuts = [self._cut(each, method, process, kinematic) for each in signals[-2:]]
         seen = self._witness(signals, method)
-        milled = Milled(trial.path.wanted, [each.sent for each in signals], where, cuts, self._air(method), seen)
+        beside = seen if method_of(method).is_by_force else []  # method 1 learns from what was seen
+        milled = Milled(trial.path.wanted, [each.sent for each in signals], where, cuts, self._air(method), beside)
         sent = method_of(method).law.next(law, milled)
         part = self._witnessed(trial, signals[-1], sent, law) if seen else 1.0
         sent = signals[-1].sent + part * (sent - signals[-1].sent)

@@ -29,7 +29,7 @@ class Milled:
     air : (sequence, sequence) of arrays, shape (N, 3), m
         Paths sent in the air before, and where the tracker saw the tool there.
     seen : sequence of arrays, shape (N, 3), m
-        y_n as the tracker saw it; empty where it saw not all of the trials.
+        y_n as the tracker saw it, of a method that does not learn from that; empty where it saw not all of the trials.
     """
 
     wanted: np.ndarray
