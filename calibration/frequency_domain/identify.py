@@ -92,9 +92,7 @@ def identify_response(
     most = min(most, data.largest_order)
     if order is not None and not 1 <= order <= data.largest_order:
         raise ValueError(f"order is {order}, must be 1 to {data.largest_order} for {len(data.points)} bins")
-    rows = min(int(SPARE * np.ceil((order or most) / data.response.shape[1])) + 2, data.most_rows)
-    found = subspace_of(data.points, data.response, 1.0 / data.sigma.mean(axis=(1, 2)), rows)
-    start = _chosen(found, data, most, direct) if order is None else realized(found, order, *data.parts, direct)
+    start = _chosen(data, most, direct) if order is None else realized(data.subspace(order), order, *data.parts, direct)
     done = refine(start, *data.parts, direct)
     form, free = done.form, 2 * data.response.size - _freedom(done.form, direct)
     spread = float(np.sqrt(2 * done.cost / max(1, free)))
@@ -138,6 +136,11 @@ class _Data:
         told, enough = p * (self.most_rows - 1), (2 * count * p * m - p * m) // (2 * (p + m))
         return max(1, int(min(told, enough)))
 
+    def subspace(self, order: int) -> Subspace:
+        """Return what block rows enough for an order tell of it, and of all lower ones."""
+        rows = min(int(SPARE * np.ceil(order / self.response.shape[1])) + 2, self.most_rows)
+        return subspace_of(self.points, self.response, 1.0 / self.sigma.mean(axis=(1, 2)), rows)
+
 
 def _prepared(frequency: np.ndarray, response: np.ndarray, variance: np.ndarray | None, rate: float | None) -> _Data:
     """Refuse what cannot be fitted; scale the rest."""
@@ -174,13 +177,18 @@ def _prepared(frequency: np.ndarray, response: np.ndarray, variance: np.ndarray 
     return _Data(points_of(lines, scale, rate), given / size, sigma, scale, size)
 
 
-def _chosen(found: Subspace, data: _Data, most: int, is_direct: bool) -> ModalForm:
-    """Return a system of the order with the least criterion, briefly refined."""
-    rough = []
-    largest = min(most, found.observability.shape[0] - found.outputs)
+def _chosen(data: _Data, most: int, is_direct: bool) -> ModalForm:
+    """Return a system of the order with the least criterion, briefly refined.
+
+    Many block rows tell modes apart that are near each other, but where they are as many as the bins allow they tell
+    nothing; so each order is tried by as many as it needs, by twice as many, and by those of the largest.
+    """
+    rough, widest = [], data.subspace(most)
+    largest = min(most, widest.observability.shape[0] - widest.outputs)
     for order in np.unique(np.geomspace(1, largest, GRID).round().astype(int)).tolist():
-        form = realized(found, order, *data.parts, is_direct)
-        rough.append((_criterion(form, cost_of(form, *data.parts), data, is_direct), form))
+        for found in (data.subspace(order), data.subspace(2 * order), widest):
+            form = realized(found, order, *data.parts, is_direct)
+            rough.append((_criterion(form, cost_of(form, *data.parts), data, is_direct), form))
     finalists = sorted(rough, key=lambda each: each[0])[:FINALISTS]
     done = [refine(form, *data.parts, is_direct, BRIEF) for _, form in finalists]
     best = min(done, key=lambda each: _criterion(each.form, each.cost, data, is_direct))

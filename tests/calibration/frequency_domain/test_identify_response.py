@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike
+from scipy.signal import cont2discrete, dlti
 
 from calibration.frequency_domain import ResponseModel, identify_response, merged
 from calibration.frequency_domain.modal_form import ModalForm
@@ -67,6 +68,20 @@ def test_the_order_is_found_in_noise(seed: int) -> None:
     found = identify_response(*noisy(truth(seed=seed), FREQUENCY, 0.05, seed))
     assert 11 <= found.order <= 12
     assert found.spread == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("late", [4, 9])
+def test_the_order_is_found_where_there_is_dead_time(late: int, seed: int) -> None:
+    """A sampled mode has two states; each sample of dead time adds one, but the first, which both have."""
+    rate, lines = 200.0, np.linspace(0.5, 95.0, 190)
+    numerator, denominator, _ = cont2discrete(([2500.0], [1.0, 10.0, 2500.0]), 1 / rate)
+    plant = dlti(np.squeeze(numerator)[1:], np.r_[denominator, np.zeros(late - 1)], dt=1 / rate)
+    clean, rng = plant.freqresp(2 * np.pi * lines / rate)[1], np.random.default_rng(seed)
+    given = clean * (1 + 0.01 * (rng.standard_normal(190) + 1j * rng.standard_normal(190)))
+    found = identify_response(lines, given, 2e-4 * np.abs(given) ** 2, rate=rate)
+    assert 1 + late <= found.order <= 5 + late
+    assert np.sqrt(np.mean(np.abs(found.response(lines).ravel() / clean - 1) ** 2)) < 0.01
 
 
 def test_it_is_as_good_as_its_noise_allows() -> None:
