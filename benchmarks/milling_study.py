@@ -14,6 +14,8 @@ from rigkit.study.tables import markdown
 
 METHODS = {"tracker": (1, 0.8), "sensor": (2, 0.7), "torques": (3, 0.6)}
 """By the figure of its best trial: a method, and the reduction that is asked for in the median."""
+ARMS = "irb140", "kuka"
+"""Machines of a study that are arms as cells are drawn."""
 BLOCKS = 0.05
 """Of an error, by which trials of one path differ from block to block."""
 DRAWS = 10_000
@@ -39,8 +41,8 @@ WHY = {
 def milling_table(found: StudyReport) -> str:
     """Return a row an arm and method: what is won, and whether a trial made it worse."""
     ended = _ended(found)
-    arms = [(arm, [row for row in ended if row.machine == arm]) for arm in ("irb140", "kuka")]
-    arms.append(("both", ended))
+    arms = [(arm, [row for row in ended if row.machine == arm]) for arm in dict.fromkeys(row.machine for row in ended)]
+    arms.append(("both arms, as drawn", [row for row in ended if row.machine in ARMS]))
     won = [_won(arm, rows, name) for arm, rows in arms for name in METHODS]
     worse = [_worse(arm, rows, name) for arm, rows in arms for name in METHODS]
     air = [1e6 * np.array(_told(ended, name)) for name in ("first", "air")]

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.signal import StateSpace, cont2discrete
 
 from calibration.frequency_domain.modal_form import ModalForm
 from calibration.state_space.conversion import control_package
@@ -56,6 +55,8 @@ class ResponseModel:
         continuous = self.scale * form.A, self.scale * form.B, form.C, form.D
         if self.rate is None:
             return continuous
+        from scipy.signal import cont2discrete
+
         a, b, c, d, _ = cont2discrete(continuous, 1 / self.rate, "bilinear")
         return a, b, c, d
 
@@ -109,8 +110,10 @@ class ResponseModel:
         found = np.array(list(zip(*columns, strict=True)), dtype=[(name, float) for name in names])
         return np.sort(found, order="frequency")
 
-    def to_scipy(self) -> StateSpace:
+    def to_scipy(self) -> Any:
         """Return a `scipy.signal.StateSpace`, continuous or discrete."""
+        from scipy.signal import StateSpace
+
         return StateSpace(*self.matrices, **({} if self.rate is None else {"dt": 1 / self.rate}))
 
     def to_control(self) -> Any:

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import block_diag
-from scipy.signal import lfilter
 
 from calibration.prediction_error.autoregression import Arx, arx
 from calibration.prediction_error.element import LARGEST_MODULUS, Element, balanced
@@ -67,8 +66,7 @@ def fit_row(drives: Sequence[np.ndarray], responses: Sequence[np.ndarray], order
             [np.zeros_like(part) for part in left], left, 1.0, (min(MOST_LAGS, len(left[0]) // 10), 0), choose="bic"
         )
         inverse = np.concatenate([[1.0], -noise.a[:, 0, 0]])
-        skip = len(noise.a)
-        records = [Record(*(lfilter(inverse, 1.0, s, axis=0)[skip:] for s in (r.signals, r.target))) for r in raw]
+        records = [Record(*(_through(inverse, signals) for signals in (r.signals, r.target))) for r in raw]
         found = _fitted(found.point.elements, found.point.direct, records)
     pairs = zip(records, found.states, strict=True)
     white = np.concatenate([residual(found.coordinates.form, record, state) for record, state in pairs])
@@ -98,6 +96,11 @@ def plain_model(elements: Sequence[Element], direct: np.ndarray, inputs: int) ->
         1.0,
         np.eye(1),
     )
+
+
+def _through(taps: np.ndarray, signals: np.ndarray) -> np.ndarray:
+    """Return columns filtered by a finite response, from the sample on that all of it has heard."""
+    return np.stack([np.convolve(column, taps, "valid") for column in signals.T], axis=1)
 
 
 def _fitted(elements: Sequence[Element], direct: np.ndarray, records: Sequence[Record]) -> Fit:

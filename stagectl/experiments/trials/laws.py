@@ -163,7 +163,7 @@ class Learner:
         Parameters
         ----------
         done : sequence of DoneTrial
-            The trials so far: the last one is learned from, the one before tells how much of a correction proves right.
+            The trials so far: the last one is learned from, all of them tell how much of a correction proves right.
         method : int or None
             None for free space.
 
@@ -195,7 +195,7 @@ class Learner:
         self.contraction(method).refuse_divergence()
         law, process = self.law(method), self._process(method)
         where = [tool_position(each, method or 1, RATE, process, kinematic) for each in signals]
-        cuts = [self._cut(each, method, process, kinematic) for each in signals[-2:]]
+        cuts = [self._cut(each, method, process, kinematic) for each in signals]
         seen = self._witness(signals, method)
         beside = seen if method_of(method).is_by_force else []  # method 1 learns from what was seen
         milled = Milled(trial.path.wanted, [each.sent for each in signals], where, cuts, self._air(method), beside)
@@ -220,8 +220,8 @@ class Learner:
         return witnessed((trial.path.wanted - last.seen)[inside], change[inside], law)
 
     def _air(self, method: int | None) -> tuple[list[np.ndarray], list[np.ndarray]]:
-        """Return the last two paths in the air, and where the tracker saw the tool, for a method; none in the air."""
-        free = [each.signals for each in self.free[-2:]] if method is not None else []
+        """Return the paths in the air, and where the tracker saw the tool, for a method; none in the air."""
+        free = [each.signals for each in self.free] if method is not None else []
         return [each.sent for each in free], [each.seen for each in free if each.seen is not None]
 
     def signals(self, done: DoneTrial, method: int | None) -> TrialSignals:

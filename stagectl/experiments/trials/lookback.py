@@ -9,6 +9,8 @@ from stagectl.robot.milling.trial_error import mae
 
 WORSE = 1.2
 """Times the least error so far, from which on a trial has made it worse: trials of one path differ by less."""
+BLOCKS = 0.05
+"""Part of an error by which it may differ between two blocks: more than that over the uncompensated one is no gain."""
 PARTS = (1.0, 0.5, 0.25)
 """Of a step: each time that one has made it worse the next part is tried, from the best path; then learning ends."""
 
@@ -75,10 +77,12 @@ class Lookback:
     def take(self, done: DoneTrial) -> str:
         """Take a trial that was run; return what is to be said where it made the work worse.
 
-        A step that did no harm leaves the share as it is: what halved it has not gone away.
+        Worse is what has `WORSE` times the least error so far, or more than iteration 0 by more than two blocks differ
+        and the tracker's noise.  A step that did no harm leaves the share as it is: what halved it has not gone away.
         """
-        least = min(self.kept, key=size)
-        if size(done) <= WORSE * size(least):
+        first, least = self.kept[0], min(self.kept, key=size)
+        doubt = np.hypot(BLOCKS * size(first), np.linalg.norm(done.slow_noise))
+        if size(done) <= min(WORSE * size(least), size(first) + doubt):
             self.kept.append(done)
             return ""
         self._tried += 1

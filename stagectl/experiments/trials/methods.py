@@ -14,7 +14,7 @@ from stagectl.robot.milling.step_size import heeding
 
 @dataclass(frozen=True, eq=False)
 class Milled:
-    """Trials of a path that are learned from: the last one, and the one before, where there is one.
+    """Trials of a path that are learned from, one after another.
 
     Parameters
     ----------
@@ -57,19 +57,20 @@ class ByModels:
         return model.wanted
 
     def next(self, belief: PathLaw, trial: Milled) -> np.ndarray:
-        """Return u + Q L (I - G_K G_M) e, shape (N, 3), m, and no more than the last step has proved right.
+        """Return u + Q L (I - G_K G_M) e, shape (N, 3), m, and no more than the steps so far have proved right.
 
-        After the first trial in material that is the last step in the air: what sticks, or has backlash, is the same.
+        After the first trial in material those are the ones in the air: what sticks, or has backlash, is the same.
         Of a method that does not know the tool's place by the tracker, the tracker is asked beside what it learns from.
         """
-        heeded = heeding(belief, trial.sent, trial.where, trial.cuts[0])
+        error = trial.wanted - trial.where[-1]
+        heeded = heeding(belief, trial.sent, trial.where, trial.cuts, error)
         if len(trial.seen) > 1:
-            heeded = heeding(heeded, trial.sent, trial.seen, trial.cuts[0])
+            heeded = heeding(heeded, trial.sent, trial.seen, trial.cuts, trial.wanted - trial.seen[-1])
         if len(trial.sent) == 1 and len(trial.air[0]) > 1:
             proved = heeding(replace(belief, process=None, caution=None), *trial.air).caution
             assert proved is not None
             heeded = belief.more_cautious(*proved)
-        return update(trial.sent[-1], trial.wanted - trial.where[-1], heeded, trial.cuts[-1])
+        return update(trial.sent[-1], error, heeded, trial.cuts[-1])
 
 
 @dataclass(frozen=True)

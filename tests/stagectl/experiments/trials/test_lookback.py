@@ -14,10 +14,15 @@ class Tried:
 
     name: str
     norm: float
+    noise: float = 0.0
 
     @property
     def slow_mae(self) -> np.ndarray:
         return np.array([self.norm, 0.0, 0.0])
+
+    @property
+    def slow_noise(self) -> np.ndarray:
+        return np.array([0.0, self.noise, 0.0])
 
 
 def looked(*norms: float) -> tuple[Lookback, list[str]]:
@@ -49,8 +54,21 @@ def test_what_never_helps_ends_with_the_path_it_began_with() -> None:
 
 
 def test_a_worse_trial_within_noise_does_not_become_what_others_are_held_against() -> None:
-    back, _ = looked(100e-6, 112e-6, 113e-6, 130e-6)
-    assert [each.name for each in back.kept] == ["trial-0"]
+    back, _ = looked(100e-6, 50e-6, 56e-6, 58e-6, 65e-6)
+    assert [each.name for each in back.kept] == ["trial-0", "trial-1"]
+
+
+@pytest.mark.parametrize(
+    ("noise", "norm", "is_worse"),
+    [(0.0, 104e-6, False), (0.0, 106e-6, True), (12e-6, 112e-6, False), (12e-6, 114e-6, True)],
+)
+def test_what_is_worse_than_nothing_by_more_than_blocks_and_noise_is_turned_back(
+    noise: float, norm: float, is_worse: bool
+) -> None:
+    """Two blocks differ by 5 % of the error, and the tracker's noise is added as squares: 100 + 13 µm."""
+    back = Lookback(Tried("trial-0", 100e-6))  # type: ignore[arg-type]
+    said = back.take(Tried("trial-1", norm, noise))  # type: ignore[arg-type]
+    assert bool(said) is is_worse
 
 
 def test_part_of_a_step_is_foreseen_to_come_that_part_of_the_way() -> None:

@@ -48,6 +48,31 @@ def test_noise_as_large_as_the_answer_halves_the_step() -> None:
     np.testing.assert_allclose(found.mean(axis=1), 0.5, atol=0.2)
 
 
+def noisy(size: float, seed: int) -> np.ndarray:
+    """Return what is beside an answer, as a change of the path by so many m in each sample would make it."""
+    drawn = size * np.random.default_rng(seed).standard_normal(SENT[0].shape)
+    return predicted(np.zeros_like(drawn), drawn, LAW)
+
+
+def after_a_small_change(error: float) -> np.ndarray:
+    """Return the part of a step that is made after a change of 100 µm and one of 2, in noise of 10, by error in µm."""
+    sent = [SENT[0], SENT[0] + (SENT[1] - square()), SENT[0] + 1.02 * (SENT[1] - square())]
+    come = [predicted(np.zeros_like(each), each, LAW) + noisy(1e-5, 40 + at) for at, each in enumerate(sent)]
+    found = heeding(LAW, sent, come, error=noisy(1e-6 * error, 50))
+    return found.passed(HEARD) / LAW.passed(HEARD)
+
+
+def test_a_change_that_noise_hides_takes_nothing_back_of_what_a_large_one_has_proved() -> None:
+    assert after_a_small_change(100.0).min() > 0.8
+
+
+def test_of_errors_as_large_as_noise_little_is_learned() -> None:
+    """10 µm in each trial: of 20 µm of error three quarters are learned, of 10 or less next to nothing."""
+    assert after_a_small_change(20.0).mean() == pytest.approx(0.75, abs=0.1)
+    assert after_a_small_change(10.0).mean() < 0.35
+    assert after_a_small_change(2.0).max() == pytest.approx(FLOOR)
+
+
 def test_an_error_under_a_cut_that_answers_threefold_shrinks_where_it_would_have_grown() -> None:
     wanted = SENT[0]
     off = 1e-4 * np.sin(2 * np.pi * 1.0 * np.arange(len(wanted)) / RATE)[:, None] * [1.0, -1.0, 0.5]
