@@ -28,6 +28,7 @@ PLACES = {
     "feed-force": "validation/force.md",
     "learning": "validation/learning.md",
     "milling": "ilc.md",
+    "milling-deep": "ilc.md",
     "milling-soft": "ilc.md",
     "prediction": "validation/vibrator-studies.md",
     "quiet": "validation/vibrator-studies.md",
@@ -142,6 +143,7 @@ INSTEAD: dict[str, Callable[[StudyReport], str]] = {
     "ablation": ablation_table,
     "feed-force": feed_force_table,
     "milling": milling_table,
+    "milling-deep": milling_table,
     "milling-soft": soft_table,
 }
 """What is shown in place of a table for each figure."""
