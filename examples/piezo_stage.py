@@ -33,13 +33,13 @@ def loops() -> Figure:
     corners = [0, 1000, 0, 800, 100, 600, 250, 500, 350, 450, 400]
     voltage = np.concatenate([np.linspace(a, b, 5_000) for a, b in zip(corners[:-1], corners[1:], strict=True)])
     amplitudes.plot(voltage, 1e6 * moved(voltage)[:, 2])
-    amplitudes.set(xlabel="voltage (V)", ylabel="extension (µm)", title="z, 1 Hz, amplitude falling")
+    amplitudes.set(xlabel="voltage (V)", ylabel="extension (µm)", title="z, triangle of 1 Hz, decreasing amplitude")
     for frequency in (1, 10, 40):
         time = np.arange(round(3 * RATE)) / RATE
         voltage = 500 - 200 * np.cos(2 * np.pi * frequency * time) * np.minimum(time, 1)
         last = slice(-round(RATE / frequency) - 1, None)
         rates.plot(voltage[last], 1e6 * moved(voltage)[last, 2], label=f"{frequency} Hz")
-    rates.set(xlabel="voltage (V)", title="z, by rate")
+    rates.set(xlabel="voltage (V)", title="z, sine of 200 V amplitude")
     rates.legend()
     return figure
 
@@ -71,14 +71,14 @@ def responses() -> Figure:
         upper.loglog(frequency, np.abs(answers @ (modes.plate[axis] * modes.extension[axis])), label=name)
         lower.loglog(frequency, np.abs(answers @ modes.extension[axis] ** 2), label=name)
     upper.loglog(frequency, np.abs(answers @ (modes.plate[2] * modes.extension[0])), "k:", label="z from x")
-    upper.set(ylabel="plate", title="per free expansion of the stack (m/m)")
-    lower.set(xlabel="frequency (Hz)", ylabel="extension")
+    upper.set(ylabel="plate (m/m)", title="Gain from the free expansion of the stack")
+    lower.set(xlabel="frequency (Hz)", ylabel="extension (m/m)")
     upper.legend()
     return figure
 
 
 def cut() -> Figure:
-    """Draw how far the robot gives way in each cut, and one force."""
+    """Draw the robot's deflection in each cut, and the force of one."""
     figure = Figure(figsize=(8.0, 5.0))
     upper, lower = figure.subplots(2, 1)
     for axis, name in enumerate(AXES):
@@ -89,11 +89,11 @@ def cut() -> Figure:
         error = 1e6 * np.mean(np.abs(base[milling.cut, axis]))
         upper.plot(time[::20], 1e6 * base[::20, axis], label=f"{name}: mean absolute {error:.1f} µm")
     shown = slice(round(5 * RATE), round(5.02 * RATE))
-    lower.plot(time[shown], force[shown], label=[f"{name}, milling z" for name in AXES])
-    upper.set(xlabel="time (s)", ylabel="robot (µm)")
-    lower.set(xlabel="time (s)", ylabel="force (N)")
+    lower.plot(time[shown], force[shown], label=list(AXES))
+    upper.set(xlabel="time (s)", ylabel="deflection (µm)")
+    lower.set(xlabel="time (s)", ylabel="force, milling z (N)")
     upper.legend()
-    lower.legend(loc="upper right")
+    lower.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
     return figure
 
 
