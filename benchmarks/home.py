@@ -69,7 +69,7 @@ class Figure:
 
 
 FIGURES = (
-    Figure("`make run`: shots to the objective", "", "run.json", "objective_met_shot"),
+    Figure("`make run`: first shot that meets the objective, counted from 0", "", "run.json", "objective_met_shot"),
     Figure("`make run`: worst bin of the last shot over the limit", "dB", "run.json", "worst_line_db", is_level=True),
     Figure("`make run`: median relative deviation of G", "", "model.json", "median_relative_deviation"),
     Figure("Table 3.1, r = 1.5: IAE of AIMC", "mm s", "midranging.json", "setups[0].aimc_iae"),

@@ -81,7 +81,7 @@ def air() -> PocketCut:
 
 
 def draw(depth: float, bent: np.ndarray, free: np.ndarray, cut: PocketCut, folder: Path) -> None:
-    """Draw forces over time, and the wall that is left against the one wanted."""
+    """Draw forces over time, the wall that is milled beside the nominal one, and the deflection of the tool."""
     folder.mkdir(parents=True, exist_ok=True)
     figure = Figure(figsize=(8.0, 6.4))
     top, left, right = figure.subplot_mosaic([["force", "force"], ["wall", "bend"]], height_ratios=(1, 1.3)).values()
@@ -90,19 +90,25 @@ def draw(depth: float, bent: np.ndarray, free: np.ndarray, cut: PocketCut, folde
         top.plot(time, bent[:, 6 + axis], color=COLOURS[axis], linewidth=0.3, alpha=0.35)
         top.plot(time, bent[:, 3 + axis], color=COLOURS[axis], label=name)
     top.set(
-        xlabel="time, s", ylabel="force on the tool, N", title=f"{1e3 * depth:g} mm deep: mean over a turn, and teeth"
+        xlabel="time, s", ylabel="force on the tool, N", title=f"{1e3 * depth:g} mm deep; faint: force of each tooth"
     )
     top.legend(ncols=3)
     x, y, distance = cut.plant.section(0.5 * depth)
     left.contour(1e3 * x, 1e3 * y, distance, levels=[0.0], colors=COLOURS[0], linewidths=1.3)
     left.plot([-14, 14, 14, -14, -14], [-14, -14, 14, 14, -14], "k--", linewidth=0.8)
     left.set(
-        aspect="equal", xlim=(-16, 16), ylim=(-16, 16), xlabel="x, mm", ylabel="y, mm", title="The wall, and 28 mm"
+        aspect="equal",
+        xlim=(-16, 16),
+        ylim=(-16, 16),
+        xlabel="x, mm",
+        ylabel="y, mm",
+        title="Milled wall (nominal 28 mm)",
     )
     bend = 1e6 * (bent - free)[:, :3]
     for axis, name in enumerate("xyz"):
         right.plot(time, bend[:, axis], color=COLOURS[axis], label=name)
-    right.set(xlabel="time, s", ylabel="tool, µm", title="Against the same path in air")
+    right.set(xlabel="time, s", ylabel="deflection of the tool, µm", title="Error beside the same path in air")
+    right.legend(ncols=3, loc="upper left")
     figure.savefig(folder / "pocket.png", dpi=110)
 
 
