@@ -112,7 +112,7 @@ def _as_it_is(config: StageConfig, table: FaultTable) -> Seen:
 
 
 HEADS = {
-    "vibrator": ("fault", "sensor", "law", "said", "recordings", "drive, V", "worst line, dB", "afterwards, dB"),
+    "vibrator": ("fault", "sensor", "law", "said", "recordings", "drive, V", "worst bin, dB", "afterwards, dB"),
     "stage": ("fault", "sensor", "said", "after, ms", "lowest, V", "highest, V", "fastest, V/ms", "error, um"),
 }
 TABLES: dict[str, Callable[[], Iterator[Sequence[object]]]] = {"vibrator": vibrator, "stage": stage}

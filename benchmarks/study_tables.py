@@ -6,7 +6,9 @@ have docs/populations.md to themselves; each of the others stands in the page of
 """
 
 import sys
+import tomllib
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from benchmarks.ablation import ablation_table, shot
@@ -21,6 +23,7 @@ from rigkit.study.summary import share_of
 from rigkit.study.tables import endings_table, markdown
 
 KEPT = DOCS / "populations"
+STUDIES = DOCS.parent / "studies"
 PAGE = DOCS / "populations.md"
 PLACES = {
     "ablation": "validation/learning.md",
@@ -60,13 +63,24 @@ def pages() -> dict[Path, str]:
         if file.stem in PLACES:
             page = DOCS / PLACES[file.stem]
             text = texts.get(page) or page.read_text(encoding="utf-8")
-            texts[page] = replaced(text, file.stem, tables(file, StudyReport.of(file)))
+            texts[page] = replaced(text, file.stem, tables(file, report_of(file)))
     return texts
+
+
+def report_of(file: Path) -> StudyReport:
+    """Return kept results under the titles that `studies/NAME.toml` has now; results hold those of their own time."""
+    found, study = StudyReport.of(file), STUDIES / f"{file.stem}.toml"
+    if not study.is_file():
+        return found
+    tables = tomllib.loads(study.read_text(encoding="utf-8"))["figures"]
+    titles = {name: tables.get(name, {}).get("title", figure.title) for name, figure in found.about.figures.items()}
+    figures = {name: each.model_copy(update={"title": titles[name]}) for name, each in found.about.figures.items()}
+    return replace(found, about=replace(found.about, figures=figures))
 
 
 def section(file: Path) -> str:
     """Return the part of one study of drawn machines."""
-    found = StudyReport.of(file)
+    found = report_of(file)
     return f"## {file.stem}\n\n{found.about.purpose}\n\n{tables(file, found)}"
 
 

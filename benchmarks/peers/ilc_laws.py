@@ -82,7 +82,7 @@ def laws(drawn: Case) -> Iterator[tuple[str, Law, np.ndarray]]:
     yield "norm-optimal, lifted, change weighed by 0.1", lambda u, y: u + shy @ (wanted - y), nothing
     yield "norm-optimal, lifted, by 0.001", lambda u, y: u + bold @ (wanted - y), nothing
     yield "the same, low-pass Q", lambda u, y: rounded @ (u + bold @ (wanted - y)), nothing
-    yield "inverse in lines, K = 0.3 (the thesis' law)", lines, nothing
+    yield "inverse in each bin, K = 0.3 (the thesis' law)", lines, nothing
     yield "ours, `KalmanILC`", *_ours(spectrum, wanted)
 
 
