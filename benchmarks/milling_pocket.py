@@ -108,7 +108,7 @@ def draw(depth: float, bent: np.ndarray, free: np.ndarray, cut: PocketCut, folde
     for axis, name in enumerate("xyz"):
         right.plot(time, bend[:, axis], color=COLOURS[axis], label=name)
     right.set(xlabel="time, s", ylabel="deflection of the tool, µm", title="Error beside the same path in air")
-    right.legend(ncols=3, loc="upper left")
+    right.legend(loc="lower left")
     figure.savefig(folder / "pocket.png", dpi=110)
 
 
