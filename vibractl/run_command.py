@@ -37,7 +37,7 @@ def run_command(
     watch: Annotated[bool, typer.Option("--watch", help="Reidentify bands that diverge, during the run.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Start at low level, rise as the objective allows.")] = False,
     law: Annotated[
-        str | None, typer.Option(help="kalman, or thesis for the law of the thesis.", autocompletion=one_of(KINDS))
+        str | None, typer.Option(help=f"Law of learning: {', '.join(KINDS)}.", autocompletion=one_of(KINDS))
     ] = None,
     seed: Annotated[int | None, typer.Option(help="Seed of the simulated vibrator.")] = None,
     fit_amplitude: FitOption = False,

@@ -31,10 +31,14 @@ from `tests/commands/experiments.toml`; the tests check that every option and ev
 
 
 def stated() -> dict[str, dict[str, dict[str, Any]]]:
-    """Return what is stated of each ability of each experiment, that of `[every]` where nothing is."""
+    """Return what is stated of each ability of each experiment, or of `[every]`; ValueError where that is nothing."""
     found = tomllib.loads(STATED.read_text(encoding="utf-8"))
     every = found.pop("every")
-    return {name: every | cells for name, cells in found.items()}
+    known = {name: every | found.get(name, {}) for name in NAMES} | {name: every | found[name] for name in found}
+    gaps = [f"[{name}] {each}" for name, cells in known.items() for each in ABILITIES if each not in cells]
+    if gaps:
+        raise ValueError(f"tests/commands/experiments.toml: missing {', '.join(gaps)}")
+    return known
 
 
 def page() -> str:

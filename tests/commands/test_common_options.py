@@ -45,11 +45,13 @@ def test_a_common_option_has_its_short_name_everywhere_and_no_other_has_it() -> 
 
 def test_out_is_a_folder_or_a_file_as_the_page_lists_it() -> None:
     made = outs()
-    assert {name for name, metavar in made.items() if metavar in FOLDERS} == MAKE_FOLDERS
+    folders = {name for name, metavar in made.items() if metavar in FOLDERS}
+    assert folders == MAKE_FOLDERS, "MAKE_FOLDERS of this file, and the table of --out in docs/command-line.md"
     files = {name: metavar for name, metavar in made.items() if name not in MAKE_FOLDERS}
     assert [name for name, metavar in files.items() if not re.fullmatch(r"FILE|[A-Z]+\.\w+", metavar)] == []
     page = (ROOT / "docs/command-line.md").read_text()
-    assert [name for name in made if name.split()[-1] not in page and name.split()[0] != "calibrate"] == []
+    absent = [name for name in made if name.split()[-1] not in page and name.split()[0] != "calibrate"]
+    assert absent == [], "the table of --out in docs/command-line.md"
 
 
 def test_a_command_without_settings_says_that_it_has_no_set(

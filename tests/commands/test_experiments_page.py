@@ -48,13 +48,13 @@ def test_each_cell_names_a_test_that_is_there_or_says_why_not(cell: dict[str, An
     assert "why" in cell or cell.get("test") or "no test of its own" in cell["note"]
     if cell.get("test"):
         path, _, name = cell["test"].partition("::")
-        assert name in functions_of(ROOT / path)
+        assert name in functions_of(ROOT / path), f"no {cell['test']}"
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_options_are_as_stated(name: str) -> None:
     known, options = stated()[name], options_of(name)
-    assert ("why" not in known["live"]) == ("--live" in options)
+    assert ("why" not in known["live"]) == ("--live" in options), f"[{name}] live of experiments.toml"
     keys = set(resolve(SERVED[name].options).model_fields) if name in SERVED else set()
     assert ("why" not in known["resume"]) == ("--resume" in options or "resume" in keys)
 

@@ -1,4 +1,4 @@
-"""CONTRIBUTING.md's plant, robot, learning law and experiment are what they say: taken by their names, and run."""
+"""CONTRIBUTING.md's plant, robot, laws, planner and experiment are what they say: taken by their names, and run."""
 
 import os
 import subprocess
@@ -17,16 +17,24 @@ from rigkit.experiment.runner import Conduct, remembered
 from stagectl.config import StageConfig
 from stagectl.experiments.piezo.experiment import StageRun
 from stagectl.experiments.piezo.setup import setup
+from stagectl.experiments.trials.methods import ByModels, Milled
+from stagectl.planning import pocket_check
+from stagectl.planning.milling import mill
+from stagectl.planning.problem import Pocket
 from stagectl.robot.config import CellConfig
 from stagectl.robot.conversation import PortState
+from stagectl.robot.force_inbox import ForceInbox
+from stagectl.robot.milling.learning import PathLaw
 from stagectl.robot.port import RobotPort
 from stagectl.robot.tracker_inbox import TrackerInbox
-from stagectl.wire.makes import ROBOTS, TRACKERS
+from stagectl.wire.force_sensor import SATURATED, Record
+from stagectl.wire.makes import FORCE_SENSORS, ROBOTS, TRACKERS
 from stagectl.wire.robot import RATE
 from stagectl.wire.tracker import Sample, Sighting
 from tests.contract.conformance import CHECKS, Example
 from tests.contract.source_tree import ROOT
 from tests.stagectl.experiments.piezo.simulated_models import write_models
+from tests.stagectl.robot.milling.trial_models import axis, square
 from tests.vibractl.learning.line_plant import LinePlant, law_of, matrix_of, modal
 from vibractl.config import Adaptation, Watch
 from vibractl.learning.algorithm import Algorithm
@@ -93,6 +101,29 @@ def test_the_law_learns_but_for_what_it_lets_fade(monkeypatch: pytest.MonkeyPatc
     assert np.abs(error).max() == pytest.approx(left, rel=1e-3)
 
 
+def test_the_law_can_be_named_by_the_registry_which_the_rig_file_reads() -> None:
+    """A law that imports what reads the rig file is a circle, which only a fresh process sees."""
+    source = source_of('"""leaky_law')
+    code = f"import sys\n{source}\nsys.exit('vibractl.config' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"a law must not import vibractl.config, which imports the registry: {done.stderr}"
+
+
+def test_the_law_of_milling_goes_half_as_far() -> None:
+    wanted = square()
+    law, off = PathLaw((axis(2),) * 3), np.asarray(1e-4 * np.sin(np.arange(len(wanted)) / 20))[:, None]
+    milled = Milled(wanted, [wanted], [wanted - off], [None])
+    whole, half = (each.next(law, milled) - wanted for each in (ByModels(), from_page("half_steps").HalfSteps()))
+    assert np.abs(whole).max() > 1e-5
+    np.testing.assert_allclose(half, 0.5 * whole, atol=1e-15)
+
+
+def test_the_planner_mills_a_pocket() -> None:
+    pocket = Pocket(4, 6, 2, "EW", {f"{way}{strip}": 1.0 for way in "EW" for strip in ("2", "1u", "1d")})
+    path = [each.in_path for each in mill(pocket, from_page("widest").WidestPlanner(pocket))]
+    assert pocket_check.check(pocket, path).complete
+
+
 def test_bounds_of_the_law_hold(monkeypatch: pytest.MonkeyPatch) -> None:
     """With a model that is right: what fades of the drive counts."""
     half = Gains((0.5,), ())
@@ -145,8 +176,30 @@ def test_a_tracker_of_another_make_is_a_line_of_the_registry(monkeypatch: pytest
     inbox = TrackerInbox(rig_file.load(None, CellConfig, ["tracker.wire=spoken"]).tracker, print)
     inbox.take(b"1 0.1 0.2 0.3\n2 0.1 0.2 0.4\n", 0.0)
     np.testing.assert_allclose(inbox.pose[:3], [0.1, 0.2, 0.4])
-    with pytest.raises(ConfigError, match='force_sensor.wire is "own": must be one of netft'):
-        rig_file.load(None, CellConfig, ["force_sensor.wire=own"])
+
+
+def test_a_force_sensor_of_another_make_is_a_line_of_the_registry(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Spoken:
+        """Says a counter, whether it is at the end of its range, and six counts, in a line of text."""
+
+        modulus, start, stop = 1 << 32, b"start", b"stop"
+
+        def read(self, data: bytes, counts: np.ndarray) -> list[Record]:
+            rows = [[int(each) for each in line.split()] for line in data.splitlines()]
+            return [Record(n, n, SATURATED if full else 0, np.array(six) / counts) for n, full, *six in rows]
+
+    with pytest.raises(ConfigError, match='force_sensor.wire is "spoken": must be one of netft'):
+        rig_file.load(None, CellConfig, ["force_sensor.wire=spoken"])
+    monkeypatch.setitem(FORCE_SENSORS, "spoken", Spoken)
+    sensor = rig_file.load(None, CellConfig, ["force_sensor.wire=spoken", "force_sensor.saturated=0"]).force_sensor
+    inbox = ForceInbox(sensor, print)
+    for record in FORCE_SENSORS[sensor.wire]().read(b"1 0 0 0 2000000 0 0 0\n3 0 0 0 3000000 0 0 0", sensor.counts):
+        inbox.accept(record, 0.0)
+    np.testing.assert_allclose(inbox.wrench, [0, 0, 3, 0, 0, 0])
+    assert (inbox.counts.lost, inbox.counts.saturated) == (1, 0)
+    for record in FORCE_SENSORS[sensor.wire]().read(b"4 1 0 0 0 0 0 0", sensor.counts):
+        inbox.accept(record, 0.0)
+    assert inbox.counts.saturated == 1
 
 
 REGISTERED = """

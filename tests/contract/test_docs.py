@@ -146,9 +146,8 @@ def test_every_name_in_the_list_of_symbols_is_in_its_file() -> None:
 
 def test_the_rig_files_in_the_docs_are_those_the_programs_print() -> None:
     """`make docs` writes them."""
-    assert (ROOT / "docs/rig.toml").read_text() == example(RigConfig)
-    assert (ROOT / "docs/stage.toml").read_text() == example(StageConfig)
-    assert (ROOT / "docs/cell.toml").read_text() == example(CellConfig)
+    for name, model in (("rig", RigConfig), ("stage", StageConfig), ("cell", CellConfig)):
+        assert (ROOT / f"docs/{name}.toml").read_text() == example(model), f"docs/{name}.toml: make docs"
 
 
 @pytest.mark.parametrize(
@@ -164,7 +163,7 @@ def test_the_rig_files_in_the_docs_are_those_the_programs_print() -> None:
 def test_the_reference_of_a_rig_file_in_the_docs_is_up_to_date(page: str, name: str, model: type[Section]) -> None:
     """`make docs` writes it."""
     there = (ROOT / "docs/config-reference" / f"{page}.md").read_text(encoding="utf-8")
-    assert there == reference(model, name)
+    assert there == reference(model, name), f"docs/config-reference/{page}.md: make docs"
 
 
 def _length(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:

@@ -29,7 +29,7 @@ def predict_command(
     shots: Annotated[int | None, typer.Option(help="Shots of each simulated run.")] = None,
     side: Annotated[int | None, typer.Option(help="Drive and control this side only; 0 for all.")] = None,
     law: Annotated[
-        str | None, typer.Option(help="kalman, or thesis for the law of the thesis.", autocompletion=one_of(KINDS))
+        str | None, typer.Option(help=f"Law of learning: {', '.join(KINDS)}.", autocompletion=one_of(KINDS))
     ] = None,
     report: Annotated[Path | None, written_file("FILE", "Write an HTML page with figures.")] = None,
     accept: AcceptOption = None,

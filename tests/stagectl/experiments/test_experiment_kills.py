@@ -16,4 +16,4 @@ def test_whatever_was_recorded_before_a_kill_is_there_and_goes_on(kind: str, tmp
 
 
 def test_no_experiment_is_left_out() -> None:
-    assert list(COMMANDS) == [each.name for each in EXPERIMENTS]
+    assert list(COMMANDS) == [each.name for each in EXPERIMENTS], "COMMANDS of experiment_kills.py: in this order"

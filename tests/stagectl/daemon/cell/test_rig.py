@@ -255,7 +255,7 @@ def test_a_file_that_cannot_be_served_is_refused_at_the_start_and_at_a_reload(
 
 
 def test_the_choices_of_options_are_what_there_is_to_choose_from() -> None:
-    assert get_args(ForceOptions.model_fields["planner"].annotation) == PLANNERS
+    assert get_args(ForceOptions.model_fields["planner"].annotation) == PLANNERS, "planner of feed/options.py"
     assert get_args(CellOptions.model_fields["setup"].annotation) == (*SETUPS, "all")
     assert get_args(MidrangeOptions.model_fields["controller"].annotation) == tuple(sorted(CONTROLLERS))
 

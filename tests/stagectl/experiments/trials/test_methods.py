@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
-from stagectl.experiments.trials.methods import ByModels, Milled
+from stagectl.experiments.trials.methods import METHODS, ByModels, Milled
+from stagectl.experiments.trials.options import IlcOptions
 from stagectl.robot.milling.learning import PathLaw, predicted
+from stagectl.robot.milling.trial_error import METHODS as ERRORS
 from stagectl.robot.milling.trial_error import slow
 from tests.stagectl.robot.milling.trial_models import RATE, axis, square
 
@@ -24,6 +26,12 @@ def asked(*answers: float) -> float:
     come += [predicted(come[0], answer * (sent[1] - sent[0]), LAW) for answer in answers]
     milled = Milled(WANTED, [WANTED], [WANTED - wave(2.0)], [None], (sent[: len(come)], come))
     return float(np.abs(ByModels().next(LAW, milled) - WANTED)[:, 1].max())
+
+
+def test_a_method_is_known_wherever_it_is_named() -> None:
+    assert set(METHODS) == set(ERRORS), "METHODS of trials/methods.py and of robot/milling/trial_error.py differ"
+    every = ",".join(map(str, METHODS))
+    assert IlcOptions(method=every).method == every, "the pattern of `method` in trials/options.py"
 
 
 def test_the_first_step_in_material_is_half_where_the_air_was_answered_twofold() -> None:
