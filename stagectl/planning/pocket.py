@@ -1,5 +1,6 @@
 """A pocket, the paths that planners make for it, and whether a path is one."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 from stagectl.planning.exact import ExactPlanner
@@ -15,6 +16,15 @@ from stagectl.planning.sequential import SequentialPlanner, trained
 from stagectl.planning.uncertain import UncertainPlanner
 
 __all__ = ["PLANNERS", "Pocket", "PocketFault", "Verdict", "check", "plan", "planner", "untrained"]
+
+MAKERS: dict[str, Callable[[Pocket, int], Planner]] = {
+    "exact": lambda pocket, _: ExactPlanner(pocket),
+    "sequential": lambda pocket, _: SequentialPlanner(pocket, trained(pocket)),
+    "qlearning": QLearningPlanner,
+    "features": FeaturesPlanner,
+    "uncertain": lambda pocket, _: UncertainPlanner(pocket, measured(pocket)),
+}
+"""Each of `PLANNERS`, of a pocket and a seed."""
 
 
 def planner(name: str, pocket: Pocket, seed: int = 0, prior: Path | None = None) -> Planner:
@@ -41,15 +51,7 @@ def planner(name: str, pocket: Pocket, seed: int = 0, prior: Path | None = None)
         if name != "uncertain":
             raise PocketFault(f"planner is {name!r}, must be uncertain to keep a prior in {prior}")
         return UncertainPlanner(pocket, believed(pocket), Scales(BELIEVED, prior))
-    if name == "sequential":
-        return SequentialPlanner(pocket, trained(pocket))
-    if name == "qlearning":
-        return QLearningPlanner(pocket, seed)
-    if name == "features":
-        return FeaturesPlanner(pocket, seed)
-    if name == "uncertain":
-        return UncertainPlanner(pocket, measured(pocket))
-    return ExactPlanner(pocket)
+    return MAKERS[name](pocket, seed)
 
 
 def untrained(name: str, pocket: Pocket) -> Planner:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from stagectl.planning.milling import Milled, mill
-from stagectl.planning.pocket import PLANNERS, planner, untrained
+from stagectl.planning.pocket import MAKERS, PLANNERS, planner, untrained
 from stagectl.planning.problem import Pocket, PocketFault
 from stagectl.planning.segment_file import read_segments, write_segments
 from stagectl.planning.sequential import SequentialPlanner
@@ -30,6 +30,10 @@ def test_what_was_recorded_is_learned(tmp_path: Path) -> None:
         assert second.sets[name].rates == pytest.approx(known.rates)
         assert second.sets[name].forces == pytest.approx(known.forces, nan_ok=True)
     assert mill(POCKET, second) == mill(POCKET, first)
+
+
+def test_each_planner_that_is_named_can_be_made() -> None:
+    assert tuple(MAKERS) == PLANNERS
 
 
 @pytest.mark.parametrize("name", PLANNERS)
