@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stagectl.experiments.trials.done import DoneTrial
+from stagectl.experiments.trials.guarded_path import refuse_guarded
 from stagectl.experiments.trials.lookback import Step
 from stagectl.experiments.trials.methods import Milled, method_of
 from stagectl.experiments.trials.signals import ANGLE, torque_log
@@ -169,7 +170,7 @@ class Learner:
 
         Raises
         ------
-        ValueError : a law that may diverge, a signal that is missing, a path that leaves the workpiece.
+        ValueError : a law that may diverge, a signal that is missing, a path that leaves the workpiece or its limits.
         """
         kinematic = None if method is None else kinematic_error([each.signals for each in self.free])
         return self.corrected(done[-1].trial, [self.signals(each, method) for each in done], method, kinematic)
@@ -205,6 +206,7 @@ class Learner:
         come = predicted(where[-1], sent - signals[-1].sent, law)
         refuse_outside(trial.path.pocket, trial.path.wanted, come, self.cell.learning.stray)
         refuse_large(trial.path.wanted, sent, self.cell.learning.correction)
+        refuse_guarded(trial, sent)
         return Step(signals[-1].sent, sent, where[-1], come, trial.path.wanted, trial.path.milled, part)
 
     def _witness(self, signals: Sequence[TrialSignals], method: int | None) -> list[np.ndarray]:
