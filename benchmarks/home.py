@@ -39,7 +39,7 @@ COMMANDS = (
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure that is better when it is smaller, and positive.
+    """A figure that is positive, and better when it is smaller, or, of a gain, larger.
 
     Parameters
     ----------
@@ -48,6 +48,8 @@ class Figure:
         Which command's JSON has it, and where.
     is_level : bool
         In dB: as an amplitude it is compared.
+    is_gain : bool
+        Better when it is larger.
     """
 
     title: str
@@ -55,6 +57,7 @@ class Figure:
     file: str
     path: str
     is_level: bool = False
+    is_gain: bool = False
 
     @property
     def key(self) -> str:
@@ -62,7 +65,9 @@ class Figure:
         return f"{self.file}: {self.path}"
 
     def ratio(self, value: float, before: float) -> float:
-        """Return how much larger a value is than the one before; 1 where both are zero."""
+        """Return how many times as bad a value is as the one before; 1 where both are zero."""
+        if self.is_gain:
+            value, before = before, value
         if self.is_level:
             return math.pow(10.0, (value - before) / 20.0)
         return value / before if before else 1.0 if value == 0.0 else math.inf
@@ -71,6 +76,12 @@ class Figure:
 FIGURES = (
     Figure("`make run`: first shot that meets the objective, counted from 0", "", "run.json", "objective_met_shot"),
     Figure("`make run`: worst bin of the last shot over the limit", "dB", "run.json", "worst_line_db", is_level=True),
+    Figure(
+        "`make run`: IAE of the first shot over the last one's, side 1", "", "run.json", "iae_ratio[0]", is_gain=True
+    ),
+    Figure(
+        "`make run`: IAE of the first shot over the last one's, side 2", "", "run.json", "iae_ratio[1]", is_gain=True
+    ),
     Figure("`make run`: median relative deviation of G", "", "model.json", "median_relative_deviation"),
     Figure("Table 3.1, r = 1.5: IAE of AIMC", "mm s", "midranging.json", "setups[0].aimc_iae"),
     Figure("Table 3.1, r = 5: IAE of AIMC", "mm s", "midranging.json", "setups[1].aimc_iae"),

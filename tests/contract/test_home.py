@@ -17,8 +17,8 @@ def test_the_page_is_the_one_that_the_kept_figures_give() -> None:
 def test_a_figure_that_is_six_percent_worse_is_told_and_one_that_is_better_is_not(figure: Figure) -> None:
     before = {each.key: -15.0 if each.is_level else 3.0 for each in FIGURES}
     for change, is_told in ((1.06, True), (1.04, False), (0.5, False)):
-        was = before[figure.key]
-        lines = worse(before, before | {figure.key: was + 20 * np.log10(change) if figure.is_level else was * change})
+        was, times = before[figure.key], 1 / change if figure.is_gain else change
+        lines = worse(before, before | {figure.key: was + 20 * np.log10(times) if figure.is_level else was * times})
         assert len(lines) == is_told
         assert all(figure.title in line for line in lines)
 

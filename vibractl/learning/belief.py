@@ -193,6 +193,11 @@ class Belief:
             left = float(np.linalg.norm(self._unexplained(shot)[tones]))
             self._filter.forget(tones, left / max(expected, left, np.finfo(float).tiny))
 
+    def drifted(self, shot: Shot) -> np.ndarray:
+        """Return the power (lines, outputs), (m/s^2 s)^2, by which the plant's drift changes a response in a shot."""
+        power: np.ndarray = (self._parts.drift * np.abs(self.explained(shot.drive))) ** 2
+        return power
+
     def _measure_coupling(self, shot: Shot, before: Shot, step: np.ndarray, change: np.ndarray) -> None:
         """Measure by how many times distortion of the strong lines has changed as they have."""
         share = self._disturbance.change(shot.response - before.response, shot.response)
@@ -208,7 +213,7 @@ class Belief:
         """Return E |v|^2 (lines, outputs) of what changed the response beside the step, G's own drift included."""
         power = self._distortion(shot, before)
         share = self._disturbance.change(change, shot.response)
-        moved = (self._parts.drift * np.abs(self.explained(shot.drive))) ** 2
+        moved = self.drifted(shot)
         spilt = (self._parts.spill * np.abs(self.explained(step))) ** 2
         spilt = spilt + self._parts.scatter**2 * self._filter.around(step)
         noise = self._disturbance.power(shot.noise + before.noise, power, share)

@@ -120,11 +120,14 @@ class Daring:
         the more of it will have changed.  At judged lines a distortion that has changed is there to be learned: it
         stays, and only noise is gone in the next shot.  Lines that do not count as much are learned as the strong ones
         are, for what is wrong there disturbs all others.  At tones an error that has grown says more of G than of
-        haste.
+        haste.  A certificate below 1 says that errors shrink for all that G may be: one that has grown all the same has
+        done so by a plant that drifts, and so has one that has grown by no more than the drift that is allowed for.
         """
         power = smoothed(np.abs(error) ** 2, belief.reach).sum(axis=1)
         noise = belief.noise(shot)
-        self._pace.take(power, NOISY * smoothed(noise[:, None], belief.reach)[:, 0])
+        chance = NOISY * smoothed(noise[:, None], belief.reach)[:, 0]
+        drift = smoothed(belief.drifted(shot), belief.reach).sum(axis=1)
+        self._pace.take(power, chance, drift, self.certificate >= 1.0)  # of the update that led to this shot
         careful = belief.strong | self._law.counts_less
         spoilt = np.where(careful, belief.disturbance(shot, self.nominal * error), noise)
         pace = np.where(careful & ~belief.tones, self._pace.part, 1.0)

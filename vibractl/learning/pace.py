@@ -29,7 +29,13 @@ class Pace:
         """Begin anew: what was learned at another level says nothing."""
         self.part, self._before = np.ones_like(self.part), None
 
-    def take(self, power: np.ndarray, noise: np.ndarray) -> None:
+    def take(
+        self,
+        power: np.ndarray,
+        noise: np.ndarray,
+        drift: np.ndarray | float = 0.0,
+        is_doubtful: np.ndarray | bool = True,
+    ) -> None:
         """Take the error of a shot.
 
         Parameters
@@ -38,8 +44,17 @@ class Pace:
             Of the error, averaged over the lines around each.
         noise : array, shape (lines,), (m/s^2 s)^2
             By how much it may have grown by chance.
+        drift : array, shape (lines,), or float, (m/s^2 s)^2
+            Power of what a plant that drifts adds to the error in a shot.
+        is_doubtful : array, shape (lines,), or bool
+            Where learning may have made it grow.
+
+        Notes
+        -----
+        What the plant has made grow is to be learned: a line that waits for it grows further.
         """
         if self._before is not None:
-            has_grown = power > GROWN * self._before + noise
+            may_be = GROWN * (np.sqrt(self._before) + np.sqrt(drift)) ** 2 + noise
+            has_grown = is_doubtful & (power > may_be)
             self.part = np.clip(self.part * np.where(has_grown, SLOWER, FASTER), SLOWEST, 1.0)
         self._before = power
