@@ -76,12 +76,8 @@ class Figure:
 FIGURES = (
     Figure("`make run`: first shot that meets the objective, counted from 0", "", "run.json", "objective_met_shot"),
     Figure("`make run`: worst bin of the last shot over the limit", "dB", "run.json", "worst_line_db", is_level=True),
-    Figure(
-        "`make run`: IAE of the first shot over the last one's, side 1", "", "run.json", "iae_ratio[0]", is_gain=True
-    ),
-    Figure(
-        "`make run`: IAE of the first shot over the last one's, side 2", "", "run.json", "iae_ratio[1]", is_gain=True
-    ),
+    Figure("`make run`: IAE, first shot over last, side 1", "", "run.json", "iae_ratio[0]", is_gain=True),
+    Figure("`make run`: IAE, first shot over last, side 2", "", "run.json", "iae_ratio[1]", is_gain=True),
     Figure("`make run`: median relative deviation of G", "", "model.json", "median_relative_deviation"),
     Figure("Table 3.1, r = 1.5: IAE of AIMC", "mm s", "midranging.json", "setups[0].aimc_iae"),
     Figure("Table 3.1, r = 5: IAE of AIMC", "mm s", "midranging.json", "setups[1].aimc_iae"),
