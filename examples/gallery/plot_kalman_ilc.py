@@ -30,7 +30,7 @@ for _ in range(25):
 
 figure, axes = plt.subplots(layout="constrained")
 axes.semilogy(errors, label=["KalmanILC", "the model kept, gain 0.3"])
-axes.set(xlabel="trial", ylabel="largest error of a line, re the reference")
+axes.set(xlabel="trial", ylabel="largest error of a bin, re the reference")
 axes.legend()
 
 # %%

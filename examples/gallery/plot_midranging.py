@@ -38,7 +38,8 @@ upper.plot(linear.time, linear.fast, label="fast")
 upper.plot(linear.time, linear.slow, label="slow")
 for name, run in runs.items():
     lower.plot(run.time, run.position, label=f"{name}, IAE {run.iae:.3f}")
-lower.set(xlabel="s")
+upper.set(ylabel="position and drives")
+lower.set(xlabel="time, s", ylabel="position")
 
 try:
     import control
