@@ -9,10 +9,10 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import binomtest
 
 from benchmarks.page_table import put, table
 from calibration.frequency_domain import identify_response
+from rigkit.study.summary import share_of
 
 SEEDS = range(1000, 1100)
 LATE = 16
@@ -70,12 +70,12 @@ def main() -> None:
     rows = []
     for name, samples in GROUPS.items():
         left, missed, spent = figures[np.isin(figures[:, 0], samples), 1:].T
-        near = binomtest(int((left < NEAR).sum()), len(left)).proportion_ci(method="wilson")
+        near = share_of(int((left < NEAR).sum()), len(left))
         rows.append([
-            name, len(left), f"{(left < NEAR).sum()}", f"{100 * near.low:.0f} to {100 * near.high:.0f} %",
+            name, near.text, near.interval,
             *(f"{value:.2f}" for value in np.percentile(missed, (50, 95))), f"{np.median(spent):.2f}",
         ])  # fmt: skip
-    head = ["samples of dead time", "N", "spread < 1.2", "95 % interval", "missed, median", "95 %", "processor time, s"]
+    head = ["samples of dead time", "spread < 1.2", "95 % interval", "missed, median", "95 %", "processor time, s"]
     put(table(head, rows), "validation/identification.md", "response draws")
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -92,7 +93,10 @@ def identify_response(
     most = min(most, data.largest_order)
     if order is not None and not 1 <= order <= data.largest_order:
         raise ValueError(f"order is {order}, must be 1 to {data.largest_order} for {len(data.points)} bins")
-    start = _chosen(data, most, direct) if order is None else realized(data.subspace(order), order, *data.parts, direct)
+    if order is None:
+        start = _chosen(data, most, direct)
+    else:
+        start = realized(data.subspace(data.rows(order)), order, *data.parts, direct)
     done = refine(start, *data.parts, direct)
     form, free = done.form, 2 * data.response.size - _freedom(done.form, direct)
     spread = float(np.sqrt(2 * done.cost / max(1, free)))
@@ -136,9 +140,12 @@ class _Data:
         told, enough = p * (self.most_rows - 1), (2 * count * p * m - p * m) // (2 * (p + m))
         return max(1, int(min(told, enough)))
 
-    def subspace(self, order: int) -> Subspace:
-        """Return what block rows enough for an order tell of it, and of all lower ones."""
-        rows = min(int(SPARE * np.ceil(order / self.response.shape[1])) + 2, self.most_rows)
+    def rows(self, order: int) -> int:
+        """Return how many block rows are enough for an order, of those that there can be."""
+        return min(int(SPARE * np.ceil(order / self.response.shape[1])) + 2, self.most_rows)
+
+    def subspace(self, rows: int) -> Subspace:
+        """Return what so many block rows tell of all orders that they are enough for."""
         return subspace_of(self.points, self.response, 1.0 / self.sigma.mean(axis=(1, 2)), rows)
 
 
@@ -183,11 +190,12 @@ def _chosen(data: _Data, most: int, is_direct: bool) -> ModalForm:
     Many block rows tell modes apart that are near each other, but where they are as many as the bins allow they tell
     nothing; so each order is tried by as many as it needs, by twice as many, and by those of the largest.
     """
-    rough, widest = [], data.subspace(most)
+    subspace = cache(data.subspace)  # the widest is that of many orders
+    rough, widest = [], subspace(data.rows(most))
     largest = min(most, widest.observability.shape[0] - widest.outputs)
     for order in np.unique(np.geomspace(1, largest, GRID).round().astype(int)).tolist():
-        for found in (data.subspace(order), data.subspace(2 * order), widest):
-            form = realized(found, order, *data.parts, is_direct)
+        for rows in sorted({data.rows(each) for each in (order, 2 * order, most)}):
+            form = realized(subspace(rows), order, *data.parts, is_direct)
             rough.append((_criterion(form, cost_of(form, *data.parts), data, is_direct), form))
     finalists = sorted(rough, key=lambda each: each[0])[:FINALISTS]
     done = [refine(form, *data.parts, is_direct, BRIEF) for _, form in finalists]

@@ -17,6 +17,7 @@ WIDTH, LEAST = 0.35, 0.1
 SURE = 1.645
 """Standard errors by which a correction has to make errors smaller: one-sided, 95 %."""
 TINY = np.finfo(float).tiny
+"""Least power that is divided by."""
 FLOOR = 0.05
 """Part that is made in any case: where nothing was changed nothing would be proved, and never be again."""
 
@@ -62,9 +63,9 @@ def heeding(
     lines = rfftfreq(len(sent[0]), 1.0 / law.axes[0].rate)
     cuts = cuts or [None] * len(sent)
     found = []
-    for at, (made, come_by) in enumerate(zip(np.diff(sent, axis=0), np.diff(come, axis=0), strict=True)):
+    for made, answer, cut in zip(np.diff(sent, axis=0), np.diff(come, axis=0), cuts[:-1], strict=True):
         changed = bold.passed(lines) * rfft(made, axis=0)
-        needed = rfft(correction(come_by, bold, cuts[at]), axis=0)
+        needed = rfft(correction(answer, bold, cut), axis=0)
         powers = (needed.conj() * changed).real, np.abs(needed) ** 2, np.abs(changed) ** 2
         found.append([_near(each, lines, frequency) for each in powers])
     cross, own, moved = np.array(found).swapaxes(0, 1)
