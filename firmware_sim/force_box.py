@@ -106,3 +106,7 @@ class ForceBox:
         record = Record(self._sent, int(sample[0, 0]), int(status[0, 0]), measured[0] - self.bias)
         with contextlib.suppress(OSError, WireError):  # nobody listens, or the scale is too fine
             self._socket.sendto(pack_record(record, self._counts), self._listener)
+
+
+BOXES = {"netft": ForceBox}
+"""The box of each make, by its name in the cell's file (`force_sensor.wire`)."""

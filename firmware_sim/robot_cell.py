@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from firmware_sim.force_box import ForceBox
+from firmware_sim.force_box import BOXES, ForceBox
 from firmware_sim.plants.force_sensor import ForceSensorPlant
 from firmware_sim.plants.milling import PocketMilling
 from firmware_sim.plants.oak import OakMilling
@@ -113,6 +113,8 @@ def _named(table: str) -> Iterator[None]:
 def cell_force_box(cell: CellConfig) -> ForceBox:
     """Return the force sensor's box that a cell's file describes; ValueError where it has no such option."""
     sensor = cell.force_sensor
+    if sensor.wire not in BOXES:
+        raise ValueError(f"force_sensor.wire is {sensor.wire!r}, must be {' or '.join(BOXES)} in the simulator")
     with _named("plants.force_sensor_options"):
         plant = ForceSensorPlant(sensor.rate, **{"sample_rate": sensor.rate, **cell.plants.force_sensor_options})
-    return ForceBox(plant, sensor.host, sensor.port, sensor.counts)
+    return BOXES[sensor.wire](plant, sensor.host, sensor.port, sensor.counts)

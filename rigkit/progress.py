@@ -45,7 +45,7 @@ def progress(title: str, total: float, *, start: float = 0.0, stream: TextIO | N
         return
     stream = stream or sys.stderr
     if not stream.isatty():
-        yield PlainMeter(title, total, start, stream, time.monotonic)
+        yield PlainMeter(title, total, stream, time.monotonic)
         return
     columns = (
         TextColumn("{task.description}"),
@@ -75,28 +75,33 @@ class PlainMeter:
     Parameters
     ----------
     title : str
-    total, start : float
-        How much there is to do in all, and how much was done before.
+    total : float
+        How much there is to do in all.
     stream : text stream
     clock : callable returning seconds
     """
 
-    def __init__(self, title: str, total: float, start: float, stream: TextIO, clock: Callable[[], float]) -> None:
-        self._title, self._total, self._start = title, total, start
+    def __init__(self, title: str, total: float, stream: TextIO, clock: Callable[[], float]) -> None:
+        self._title, self._total = title, total
         self._stream, self._clock = stream, clock
         self._began = self._last = clock()
         self._is_over = False
+        self._first: tuple[float, float] | None = None
 
     def show(self, done: float, note: str = "") -> None:
-        """Print a line if the last one is old enough, or all is done."""
+        """Print a line if the last one is old enough, or all is done.
+
+        The time left goes by the rate since the first call: before it, code may be compiled or a device opened.
+        """
         now = self._clock()
+        since, before = self._first = self._first or (now, done)
         if self._is_over or (now - self._last < SECONDS_BETWEEN_LINES and done < self._total):
             return
         self._last, self._is_over = now, done >= self._total
-        elapsed, fresh, missing = now - self._began, done - self._start, self._total - done
-        left = f", {_clock_text(elapsed * missing / fresh)} left" if fresh > 0 and missing > 0 else ""
-        share = 100 * done / self._total if self._total > 0 else 100
-        self.say(f"{self._title} {share:.0f} % after {_clock_text(elapsed)}{left}{f'  {note}' if note else ''}")
+        fresh, missing = done - before, self._total - done
+        left = f", {_clock_text((now - since) * missing / fresh)} left" if fresh > 0 and missing > 0 else ""
+        share, elapsed = 100 * done / self._total if self._total > 0 else 100, _clock_text(now - self._began)
+        self.say(f"{self._title} {share:.0f} % after {elapsed}{left}{f'  {note}' if note else ''}")
 
     def say(self, text: str) -> None:
         """Print a line."""

@@ -140,6 +140,12 @@ def test_it_sends_as_many_as_are_wanted_stops_and_takes_bias() -> None:
     box.close()
 
 
+def test_a_make_without_a_box_is_refused_by_name() -> None:
+    sensor = ForceSensor().model_copy(update={"wire": "spoken"})
+    with pytest.raises(ValueError, match="force_sensor.wire is 'spoken', must be netft in the simulator"):
+        cell_force_box(CellConfig().model_copy(update={"force_sensor": sensor}))
+
+
 def test_a_cells_file_says_which_sensor() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
         taken.bind(("127.0.0.1", 0))

@@ -23,9 +23,9 @@ class Clock:
         return self.now
 
 
-def plain(total: float, start: float = 0.0) -> tuple[PlainMeter, io.StringIO, Clock]:
+def plain(total: float) -> tuple[PlainMeter, io.StringIO, Clock]:
     stream, clock = io.StringIO(), Clock()
-    return PlainMeter("learning", total, start, stream, clock), stream, clock
+    return PlainMeter("learning", total, stream, clock), stream, clock
 
 
 def test_without_a_terminal_there_is_a_line_now_and_then_with_the_time_left() -> None:
@@ -46,11 +46,13 @@ def test_the_end_is_always_shown() -> None:
     assert stream.getvalue() == "learning 100 % after 0:00\n"
 
 
-def test_the_time_left_counts_only_what_this_run_did() -> None:
-    meter, stream, clock = plain(100, start=50)
-    clock.now = 3_600.0
-    meter.show(75)
-    assert stream.getvalue() == "learning 75 % after 1:00:00, 1:00:00 left\n"
+def test_the_time_left_goes_by_the_rate_since_the_first_step() -> None:
+    meter, stream, clock = plain(100)
+    clock.now = 15.0  # what is compiled first, or was done by an earlier run, tells nothing of the rest
+    meter.show(1)
+    clock.now = 25.0
+    meter.show(51)
+    assert stream.getvalue().splitlines() == ["learning 1 % after 0:15", "learning 51 % after 0:25, 0:10 left"]
 
 
 def test_an_event_is_said_at_once() -> None:
