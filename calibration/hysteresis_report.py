@@ -63,7 +63,7 @@ def judged(found: HysteresisFit, voltage: np.ndarray, moved: np.ndarray) -> Judg
 
 
 def fit_rows(result: Judged) -> list[tuple[str, ...]]:
-    """Return a row for the samples fitted and one for those held back."""
+    """Return a row for the samples fitted and one for the validation data."""
     rows = []
     for name, part in (("fitted", result.found.fitted), ("validation", result.held_back)):
         cells = [name]

@@ -217,7 +217,7 @@ class Session:
 
     @property
     def remark(self) -> str:
-        """Why learning stands still or errors grow, and which drives are held back; nothing while all is well."""
+        """Why learning stands still or errors grow, and which bins of the drive are held; empty while all is well."""
         said = self._burst, self._stagnation.text, self._clipped.text, self.learner.held
         return "; ".join(text for text in said if text)
 

@@ -31,7 +31,7 @@ STEPS = 3
 REFINED = 120.0
 """s of the clock in which "pem" ends, arrived or not."""
 LEAST_HELD_BACK, MOST_HELD_BACK = 0.05, 0.8
-"""Share of the samples that may be held back."""
+"""Share of the samples that may be validation data."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +48,9 @@ class Identification:
     errors : ModeErrors
         Its modes, with standard errors: by pem from the Hessian of the prediction error, else from a jackknife.
     own, fresh : Fit
-        On the part it was identified from, and on the part held back.
+        On the part it was identified from, and on the validation data.
     drive, response : arrays, shapes (N, m) and (N, p), the inputs' and the outputs' units
-        The part held back, recording after recording, as deviations from the operating point.
+        The validation data, recording after recording, as deviations from the operating point.
     free_run : array, shape (N, p), the outputs' units
         What the model gives for that drive alone, in each recording from the initial state that suits it best; without
         inputs, or where it is not stable, what it predicts one step ahead.
@@ -133,14 +133,14 @@ def identify_recordings(
         Of one rate, with the same channels, of any lengths.
     inputs : int
     order : int, optional
-        As many as the singular values and the held back part of the training data propose, where not given.
+        As many as the singular values and a validation part of the training data propose, where not given.
     method : "auto", "moesp", "n4sid", "pbsid" or "pem"
         "auto" is "moesp", and "pbsid" refined where inputs follow from outputs; "pem" refines either by the prediction
         error method.
     horizon : int, samples, optional
     hold_back : float, share of the samples, at the end of each recording
     outliers : "replace" or "keep"
-        What becomes of single samples of outputs that are far off, those held back among them.
+        What becomes of single samples of outputs that are far off, those of the validation data among them.
     plant : Plant, optional
         What is known of it.
     seconds : float, s
@@ -180,7 +180,7 @@ def identify_recordings(
 
 
 def shortest_recording(hold_back: float) -> int:
-    """Return how many samples a recording must have for enough of them to be held back.
+    """Return how many samples a recording must have for enough of them to be validation data.
 
     Parameters
     ----------
@@ -205,7 +205,7 @@ def _parts(
 ) -> tuple[Pair, Pair, tuple[str, ...]]:
     """Return what models are identified from, what they are judged on, and what is said of samples far off.
 
-    What is held back tells nothing of the rest; by what is far off in it no model is judged.
+    Outliers are sought in training data alone, then in all of the record for the validation part.
     """
     drives, responses = _sides([each[:cut] for each, cut in zip(records, cuts, strict=True)], inputs)
     clean, found = treated(drives, responses, outliers)

@@ -17,7 +17,7 @@ SETTLE = 1.0
 
 @dataclass(frozen=True)
 class ChirpPath:
-    """Two passes a direction: forth with a rising chirp, to fit to, and back with a falling one, held back.
+    """Two passes a direction: forth with a rising chirp, to fit to, and back with a falling one, for validation.
 
     A joint that turns around sticks, and then it follows otherwise than in a cut, where it goes on.  So the chirp rides
     on a steady feed and is slower than that: no joint turns around.

@@ -22,7 +22,7 @@ ORDERS = (1, 2, 3)
 HORIZON = 20
 """Samples, of the subspace method: 0.4 s."""
 SHORTEST = 8.0
-"""s in material, of which less than what is held back is enough for models with these horizons."""
+"""s in material, of which less than the validation data is enough for models with these horizons."""
 LINES = 200
 """Frequencies at which G_K G_M of the shorter record is kept."""
 
@@ -98,7 +98,7 @@ def fit_process(
     Departs
     -------
     Models are found by the subspace method instead of by prediction errors of transfer functions, which takes a hundred
-    times as long for the same G_K (94 % of what is held back); and force follows from the tool's speed, since where
+    times as long for the same G_K (94 % on validation data); and force follows from the tool's speed, since where
     nothing moves nothing is cut: G_M has a zero at rest.
     """
     inside = np.flatnonzero(milled)
@@ -127,7 +127,7 @@ def fit_process(
 
 
 def _best(drive: np.ndarray, response: np.ndarray, rate: float, cut: int) -> tuple[InnovationModel, int, np.ndarray]:
-    """Return which model of the first samples fits those held back best, its order, and its fits there (%)."""
+    """Return which model of the first samples fits the validation data best, its order, and its fits there (%)."""
     found = []
     for order in ORDERS:
         model = _identified(drive[:cut], response[:cut], rate, order)

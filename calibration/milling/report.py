@@ -18,7 +18,7 @@ SIDE_WORDS = {"motors": "G_R to the motors' angles", "tool": "G_R to the tool, b
 
 
 def fit_rows(found: Calibrated) -> list[tuple[str, ...]]:
-    """Return the fits on data held back, as text under `FIT_HEAD`."""
+    """Return the fits on validation data, as text under `FIT_HEAD`."""
     rows = [(SIDE_WORDS[side], found.models.robot[side].fresh) for side in SIDES]
     for force, process in found.models.process.items():
         rows.append((f"G_M, {force} force", process.force_fresh))

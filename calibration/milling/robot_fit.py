@@ -29,7 +29,7 @@ class AxisFit:
     ----------
     model : AxisModel
     own, fresh : float, %
-        NRMSE of the free run on the chirp it was fitted to, and on the one held back.
+        NRMSE of the free run on the chirp it was fitted to, and on the one for validation.
     frequency : array, shape (bins,), Hz
     measured : complex array, shape (bins,), 1
         The response of both chirps without a model.
@@ -55,7 +55,7 @@ def fit_axis(
     Parameters
     ----------
     drives, responses : two arrays each, shape (N,), m
-        Sent, and reported: the chirp to fit to and the one held back, beside the steady feed, from zero.
+        Sent, and reported: the chirp to fit to and the one for validation, beside the steady feed, from zero.
     rate : float, samples/s
     highest, cutoff : float, Hz
         Up to where it is measured, and of Q.

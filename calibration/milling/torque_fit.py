@@ -1,4 +1,4 @@
-"""Gravity, friction ranges and inertia from a record of a sweep, with their fit on motions held back."""
+"""Gravity, friction ranges and inertia from a record of a sweep, with their fit on validation motions."""
 
 from dataclasses import dataclass
 
@@ -214,7 +214,7 @@ def _fit(
     found: FrictionRange, weight: np.ndarray, torque: np.ndarray, smooth: np.ndarray, speed: np.ndarray,
     slides: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
-    """Judge gravity's `weight` and friction by motions that were held back: fit, share inside, residual."""
+    """Judge gravity's `weight` and friction by validation motions: fit, share inside, residual."""
     bounds = found.at(speed)
     known = np.isfinite(bounds).all(axis=(1, 2))
     fit, inside, residual = np.empty((3, 6))

@@ -25,7 +25,7 @@ class Velocity:
     ----------
     model : InnovationModel
     own, fresh : Fit
-        On the part it was identified from, and on the part held back.
+        On the part it was identified from, and on the validation data.
     """
 
     model: InnovationModel

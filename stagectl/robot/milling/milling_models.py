@@ -36,7 +36,7 @@ class RobotModel:
     spread : array, shape (bins, 3), 1
         How far off that may be: twice its standard deviation.
     fresh : array, shape (3,), %
-        NRMSE of the free run on a chirp held back.
+        NRMSE of the free run on a chirp kept for validation.
     """
 
     axes: tuple[AxisModel, ...]
@@ -54,10 +54,10 @@ class Process:
     ----------
     model : ProcessModel
     force_fresh, compliance_fresh : arrays, shape (3,), %
-        NRMSE of the free run on the part of the trial that was held back.
+        NRMSE of the free run on the part of the trial kept for validation.
     frequency : array, shape (bins,), Hz
     other : complex array, shape (bins, 3, 3), 1
-        G_K G_M of models of the part of the trial that was not held back.
+        G_K G_M of models of the part of the trial that they were fitted to.
     """
 
     model: ProcessModel
