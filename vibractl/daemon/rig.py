@@ -4,16 +4,16 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Protocol
 
-from ctlblocks.room import free
 from rigkit import config as rig_file
 from rigkit.code_name import refuse_absent, resolve
-from rigkit.disk_space import RESERVE, refuse_full
+from rigkit.disk_space import refuse_full
 from rigkit.faults import FaultTable
 from rigkit.named_code import KnownCode
 from rigkit.run_folder import CONFIG
+from rigkit.service.filed_rig import FiledRig
 from rigkit.service.not_begun import making
 from rigkit.service.paths import run_path
-from rigkit.service.reload import Change, Reach, edits, reloaded
+from rigkit.service.reload import Change, Reach
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Gauge
 from vibractl.audio import Line
@@ -62,7 +62,7 @@ class _Whole(_UnderWay, Protocol):
         """Run it to its end."""
 
 
-class Vibrator:
+class Vibrator(FiledRig[RigConfig]):
     """A marine vibrator under the daemon.
 
     Parameters
@@ -72,10 +72,10 @@ class Vibrator:
     """
 
     program = "vibractl"
+    reaches = REACHES
 
     def __init__(self, load: Callable[[], RigConfig]) -> None:
-        self._load, self.config = load, load()
-        self._read = self.config
+        super().__init__(load)
         self._known = KnownCode(self.config)
         self.name = self.config.rig.name
         self._under_way: _UnderWay | None = None
@@ -100,7 +100,6 @@ class Vibrator:
     def gauges(self) -> Sequence[Gauge]:
         """Return levels against limits, how the audio keeps up, and room on the disk."""
         under_way = self._under_way
-        there = free(Path(self.config.daemon.data).absolute())
         line = None if under_way is None else under_way.line
         found: list[Gauge] = []
         if line is not None:
@@ -110,7 +109,7 @@ class Vibrator:
         if isinstance(under_way, Running):
             found.append(Gauge("worst_line", "Worst bin over the objective", under_way.worst_db, "dB", high=0.0))
             found.append(Gauge("discarded", "Recordings discarded", under_way.discarded, "1"))
-        return [*found, Gauge("disk_free", "Room on the disk", there, "byte", low=RESERVE)]
+        return [*found, self.room()]
 
     def arm(self) -> None:
         """See that there is what opens an audio interface, and room to record.
@@ -133,31 +132,17 @@ class Vibrator:
     def acknowledge(self, who: str) -> None:
         """Nothing: a guard that has latched went with its audio process, and a new one is closed."""
 
-    def settings(self) -> str:
-        """Return the rig file in force."""
-        return rig_file.dump(self.config)
-
-    def edits(self) -> str:
-        """Say how the rig file was edited since it was read."""
-        return edits(self._read, self.config, self._load)
-
-    def reload(self) -> Change:
-        """Read the rig file again; a run that goes on takes what it can."""
-        new = self._load()
-        self._known.refuse_other(new)
-        return reloaded(self.config, new, REACHES, lambda change: self._take(new, change))
-
-    def _take(self, new: RigConfig, change: Change) -> str:
-        under_way = self._under_way
-        self.config = self._read = new
-        if self.faults is not None and self.faults.names != input_names(new.audio):
-            self.faults = FaultTable(input_names(new.audio))
-        if not change.keys:
-            return ""
-        return under_way.take(new, change) if isinstance(under_way, Running) else "from the next procedure on"
-
     def close(self) -> None:
         """Nothing is open."""
+
+    def _check(self, new: RigConfig) -> None:
+        self._known.refuse_other(new)
+
+    def _take(self, new: RigConfig, change: Change) -> str:
+        under_way, held = self._under_way, super()._take(new, change)
+        if self.faults is not None and self.faults.names != input_names(new.audio):
+            self.faults = FaultTable(input_names(new.audio))
+        return under_way.take(new, change) if change.keys and isinstance(under_way, Running) else held
 
     def _drive_peak(self, side: int, peak: float) -> Gauge:
         most = self.config.limits.peak

@@ -4,14 +4,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
-from ctlblocks.room import free
-from rigkit import config as rig_file
 from rigkit.code_name import resolve
-from rigkit.disk_space import RESERVE, refuse_full
+from rigkit.disk_space import refuse_full
 from rigkit.faults import FaultTable
 from rigkit.named_code import KnownCode
+from rigkit.service.filed_rig import FiledRig
 from rigkit.service.not_begun import making
-from rigkit.service.reload import Change, edits, reloaded
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Gauge
 from stagectl.daemon.cell.procedures import procedures
@@ -33,7 +31,7 @@ class UnderWay(Protocol):
         """Return what is measured now."""
 
 
-class RobotCell:
+class RobotCell(FiledRig[CellConfig]):
     """A robot cell under the daemon, simulated in process.
 
     Parameters
@@ -50,8 +48,8 @@ class RobotCell:
     faults: FaultTable | None = None
 
     def __init__(self, load: Callable[[], CellConfig]) -> None:
-        self._load, self.config = load, _usable(load())
-        self._read = self.config
+        super().__init__(load)
+        _refuse_unusable(self.config)
         self._known = KnownCode(self.config, stage_of(None))
         self.name = self.config.rig.name
         self._under_way: UnderWay | None = None
@@ -61,8 +59,7 @@ class RobotCell:
         """Return what the procedure under way measures, and room on the disk."""
         under_way = self._under_way
         found = [] if under_way is None else list(under_way.gauges())
-        there = free(Path(self.config.daemon.data).absolute())
-        return [*found, Gauge("disk_free", "Room on the disk", there, "byte", low=RESERVE)]
+        return [*found, self.room()]
 
     def arm(self) -> None:
         """See that there is room to record; each procedure opens what it needs."""
@@ -80,26 +77,12 @@ class RobotCell:
     def acknowledge(self, who: str) -> None:
         """Nothing: what has latched went with its run."""
 
-    def settings(self) -> str:
-        """Return the cell's file in force."""
-        return rig_file.dump(self.config)
-
-    def edits(self) -> str:
-        """Say how the rig file was edited since it was read."""
-        return edits(self._read, self.config, self._load)
-
-    def reload(self) -> Change:
-        """Read the cell's file again; it holds from the next procedure on."""
-        new = _usable(self._load())
-        self._known.refuse_other(new)
-        return reloaded(self.config, new, {}, lambda change: self._take(new, change))
-
-    def _take(self, new: CellConfig, change: Change) -> str:
-        self.config = self._read = new
-        return "from the next procedure on" if change.keys else ""
-
     def close(self) -> None:
         """Nothing is open."""
+
+    def _check(self, new: CellConfig) -> None:
+        _refuse_unusable(new)
+        self._known.refuse_other(new)
 
     def _runner(self, maker: str) -> Callable[[Desk, Any], None]:
         def run(desk: Desk, options: Any) -> None:
@@ -115,11 +98,10 @@ class RobotCell:
         return run
 
 
-def _usable(config: CellConfig) -> CellConfig:
-    """Return a cell's file that this daemon can serve; refuse another by ValueError."""
+def _refuse_unusable(config: CellConfig) -> None:
+    """Refuse a cell's file that this daemon cannot serve, by ValueError."""
     if config.daemon.faults:
         raise ValueError(
             "daemon.faults is true, must be false for a robot cell: [plants] has options for faults of its sensors"
         )
     arm_of(config)
-    return config

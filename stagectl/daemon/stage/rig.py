@@ -1,17 +1,14 @@
 """The stage as the daemon's rig."""
 
 from collections.abc import Callable, Iterable, Sequence
-from pathlib import Path
 from typing import Protocol
 
-from ctlblocks.room import free
-from rigkit import config as rig_file
 from rigkit.code_name import resolve
-from rigkit.disk_space import RESERVE
 from rigkit.faults import FaultTable
 from rigkit.named_code import KnownCode
+from rigkit.service.filed_rig import FiledRig
 from rigkit.service.not_begun import making
-from rigkit.service.reload import Change, Reach, edits, reloaded, taken
+from rigkit.service.reload import Change, Reach, taken
 from rigkit.service.rig import Desk, Procedure
 from rigkit.service.show import Gauge
 from stagectl.config import StageConfig
@@ -49,7 +46,7 @@ class _UnderWay(Protocol):
         """Return what is measured now, beside what a link gives: of a simulated stage, what is put out."""
 
 
-class PiezoStage:
+class PiezoStage(FiledRig[StageConfig]):
     """A piezo stage under the daemon, behind its link or simulated in process.
 
     Parameters
@@ -63,10 +60,10 @@ class PiezoStage:
     """
 
     program = "stagectl"
+    reaches = REACHES
 
     def __init__(self, load: Callable[[], StageConfig]) -> None:
-        self._load, self.config = load, load()
-        self._read = self.config
+        super().__init__(load)
         self._known = KnownCode(self.config)
         self.name = self.config.rig.name
         self._ready: Ready | None = None
@@ -100,8 +97,7 @@ class PiezoStage:
             found += linked(link)
         if under_way is not None:
             found += under_way.gauges()
-        there = free(Path(self.config.daemon.data).absolute())
-        return [*found, Gauge("disk_free", "Room on the disk", there, "byte", low=RESERVE)]
+        return [*found, self.room()]
 
     def arm(self) -> None:
         """Open the link, or see that there is room to record."""
@@ -125,27 +121,17 @@ class PiezoStage:
             self._ready.link.acknowledge(who)
         self.close()
 
-    def settings(self) -> str:
-        """Return the rig file in force."""
-        return rig_file.dump(self.config)
-
-    def edits(self) -> str:
-        """Say how the rig file was edited since it was read."""
-        return edits(self._read, self.config, self._load)
-
-    def reload(self) -> Change:
-        """Read the rig file again: what a run is told holds from the next one on, the rest from the next arming on."""
-        new = self._load()
+    def _check(self, new: StageConfig) -> None:
         self._known.refuse_other(new)
-        return reloaded(self.config, new, REACHES, lambda change: self._take(new, change))
 
     def _take(self, new: StageConfig, change: Change) -> str:
+        """Take what a run is told from the next run on, the rest from the next arming on."""
         if self.faults is not None and self.faults.names != sensor_names(new):
             self.faults = FaultTable(sensor_names(new))
         now = [key for key, reach in change.keys.items() if reach is Reach.PARAMETERS]
         if self._ready is not None:
             self._ready.config = taken(self._ready.config, new, now)
-        self.config = self._read = new
+        super()._take(new, change)
         later = len(now) < len(change.keys)
         return "; ".join(["from the next run on"] * bool(now) + ["the rest when it is armed again"] * later)
 
