@@ -47,11 +47,11 @@ def doctor_command(
         raise ValueError(f"--report is {report}, must end in {SUFFIX}")
     cell = rig_file.load(config, CellConfig, settings or [])
     its_stage = rig_file.load(stage, StageConfig, [])
-    with progress("waking up, again and again", seconds) as meter:
+    with progress("measuring wake-ups", seconds) as meter:
         seen = wake_ups(PERIOD, seconds, meter.show)
     found = examined(seen, cell, its_stage, is_real_time_granted())
     rows = [[each.check, each.grade, each.measured, each.limit] for each in found]
-    print_table(f"this machine, {seconds:g} s", ["check", "verdict", "measured", "wanted"], rows, words(json))
+    print_table(f"wake-up latency of this computer over {seconds:g} s", ["check", "verdict", "measured", "limit"], rows, words(json))
     words(json).write("".join(f"{line}\n" for line in advice(found)))
     if report is not None:
         lines = write_issue_file(report, {"cell.toml": cell, "stage.toml": its_stage}, found, DEVICES)

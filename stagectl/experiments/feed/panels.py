@@ -72,7 +72,7 @@ def _force(watch: Watch, wanted: float) -> Curves:
     rows = np.where(valid[-count:] > 0.5, np.column_stack([along[-count:], size[-count:]]), np.nan)
     names = "against the feed", "across", "resultant"
     panel = strip(f"Force, last {WINDOW:g} s", Axis("force", "N"), time[-count:], rows, names)
-    asked = Trace("wanted", time[[0, -1]], np.full(2, wanted), "reference")
+    asked = Trace("set-point", time[[0, -1]], np.full(2, wanted), "reference")
     return Curves(panel.title, panel.x, panel.y, (*panel.traces, asked))
 
 
@@ -82,7 +82,7 @@ def _feed(watch: Watch) -> Curves:
     seen, phase = watch.lately("velocity")[1], watch.lately("phase")[1]
     count = min(len(time), len(seen), len(phase))
     rows = np.where(phase[-count:] != IDLE, np.column_stack([asked[-count:], seen[-count:]]), np.nan)
-    return strip(f"Feed, last {WINDOW:g} s", Axis("speed", "m/s"), time[-count:], rows, ("asked", "seen"))
+    return strip(f"Feed, last {WINDOW:g} s", Axis("speed", "m/s"), time[-count:], rows, ("commanded", "measured"))
 
 
 def _believed(watch: Watch, name: str, title: str, unit: str, on: np.ndarray) -> Curves | None:

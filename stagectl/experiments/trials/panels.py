@@ -119,7 +119,7 @@ def path(done: DoneTrial) -> Curves:
     across, along = (0.5 * side for side in pocket.size)
     walls = Trace("walls", across * np.array([-1, 1, 1, -1, -1]), along * np.array([-1, -1, 1, 1, -1]), "reference")
     x, y, seen_x, seen_y = thinned(*wanted[counted, :2].T, *seen[counted, :2].T)
-    lines = Trace("wanted", x, y, "reference"), Trace(f"seen, error times {MAGNIFIED:g}", seen_x, seen_y)
+    lines = Trace("desired", x, y, "reference"), Trace(f"measured, error times {MAGNIFIED:g}", seen_x, seen_y)
     return Curves(f"Path, {done.name}", Axis("x", "m"), Axis("y", "m"), (walls, *lines))
 
 

@@ -124,7 +124,7 @@ def _path(done: Sequence[DoneTrial]) -> Plot:
     figure = Figure(figsize=(6.4, 6.0))
     panel = figure.subplots()
     wanted, milled = done[0].trial.path.wanted, done[0].trial.path.milled
-    panel.plot(*(1e3 * wanted[milled, :2].T), color="#000000", linewidth=0.8, label="wanted")
+    panel.plot(*(1e3 * wanted[milled, :2].T), color="#000000", linewidth=0.8, label="desired")
     for each, colour, name in zip((done[0], done[-1]), COLOURS, (0, len(done) - 1), strict=False):
         error = each.error if each.true_error is None else each.true_error
         shown = (wanted - MAGNIFIED * error)[milled]
