@@ -1,4 +1,4 @@
-"""The tables of `studies/milling.toml` and `studies/milling-soft.toml` in docs/ilc.md."""
+"""The tables of `studies/milling.toml`, `milling-deep.toml` and `milling-soft.toml` in docs/validation/milling.md."""
 
 import re
 from collections import Counter
