@@ -51,7 +51,7 @@ def doctor_command(
         seen = wake_ups(PERIOD, seconds, meter.show)
     found = examined(seen, cell, its_stage, is_real_time_granted())
     rows = [[each.check, each.grade, each.measured, each.limit] for each in found]
-    print_table(f"wake-up latency of this computer over {seconds:g} s", ["check", "verdict", "measured", "limit"], rows, words(json))
+    print_table(f"wake-up latency, {seconds:g} s", ["check", "verdict", "measured", "limit"], rows, words(json))
     words(json).write("".join(f"{line}\n" for line in advice(found)))
     if report is not None:
         lines = write_issue_file(report, {"cell.toml": cell, "stage.toml": its_stage}, found, DEVICES)
