@@ -33,7 +33,7 @@ CELL = (
     Registration(
         "step",
         "steps on robot and stage",
-        "midranging.md#what-the-pair-is",
+        "midranging.md#identifying-the-pair",
         "stagectl.experiments.step.served:step",
         "stagectl.experiments.step.experiment:STEPS",
         Served(
