@@ -32,6 +32,15 @@ MIDRANGING: dict[str, Any] = {
     "pair": {"slow_outputs": [0.98], "slow_inputs": [0.02], "travel": 150e-6},
 }
 
+_UNSATISFIED = {
+    "seconds": 1.0,
+    "accuracy": 1e-12,
+    "acceptable": 1e-12,
+    "fast_amplitude": 20e-6,
+    "slow_amplitude": 50e-6,
+    "half_periods": 1.0,
+}
+
 
 def cell_of(stepped: SteppedCell, wire: Path) -> CellConfig:
     link = link_to(wire, silence=PATIENT, patience=BUSY)
@@ -60,6 +69,22 @@ def test_the_robot_takes_over_from_the_stage_along_two_axes(wire: str, tmp_path:
     assert np.corrcoef(y[20:], wave[:-20])[0, 1] > 0.5
     assert np.abs(channel(runs["y"], "fast")).max() > 5e-6
     assert np.abs(stage.position[0]) < 1e-9
+
+
+def test_where_valve_position_control_takes_over_the_event_is_kept_once_both_are_at_rest(tmp_path: Path) -> None:
+    """No model is as accurate as these settings require."""
+    told = {"session": {"live": True, "lead": 1.2}, "estimating": _UNSATISFIED}
+    with (
+        running(tmp_path / "can", Settings(silence=PATIENT, pace="host")) as (node, stage),
+        SteppedCell(midranging={**MIDRANGING, **told}) as stepped,
+    ):
+        made = Midranging(cell_of(stepped, tmp_path / "can"), "aimc", {"y": Scenario("hold", np.full(50, 20e-6))})
+        stepped.beside = StageBeside(node, stage, lambda: made.pair)
+        with create(tmp_path / "run", KIND, made.cell, made) as folder:
+            run(folder, KIND, made, Conduct())
+    (event,) = [each for each in read_events(tmp_path / "run") if each["event"] == "taken over"]
+    assert "accurate enough" in event["reason"]
+    assert reported(tmp_path / "run", KIND)["taken_over_at"] == 0.0
 
 
 @pytest.mark.slow

@@ -112,7 +112,8 @@ class Midranging:
         Parameters
         ----------
         tell : callable(event, fields)
-            Told when valve position control takes over; not of a live pair, which cannot wait for a disk.
+            Told when valve position control takes over; of a live pair once it is at rest, since its tick cannot wait
+            for a disk.
         stopped : callable() -> bool
 
         Raises
@@ -120,7 +121,7 @@ class Midranging:
         LinkError : a wire that cannot be had.
         """
         if self.is_live:
-            yield from self._live()
+            yield from self._live(tell)
             return
         for number, (axis, each) in enumerate(self.chosen.items()):
             pair = pairs.simulated(_of_axis(self.config, number), each.options)
@@ -174,19 +175,23 @@ class Midranging:
     def _channels(self, axes: Sequence[str]) -> Callable[[Port], tuple[str, ...]]:
         return of_axes(axes) if len(axes) > 1 else numbered
 
-    def _live(self) -> Iterator[Part]:
+    def _live(self, tell: Tell) -> Iterator[Part]:
         axes = list(self.chosen)
+        events: list[tuple[str, Mapping[str, Any]]] = []
         wired.compile_kernel(self.controller(len(axes)))
-        with undisturbed(), wired.opened(self.cell, self.axes) as pair:
-            self.pair = pair
-            try:
+        try:
+            with undisturbed(), wired.opened(self.cell, self.axes) as pair:
+                self.pair = pair
                 make = pairs.wired(pair, self.config.session.smoothing)
                 clock, begin = Linked(pair.robot), partial(wired.start, pair)
                 controls, wanted = self.controller(len(axes)), self._wanted(axes)
-                made = part(self.config, controls, wanted, make, "", self._channels(axes))
+                heard = lambda event, fields: events.append((event, fields))  # noqa: E731
+                made = part(self.config, controls, wanted, make, "", self._channels(axes), heard)
                 yield led(made, clock, begin, pair.rest)
-            finally:
-                self.pair = None
+        finally:
+            self.pair = None
+            for event, fields in events:
+                tell(event, fields)
 
 
 def _part_of(track: str) -> str:

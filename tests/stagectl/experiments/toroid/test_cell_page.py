@@ -22,7 +22,7 @@ def test_every_key_it_names_is_in_the_file() -> None:
 
 
 def test_every_option_it_names_is_one_of_a_plant() -> None:
-    listed = PAGE[PAGE.index("Faults of the simulated cell come by option") :].splitlines()[0]
+    listed = PAGE[PAGE.index("Faults of the simulated cell come by option") :].partition("\n\n")[0]
     robot, _, tracker = listed.partition("tracker_options")
     for plant, text in ((GuidedRobot, robot), (TrackerView, tracker)):
         for name in re.findall(r"`(?:plants\.\w+_options)?\.?(\w+)`", text):
