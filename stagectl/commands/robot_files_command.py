@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from importlib.resources import files
+from ipaddress import AddressValueError, IPv4Address
 from math import degrees
 from pathlib import Path
 from typing import Annotated
@@ -70,9 +71,11 @@ def filled(maker: str, cell: CellConfig) -> Iterator[tuple[str, str]]:
 
     Raises
     ------
-    ValueError : the ports of the program's lines are 0, where the maker needs them.
+    ValueError : the ports of the program's lines are 0, where the maker needs them; an address that no controller
+    can send to.
     """
     robot, limits = cell.robot, cell.limits
+    _refuse_unreachable(robot.listen)
     if maker == "abb" and not (robot.port and robot.commands and robot.signals):
         raise ValueError(
             f"robot.port is {robot.port}, robot.commands {robot.commands}, robot.signals {robot.signals}, must be > 0: "
@@ -94,3 +97,16 @@ def filled(maker: str, cell: CellConfig) -> Iterator[tuple[str, str]]:
         for name, value in marks.items():
             text = text.replace(f"{_MARK}{name}{_MARK}", str(value))
         yield each.name, text
+
+
+def _refuse_unreachable(address: str) -> None:
+    """Refuse, by ValueError, what is no IPv4 address of one computer: a controller's configuration takes no names."""
+    try:
+        is_one = not IPv4Address(address).is_unspecified
+    except AddressValueError:
+        is_one = False
+    if not is_one:
+        raise ValueError(
+            f"robot.listen is {address!r}, must be this computer's IPv4 address on the robot's network, such as "
+            "192.168.125.99"
+        )

@@ -81,6 +81,14 @@ def test_what_is_answered_is_what_the_configuration_takes() -> None:
     assert held == {"1"}, "an answer that does not come leaves the last correction"
 
 
+@pytest.mark.parametrize("address", ["999.1.1.1", "lab-pc", "0.0.0.0", "192.168.125"])
+@pytest.mark.parametrize(("maker", "cell"), [("abb", EGM), ("kuka", RSI)])
+def test_what_is_no_address_of_one_computer_is_refused(maker: str, cell: CellConfig, address: str) -> None:
+    robot = cell.robot.model_copy(update={"listen": address})
+    with pytest.raises(ValueError, match=rf"robot.listen is '{address}', must be this computer's IPv4 address"):
+        dict(filled(maker, cell.model_copy(update={"robot": robot})))
+
+
 def test_its_configuration_has_our_address_and_says_nothing_twice() -> None:
     assert ETHERNET.findtext("CONFIG/IP_NUMBER") == "172.31.2.1"
     assert ETHERNET.findtext("CONFIG/PORT") == "49152"
