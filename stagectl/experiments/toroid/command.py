@@ -77,8 +77,10 @@ def cell(
         refuse_given({**given, "--set": settings, "--live": is_live or None})
         _go_on(CommandLine("the toroid", was_live(resume), resume, png, json, clock), resume, is_sure, accept or ())
         return
-    if setup is None or out is None:
-        raise ValueError("--setup and --out are missing: the setup, and the folder of its run")
+    if setup is None:
+        raise ValueError(f"--setup is missing: one of {', '.join(SETUPS)}, or {ALL}")
+    if out is None:
+        raise ValueError("--out is missing: the folder of the run")
     refuse_needless_yes(is_sure, is_live)
     if is_live and is_paced:
         raise ValueError("--paced and --live are given, must be one of them: live, the robot is the clock")
