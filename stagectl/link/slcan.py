@@ -20,10 +20,10 @@ _BITS = {_STANDARD: 11, _EXTENDED: 29}
 class SlcanBus(slcanBus):
     """`can.Bus(interface="slcan")` that keeps up with a thousand CAN FD frames a second each way.
 
-    python-can's own reads a byte a system call, which fell behind at 900 frames/s of 64 bytes where this was measured
-    (docs/stage-link.md); it never recovers from a byte that is not ASCII, and waits for ever for an adapter that has
-    stopped to read, and for an hour where the system's clock is set back by one.  Constructor and methods are the
-    same.  Lines that are no frame are counted in `garbled`; answers of the adapter are read over.
+    python-can's own reads a byte a system call: of 1000 frames/s of 64 bytes it kept up with some 900
+    (docs/validation/real-time.md).  It never recovers from a byte that is not ASCII, and waits for ever for an adapter
+    that has stopped to read, and for an hour where the system's clock is set back by one.  Constructor and methods are
+    the same.  Lines that are no frame are counted in `garbled`; answers of the adapter are read over.
 
     Parameters
     ----------
