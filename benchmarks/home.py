@@ -90,9 +90,9 @@ FIGURES = (
 _HEAD = """\
 # Home: the simulators' own figures
 
-Figures of this project's own simulators with default settings.  They do not validate the programs for other plants
-([populations](populations.md) do), but detect regressions: `python -m benchmarks.home` computes them
-again and fails where one is worse by more than 5 %; `make bench` stores the new ones.
+The table has figures of this project's own simulators with default settings. They do not validate the programs for
+other plants, as the [populations](populations.md) do. They detect regressions: `python -m benchmarks.home` computes
+them again and fails where one is worse by more than 5 %. `make bench` stores the new ones.
 """
 
 

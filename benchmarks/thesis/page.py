@@ -11,17 +11,18 @@ from benchmarks.thesis.rows import VERDICTS, Chapter, Row
 HEAD = """\
 # The thesis, figure by figure
 
-Every figure and table of chapters 2 to 8 of O. Sörnmo's thesis (Lund 2015): what is printed, what this program
-gives, the command, and why they differ. The thesis' figures are of real machines unless they say "simulation";
-ours are of the simulated ones, seed 1 and default settings where nothing else is said, so that a better value of
-ours says little: another plant, another noise, and a simulator of our own
-([what the simulators give](home.md), [what drawn machines give](populations.md)). A worse one is to be explained.
-"Alike" is within 2 %. A dash: there is none of ours, and the reason is beside it.
+This page lists every figure and table of chapters 2 to 8 of O. Sörnmo's thesis (Lund 2015): the printed value, the
+value of this program, the commands, and why they differ.
 
-`make thesis` makes this page again, in {minutes:.0f} minutes of processor time, and goes on where it was stopped;
-`python -m benchmarks.thesis --only 5.7` makes one figure's rows. Each group of commands, named in the column "by",
-runs in a folder of
-its own, `runs/thesis/GROUP`; they are at the end of the page.
+- **The thesis' figures** are of real machines unless marked "simulation".
+- **Ours** are of the simulated machines, seed 1 and default settings unless stated otherwise. So a better value of ours
+  says little: it is another plant, with other noise, in a simulator of our own ([figures of the simulators](home.md),
+  [of drawn machines](populations.md)). A worse value needs an explanation, which is in the last column.
+- **"Alike"** is within 2 %. A dash means that there is no value of ours; the reason is in the last column.
+
+`make thesis` computes this page again, in {minutes:.0f} minutes of processor time, and continues after a stop.
+`python -m benchmarks.thesis --only 5.7` computes the rows of one figure. The column "by" names the group of commands,
+which runs in a folder of its own, `runs/thesis/GROUP`. The groups are listed [at the end](#the-commands).
 """
 COLUMNS = ("figure", "what", "thesis", "ours", "", "by", "why they differ")
 WORSE = "## Where ours is worse\n"
@@ -55,8 +56,8 @@ def counts(chapters: Sequence[Chapter], values: Mapping[str, Any]) -> str:
     found = [row.verdict(values[row.key]) for row in made]
     better, worse, alike, neither = (found.count(verdict) for verdict in VERDICTS)
     return (
-        f"{len(rows)} rows: ours is better in {better}, alike in {alike}, worse in {worse}; of {neither} neither can "
-        f"be said, most of them without a printed number; {len(rows) - len(made)} have none of ours.\n"
+        f"Of {len(rows)} rows ours is better in {better}, alike in {alike} and worse in {worse}.\n"
+        f"In {neither} no verdict is possible, mostly because no number is printed; {len(rows) - len(made)} have no value of ours.\n"
     )
 
 
