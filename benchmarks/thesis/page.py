@@ -57,8 +57,8 @@ def counts(chapters: Sequence[Chapter], values: Mapping[str, Any]) -> str:
     better, worse, alike, neither = (found.count(verdict) for verdict in VERDICTS)
     return (
         f"Of {len(rows)} rows ours is better in {better}, alike in {alike} and worse in {worse}.\n"
-        f"In {neither} no verdict is possible, mostly because no number is printed; {len(rows) - len(made)} have no value "
-        "of ours.\n"
+        f"In {neither} no verdict is possible, mostly because no number is printed; {len(rows) - len(made)} have no "
+        "value of ours.\n"
     )
 
 
