@@ -91,8 +91,8 @@ _HEAD = """\
 # Home: the simulators' own figures
 
 The table has figures of this project's own simulators with default settings. They do not validate the programs for
-other plants, as the [populations](populations.md) do. They detect regressions: `python -m benchmarks.home` computes
-them again and fails where one is worse by more than 5 %. `make bench` stores the new ones.
+other plants; the [populations](populations.md) do. They detect regressions: `python -m benchmarks.home` computes them
+again and fails where one is worse by more than 5 %. `make bench` stores the new ones.
 """
 
 
