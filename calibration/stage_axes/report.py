@@ -149,14 +149,14 @@ def _fits(found: AxisCalibration) -> tuple[Section, ...]:
     return (
         Section(
             "Order",
-            "The order is where the singular values fall most, of those whose free run on a chirp that was left "
-            "out is within the dashed margin of the best.",
+            "The order is at the largest gap in the singular values, of the orders whose free run on the validation "
+            "chirp is within the dashed margin of the best.",
             (Plot(order_figure(found), "Above: singular values, in the model and left out. Below: fits."),),
             (Table(MODEL_HEAD, tuple(model_rows(found))),),
         ),
         Section(
             "Frequency response",
-            "Welch's estimate is from the fresh chirp, the model has not seen it.",
+            "Welch's estimate is from the validation chirp, to which the model was not fitted.",
             (Plot(response_figure(found), "Left: with open inner loop; right: with closed."),),
         ),
         Section(
