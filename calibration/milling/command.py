@@ -66,7 +66,7 @@ def milling_command(
     `calibrate milling --config cell.toml --live --out milling.h5`
     """
     refuse_needless_yes(is_sure, is_live)
-    cell = cell_for_task(rig_file.load(config, CellConfig, settings or []), task)
+    cell = cell_for_task(rig_file.load(config, CellConfig, settings or []), task, is_live)
     moves = [*(step.words for step in sweep_steps(cell)), *dry_run(cell, task), *(live_steps(cell) if is_live else ())]
     if dry:
         typer.echo("\n".join(f"{number:3d}  {each}" for number, each in enumerate(moves, start=1)))

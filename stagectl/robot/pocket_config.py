@@ -14,7 +14,9 @@ Six = tuple[float, float, float, float, float, float]
 class Pocket(Section):
     """A pocket milled in rounds from the middle outwards; the robot holds the spindle, its tool's axis is z."""
 
-    arm: str = setting("irb140", "", "the arm that holds the spindle, as robot.arm", min_length=1, files=(".toml",))
+    arm: str = setting(
+        "", "", "simulate another arm than robot.arm holding the spindle; empty: robot.arm", files=(".toml",)
+    )
     home: Six = setting(
         (0.0, 0.349066, 0.174533, 0.0, 1.047198, 0.0), "rad", "its joints, the tool over the middle on the surface"
     )

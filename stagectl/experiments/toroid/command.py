@@ -20,7 +20,7 @@ from stagectl.experiments.toroid.plan import ALL, SETUPS, stage_of
 from stagectl.experiments.toroid.read_back import TOROID, Files, left_of, plans_of, setup_of_track, was_live
 from stagectl.experiments.toroid.report import HEAD, table_rows
 from stagectl.robot.config import CellConfig
-from stagectl.robot.live.guide import refuse_needless_yes, refuse_unattended
+from stagectl.robot.live.guide import refuse_another_arm, refuse_needless_yes, refuse_unattended
 from stagectl.robot.live.person import Person
 
 ResumeOption = Annotated[
@@ -88,6 +88,7 @@ def cell(
     for note in files.refuse_foreign(accept or ()):
         sys.stderr.write(f"{note}\n")
     if is_live:
+        refuse_another_arm(made, "toroid.arm", made.toroid.arm)
         refuse_unattended(made, is_sure)
     experiment = Toroid(plans_of(setup, made, files, is_live), confirm=_confirming(is_sure))
     line = CommandLine("the toroid", is_live, out, png, json, clock)

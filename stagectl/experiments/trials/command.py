@@ -102,7 +102,7 @@ def ilc(
         _refuse_with_logs({"--live": is_live, "--dry-run": dry, "--out": out is not None, "--png": png is not None})
     methods, some = wanted_methods(method or METHOD), iterations or ITERATIONS
     refuse_needless_yes(is_sure, is_live)
-    cell = cell_for_task(rig_file.load(config, CellConfig, settings or []), task or TASK)
+    cell = cell_for_task(rig_file.load(config, CellConfig, settings or []), task or TASK, is_live)
     files = Files(task or TASK, model or Path(cell.learning.model), joints)
     if play is not None:
         _say_path(play, cell, files, accept or [], json)

@@ -10,6 +10,7 @@ from stagectl.experiments.trials.pocket_path import pocket_path
 from stagectl.experiments.trials.tool_path import ToolPath
 from stagectl.robot.arm import Arm
 from stagectl.robot.config import CellConfig
+from stagectl.robot.live.guide import refuse_another_arm
 from stagectl.robot.pocket_config import Pocket
 from stagectl.robot.port import arm_of
 
@@ -135,12 +136,20 @@ def in_the_air(cell: CellConfig, path: ToolPath) -> Trial:
     return Trial(made, path, 0, path.wanted, False)
 
 
-def cell_for_task(cell: CellConfig, task: str) -> CellConfig:
-    """Return the cell with the pocket of a task, of `TASKS`, and the arm that mills it; ValueError for another."""
+def cell_for_task(cell: CellConfig, task: str, is_live: bool = False) -> CellConfig:
+    """Return the cell with the pocket of a task, of `TASKS`, and the arm that mills it.
+
+    Raises
+    ------
+    ValueError : another task; a live robot that is another arm.
+    """
+    if is_live:
+        refuse_another_arm(cell, "pocket.arm", cell.pocket.arm)
     if task not in TASKS:
         raise ValueError(f"task is {task!r}, must be one of {', '.join(TASKS)}")
-    pocket = Pocket(**{**cell.pocket.model_dump(), **TASKS[task]})
-    robot = cell.robot.model_copy(update={"arm": pocket.arm})
+    arm = cell.pocket.arm or cell.robot.arm
+    pocket = Pocket(**{**cell.pocket.model_dump(), **TASKS[task], "arm": arm})
+    robot = cell.robot.model_copy(update={"arm": arm})
     return cell.model_copy(update={"robot": robot, "pocket": pocket})
 
 

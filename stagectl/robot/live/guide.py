@@ -85,6 +85,15 @@ def refuse_unattended(cell: CellConfig, is_sure: bool) -> None:
         refuse_without_terminal()
 
 
+def refuse_another_arm(cell: CellConfig, key: str, arm: str) -> None:
+    """Refuse, by ValueError, a task whose arm, that of `key` in the cell's file, is not the live robot's."""
+    if arm not in ("", cell.robot.arm):
+        raise ValueError(
+            f"{key} is {arm!r} and robot.arm {cell.robot.arm!r}, must be the same in a live run: the robot moves by "
+            "the geometry and limits of its arm"
+        )
+
+
 def refuse_unguided(cell: CellConfig) -> None:
     """Refuse a cell whose robot nobody can begin to guide, by ValueError."""
     if not cell.robot.has_program:

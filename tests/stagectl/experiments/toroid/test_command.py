@@ -86,7 +86,11 @@ def test_the_room_that_is_asked_for_is_enough(monkeypatch: pytest.MonkeyPatch, t
         (["--resume", "run"], "run/ is not the folder of a run: it has no config.toml"),
         (["--setup", "A", "--out", "run", "--yes"], "--yes goes with --live, which is not given"),
         (["--setup", "A", "--out", "run", "--live", "--paced"], "--paced and --live are given, must be one of them"),
-        (["--setup", "A", "--out", "run", "--live"], "the standard input is no terminal: nobody can confirm"),
+        (["--setup", "A", "--out", "run", "--live"], "toroid.arm is 'kuka' and robot.arm 'irb140', must be the same"),
+        (
+            ["--setup", "A", "--out", "run", "--live", "--set", "robot.arm=kuka"],
+            "the standard input is no terminal: nobody can confirm",
+        ),
     ],
 )
 def test_what_does_not_go_together_is_refused(
