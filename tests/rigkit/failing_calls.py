@@ -24,13 +24,14 @@ class Failing:
     """
 
     def __init__(self, step: int, number: int) -> None:
-        self.happened = False
+        self.happened = self.is_over = False
+        """Whether it has failed; whether none fails any more: a finalizer may hold on to a call beyond the patch."""
         self._left, self._number = step, number
 
     def counted(self, name: str, call: Callable[..., Any]) -> Callable[..., Any]:
         def replacement(*arguments: Any, **options: Any) -> Any:
-            self._left -= 1
-            if self._left:
+            self._left -= not self.is_over
+            if self._left or self.is_over:
                 return call(*arguments, **options)
             self.happened = True
             if name in ("write", "pwrite"):
@@ -72,6 +73,7 @@ def every_fault(
                     work(place)
                 except (OSError, ValueError) as fault:
                     raised = fault
+            failing.is_over = True
             assert failing.happened or raised is None
             yield place, raised
             if not failing.happened:

@@ -52,6 +52,7 @@ def labs(folder: Path, patch: pytest.MonkeyPatch, procedure: str, stride: int) -
                 patched.setattr(io, "open", failing.counted("open", opened))
                 lab.begin(procedure, **OPTIONS[procedure])
                 lab.ended()
+            failing.is_over = True
             yield lab, failing.happened
             lab.control.close(60)
             lab.control.journal.close()
