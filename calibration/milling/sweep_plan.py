@@ -119,8 +119,9 @@ def _poses(friction: Friction, arm: Arm, box: SweepBox, start: np.ndarray) -> It
         if left == 0:
             return
     raise ValueError(
-        f"of {MOST_TRIES} poses between friction.lowest and friction.highest too few have the tool between "
-        f"{box.lowest} and {box.highest} m on the way, {friction.poses - left} of {friction.poses} were found"
+        f"of {MOST_TRIES} poses between friction.lowest and friction.highest {friction.poses - left} of "
+        f"{friction.poses} keep the tool within the box limits.lowest {list(box.lowest)} to limits.highest "
+        f"{list(box.highest)} m on the way: does the box fit the arm?"
     )
 
 

@@ -123,7 +123,7 @@ def test_motions_are_within_limits_and_said_before_any_is_made() -> None:
     assert all(step.words.startswith(("move to (", "to and fro by ")) for step in steps)
     with pytest.raises(ValueError, match=r"joint 2 is at 130 deg, must be -90 to 110"):
         sweep_steps(load(None, CellConfig, ["friction.highest=[40,130,10,80,80,80]"]))
-    with pytest.raises(ValueError, match="too few have the tool between"):
+    with pytest.raises(ValueError, match="keep the tool within the box limits.lowest"):
         sweep_steps(load(None, CellConfig, ["limits.lowest=[0.6,-0.01,0.6]", "limits.highest=[0.7,0.01,0.8]"]))
 
 
