@@ -23,6 +23,7 @@ from stagectl.robot.config import CellConfig
 from stagectl.robot.live.guide import refuse_another_arm, refuse_needless_yes, refuse_unattended
 from stagectl.robot.live.person import Person
 
+SETUP_HELP = f"{', '.join(SETUPS)}; {ALL} for one after the other"
 ResumeOption = Annotated[
     Path | None,
     typer.Option(metavar="RUN/", help="Continue that run with its settings: the remaining setups."),
@@ -38,7 +39,7 @@ SetupOption = Annotated[
     str | None,
     typer.Option(
         metavar="SETUP",
-        help=f"{', '.join(SETUPS)}; {ALL} for one after the other.",
+        help=f"{SETUP_HELP}.",
         autocompletion=one_of([*SETUPS, ALL]),
     ),
 ]
@@ -77,10 +78,8 @@ def cell(
         refuse_given({**given, "--set": settings, "--live": is_live or None})
         _go_on(CommandLine("the toroid", was_live(resume), resume, png, json, clock), resume, is_sure, accept or ())
         return
-    if setup is None:
-        raise ValueError(f"--setup is missing: one of {', '.join(SETUPS)}, or {ALL}")
-    if out is None:
-        raise ValueError("--out is missing: the folder of the run")
+    if setup is None or out is None:
+        raise ValueError(f"--setup is missing: {SETUP_HELP}" if setup is None else "--out is missing: the run's folder")
     refuse_needless_yes(is_sure, is_live)
     if is_live and is_paced:
         raise ValueError("--paced and --live are given, must be one of them: live, the robot is the clock")
@@ -88,13 +87,17 @@ def cell(
     for note in files.refuse_foreign(accept or ()):
         sys.stderr.write(f"{note}\n")
     if is_live:
-        refuse_another_arm(made, "toroid.arm", made.toroid.arm)
-        refuse_unattended(made, is_sure)
+        _refuse_unfit(made, is_sure)
     experiment = Toroid(plans_of(setup, made, files, is_live), confirm=_confirming(is_sure))
     line = CommandLine("the toroid", is_live, out, png, json, clock)
     reasons, found = line.carry_out(TOROID, made, experiment, take_more=files.take_into, accept=sorted(accept or ()))
     _tell(found["setups"], out, setup == ALL, json)
     line.end(reasons)
+
+
+def _refuse_unfit(cell: CellConfig, is_sure: bool) -> None:
+    refuse_another_arm(cell, "toroid.arm", cell.toroid.arm)
+    refuse_unattended(cell, is_sure)
 
 
 def _confirming(is_sure: bool) -> Confirm:

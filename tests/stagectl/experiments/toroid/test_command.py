@@ -79,8 +79,8 @@ def test_the_room_that_is_asked_for_is_enough(monkeypatch: pytest.MonkeyPatch, t
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["--setup", "A"], "--out is missing: the folder of the run"),
-        (["--out", "run"], "--setup is missing: one of A, "),
+        (["--setup", "A"], "--out is missing: the run's folder"),
+        (["--out", "run"], "--setup is missing: A, "),
         (["--resume", "run", "--setup", "A"], "--setup and --resume are given, must be one of them"),
         (["--resume", "run", "--set", "toroid.feed=0.01"], "--set and --resume are given, must be one of them"),
         (["--resume", "run"], "run/ is not the folder of a run: it has no config.toml"),
