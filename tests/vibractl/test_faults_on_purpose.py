@@ -19,7 +19,9 @@ FAULTS = KINDS[1:]
 SAID = {"nan": "not finite", "inf": "not finite", "full-scale": "clipped"}
 """Of an accelerometer."""
 SAID |= {"stuck": "does not move", "zero": "does not move"}
-SAID |= {"x10": "response 1 is 11 times as large", "sign-flip": "response 1 is turned round", "delay": "10.1 ms late"}
+SAID |= {"x10": "response 1 is 10 times as large", "sign-flip": "response 1 is turned round", "delay": "10.0 ms late"}
+FOUND_LATER = {"clock": ("this is not the rig that was calibrated", 4)}
+"""What is said of it, and after how many shots: its channels drift apart, and by then seem to be exchanged."""
 HARMLESS_ON_THE_CABLE = ("drop", "hum")
 """A chirp's place is found in spite of them."""
 
@@ -49,13 +51,13 @@ def loudest(path: Path) -> float:
     return max(float(np.abs(recording.read(file).select(["drive_1", "drive_2"]).data).max()) for file in files)
 
 
-def check(path: Path, reason: str, said: str) -> None:
+def check(path: Path, reason: str, said: str, shots: int = 2) -> None:
     """Look at what became of a run."""
     assert loudest(path) < 2.0  # without a fault it is 1.4, and the limit is 9
     worst = [max(float(row[f"worst_line_db_{side}"]) for side in (1, 2)) for row in read_quality(path)]
     if said:
         assert said in reason
-        assert len(worst) == 2
+        assert len(worst) == shots
         times = 1 if "not the rig that was calibrated" in reason else 2
         assert [event["event"] for event in read_events(path)].count("discarded") == times
     else:
@@ -66,7 +68,7 @@ def check(path: Path, reason: str, said: str) -> None:
 @pytest.mark.sample(2)
 @pytest.mark.parametrize("kind", FAULTS)
 def test_an_accelerometer_that_fails_is_named_or_makes_no_drive_louder(tmp_path: Path, kind: str) -> None:
-    check(*learned(tmp_path, "response_1", kind), SAID.get(kind, ""))
+    check(*learned(tmp_path, "response_1", kind), *FOUND_LATER.get(kind, (SAID.get(kind, ""), 2)))
 
 
 @pytest.mark.slow
