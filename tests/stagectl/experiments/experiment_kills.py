@@ -81,7 +81,8 @@ def kills(kind: str, place: Path, times: int, seed: int) -> Iterator[Killed]:
         program, begun = _begun(kind, place, place / name)
         assert program.wait() == 0, f"{kind}: the run itself ends with {program.returncode}"
     now = time.time() - time.monotonic()
-    length = max(file.stat().st_mtime for file in (place / "whole").glob("*.wav")) - (begun + now)
+    recorded = [*(place / "whole").glob("*.wav"), *(place / "whole").glob("recording.csv")]
+    length = max(file.stat().st_mtime for file in recorded) - (begun + now)
     drawn = np.random.default_rng([seed, len(kind)]).uniform(0.0, 1.05 * length, times)
     for number, after in enumerate(drawn.tolist()):
         path = place / f"run-{number}"
