@@ -185,13 +185,13 @@ class Midranging:
                 make = pairs.wired(pair, self.config.session.smoothing)
                 clock, begin = Linked(pair.robot), partial(wired.start, pair)
                 controls, wanted = self.controller(len(axes)), self._wanted(axes)
-                heard = lambda event, fields: events.append((event, fields))  # noqa: E731
-                made = part(self.config, controls, wanted, make, "", self._channels(axes), heard)
+                channels = self._channels(axes)
+                made = part(self.config, controls, wanted, make, "", channels, lambda *event: events.append(event))
                 yield led(made, clock, begin, pair.rest)
         finally:
             self.pair = None
-            for event, fields in events:
-                tell(event, fields)
+            for event in events:
+                tell(*event)
 
 
 def _part_of(track: str) -> str:
