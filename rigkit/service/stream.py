@@ -5,8 +5,8 @@ import time
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any
 
+from starlette.types import Message
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from rigkit.service.gate import STREAM
@@ -93,6 +93,8 @@ class Audience:
             reader = asyncio.create_task(self._read(socket, client))
             try:
                 await self._write(socket, client)
+            except (RuntimeError, WebSocketDisconnect):  # gone between two snapshots: the reader is told why
+                await reader
             finally:
                 reader.cancel()
                 with suppress(asyncio.CancelledError):
@@ -117,21 +119,27 @@ class Audience:
                 await client.moved.wait()
 
     async def _read(self, socket: WebSocket, client: _Client) -> None:
-        try:
-            while True:
-                text: Any = (await socket.receive_text())[:20]
-                if not (text.isascii() and text.isdigit() and client.read(int(text))):
-                    self._dropped(_place(socket), f"it says {text!r}, which is not the tick of a snapshot sent to it")
-                    break
-        except KeyError:
-            self._dropped(_place(socket), "it sends bytes, must be text")
-        except WebSocketDisconnect as end:
-            if end.code in _NOT_AS_IT_MUST_BE:
-                self._dropped(_place(socket), end.reason or f"it breaks the protocol, {end.code}")
-        except RuntimeError:  # gone
-            pass
+        with suppress(RuntimeError):  # gone
+            while not client.is_over:
+                message = await socket.receive()
+                client.is_over, why = _judged(message, client)
+                if why:
+                    self._dropped(_place(socket), why)
         client.is_over = True
         client.moved.set()
+
+
+def _judged(message: Message, client: _Client) -> tuple[bool, str]:
+    """Say whether a message ends a line, and why where that is to be told."""
+    if message["type"] == "websocket.disconnect":
+        why = message.get("reason") or f"it breaks the protocol, {message['code']}"
+        return True, why if message["code"] in _NOT_AS_IT_MUST_BE else ""
+    if message.get("text") is None:
+        return True, "it sends bytes, must be text"
+    text = message["text"][:20]
+    if text.isascii() and text.isdigit() and client.read(int(text)):
+        return False, ""
+    return True, f"it says {text!r}, which is not the tick of a snapshot sent to it"
 
 
 def _tick(text: str) -> int:
