@@ -7,7 +7,7 @@ import numpy as np
 from rigkit.agreement import CHANNELS, DisagreementError
 from vibractl.decibels import rms
 from vibractl.learning.algorithm import Algorithm
-from vibractl.learning.changed_rig import Change, change_of, mismatch, unexplained
+from vibractl.learning.changed_rig import OFF, Change, change_of, difference, mismatch, unexplained
 from vibractl.learning.laws import strong_lines
 from vibractl.learning.shot import Shot
 from vibractl.setup import Setup
@@ -108,7 +108,8 @@ def changed_channels(
     """Return what has changed about the rig since the shot before, as strong lines show it to what is believed of G.
 
     And what the next shot is to be held against: a channel that changes within a shot spoils that one in a way that
-    nothing explains, and the next one is no further off than that.
+    nothing explains, and the next one is no further off than that.  Where the response is that of the shot before, no
+    channel has changed, whatever is believed of G: an accelerometer whose clock runs slow makes that belief poor.
 
     Parameters
     ----------
@@ -120,13 +121,14 @@ def changed_channels(
     law, before = algorithm.law, algorithm.belief.before
     strong = strong_lines(law.reference) & (law.active > 0)
     response, drive, heard = algorithm.belief.response[strong], shot.drive[strong], shot.response[strong]
-    off, known = mismatch(response, drive, heard), usual
+    off, known, has_moved = mismatch(response, drive, heard), usual, True
     if before is not None:
         last = mismatch(response, before.drive[strong], before.response[strong])
         known = last if usual is None else min(last, usual)
         if off < SUDDEN * known:
             return None, None
-    change = change_of(response, drive, heard, law.matrix.frequency[strong])
+        has_moved = difference(before.response[strong], heard) > OFF
+    change = change_of(response, drive, heard, law.matrix.frequency[strong]) if has_moved else None
     is_sudden = known is not None and off >= SUDDEN * known
     return known if is_sudden and change is None else None, change
 

@@ -160,3 +160,15 @@ def test_what_comes_by_and_by_is_no_change_of_the_channels(earlier: float, said:
     algorithm: Any = SimpleNamespace(law=LAW, belief=SimpleNamespace(response=BELIEVED, before=before))
     _, found = changed_channels(algorithm, now)
     assert (found and found.text.split(", or: ")[0]) == said
+
+
+@pytest.mark.parametrize(("earlier", "is_changed"), [(1.0, False), (1.3, False), (-1.0, True)])
+def test_a_response_like_the_one_before_is_of_the_same_channels_whatever_is_believed(
+    earlier: float, is_changed: bool
+) -> None:
+    """An accelerometer with a clock of its own makes a poor G, by which the channels would seem to be exchanged."""
+    belief = SimpleNamespace(response=BELIEVED[:, ::-1], before=heard_as(earlier))
+    algorithm: Any = SimpleNamespace(law=LAW, belief=belief)
+    usual, change = changed_channels(algorithm, heard_as(1.0), 0.1)
+    assert (change is not None) == is_changed
+    assert usual == (None if is_changed else 0.1)

@@ -108,7 +108,17 @@ def mismatch(response: np.ndarray, drive: np.ndarray, heard: np.ndarray) -> floa
     heard : complex array, shape (lines, outputs), m/s^2 s
     """
     _, heard, predicted = _weighted(response, drive, heard)
-    error, smaller = _mismatch(heard, predicted)
+    return difference(predicted, heard)
+
+
+def difference(before: np.ndarray, heard: np.ndarray) -> float:
+    """Return by how much a response is not another, 1: of the worst output, re the smaller of both.
+
+    Parameters
+    ----------
+    before, heard : complex arrays, shape (lines, outputs), m/s^2 s
+    """
+    error, smaller = _mismatch(heard, before)
     return float(np.sqrt((error / np.maximum(smaller, _TINY)).max()))
 
 
