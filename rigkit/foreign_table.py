@@ -1,5 +1,6 @@
 """Tables of anybody's as signals: CSV, TSV, text and LabVIEW's; the rate from their head or a column of time."""
 
+from codecs import BOM_UTF8
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +12,7 @@ from rigkit.even_time import STEADY, EvenTime, seconds_of
 from rigkit.foreign_stream import Signals
 from rigkit.table_head import Head, own_head, plain_head
 from rigkit.table_labview import START, labview_head
-from rigkit.table_rows import MARK, parsed, text_blocks
+from rigkit.table_rows import parsed, text_blocks
 
 SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".lvm")
 
@@ -32,7 +33,7 @@ def table_signals(path: Path, rate: float | None, may_miss: bool = False) -> Sig
     RecordingError : no table, no rate or two, or a column of time that does not rise evenly.
     """
     with path.open("rb") as file:
-        start = file.read(40).removeprefix(MARK)
+        start = file.read(40).removeprefix(BOM_UTF8)
     if start.startswith((b"# {", b"#{")):
         head = own_head(path)
     elif start.startswith(START):

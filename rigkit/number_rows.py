@@ -1,6 +1,7 @@
 """Blocks of text that hold nothing but full rows of finite numbers, read at once."""
 
 import warnings
+from codecs import BOM_UTF8
 from functools import cache
 from importlib.util import find_spec
 
@@ -28,10 +29,10 @@ def number_rows(block: bytes, between: str | None, width: int, decimal: str, col
     Notes
     -----
     Arrow's parser, where pyarrow is installed, takes a third of the time of numpy's, and does not take all that is a
-    number: "+1".
+    number: "+1".  And it would skip a byte-order mark, which in the middle of a file is no part of a number.
     """
     data = None
-    if between is not None and _has_arrow():
+    if between is not None and not block.startswith(BOM_UTF8) and _has_arrow():
         data = _by_arrow(block, between, width, decimal, columns)
     if data is None:
         data = _by_numpy(block, between, width, decimal, columns)
@@ -64,32 +65,16 @@ def _by_arrow(block: bytes, between: str, width: int, decimal: str, columns: ran
 
 
 def _by_numpy(block: bytes, between: str | None, width: int, decimal: str, columns: range) -> np.ndarray | None:
-    mark = (between or " ").encode()
     if decimal == ",":
         if b"." in block:
             return None
         block = block.replace(b",", b".")
-    if block.translate(None, _PLAIN + mark):
+    if block.translate(None, _PLAIN + (between or " ").encode()):
         return None
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("error")  # so numpy < 2.3 says that it stopped
-            data = _between_spaces(block, width) if between is None else _between_marks(block, mark, width)
+            warnings.simplefilter("error")
+            data = np.loadtxt(block.decode().split("\n"), delimiter=between, comments=None, ndmin=2)
     except (ValueError, Warning):
         return None
-    return None if data is None else data[:, columns]
-
-
-def _between_spaces(block: bytes, width: int) -> np.ndarray | None:
-    data = np.loadtxt(block.decode().split("\n"), comments=None, ndmin=2)
-    return data if data.shape[1] == width else None
-
-
-def _between_marks(block: bytes, between: bytes, width: int) -> np.ndarray | None:
-    codes = np.frombuffer(block, np.uint8)
-    ends = codes[(codes == between[0]) | (codes == ord("\n"))]
-    row = np.frombuffer(between * (width - 1) + b"\n", np.uint8)
-    if len(ends) % width or not (ends.reshape(-1, width) == row).all():
-        return None
-    data: np.ndarray = np.fromstring(block[:-1].replace(between, b",").replace(b"\n", b",").decode(), sep=",")
-    return data.reshape(-1, width) if len(data) == len(ends) else None
+    return data[:, columns] if data.shape[1] == width else None

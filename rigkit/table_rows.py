@@ -2,6 +2,7 @@
 
 import csv
 import re
+from codecs import BOM_UTF8
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,8 +17,6 @@ BLOCK = 2**21
 """Bytes that are read at once."""
 LONGEST_LINE = 2**20
 """Bytes of a line: of 40,000 columns."""
-MARK = "\ufeff".encode()
-"""What some programs begin a file with that is UTF-8."""
 COMMENT = ("#", "%")
 """What a line begins with that is none."""
 
@@ -88,7 +87,7 @@ def text_blocks(path: Path) -> Iterator[tuple[int, bytes]]:
     """
     number, rest = 1, b""
     with path.open("rb") as file:
-        file.seek(len(MARK) if file.read(len(MARK)) == MARK else 0)
+        file.seek(len(BOM_UTF8) if file.read(len(BOM_UTF8)) == BOM_UTF8 else 0)
         while fresh := file.read(BLOCK):
             if fresh.endswith(b"\r"):
                 fresh += file.read(1)

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from ctlblocks.recording import RecordingError
@@ -17,7 +17,7 @@ KINDS = {
     "tabs": Cells("\t", 3),
     "spaces": Cells(None, 3),
 }
-LETTERS = st.sampled_from('0123456789+-.eE,; \n\tnaifxNA"_#%')
+LETTERS = st.sampled_from('0123456789+-.eE,; \n\tnaifxNA"_#%\ufeff')
 
 
 def clean(cells: Cells) -> str:
@@ -45,6 +45,8 @@ def parser(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> N
 @pytest.mark.usefixtures("parser")
 @pytest.mark.parametrize("kind", KINDS)
 @given(edits=st.lists(st.tuples(st.integers(0, 80), LETTERS), max_size=4))
+@example(edits=[(0, "\ufeff")])
+@example(edits=[(0, " ")])
 @settings(max_examples=100, suppress_health_check=[HealthCheck.function_scoped_fixture])  # the same for all
 def test_reading_at_once_changes_nothing(kind: str, edits: list[tuple[int, str]]) -> None:
     cells = KINDS[kind]
