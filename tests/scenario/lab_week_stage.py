@@ -53,7 +53,7 @@ def add_runs(lab: Lab) -> None:
     """Make models, those of other machines too, and each run."""
     for name, model, overrides in (
         ("quick.toml", StageConfig, (*QUICK, "session.seconds=0.2", "simulator.options.seed=1")),
-        ("mill.toml", CellConfig, (*TRIALS, *POCKET, *SHORT)),
+        ("mill.toml", CellConfig, (*TRIALS, *POCKET, *SHORT, "segments.travel=0.15")),
         ("slow.toml", CellConfig, (*TRIALS, "pocket.feed=6e-3")),
     ):
         (lab.path / name).write_text(rig_file.dump(rig_file.load(None, model, overrides)))
