@@ -38,7 +38,11 @@ export function drawFrame(pen, width, height, axes, ranges, right = 12) {
   [pen.textAlign, pen.textBaseline] = ["right", "middle"];
   y.ticks.forEach((value, n) => pen.fillText(labels[n], left - 6, up(value)));
   [pen.textAlign, pen.textBaseline] = ["center", "top"];
-  for (const value of x.ticks) pen.fillText(tick(value / units[0].factor), across(value), box.bottom + 6);
+  for (const value of x.ticks) {
+    const label = tick(value / units[0].factor);
+    const last = width - 1 - pen.measureText(label).width / 2; // whole, at the edge of the panel too
+    pen.fillText(label, Math.min(across(value), last), box.bottom + 6);
+  }
   pen.fillStyle = text;
   pen.fillText(titled(axes.x.title, units[0].unit), (left + box.right) / 2, box.bottom + 24);
   sideways(pen, titled(axes.y.title, units[1].unit), 8, (box.top + box.bottom) / 2, box.bottom - box.top + 2 * box.top);

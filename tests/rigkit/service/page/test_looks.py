@@ -233,3 +233,23 @@ def test_quantities_are_written_with_three_digits_and_a_fitting_unit(page: Visit
 def test_axes_have_round_ticks(page: Visit, call: str, ticks: list[float]) -> None:
     script = f"const done = arguments[0]; import('/scale.js').then(({{ scale }}) => done({call}.ticks))"
     assert page.tab.driver.execute_async_script(script) == pytest.approx(ticks)
+
+
+def test_the_last_number_of_an_axis_is_whole(page: Visit) -> None:
+    """Return how far each text along the abscissa reaches, as a pen writes it into a panel 300 pixels wide."""
+    script = """
+    const done = arguments[0];
+    import("/frame.js").then(({ drawFrame }) => {
+      const pen = document.createElement("canvas").getContext("2d");
+      const reach = [];
+      pen.fillText = (text, x) => {
+        if (pen.textAlign === "center") reach.push([text, x + pen.measureText(text).width / 2]);
+      };
+      const axis = (title, unit) => ({ title, unit, scale: "linear" });
+      drawFrame(pen, 300, 200, { x: axis("frequency", "Hz"), y: axis("error", "dB") }, [[0, 2000], [-40, 0]]);
+      done(reach);
+    });
+    """
+    reach = dict(page.tab.driver.execute_async_script(script))
+    assert "2000" in reach
+    assert max(reach.values()) <= 300
