@@ -26,19 +26,20 @@ export function drawFrame(pen, width, height, axes, ranges, right = 12) {
   const left = 26 + Math.max(20, ...labels.map((label) => pen.measureText(label).width));
   const box = { left, top: 8, right: width - right, bottom: height - 42 };
   const x = scale(ranges[0], axes.x.scale === "log", Math.max(2, Math.floor((box.right - left) / 70)));
+  const marks = axes.x.unit === "1" ? x.ticks.filter(Number.isInteger) : x.ticks; // there is no trial 0.5
   const across = (value) => left + x.place(value) * (box.right - left);
   const up = (value) => box.bottom - y.place(value) * (box.bottom - box.top);
   pen.strokeStyle = line;
   pen.lineWidth = 1;
   pen.beginPath();
   for (const value of y.ticks) rule(pen, left, up(value), box.right, up(value));
-  for (const value of x.ticks) rule(pen, across(value), box.top, across(value), box.bottom);
+  for (const value of marks) rule(pen, across(value), box.top, across(value), box.bottom);
   pen.stroke();
   pen.fillStyle = soft;
   [pen.textAlign, pen.textBaseline] = ["right", "middle"];
   y.ticks.forEach((value, n) => pen.fillText(labels[n], left - 6, up(value)));
   [pen.textAlign, pen.textBaseline] = ["center", "top"];
-  for (const value of x.ticks) {
+  for (const value of marks) {
     const label = tick(value / units[0].factor);
     const last = width - 1 - pen.measureText(label).width / 2; // whole, at the edge of the panel too
     pen.fillText(label, Math.min(across(value), last), box.bottom + 6);

@@ -235,21 +235,31 @@ def test_axes_have_round_ticks(page: Visit, call: str, ticks: list[float]) -> No
     assert page.tab.driver.execute_async_script(script) == pytest.approx(ticks)
 
 
-def test_the_last_number_of_an_axis_is_whole(page: Visit) -> None:
-    """Return how far each text along the abscissa reaches, as a pen writes it into a panel 300 pixels wide."""
+def _along(page: Visit, unit: str, last: float) -> dict[str, float]:
+    """Return how far each text along an abscissa reaches, as a pen writes it into a panel 300 pixels wide."""
     script = """
-    const done = arguments[0];
+    const [unit, last, done] = arguments;
     import("/frame.js").then(({ drawFrame }) => {
       const pen = document.createElement("canvas").getContext("2d");
-      const reach = [];
+      const reach = {};
       pen.fillText = (text, x) => {
-        if (pen.textAlign === "center") reach.push([text, x + pen.measureText(text).width / 2]);
+        if (pen.textAlign === "center") reach[text] = x + pen.measureText(text).width / 2;
       };
       const axis = (title, unit) => ({ title, unit, scale: "linear" });
-      drawFrame(pen, 300, 200, { x: axis("frequency", "Hz"), y: axis("error", "dB") }, [[0, 2000], [-40, 0]]);
+      drawFrame(pen, 300, 200, { x: axis("across", unit), y: axis("error", "dB") }, [[0, last], [-40, 0]]);
       done(reach);
     });
     """
-    reach = dict(page.tab.driver.execute_async_script(script))
+    reach: dict[str, float] = page.tab.driver.execute_async_script(script, unit, last)
+    return reach
+
+
+def test_the_last_number_of_an_axis_is_whole(page: Visit) -> None:
+    reach = _along(page, "Hz", 2000)
     assert "2000" in reach
     assert max(reach.values()) <= 300
+
+
+def test_trials_are_counted_by_whole_numbers(page: Visit) -> None:
+    assert [text for text in _along(page, "1", 1) if text[0].isdigit()] == ["0", "1"]
+    assert "0.5" in _along(page, "s", 1)
