@@ -23,7 +23,7 @@ LAST = "r1.wav"
 KEYS = set(
     "shots objective_met_shot worst_line_db iae_ratio first_worst_line_db shots_over_limit full_level_shot "
     "loudest_line_db loudest_band_db shots_proven_over shots_hidden reidentifications "
-    "identification_seconds floor_db floor_hz".split()
+    "identification_seconds floor_db floor_hz floor_explained_db".split()
 )
 
 
