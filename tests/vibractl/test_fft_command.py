@@ -40,8 +40,8 @@ def test_later_runs_go_by_the_plans_that_it_measures(
     assert "measuring FFT plans 100 %" in shown.err
     assert f"2 FFT plans are stored in {user_wisdom()}" in shown.out
     assert json.loads((tmp_path / "out.json").read_text())["plans"] == [
-        {"samples": 2205, "channels": 1},
-        {"samples": 8820, "channels": 1},
+        {"samples": 6615, "channels": 1},
+        {"samples": 26460, "channels": 1},
     ]
     stored = set(user_wisdom().read_bytes().splitlines())
     here = ["--set", "audio.isolated=false", "--model", linear_model(tmp_path), "--out", tmp_path / "run"]
