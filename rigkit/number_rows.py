@@ -73,7 +73,7 @@ def _by_numpy(block: bytes, between: str | None, width: int, decimal: str, colum
         return None
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("error")
+            warnings.simplefilter("error")  # a block without numbers is told by a warning
             data = np.loadtxt(block.decode().split("\n"), delimiter=between, comments=None, ndmin=2)
     except (ValueError, Warning):
         return None
